@@ -1,0 +1,7 @@
+"""Constitutive laws: pure functions of strain increment and accepted state on arrays of points."""
+
+from .base import Material, Update
+from .elastic import LinearElastic
+from .mohr_coulomb import MohrCoulomb
+
+__all__ = ["LinearElastic", "Material", "MohrCoulomb", "Update"]

@@ -1,0 +1,140 @@
+"""What every material offers, and the handling of its parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+Parameter = float | Array
+
+
+class Update(NamedTuple):
+    """Answer of a material to a strain increment.
+
+    Attributes
+    ----------
+    stress : ndarray, shape (ncomp, ...)
+        New stress, tension positive; 4 components (xx, yy, zz, xy) or 6 (xx, yy, zz, xy, yz, zx).
+    internal : ndarray, shape (n_internal, ...)
+        New internal variables.
+    plastic : ndarray of int, shape (n_plastic,)
+        Flat (C-order) indices of the points whose tangent differs from elasticity.
+    tangent : callable
+        ``tangent()`` returns the consistent tangent d stress / d strain (engineering shear strains) at these
+        points, shape (n_plastic, ncomp, ncomp). It is computed only when it is called.
+    """
+
+    stress: Array
+    internal: Array
+    plastic: NDArray[np.intp]
+    tangent: Callable[[], Array]
+
+
+class Material(Protocol):
+    """Constitutive law: a pure function of strain increment and accepted state; it holds parameters only."""
+
+    @property
+    def n_internal(self) -> int:
+        """Number of internal variables a point."""
+
+    def elasticity(self, ncomp: int) -> Array:
+        """Elastic stiffness, (ncomp, ncomp), or (n_elements, ncomp, ncomp) where a parameter is an array."""
+
+    def update(self, strain_increment: Array, stress: Array, internal: Array) -> Update:
+        """Stress and internal variables after ``strain_increment`` from an accepted state."""
+
+
+def as_parameter(name: str, value: ArrayLike) -> Parameter:
+    """A finite float, or a read-only array with one finite value an element.
+
+    Raises
+    ------
+    ValueError
+        If ``value`` is no number or one-dimensional array of numbers, or is not finite.
+
+    Examples
+    --------
+    >>> as_parameter("E", 10)
+    10.0
+    >>> as_parameter("E", [10, 20])
+    array([10., 20.])
+    """
+    try:
+        array = np.array(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} must be a number or one number an element, got {value!r}") from None
+    if array.ndim > 1 or array.size == 0:
+        raise ValueError(f"{name} must be a number or one number an element, got shape {array.shape}")
+    require(name, array, np.isfinite(array), "be finite")
+    if array.ndim == 0:
+        return float(array)
+    array.flags.writeable = False
+    return array
+
+
+def require(name: str, value: Parameter, holds: Any, demand: str) -> None:
+    """Raise a ValueError that names the first element where a demand on a parameter does not hold.
+
+    Examples
+    --------
+    >>> require("E", -1.0, False, "be positive")
+    Traceback (most recent call last):
+    ...
+    ValueError: E must be positive, got -1.0
+    """
+    if np.all(holds):
+        return
+    first = int(np.argmin(np.atleast_1d(holds)))
+    values = np.atleast_1d(value)
+    where = f" in element {first}" if np.size(holds) > 1 else ""
+    raise ValueError(f"{name} must {demand}, got {values[first if values.size > 1 else 0]}{where}")
+
+
+def require_same_length(**parameters: Parameter | None) -> None:
+    """Raise a ValueError if arrays among the parameters do not have one common length.
+
+    Examples
+    --------
+    >>> require_same_length(E=np.ones(2), nu=0.3)
+    """
+    lengths = {name: value.size for name, value in parameters.items() if isinstance(value, np.ndarray)}
+    if len(set(lengths.values())) > 1:
+        listed = ", ".join(f"{name} has {length}" for name, length in lengths.items())
+        raise ValueError(f"parameter arrays must have one value an element: {listed}")
+
+
+def along_elements(value: Parameter, shape: tuple[int, ...]) -> Parameter:
+    """Parameter that broadcasts over the points of a field of the given shape (ncomp, n_elements, ...).
+
+    Raises
+    ------
+    ValueError
+        If an array has not one value an element.
+
+    Examples
+    --------
+    >>> along_elements(np.array([1.0, 2.0]), (4, 2, 9)).shape
+    (2, 1)
+    """
+    if np.ndim(value) == 0:
+        return value
+    if np.size(value) != shape[1]:
+        raise ValueError(f"a parameter array has {np.size(value)} values for {shape[1]} elements")
+    return np.reshape(value, (-1,) + (1,) * (len(shape) - 2))
+
+
+def at_points(value: Parameter, points: NDArray[np.intp], shape: tuple[int, ...]) -> Parameter:
+    """Parameter at the points with these flat indices of a field of the given shape (ncomp, n_elements, ...).
+
+    Examples
+    --------
+    >>> at_points(np.array([1.0, 2.0]), np.array([0, 9, 17]), (4, 2, 9))
+    array([1., 2., 2.])
+    """
+    if isinstance(value, np.ndarray):
+        return value[points // int(np.prod(shape[2:]))]
+    return value
