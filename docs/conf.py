@@ -1,0 +1,79 @@
+"""Sphinx configuration: MyST pages, numpydoc reference, executed gallery."""
+
+import sys
+from pathlib import Path
+
+import pyvista
+
+import skfem_contact
+
+sys.path.insert(0, str(Path(__file__).parent / "_ext"))
+
+project = "skfem_contact"
+author = "skfem_contact developers"
+copyright = author
+release = version = skfem_contact.__version__
+
+extensions = [
+    "myst_parser",
+    "numpydoc",
+    "reference_pages",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.autosummary",
+    "sphinx.ext.viewcode",
+    "sphinx_design",
+    "sphinx_gallery.gen_gallery",
+    "sphinx-mathjax-offline",
+]
+exclude_patterns = ["_build", "gallery/**/*.ipynb", "gallery/**/*.py", "gallery/**/*.zip"]
+templates_path = ["_templates"]
+
+html_theme = "pydata_sphinx_theme"
+html_title = "skfem_contact"
+html_static_path = ["_static"]
+html_css_files = ["custom.css"]
+html_show_sourcelink = False
+html_theme_options = {
+    "navbar_align": "left",
+    "navbar_end": ["theme-switcher"],
+    "show_prev_next": False,
+    "footer_start": ["copyright"],
+    "footer_end": ["sphinx-version"],
+}
+html_sidebars = {"installation": [], "changelog": [], "contributing": []}
+
+myst_enable_extensions = ["amsmath", "colon_fence", "deflist", "dollarmath"]
+myst_heading_anchors = 3
+
+autosummary_generate = True
+autodoc_typehints_format = "short"
+autodoc_member_order = "bysource"
+python_maximum_signature_line_length = 88
+numpydoc_show_class_members = False  # the class template lists them
+
+pyvista.OFF_SCREEN = True
+pyvista.BUILDING_GALLERY = True
+
+sphinx_gallery_conf = {
+    "examples_dirs": "../examples",
+    "gallery_dirs": "gallery",
+    "filename_pattern": r"/plot_",
+    "ignore_pattern": r"/(?!plot_)[^/]*\.py$",
+    "within_subsection_order": "FileNameSortKey",
+    "image_scrapers": ("pyvista", "matplotlib"),
+    "capture_repr": (),
+    "remove_config_comments": True,
+    "show_signature": False,
+    "download_all_examples": False,
+    "plot_gallery": True,
+}
+
+
+def skip_tuple_fields(app, what, name, obj, skip, options):
+    """Leave out the fields of a named tuple: its docstring has told what they are."""
+    return skip or (type(obj).__name__ == "_tuplegetter")
+
+
+def setup(app):
+    """Connect our handlers."""
+    app.connect("autodoc-skip-member", skip_tuple_fields)

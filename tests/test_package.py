@@ -1,0 +1,51 @@
+"""The package as a whole: public names, their documentation, data files, imports."""
+
+from __future__ import annotations
+
+import inspect
+import subprocess
+import sys
+from importlib import resources
+from pathlib import Path
+
+import pytest
+
+import skfem_contact
+
+ROOT = Path(__file__).parents[1]
+NAMES = [name for name in skfem_contact.__all__ if not name.startswith("_")]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_public_name_is_documented(name: str) -> None:
+    """Every public class and function says what it is and shows an example."""
+    thing = getattr(skfem_contact, name)
+    assert inspect.getdoc(thing), f"{name} has no docstring"
+    if inspect.isfunction(thing):
+        assert ">>>" in thing.__doc__, f"{name} has no example"
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_public_function_is_typed(name: str) -> None:
+    """Every argument and every result of a public function carries its type."""
+    thing = getattr(skfem_contact, name)
+    if inspect.isfunction(thing):
+        hints = set(thing.__annotations__)
+        assert hints == set(inspect.signature(thing).parameters) | {"return"}
+
+
+def test_names_are_listed_once() -> None:
+    """The list of public names has no duplicates."""
+    assert len(set(skfem_contact.__all__)) == len(skfem_contact.__all__)
+
+
+def test_data_are_part_of_the_package() -> None:
+    """The demonstration's mesh is found without a path."""
+    assert (resources.files("skfem_contact") / "data" / "culvert.msh").is_file()
+
+
+def test_import_needs_no_graphics() -> None:
+    """Only skfem_contact.plot may import a graphics library: a solver runs on machines without one."""
+    code = "import sys, skfem_contact; print({'pyvista', 'vtk', 'matplotlib.pyplot'} & set(sys.modules))"
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "set()"
