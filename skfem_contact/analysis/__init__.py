@@ -1,0 +1,1 @@
+"""Newton's method, load increments and stages: they know forms by their protocol only."""

@@ -1,0 +1,165 @@
+"""Stages: loads that follow each other, each starting from what the bodies carry."""
+from __future__ import annotations
+
+import logging
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy import ndarray
+from tqdm import tqdm
+
+from ..contact.penalty import choose_penalties
+from .linear import DirectSolver, as_solver
+from .newton import Form, Newton, NotConverged, System
+from .result import Result, StageResult
+from .supports import check_supports
+
+logger = logging.getLogger("skfem_contact")
+
+_SMALLEST = 1.0 / 1024.0  # an increment that fails at this share of the stage has failed for good
+_EASY = 8  # an increment with so few iterations may be followed by a larger one
+
+
+class AnalysisWarning(UserWarning):
+    """A result that was reached but should be looked at."""
+
+
+@dataclass(frozen=True)
+class Stage:
+    """A stage of the analysis.
+
+    Parameters
+    ----------
+    name
+        Its name in the result.
+    load
+        External forces at its end, (N,): the whole load, not the increment.
+    prescribed
+        Displacements at its end, (N,), of which the values at the fixed unknowns count.  By default they
+        stay where they are.
+    increments
+        Number of increments to begin with; they are cut where Newton fails and grow where it is easy.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from skfem_contact import Stage
+    >>> Stage("gravity", np.zeros(8)).increments
+    1
+    """
+
+    name: str
+    load: ndarray
+    prescribed: ndarray | None = None
+    increments: int = 1
+
+
+def run(forms: Mapping[str, Form], stages: Sequence[Stage], fixed: ndarray, start: Result | None = None,
+        newton: Newton | None = None, solver: Any = None, progress: bool | None = None) -> Result:
+    """Run stages one after the other.
+
+    Parameters
+    ----------
+    forms
+        Solids and contact pairs by name.
+    stages
+        Stages in their order.
+    fixed
+        Unknowns that are held (or moved by ``Stage.prescribed``).
+    start
+        Result to go on from; its last stage is where the first stage starts.
+    newton
+        Settings of Newton's method.
+    solver
+        A scikit-fem linear solver ``(A, b) -> x``; by default a direct solver with an ordering of its own.
+    progress
+        Show a progress bar; by default where the output is a terminal.
+
+    Returns
+    -------
+    Result
+        The stages of ``start``, if any, and the new ones.
+
+    Raises
+    ------
+    ValueError
+        Bad input, before anything is computed: sizes, NaN, a body that nothing holds.
+    NotConverged
+        With the partial result, whose last entry is the last increment that was accepted.
+    """
+    fixed = np.unique(np.asarray(fixed))
+    forms = choose_penalties(forms)
+    locations = _check(forms, stages, fixed)
+    free = np.setdiff1d(np.arange(locations.shape[1]), fixed)
+    linear = DirectSolver(locations, free) if solver is None else as_solver(solver, locations, free)
+    system = System(forms, fixed, free, linear)
+    done = list(start) if start else []
+    last = done[-1] if done else StageResult(
+        "start", np.zeros(locations.shape[1]), np.zeros(locations.shape[1]),
+        {name: form.initial_state() for name, form in forms.items()}, (), 0.0)
+    for stage in stages:
+        last = replace(last, name=stage.name, iterations=(), fraction=0.0)
+        try:
+            with tqdm(total=1.0, desc=stage.name, disable=None if progress is None else not progress,
+                      bar_format="{desc:16} {percentage:3.0f}% |{bar}| {postfix}") as bar:
+                for last in _increments(system, stage, last, newton or Newton()):
+                    bar.update(last.fraction - bar.n)
+                    bar.set_postfix_str(f"{len(last.iterations)} increments, {sum(last.iterations)} iterations")
+        except NotConverged as error:
+            error.result = Result((*done, last))
+            raise
+        done.append(last)
+        for name, form in forms.items():
+            for remark in form.remarks(last.states[name]):
+                warnings.warn(f"stage '{stage.name}', {name}: {remark}", AnalysisWarning, stacklevel=2)
+    return Result(tuple(done))
+
+
+def _increments(system: System, stage: Stage, last: StageResult, newton: Newton):  # type: ignore[no-untyped-def]
+    """Accepted increments of a stage, one after the other."""
+    first_load, first = last.load, last.x[system.fixed]
+    target = first if stage.prescribed is None else stage.prescribed[system.fixed]
+    size = 1.0 / stage.increments
+    while last.fraction < 1.0:
+        fraction = min(1.0, last.fraction + size)
+        if 1.0 - fraction < 1e-9:
+            fraction = 1.0
+        load = first_load + fraction * (stage.load - first_load)
+        prescribed = first + fraction * (target - first)
+        try:
+            new = system.equilibrium(last.x, last.states, load, prescribed, newton)
+        except NotConverged as error:
+            size = 0.5 * (fraction - last.fraction)
+            logger.info("stage '%s': increment to %.4f failed, cut to %.4f", stage.name, fraction, size)
+            if size < _SMALLEST:
+                raise NotConverged(f"stage '{stage.name}' stopped at {last.fraction:.2%} of its load: {error}") from error
+            continue
+        logger.info("stage '%s': %.2f%% in %d iterations", stage.name, 100 * fraction, new.iterations)
+        if new.iterations <= _EASY:
+            size = max(size, min(2.0 * size, 1.0 / stage.increments))
+        summary = {name: form.summary(new.states[name]) for name, form in system.forms.items()}
+        last = StageResult(stage.name, new.x, load, new.states, (*last.iterations, new.iterations),
+                           new.residuals[-1], fraction, summary)
+        yield last
+
+
+def _check(forms: Mapping[str, Form], stages: Sequence[Stage], fixed: ndarray) -> ndarray:
+    """One clear error before the analysis starts; the places of the unknowns."""
+    if not stages:
+        raise ValueError("there is no stage to run")
+    locations = check_supports(forms, fixed)
+    n = locations.shape[1]
+    for stage in stages:
+        for what, values in (("load", stage.load), ("prescribed displacement", stage.prescribed)):
+            if values is None:
+                continue
+            if np.shape(values) != (n,):
+                raise ValueError(f"stage '{stage.name}': the {what} has shape {np.shape(values)}, not ({n},)")
+            if not np.isfinite(values).all():
+                raise ValueError(f"stage '{stage.name}': the {what} holds NaN or infinite values")
+        if stage.increments < 1:
+            raise ValueError(f"stage '{stage.name}': increments must be at least 1")
+    return locations

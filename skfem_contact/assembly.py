@@ -1,0 +1,216 @@
+"""Fixed sparsity pattern, strain operators and batched kernels on top of a scikit-fem basis.
+
+The tangent of a solid is ``sum_e B^T D B``.  Everything that does not change while Newton iterates is
+computed once: the strain-displacement matrices, the sparse operator that maps displacements to strains at
+all integration points, the pattern of the stiffness matrix and the slot that every entry of every element
+matrix goes to.  An iteration then costs two sparse products (strain, force) and one batched ``matmul`` over
+the elements whose tangent has changed.
+"""
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy import ndarray
+from scipy.sparse import coo_matrix, csr_matrix
+from skfem import CellBasis
+
+_CHUNK = 512  # elements a batch: B, DB and BᵀDB of a batch stay in the processor's cache
+
+
+class Response:
+    """What a form answers: internal force, candidate state and, when asked for, the tangent.
+
+    Parameters
+    ----------
+    force
+        Internal force, shape (N,).
+    state
+        The state that holds once the step is accepted; accepting it is an assignment.
+    stiffness
+        Function that computes the tangent ``d force / d x``; it is called at the first access of
+        :attr:`stiffness` only, so that a line search never pays for a tangent.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scipy.sparse import csr_matrix
+    >>> from skfem_contact import Response
+    >>> Response(np.zeros(2), None, lambda: csr_matrix(np.eye(2))).stiffness.shape
+    (2, 2)
+    """
+
+    def __init__(self, force: ndarray, state: Any, stiffness: Callable[[], csr_matrix]) -> None:
+        self.force = force
+        self.state = state
+        self._compute_stiffness = stiffness
+
+    @cached_property
+    def stiffness(self) -> csr_matrix:
+        """Tangent stiffness, a ``csr_matrix`` of shape (N, N)."""
+        return self._compute_stiffness()
+
+
+class StrainOperator(NamedTuple):
+    """Strain-displacement matrices of all elements and the weights of their integration points.
+
+    Attributes
+    ----------
+    B
+        Shape (n_elements, n_points, 4, n_local_dofs); rows xx, yy, zz, xy (engineering shear).
+    weight
+        Quadrature weight times Jacobian (times the radius in axial symmetry), (n_elements, n_points).
+    """
+
+    B: ndarray
+    weight: ndarray
+
+
+def _gradients(basis: CellBasis) -> ndarray:
+    """Gradients of the scalar shape functions, (n_elements, n_points, n_functions, 2)."""
+    functions = [np.asarray(basis.basis[j][0].grad)[0] for j in range(0, basis.Nbfun, 2)]
+    return np.ascontiguousarray(np.stack(functions).transpose(2, 3, 0, 1))
+
+
+def plane_strain(basis: CellBasis) -> StrainOperator:
+    """Plane strain: the out-of-plane strain is zero, the out-of-plane stress is not.
+
+    Parameters
+    ----------
+    basis
+        Basis of a two-dimensional vector element.
+
+    Examples
+    --------
+    >>> from skfem import Basis, ElementTriP1, ElementVector, MeshTri
+    >>> import skfem_contact as sc
+    >>> sc.plane_strain(Basis(MeshTri(), ElementVector(ElementTriP1()))).B.shape[2:]
+    (4, 6)
+    """
+    G = _gradients(basis)
+    B = np.zeros((*G.shape[:2], 4, 2 * G.shape[2]))
+    B[:, :, 0, 0::2] = B[:, :, 3, 1::2] = G[..., 0]
+    B[:, :, 1, 1::2] = B[:, :, 3, 0::2] = G[..., 1]
+    return StrainOperator(B, np.asarray(basis.dx))
+
+
+def b_bar(basis: CellBasis) -> StrainOperator:
+    """Plane strain with the volumetric strain averaged over each element (Hughes' B-bar).
+
+    Fully integrated four-node quadrilaterals lock when the soil flows at constant volume; with the averaged
+    volumetric strain they do not.  The deviatoric part keeps its own out-of-plane component, so the
+    out-of-plane strain is zero on average over an element only.
+
+    Parameters
+    ----------
+    basis
+        Basis of a two-dimensional vector element.
+
+    Examples
+    --------
+    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+    >>> import skfem_contact as sc
+    >>> operator = sc.b_bar(Basis(MeshQuad(), ElementVector(ElementQuad1()), intorder=2))
+    >>> bool(abs(operator.B[:, :, :3].sum(axis=2).std(axis=1)).max() < 1e-14)   # one volume strain an element
+    True
+    """
+    B, weight = plane_strain(basis)
+    volumetric = B[:, :, 0] + B[:, :, 1]
+    mean = np.einsum("eq,eqb->eb", weight, volumetric) / weight.sum(axis=1)[:, None]
+    B[:, :, :3] += ((mean[:, None] - volumetric) / 3.0)[:, :, None]
+    return StrainOperator(B, weight)
+
+
+def strain_matrix(B: ndarray, element_dofs: ndarray, n: int) -> csr_matrix:
+    """Sparse matrix that maps displacements (N,) to strains, rows ordered (4, n_elements, n_points)."""
+    n_elements, n_points = B.shape[:2]
+    data, indices, counts = [], [], []
+    for component in range(B.shape[2]):
+        used = np.flatnonzero(B[:, :, component].any(axis=(0, 1)))
+        data.append(B[:, :, component, used].ravel())
+        columns = np.broadcast_to(element_dofs[used].T[:, None, :], (n_elements, n_points, len(used)))
+        indices.append(columns.ravel())
+        counts.append(np.full(n_elements * n_points, len(used)))
+    indptr = np.concatenate(([0], np.cumsum(np.concatenate(counts))))
+    shape = (B.shape[2] * n_elements * n_points, n)
+    return csr_matrix((np.concatenate(data), np.concatenate(indices).astype(np.int32), indptr.astype(np.int32)),
+                      shape=shape)
+
+
+def element_stiffness(B: ndarray, D: ndarray) -> ndarray:
+    """``sum_q B^T D B`` of every element, (n_elements, n_local_dofs, n_local_dofs).
+
+    ``B`` is (n_elements, n_points, ncomp, n_local_dofs); ``D`` (n_elements, n_points, ncomp, ncomp) carries
+    the weights already.
+    """
+    n_elements, n_points, ncomp, n_local = B.shape
+    K = np.empty((n_elements, n_local, n_local))
+    for start in range(0, n_elements, _CHUNK):
+        part = slice(start, start + _CHUNK)
+        flat = B[part].reshape(-1, n_points * ncomp, n_local)
+        DB = np.matmul(D[part], B[part]).reshape(flat.shape)
+        np.matmul(flat.transpose(0, 2, 1), DB, out=K[part])
+    return K
+
+
+@dataclass(frozen=True)
+class Pattern:
+    """Sparsity pattern of a basis and the slot of every entry of every element matrix in its CSR data.
+
+    Built from the graph of the nodes, once; it does not depend on values.
+
+    Attributes
+    ----------
+    indptr, indices
+        The CSR pattern, sorted columns.
+    slots
+        (n_elements, n_local_dofs, n_local_dofs) positions in the CSR data.
+    """
+
+    indptr: ndarray
+    indices: ndarray
+    slots: ndarray
+
+    @classmethod
+    def of(cls, basis: CellBasis) -> Pattern:
+        """Pattern of a basis whose two displacement components follow each other node by node."""
+        nodes = basis.element_dofs[0::2].T // 2
+        n_elements, n_local = nodes.shape
+        n_nodes = basis.N // 2
+        rows = np.repeat(nodes, n_local, axis=1).ravel()
+        columns = np.tile(nodes, (1, n_local)).ravel()
+        graph = coo_matrix((np.ones(len(rows), dtype=np.int8), (rows, columns)), shape=(n_nodes, n_nodes)).tocsr()
+        graph.sort_indices()
+        ptr = graph.indptr.astype(np.int64)
+        degree = np.diff(ptr)
+        keys = np.repeat(np.arange(n_nodes, dtype=np.int64), degree) * n_nodes + graph.indices
+        entry = np.searchsorted(keys, rows.astype(np.int64) * n_nodes + columns)
+
+        # a node pair (r, c) becomes a 2 x 2 block: two rows of 2 degree(r) entries each
+        first = 4 * ptr[rows] + 2 * (entry - ptr[rows])
+        block = first[:, None, None] + np.array([[0, 1], [0, 1]])
+        block[:, 1] += 2 * degree[rows, None]
+        slots = block.reshape(n_elements, n_local, n_local, 2, 2).transpose(0, 1, 3, 2, 4)
+
+        indptr = np.concatenate(([0], np.cumsum(np.repeat(2 * degree, 2))))
+        pairs = (2 * graph.indices[:, None] + np.arange(2)).ravel()
+        starts = np.repeat(2 * ptr[:-1], 2)
+        within = np.arange(indptr[-1]) - np.repeat(indptr[:-1], np.repeat(2 * degree, 2))
+        indices = pairs[np.repeat(starts, np.repeat(2 * degree, 2)) + within]
+        return cls(indptr.astype(np.int32), indices.astype(np.int32),
+                   np.ascontiguousarray(slots).reshape(n_elements, 2 * n_local, 2 * n_local))
+
+    def scatter(self, matrices: ndarray, elements: ndarray | slice = slice(None)) -> ndarray:
+        """Sum of element matrices as CSR data."""
+        return np.bincount(self.slots[elements].ravel(), matrices.ravel(), minlength=len(self.indices))
+
+    def matrix(self, data: ndarray) -> csr_matrix:
+        """The ``csr_matrix`` with these data; the pattern is shared, not copied."""
+        n = len(self.indptr) - 1
+        matrix = csr_matrix((n, n))
+        matrix.data, matrix.indices, matrix.indptr = data, self.indices, self.indptr
+        matrix.has_sorted_indices = matrix.has_canonical_format = True
+        return matrix

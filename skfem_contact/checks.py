@@ -1,0 +1,34 @@
+"""One clear error before the analysis starts."""
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TypeVar
+
+from skfem import (
+    CellBasis,
+    ElementQuad1,
+    ElementQuad2,
+    ElementQuadS2,
+    ElementTriP1,
+    ElementTriP2,
+    ElementVector,
+)
+
+T = TypeVar("T")
+_SUPPORTED = (ElementTriP1, ElementTriP2, ElementQuad1, ElementQuad2, ElementQuadS2)
+
+
+def look_up(name: str, existing: Mapping[str, T], kind: str) -> T:
+    """The value of a name, or a ``ValueError`` that lists the names that exist."""
+    if name not in existing:
+        listed = ", ".join(sorted(existing)) or "none at all"
+        raise ValueError(f"there is no {kind} '{name}'; existing: {listed}")
+    return existing[name]
+
+
+def check_basis(basis: CellBasis) -> None:
+    """Refuse what the kernels do not support: only plane vector elements of order 1 and 2 are."""
+    elem = getattr(basis, "elem", None)
+    if not isinstance(elem, ElementVector) or type(elem.elem) not in _SUPPORTED:
+        names = ", ".join(f"ElementVector({cls.__name__}())" for cls in _SUPPORTED)
+        raise ValueError(f"unsupported element {elem!r}; supported are {names}")

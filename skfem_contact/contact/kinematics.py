@@ -1,0 +1,158 @@
+r"""Gap and slip of contact points, their first variations and the exact geometric tangent.
+
+A point :math:`r = \sum_a N_a x_a` faces the curve :math:`\rho(\xi) = \sum_b M_b(\xi) x_b` at its closest point:
+:math:`(r - \rho) \cdot \rho_1 = 0`, :math:`g = (r - \rho) \cdot n` (eqs 2 and 3).  With the operators
+
+.. math:: A\,\delta u = \delta r - \delta\rho|_\xi, \quad B\,\delta u = \delta\rho_1|_\xi, \quad C\,\delta u = \delta\rho_2|_\xi
+
+and :math:`l = |\rho_1|`, :math:`a = l^2`, :math:`h = n \cdot \rho_2` the variations are exact for any penetration:
+
+.. math:: \delta g = G \cdot \delta u, \quad G = A^T n, \qquad
+          \delta\xi = \Xi \cdot \delta u, \quad \Xi = (A^T \rho_1 + g B^T n) / (a - g h).
+
+The internal force of a point of unit weight is :math:`t_N G + t_T l\,\Xi` (eq. 13 with the sign of eq. 7 mended),
+where :math:`t_T` grows with the slip :math:`s = (l / l_{ref}) (S(\xi) - S_c)`: S is the arc position along the
+undeformed master, S_c the stick point (eq. 7 across segments).
+"""
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy import ndarray
+
+from .quadrature import SlavePoints
+from .search import Projection
+from .surface import Surface
+
+
+class Kinematics(NamedTuple):
+    """Variations at ``n`` contact points with ``m`` unknowns each.
+
+    Attributes
+    ----------
+    dofs
+        Unknowns, slave nodes first, (n, m).
+    gap_gradient
+        ``G`` = d gap / d u, the work conjugate of the normal traction, (n, m).
+    tangential
+        ``l Xi``, the work conjugate of the tangential traction, (n, m).
+    slip_gradient
+        d slip / d u, (n, m).
+    normal, tangent
+        Unit vectors of the master at the closest point, (n, 2).
+    second
+        Everything the geometric tangent needs, see :func:`geometric_tangent`.
+    """
+
+    dofs: ndarray
+    gap_gradient: ndarray
+    tangential: ndarray
+    slip_gradient: ndarray
+    normal: ndarray
+    tangent: ndarray
+    second: tuple[ndarray, ...]
+
+
+def _lift(factors: ndarray, vectors: ndarray) -> ndarray:
+    """``A^T v`` for an operator that acts node by node: (n, nodes) and (n, 2) give (n, 2 nodes)."""
+    return (factors[:, :, None] * vectors[:, None, :]).reshape(len(factors), -1)
+
+
+def _dot(u: ndarray, v: ndarray) -> ndarray:
+    return np.einsum("nc,nc->n", u, v)
+
+
+def variations(points: SlavePoints, slave: Surface, master: Surface, at: ndarray, projection: Projection,
+               offset: ndarray, elastic_arc: ndarray, nodes: ndarray) -> Kinematics:
+    """Variations of the points ``at``.
+
+    Parameters
+    ----------
+    points, slave, master
+        The slave's points and the two surfaces.
+    at
+        Numbers of the points that are in contact, (n,).
+    projection
+        Closest points of all points.
+    offset
+        ``r - rho`` of the points in contact, (n, 2).
+    elastic_arc
+        Distance along the undeformed master from the stick point, ``S - S_c``, (n,).
+    nodes
+        Current coordinates of the master's nodes.
+    """
+    segment, xi, g = projection.segment[at], projection.xi[at], projection.gap[at]
+    M, rho = master.curve(segment, xi, nodes)
+    N = points.values[at]
+    dofs = np.concatenate((slave.dofs[points.nodes[at]], master.dofs[master.segments[segment]]), axis=1)
+    zero = np.zeros_like(N)
+    alpha, beta, gamma = (np.concatenate((s, m), axis=1) for s, m in ((N, -M[0]), (zero, M[1]), (zero, M[2])))
+
+    l = np.linalg.norm(rho[1], axis=1)
+    vertex = projection.vertex[at]
+    tau = rho[1] / l[:, None]
+    n = np.stack((-tau[:, 1], tau[:, 0]), axis=1)
+    facet_tau, facet_n = tau.copy(), n.copy()
+    if vertex.any():
+        n[vertex] = offset[vertex] / g[vertex, None]
+        tau[vertex] = np.stack((n[vertex, 1], -n[vertex, 0]), axis=1)
+    h = _dot(n, rho[2])
+    D = l**2 - g * h
+    G = _lift(alpha, n)
+    q = _lift(alpha, rho[1]) + g[:, None] * _lift(beta, n)
+    Xi = np.where(vertex[:, None], 0.0, q / D[:, None])
+    # at a vertex xi stays; the facet's own rotation is taken out, so that friction exerts no couple
+    tangential = np.where(vertex[:, None], _lift(alpha, tau) + (g / l)[:, None] * _lift(beta, facet_n), l[:, None] * Xi)
+
+    _, metric, dmetric = master.arc(segment, xi)
+    dl = _lift(beta, tau) + _dot(tau, rho[2])[:, None] * Xi
+    slip_gradient = l[:, None] * Xi + elastic_arc[:, None] * (
+        dl / metric[:, None] - (l * dmetric / metric**2)[:, None] * Xi)
+    slip_gradient[vertex] = 0.0
+    second = (alpha, beta, gamma, rho, l, g, h, D, Xi, dl, vertex, facet_tau, facet_n)
+    return Kinematics(dofs.reshape(len(at), -1), G, tangential, slip_gradient, n, tau, second)
+
+
+def geometric_tangent(kinematics: Kinematics, normal_traction: ndarray, tangential_traction: ndarray) -> ndarray:
+    r"""``t_N dG/du + t_T d(l Xi)/du``: what turning and moving the contact frame adds, (n, m, m).
+
+    These are the rotation and curvature parts of eqs 14 to 16, complete: with the terms in
+    :math:`a - g h` that the paper drops.
+    """
+    alpha, beta, gamma, rho, l, g, h, D, Xi, dl, vertex, facet_tau, facet_n = kinematics.second
+    n, tau, G = kinematics.normal, kinematics.tangent, kinematics.gap_gradient
+    col = (slice(None), None)
+    turn = _lift(beta, n) + h[col] * Xi  # l times the rate at which the normal turns towards -tau
+    Aht, Bn = _lift(alpha, tau), _lift(beta, n)
+    dG = -_outer(Bn, Xi) - _outer(Aht / l[col], turn)
+
+    dq = (-_outer(_lift(beta, rho[1]), Xi) + _node_by_node(alpha, beta) + _outer(_lift(alpha, rho[2]), Xi)
+          + _outer(Bn, G) + _outer(g[col] * _lift(gamma, n), Xi)
+          - _outer((g / l)[col] * _lift(beta, tau), turn))
+    dh = (-(_dot(tau, rho[2]) / l)[col] * turn + _lift(gamma, n) + _dot(n, rho[3])[col] * Xi)
+    dD = 2 * _lift(beta, rho[1]) + 2 * _dot(rho[1], rho[2])[col] * Xi - h[col] * G - g[col] * dh
+    dXi = (dq - _outer(Xi, dD)) / D[:, None, None]
+    K = (normal_traction[:, None, None] * dG
+         + tangential_traction[:, None, None] * (_outer(Xi, dl) + l[:, None, None] * dXi))
+    if vertex.any():  # around a vertex the normal follows the offset itself
+        v = np.flatnonzero(vertex)
+        over_g, over_l = (1.0 / g[v])[col], (1.0 / l[v])[col]
+        At, turned = _lift(alpha[v], tau[v]), _lift(beta[v], facet_n[v])
+        along = _lift(beta[v], facet_tau[v])
+        lever = _outer(turned, over_l * G[v] - g[v][col] * over_l**2 * along) \
+            - g[v][:, None, None] * over_l[..., None]**2 * _outer(along, turned)
+        K[v] = (normal_traction[v][:, None, None] * over_g[..., None] * _outer(At, At)
+                + tangential_traction[v][:, None, None] * (lever - over_g[..., None] * _outer(G[v], At)))
+    return K
+
+
+def _outer(u: ndarray, v: ndarray) -> ndarray:
+    return u[:, :, None] * v[:, None, :]
+
+
+def _node_by_node(alpha: ndarray, beta: ndarray) -> ndarray:
+    """``A^T B`` of two operators that act node by node, (n, 2 nodes, 2 nodes)."""
+    n, k = alpha.shape
+    blocks = np.einsum("ni,nj,cd->nicjd", alpha, beta, np.eye(2))
+    return blocks.reshape(n, 2 * k, 2 * k)

@@ -1,0 +1,77 @@
+"""Default penalties from the stiffness and the size of the elements on both sides."""
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy import ndarray
+
+from .pair import ContactPair
+from .surface import Surface
+
+#: Penalty over the stiffness of the softer layer of elements.  Ten layers' worth keeps the penetration near a
+#: tenth of the compression of the elements beside it; more only worsens the conditioning.
+_RATIO = 10.0
+
+
+def choose_penalties(forms: Mapping[str, Any]) -> dict[str, Any]:
+    """Give every contact pair without a penalty one that suits the bodies it joins.
+
+    The stiffness of a surface is taken from the diagonal of the elastic stiffness at its nodes, per length of
+    surface: about E/h.  Slave and master act in series, so the softer one decides.
+
+    Parameters
+    ----------
+    forms
+        Forms by name; the solids among them supply the stiffness.
+
+    Returns
+    -------
+    dict
+        The same forms, contact pairs with a penalty.
+
+    Examples
+    --------
+    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+    >>> import skfem_contact as sc
+    >>> block = MeshQuad().refined(1).with_defaults()
+    >>> mesh = sc.join_bodies({"lower": block, "upper": block.translated((0., 1.))})
+    >>> basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+    >>> forms = sc.choose_penalties({
+    ...     "blocks": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=.3)),
+    ...     "contact": sc.ContactPair(basis, "upper:bottom", "lower:top", sc.Coulomb(mu=.3))})
+    >>> bool(1e3 < forms["contact"].penalty[0].mean() < 1e5)        # some E/h
+    True
+    """
+    pairs = {k: f for k, f in forms.items() if isinstance(f, ContactPair) and f.penalty is None}
+    if not pairs:
+        return dict(forms)
+    diagonals = [f.elastic_stiffness.diagonal() for f in forms.values() if hasattr(f, "elastic_stiffness")]
+    if not diagonals:
+        raise ValueError("no solid among the forms: the contact pairs need `penalty=`")
+    diagonal = np.sum(diagonals, axis=0)
+    new = dict(forms)
+    for name, pair in pairs.items():
+        penalty = _RATIO * _series(pair, diagonal)
+        new[name] = pair.with_penalty(penalty, penalty)
+    return new
+
+
+def _series(pair: ContactPair, diagonal: ndarray) -> ndarray:
+    """Stiffness per length of both surfaces in series, at every slave point."""
+    slave, master = _stiffness(pair.slave, diagonal), _stiffness(pair.master, diagonal)
+    at_points = np.einsum("nk,nk->n", np.abs(pair.points.values), slave[pair.points.nodes]) \
+        / np.abs(pair.points.values).sum(axis=1)
+    return 1.0 / (1.0 / at_points + 1.0 / np.median(master))
+
+
+def _stiffness(surface: Surface, diagonal: ndarray) -> ndarray:
+    """Diagonal stiffness per length of surface at every node of a surface."""
+    k = surface.segments.shape[1]
+    per_length = diagonal[surface.dofs].mean(axis=1)[surface.segments].mean(axis=1) * (k - 1) / surface.length
+    if not (per_length > 0).all():
+        raise ValueError(f"boundary '{surface.name}' belongs to no solid among the forms")
+    flat = surface.segments.ravel()
+    count = np.bincount(flat, minlength=len(surface.nodes))
+    return np.bincount(flat, np.repeat(per_length, k), minlength=len(surface.nodes)) / count

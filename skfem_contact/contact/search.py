@@ -1,0 +1,153 @@
+"""Closest point projection of points onto a surface (eqs 2, 3 and 17 of the paper)."""
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy import ndarray
+from scipy.spatial import cKDTree
+
+from .surface import Surface, powers
+
+#: An open chain goes on straight for this share of its last segment: a slave corner that starts flush with
+#: the master's end must not lose contact to the lateral strain of the bodies.
+EXTENSION = 0.05
+_ON_FACET = 1e-9  # round-off of xi at a joint
+_NEWTON_STEPS = 25
+
+
+class Projection(NamedTuple):
+    """Closest points of ``n`` points, found or not.
+
+    Attributes
+    ----------
+    found
+        Whether the point has a closest point on the surface, (n,).
+    segment, xi
+        Where it lies.
+    gap
+        Signed distance, positive outside the body.
+    vertex
+        Whether the closest point is a vertex without an orthogonal projection on either side of it.
+    """
+
+    found: ndarray
+    segment: ndarray
+    xi: ndarray
+    gap: ndarray
+    vertex: ndarray
+
+
+def project(surface: Surface, nodes: ndarray, points: ndarray, depth: ndarray, reach: float) -> Projection:
+    """Closest points on the surface, among all of its segments.
+
+    Parameters
+    ----------
+    surface, nodes
+        The surface and the current coordinates of its nodes.
+    points
+        Points to project, (n, 2).
+    depth
+        Largest penetration that counts as contact, (n,): what lies deeper belongs to the body's other side.
+    reach
+        Points farther away from the surface's bounding box are not projected.
+    """
+    n = len(points)
+    result = Projection(np.zeros(n, bool), np.zeros(n, int), np.zeros(n), np.full(n, np.inf), np.zeros(n, bool))
+    near = np.flatnonzero(((points > nodes.min(axis=0) - reach) & (points < nodes.max(axis=0) + reach)).all(axis=1))
+    if len(near) == 0:
+        return result
+    row, segment = _candidates(surface, nodes, points[near])
+    foot = _foot(surface, nodes, points[near][row], segment)
+    beyond = _beyond(surface, segment, foot)
+    xi = np.where(beyond, foot, np.clip(foot, -1.0, 1.0))
+    rho = surface.curve(segment, xi, nodes)[1]
+    offset = points[near][row] - rho[0]
+    distance = np.linalg.norm(offset, axis=1)
+    vertex = np.abs(foot) > 1.0 + _ON_FACET
+
+    side = np.where(vertex & ~beyond, _outside_of_vertex(surface, nodes, segment, xi, offset), _left(rho[1], offset))
+    gap = np.where(side >= 0, distance, -distance)
+    off_end = beyond & (np.abs(foot) > 1.0 + 2.0 * EXTENSION)
+    usable = ~off_end & (gap >= -depth[near][row])
+    best = _first_minimum(row, np.where(usable, distance, np.inf), len(near))
+    at, best = near[best[0]], best[1]
+    result.found[at] = True
+    result.segment[at], result.xi[at], result.gap[at] = segment[best], xi[best], gap[best]
+    result.vertex[at] = (vertex & ~beyond)[best]
+    return result
+
+
+def _left(tangent: ndarray, offset: ndarray) -> ndarray:
+    return tangent[:, 0] * offset[:, 1] - tangent[:, 1] * offset[:, 0]
+
+
+def _candidates(surface: Surface, nodes: ndarray, points: ndarray) -> tuple[ndarray, ndarray]:
+    """Pairs (point, segment) that contain the closest segment of every point.
+
+    The chain is sampled at a uniform spacing.  The sample next to the closest point is at most half a
+    spacing farther away than that, so all samples within half a spacing (and a margin for curved segments) of
+    the nearest one are looked at.
+    """
+    spacing = max(float(np.median(surface.length)), surface.total_length / (4 * len(surface.segments)))
+    count = np.ceil(surface.length / spacing).astype(int) + 1
+    segment = np.repeat(np.arange(len(count)), count)
+    within = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
+    xi = -1.0 + 2.0 * within / np.repeat(count - 1, count)
+    samples = surface.curve(segment, xi, nodes)[1][0]
+    tree = cKDTree(samples)
+    nearest = tree.query(points)[0]
+    stretch = max(1.0, float((np.linalg.norm(np.diff(samples, axis=0), axis=1)[np.diff(segment) == 0]).max()) / spacing)
+    hits = tree.query_ball_point(points, nearest + 0.75 * spacing * stretch)
+    row = np.repeat(np.arange(len(points)), [len(h) for h in hits])
+    pairs = np.unique(np.stack((row, segment[np.concatenate(hits).astype(int)])), axis=1)
+    return pairs[0], pairs[1]
+
+
+def _foot(surface: Surface, nodes: ndarray, points: ndarray, segment: ndarray) -> ndarray:
+    """Local coordinate of the orthogonal projection on every candidate: eq. 17 on the chord, then Newton."""
+    ends = nodes[surface.segments[segment][:, :2]]
+    chord = ends[:, 1] - ends[:, 0]
+    xi = np.einsum("nc,nc->n", 2 * points - ends[:, 0] - ends[:, 1], chord) / np.einsum("nc,nc->n", chord, chord)
+    if not surface.coefficients[:, :, 2:].any():
+        return xi
+    xi = np.clip(xi, -1.2, 1.2)
+    for _ in range(_NEWTON_STEPS):
+        rho = surface.curve(segment, xi, nodes)[1]
+        offset = points - rho[0]
+        slope = np.einsum("nc,nc->n", rho[1], rho[1])
+        curvature = np.einsum("nc,nc->n", offset, rho[2])
+        # beyond the centre of curvature the full Newton step runs away: fall back to the safe Gauss-Newton step
+        step = np.einsum("nc,nc->n", offset, rho[1]) / np.maximum(slope - curvature, 0.5 * slope)
+        xi = np.clip(xi + np.clip(step, -0.5, 0.5), -1.2, 1.2)
+        if np.abs(step[np.abs(xi) < 1.2], ).max(initial=0.0) < 1e-14:
+            break
+    return xi
+
+
+def _beyond(surface: Surface, segment: ndarray, foot: ndarray) -> ndarray:
+    """Feet off the two ends of an open chain."""
+    if surface.closed:
+        return np.zeros(len(foot), bool)
+    last = len(surface.segments) - 1
+    return ((segment == 0) & (foot < -1.0)) | ((segment == last) & (foot > 1.0))
+
+
+def _outside_of_vertex(surface: Surface, nodes: ndarray, segment: ndarray, xi: ndarray, offset: ndarray) -> ndarray:
+    """Positive where a point whose closest point is a vertex lies outside: seen from both segments there."""
+    m = len(surface.segments)
+    neighbour = np.clip(np.where(xi > 0, segment + 1, segment - 1), None if surface.closed else 0,
+                        None if surface.closed else m - 1) % m
+    side = 0.0
+    for s, at in ((segment, xi), (neighbour, -xi)):
+        tangent = surface.curve(s, np.sign(at), nodes)[1][1]
+        side = side + _left(tangent, offset) / np.linalg.norm(tangent, axis=1)
+    return np.asarray(side)
+
+
+def _first_minimum(row: ndarray, value: ndarray, n: int) -> tuple[ndarray, ndarray]:
+    """Rows that have a finite value, and the position of the first smallest one of each."""
+    order = np.lexsort((value, row))
+    first = order[np.concatenate(([True], np.diff(row[order]) > 0))]
+    first = first[np.isfinite(value[first])]
+    return row[first], first

@@ -1,0 +1,183 @@
+"""Surfaces of bodies: named boundaries as chains of facets that know their outward side.
+
+The curve of a facet is ``rho(xi) = sum_b M_b(xi) x_b`` with polynomials ``M_b`` and ``-1 <= xi <= 1`` (eq. 18 of
+the paper, with the orientation of eq. 17: ``xi = -1`` at the first node).  A chain is ordered so that the
+body lies to the right; the outward normal is the tangent turned by +90 degrees.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy import ndarray
+from skfem import CellBasis
+
+from ..checks import look_up
+
+#: Coefficients of the shape functions of a facet in the powers 1, xi, xi^2, xi^3.
+_LINEAR = np.array([[.5, -.5, 0, 0], [.5, .5, 0, 0]])
+_QUADRATIC = np.array([[0, -.5, .5, 0], [0, .5, .5, 0], [1, 0, -1, 0]])
+_GAUSS = np.polynomial.legendre.leggauss(5)
+
+
+def powers(xi: ndarray) -> ndarray:
+    """Powers 0 to 3 of the local coordinate and their first three derivatives, (4, n, 4)."""
+    one, zero = np.ones_like(xi), np.zeros_like(xi)
+    return np.stack((np.stack((one, xi, xi**2, xi**3), -1),
+                     np.stack((zero, one, 2 * xi, 3 * xi**2), -1),
+                     np.stack((zero, zero, 2 * one, 6 * xi), -1),
+                     np.stack((zero, zero, zero, 6 * one), -1)))
+
+
+@dataclass(frozen=True)
+class Surface:
+    """A chain of curve segments on the boundary of a body.
+
+    Attributes
+    ----------
+    name
+        Name of the boundary, for messages.
+    dofs
+        Displacement unknowns of its nodes, (n_nodes, 2).
+    nodes
+        Reference coordinates of its nodes, (n_nodes, 2).
+    segments
+        Node numbers of every segment in the order of the chain, (n_segments, k).
+    coefficients
+        Polynomial coefficients of the shape functions, (n_segments, k, 4).
+    closed
+        Whether the last segment ends where the first begins.
+    start, length
+        Arc position of the segments' first ends and their lengths in the reference configuration.
+
+    Examples
+    --------
+    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+    >>> from skfem_contact import Surface
+    >>> basis = Basis(MeshQuad().refined(2).with_defaults(), ElementVector(ElementQuad1()))
+    >>> top = Surface.from_boundary(basis, "top")
+    >>> len(top.segments), top.closed, float(top.length.sum())
+    (4, False, 1.0)
+    """
+
+    name: str
+    dofs: ndarray
+    nodes: ndarray
+    segments: ndarray
+    coefficients: ndarray
+    closed: bool
+    start: ndarray
+    length: ndarray
+
+    @classmethod
+    def from_boundary(cls, basis: CellBasis, name: str) -> Surface:
+        """The chain of a named boundary of the basis' mesh.
+
+        Raises
+        ------
+        ValueError
+            Unknown or empty boundary, facets inside the mesh, or a boundary that is no single chain.
+        """
+        mesh = basis.mesh
+        facets = np.unique(look_up(name, mesh.boundaries or {}, "boundary"))
+        if len(facets) == 0:
+            raise ValueError(f"boundary '{name}' is empty")
+        if (mesh.f2t[1, facets] >= 0).any():
+            raise ValueError(f"boundary '{name}' lies inside the mesh: its facets have elements on both sides; "
+                             "separate the bodies with join_bodies")
+        ends = _outward(mesh.p, mesh.t, mesh.facets[:, facets], mesh.f2t[0, facets])
+        order, closed = _chain(ends, name)
+        facets, ends = facets[order], ends[:, order]
+
+        dofs = basis.nodal_dofs[:, ends].transpose(1, 2, 0)  # (2 ends, n, 2 components)
+        coefficients = _LINEAR
+        if basis.facet_dofs is not None and len(basis.facet_dofs):
+            dofs = np.concatenate((dofs, basis.facet_dofs[:2, facets].T[None]))
+            coefficients = _QUADRATIC
+        dofs = dofs.transpose(1, 0, 2)  # (n, k, 2)
+        unique, segments = np.unique(dofs[..., 0], return_inverse=True)
+        dofs = np.stack((unique, unique + 1), axis=1)
+        nodes = np.stack((basis.doflocs[0, dofs[:, 0]], basis.doflocs[1, dofs[:, 0]]), axis=1)
+        segments = segments.reshape(len(facets), -1)
+        coefficients = np.broadcast_to(coefficients, (len(facets), *coefficients.shape))
+        return cls.of(name, dofs, nodes, segments, coefficients, closed)
+
+    @classmethod
+    def of(cls, name: str, dofs: ndarray, nodes: ndarray, segments: ndarray, coefficients: ndarray,
+           closed: bool) -> Surface:
+        """A surface from its chain of segments; arc positions are computed."""
+        xi, weights = _GAUSS
+        tangent = np.einsum("mkp,qp,mkc->mqc", coefficients, powers(xi)[1], nodes[segments])
+        length = np.linalg.norm(tangent, axis=-1) @ weights
+        start = np.concatenate(([0.0], np.cumsum(length)[:-1]))
+        return cls(name, dofs, nodes, segments, coefficients, closed, start, length)
+
+    @property
+    def total_length(self) -> float:
+        """Length of the whole chain in the reference configuration."""
+        return float(self.length.sum())
+
+    def positions(self, x: ndarray) -> ndarray:
+        """Current coordinates of the nodes at the displacements x, (n_nodes, 2)."""
+        return self.nodes + x[self.dofs]
+
+    def curve(self, segment: ndarray, xi: ndarray, nodes: ndarray) -> tuple[ndarray, ndarray]:
+        """Shape functions and curve with three derivatives at points given by segment and xi.
+
+        Parameters
+        ----------
+        segment, xi
+            Segment number and local coordinate of every point, (n,).
+        nodes
+            Coordinates of the nodes, (n_nodes, 2).
+
+        Returns
+        -------
+        tuple
+            ``M`` (4, n, k) and ``rho`` (4, n, 2): values and first to third derivatives.
+        """
+        M = np.einsum("nkp,dnp->dnk", self.coefficients[segment], powers(xi))
+        return M, np.einsum("dnk,nkc->dnc", M, nodes[self.segments[segment]])
+
+    def arc(self, segment: ndarray, xi: ndarray) -> tuple[ndarray, ndarray, ndarray]:
+        """Reference arc position S along the chain, dS/dxi and d2S/dxi2 at points given by segment and xi.
+
+        The slip is measured in this coordinate: it belongs to the master's material, runs on across
+        the segments and is not changed by rigid motion.
+        """
+        rho = self.curve(segment, xi, self.nodes)[1]
+        metric = np.linalg.norm(rho[1], axis=-1)
+        t, w = _GAUSS
+        half = 0.5 * (xi + 1.0)
+        inner = -1.0 + half[:, None] * (t + 1.0)  # five Gauss points on [-1, xi]
+        tangent = self.curve(np.repeat(segment, 5), inner.ravel(), self.nodes)[1][1]
+        arc = self.start[segment] + half * (np.linalg.norm(tangent, axis=-1).reshape(-1, 5) @ w)
+        return arc, metric, np.einsum("nc,nc->n", rho[1], rho[2]) / metric
+
+
+def _outward(p: ndarray, t: ndarray, ends: ndarray, element: ndarray) -> ndarray:
+    """Turn every facet so that its element's centroid lies to the right (nothing else tells its side)."""
+    a, b = p[:, ends[0]], p[:, ends[1]]
+    centroid = p[:, t[:, element]].mean(axis=1)
+    along, inward = b - a, centroid - a
+    left = along[0] * inward[1] - along[1] * inward[0] > 0
+    return np.where(left, ends[::-1], ends)
+
+
+def _chain(ends: ndarray, name: str) -> tuple[ndarray, bool]:
+    """Order oriented facets into one chain; the order and whether it is closed."""
+    n = ends.shape[1]
+    following = {int(node): k for k, node in enumerate(ends[0])}
+    arriving = set(ends[1].tolist())
+    if len(following) < n or len(arriving) < n:
+        raise ValueError(f"boundary '{name}' is no single chain: it branches")
+    first = [k for k in range(n) if int(ends[0, k]) not in arriving]
+    if len(first) > 1:
+        raise ValueError(f"boundary '{name}' is no single chain: it consists of {len(first)} pieces")
+    order = [first[0] if first else 0]
+    while (k := following.get(int(ends[1, order[-1]]))) is not None and k != order[0]:
+        order.append(k)
+    if len(order) < n:
+        raise ValueError(f"boundary '{name}' is no single chain: {n - len(order)} of {n} facets are "
+                         "not connected to the others")
+    return np.array(order), not first

@@ -1,0 +1,233 @@
+"""A body that carries load: a basis, a strain measure and the materials of its regions."""
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from copy import copy
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy import ndarray
+from scipy.sparse import csr_matrix
+from skfem import CellBasis
+
+from .assembly import Pattern, Response, StrainOperator, element_stiffness, plane_strain, strain_matrix
+from .checks import check_basis, look_up
+from .materials import Material, Update
+
+
+@dataclass(frozen=True)
+class SolidState:
+    """What the points of a solid remember: all arrays are (components, n_elements, n_points).
+
+    Attributes
+    ----------
+    strain
+        Strain of the accepted configuration (xx, yy, zz, xy; engineering shear).
+    stress
+        Stress (xx, yy, zz, xy), tension positive.
+    internal
+        Internal variables of the materials; the first is the equivalent plastic strain where there is one.
+    """
+
+    strain: ndarray
+    stress: ndarray
+    internal: ndarray
+
+
+@dataclass(frozen=True)
+class _Region:
+    name: str
+    material: Material
+    elements: slice = field(default_factory=lambda: slice(None))
+
+
+class SolidForm:
+    """Internal force and tangent of a body or of several, small strains.
+
+    Parameters
+    ----------
+    basis
+        ``Basis`` of an ``ElementVector`` on triangles or quadrilaterals, whole or restricted
+        (``basis.with_elements``).  Mind scikit-fem's default rule for four-node quadrilaterals: pass
+        ``intorder=2`` for the usual 2 x 2 points.
+    materials
+        One material, or ``{subdomain: material}`` that covers every element of the basis exactly once.
+    strain
+        :func:`plane_strain` or :func:`b_bar`.
+
+    Attributes
+    ----------
+    basis
+        The basis with its elements ordered region by region; state arrays follow this order.
+    regions
+        Names of the subdomains and their materials.
+
+    Raises
+    ------
+    ValueError
+        Unsupported element or mesh, unknown subdomain, elements without or with two materials.
+
+    Examples
+    --------
+    A Newton step of a stretched square:
+
+    >>> import numpy as np
+    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad, condense, solve
+    >>> import skfem_contact as sc
+    >>> basis = Basis(MeshQuad().refined(2).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+    >>> form = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=.3))
+    >>> x = basis.zeros()
+    >>> x[basis.get_dofs("right").all("u^1")] = 1e-3
+    >>> out = form.assemble(x, form.initial_state())
+    >>> fixed = basis.get_dofs({"left", "right"}).all()
+    >>> x = x + solve(*condense(out.stiffness, -out.force, D=fixed))
+    >>> bool(np.abs(np.delete(form.assemble(x, form.initial_state()).force, fixed)).max() < 1e-12)
+    True
+    """
+
+    def __init__(self, basis: CellBasis, materials: Material | Mapping[str, Material],
+                 strain: Callable[[CellBasis], StrainOperator] = plane_strain) -> None:
+        check_basis(basis)
+        self.basis, self.regions = _by_region(basis, materials)
+        self.strain = strain
+        operator = strain(self.basis)
+        self.B, self.weight = operator
+        self._pattern = Pattern.of(self.basis)
+        self._strain_matrix = strain_matrix(self.B, self.basis.element_dofs, self.basis.N)
+        # rows of B that never act (zz in plane strain) need not be multiplied
+        self._rows = np.flatnonzero(self.B.any(axis=(0, 1, 3)))
+        self._B = np.ascontiguousarray(self.B[:, :, self._rows])
+
+    def __repr__(self) -> str:
+        regions = ", ".join(f"{r.name}: {r.material!r}" for r in self.regions)
+        return f"<SolidForm {self.basis.nelems} elements, {regions}>"
+
+    @property
+    def materials(self) -> dict[str, Material]:
+        """Materials by the name of their subdomain (``"all"`` where one material was given)."""
+        return {region.name: region.material for region in self.regions}
+
+    def with_materials(self, materials: Mapping[str, Material]) -> SolidForm:
+        """The same body with some materials replaced; what does not change is shared, not computed again.
+
+        Parameters
+        ----------
+        materials
+            ``{subdomain: material}`` of the regions that change.
+        """
+        for name in materials:
+            look_up(name, self.materials, "region of this solid")
+        new = copy(self)
+        new.regions = tuple(_Region(r.name, materials.get(r.name, r.material), r.elements) for r in self.regions)
+        same = all(np.array_equal(a.material.elasticity(4), b.material.elasticity(4))
+                   for a, b in zip(self.regions, new.regions, strict=True))
+        if not same:
+            for name in ("_elasticity", "elastic_stiffness"):
+                new.__dict__.pop(name, None)
+        return new
+
+    def initial_state(self) -> SolidState:
+        """Unstrained and stress-free."""
+        shape = self.weight.shape
+        n_internal = max(region.material.n_internal for region in self.regions)
+        return SolidState(np.zeros((4, *shape)), np.zeros((4, *shape)), np.zeros((n_internal, *shape)))
+
+    def assemble(self, x: ndarray, state: SolidState) -> Response:
+        """Internal force, tangent and candidate state at the displacements ``x``.
+
+        Parameters
+        ----------
+        x
+            Displacements, (N,).
+        state
+            The last accepted state.
+        """
+        strain = (self._strain_matrix @ x).reshape(state.strain.shape)
+        increment = strain - state.strain
+        stress, internal = np.empty_like(state.stress), state.internal
+        updates: list[Update] = []
+        for region in self.regions:
+            e, n = region.elements, region.material.n_internal
+            update = region.material.update(increment[:, e], state.stress[:, e], state.internal[:n, e])
+            stress[:, e] = update.stress
+            if len(update.plastic):
+                internal = internal.copy() if internal is state.internal else internal
+                internal[:n, e] = update.internal
+            updates.append(update)
+        force = self._strain_matrix.T @ (stress * self.weight).ravel()
+        return Response(force, SolidState(strain, stress, internal), lambda: self._tangent(updates))
+
+    def summary(self, state: SolidState) -> str:
+        """Share of the points that have yielded, for the table of a result; nothing where nothing has."""
+        if not len(state.internal) or not (yielded := state.internal[0] > 0).any():
+            return ""
+        return f"{yielded.mean():.1%} yielded"
+
+    def remarks(self, state: SolidState) -> list[str]:
+        """What a user should know of an accepted state: nothing here."""
+        return []
+
+    def element_forces(self, stress: ndarray, elements: ndarray) -> ndarray:
+        """Internal forces that the nodes exert on some elements, (n_local_dofs, len(elements))."""
+        return np.einsum("eqcb,ceq,eq->be", self.B[elements], stress[:, elements], self.weight[elements])
+
+    @cached_property
+    def _elasticity(self) -> ndarray:
+        """Elastic moduli of every element in the rows of B that act, (n_elements, r, r)."""
+        moduli = np.empty((self.basis.nelems, 4, 4))
+        for region in self.regions:
+            moduli[region.elements] = region.material.elasticity(4)
+        return moduli[:, self._rows[:, None], self._rows]
+
+    @cached_property
+    def elastic_stiffness(self) -> csr_matrix:
+        """Stiffness of the unyielded body, a ``csr_matrix`` of shape (N, N): assembled once."""
+        D = self._elasticity[:, None] * self.weight[..., None, None]
+        return self._pattern.matrix(self._pattern.scatter(element_stiffness(self._B, D)))
+
+    def _tangent(self, updates: list[Update]) -> csr_matrix:
+        """Elastic stiffness corrected in the elements that hold a plastic point."""
+        n_points = self.weight.shape[1]
+        points, tangents = [], []
+        for region, update in zip(self.regions, updates, strict=True):
+            if len(update.plastic):
+                points.append(update.plastic + n_points * (region.elements.start or 0))
+                tangents.append(update.tangent())
+        if not points:
+            return self.elastic_stiffness
+        point = np.concatenate(points)
+        element, q = np.divmod(point, n_points)
+        elements, position = np.unique(element, return_inverse=True)
+        D = np.concatenate(tangents)[:, self._rows[:, None], self._rows] - self._elasticity[element]
+        change = np.zeros((len(elements), n_points, len(self._rows), len(self._rows)))
+        change[position, q] = D * self.weight[element, q][:, None, None]
+        correction = self._pattern.scatter(element_stiffness(self._B[elements], change), elements)
+        return self._pattern.matrix(self.elastic_stiffness.data + correction)
+
+
+def _by_region(basis: CellBasis, materials: Material | Mapping[str, Material]
+               ) -> tuple[CellBasis, tuple[_Region, ...]]:
+    """Order the elements of a basis region by region, so that every region is a slice."""
+    if not isinstance(materials, Mapping):
+        return basis, (_Region("all", materials),)
+    present = np.arange(basis.mesh.nelements) if basis.tind is None else np.asarray(basis.tind)
+    order, regions, start = [], [], 0
+    for name, material in materials.items():
+        elements = np.intersect1d(look_up(name, basis.mesh.subdomains or {}, "subdomain"), present)
+        if len(elements) == 0:
+            raise ValueError(f"subdomain '{name}' holds no element of this basis")
+        order.append(elements)
+        regions.append(_Region(name, material, slice(start, start + len(elements))))
+        start += len(elements)
+    tind = np.concatenate(order)
+    unique, count = np.unique(tind, return_counts=True)
+    if len(unique) < len(present):
+        missing = np.setdiff1d(present, unique)
+        names = [k for k, v in (basis.mesh.subdomains or {}).items() if np.isin(missing, v).any()]
+        raise ValueError(f"{len(missing)} of {len(present)} elements have no material; "
+                         f"they lie in the subdomains {names}")
+    if count.max() > 1:
+        raise ValueError(f"{(count > 1).sum()} elements have more than one material: the subdomains "
+                         f"{list(materials)} overlap")
+    return (basis if np.array_equal(tind, present) else basis.with_elements(tind)), tuple(regions)
