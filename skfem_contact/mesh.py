@@ -1,13 +1,13 @@
 """Meshes of several bodies: set them side by side without welding, take welded ones apart, and name them.
 
-A *body* is a group of elements that shares no node with the rest of the mesh, so that contact alone can hold it. All
-bodies live in one scikit-fem mesh: one basis, one vector of unknowns.
+A *body* is a group of elements that shares no node with the rest of the mesh, so that only contact can hold
+it. All bodies live in one scikit-fem mesh: one basis, one vector of unknowns.
 """
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -17,52 +17,60 @@ from scipy.sparse.csgraph import connected_components
 from skfem import Mesh
 from skfem.generic_utils import OrientedBoundary
 
-from .mesh_check import check_mesh, check_topology
+from .checks import look_up
+from .mesh_check import check_mesh, check_topology, own_tags
 
 Indices = NDArray[np.integer]
 Tags = dict[str, Indices]
 
 
-def join_bodies(mesh: Mesh | Mapping[str, Mesh], bodies: Mapping[str, str | Collection[str]] | None = None) -> Mesh:
-    """One mesh whose bodies share no node, with all tags kept and every body's side of an interface named.
+def join_bodies(
+    mesh: Mesh | Mapping[str, Mesh], bodies: Mapping[str, str | Collection[str]] | None = None
+) -> Mesh:
+    """One mesh whose bodies share no node, with all tags kept and both sides of every interface named.
 
-    **From one mesh** (a Gmsh file, say) whose bodies are grown together along their interfaces, `bodies` says which
-    subdomains make up a body. The nodes on the interfaces become double: one for each body that meets there. Then
+    **From one mesh** whose bodies are grown together along their interfaces, as Gmsh makes them: `bodies`
+    says which subdomains make up a body. The nodes on an interface become double, one for each body that
+    meets there.
 
-    * every body is a subdomain of its own name, beside the subdomains that were there;
-    * ``"a|b"`` is the side of body ``a`` that faces body ``b``, and ``"b|a"`` the opposite one;
-    * a boundary of the file that lies, wholly or in part, on an interface is split by body: ``"skin"`` becomes
+    * Every body becomes a subdomain, beside the subdomains that are there.
+    * ``"a|b"`` is the side of body ``a`` that faces body ``b``, and ``"b|a"`` is the opposite one.
+    * A boundary that lies on an interface, wholly or in part, is split by body: ``"skin"`` becomes
       ``"a:skin"`` and ``"b:skin"``. All other boundaries keep their names.
 
-    Bodies that are meshed apart already, with matching nodes or without, stay as they are: nothing is welded, no
-    coordinates are compared, and their boundaries keep their names. Elements keep their numbers.
+    Bodies that are meshed apart already, with matching nodes or without, stay as they are: coordinates are
+    never compared, nothing is welded, boundaries keep their names. Elements keep their numbers.
 
-    **From several meshes** of the same type, ``{"a": mesh, "b": mesh}``, all elements of a mesh become the subdomain
-    of its name, and its own tags are prefixed with it: the boundary ``"top"`` of mesh ``a`` is ``"a:top"``, its
-    subdomain ``"clay"`` is ``"a:clay"``.
+    **From several meshes** of the same type: a mesh becomes a subdomain of its name, and its own tags are
+    prefixed with it. The boundary ``"top"`` of mesh ``a`` is then ``"a:top"``, its subdomain ``"clay"`` is
+    ``"a:clay"``.
 
-    Nodes that belong to no element, like the centres of circles in a Gmsh file, are dropped; so are tags that begin
-    with ``"gmsh:"``, which scikit-fem makes from Gmsh's bookkeeping.
+    Nodes that belong to no element, such as centres of circles in a Gmsh file, are dropped, and so are tags
+    that begin with ``"gmsh:"``, Gmsh's bookkeeping that scikit-fem takes for a tag.
 
     Parameters
     ----------
     mesh
-        A mesh, or several by the names of their bodies: triangles or quadrilaterals, of first or second order.
+        A mesh, or meshes by the names of their bodies: triangles or quadrilaterals of first or second order.
     bodies
-        For a single mesh: the name of every body, and the name or names of its subdomains. Without it the bodies are
-        the connected parts of the mesh, named as by :func:`bodies`; there must be more than one.
+        For a single mesh: the name of every body, and the name or names of its subdomains. Without it the
+        bodies are the connected parts of the mesh, named as by :func:`bodies`; there must be more than one.
 
     Returns
     -------
     Mesh
-        A new mesh; nodes are numbered body by body. Use it like any other, but not with ``mesh1 + mesh2``,
-        ``mesh1 @ mesh2`` or ``remove_duplicate_nodes``, which weld coincident nodes.
+        A new mesh, its nodes numbered body by body. Of scikit-fem's functions only those that weld coincident
+        nodes must not be used on it: ``mesh1 + mesh2``, ``mesh1 @ mesh2`` and ``remove_duplicate_nodes``.
 
     Raises
     ------
     ValueError
-        If the mesh is not fit for an analysis (see :func:`check_mesh`), a subdomain does not exist, an element
-        belongs to no body or to two, or a name would stand for two things.
+        If the mesh is not fit for an analysis (see :func:`check_mesh`), a subdomain does not exist, an
+        element belongs to no body or to two, or a name would stand for two things.
+
+    See Also
+    --------
+    load_mesh : Read a Gmsh file.
 
     Examples
     --------
@@ -70,10 +78,10 @@ def join_bodies(mesh: Mesh | Mapping[str, Mesh], bodies: Mapping[str, str | Coll
 
     >>> import numpy as np
     >>> from skfem import MeshQuad
-    >>> grid = MeshQuad.init_tensor(np.linspace(0, 3, 4), np.linspace(0, 2, 3)).with_subdomains(
+    >>> plate = MeshQuad.init_tensor(np.linspace(0, 3, 4), np.linspace(0, 2, 3)).with_subdomains(
     ...     {"lower": lambda x: x[1] < 1, "upper": lambda x: x[1] > 1})
-    >>> mesh = join_bodies(grid, bodies={"base": "lower", "cover": "upper"})
-    >>> grid.p.shape[1], mesh.p.shape[1]
+    >>> mesh = join_bodies(plate, bodies={"base": "lower", "cover": "upper"})
+    >>> plate.p.shape[1], mesh.p.shape[1]
     (12, 16)
     >>> list(mesh.boundaries), len(mesh.boundaries["cover|base"])
     (['base|cover', 'cover|base'], 3)
@@ -81,7 +89,7 @@ def join_bodies(mesh: Mesh | Mapping[str, Mesh], bodies: Mapping[str, str | Coll
     Two meshes that need not match:
 
     >>> block = MeshQuad.init_tensor(np.linspace(1, 2, 3), np.linspace(2, 3, 3)).with_defaults()
-    >>> mesh = join_bodies({"base": grid, "block": block})
+    >>> mesh = join_bodies({"base": plate, "block": block})
     >>> list(mesh.subdomains)
     ['base', 'base:lower', 'base:upper', 'block']
     >>> list(mesh.boundaries)
@@ -89,7 +97,7 @@ def join_bodies(mesh: Mesh | Mapping[str, Mesh], bodies: Mapping[str, str | Coll
     """
     if isinstance(mesh, Mapping):
         if bodies is not None:
-            raise ValueError("bodies= splits a single mesh; several meshes are one body each, named by their keys")
+            raise ValueError("bodies= is for a single mesh; of several meshes, each is one body")
         joined = _side_by_side(mesh)
     else:
         joined = _taken_apart(mesh, bodies)
@@ -97,12 +105,12 @@ def join_bodies(mesh: Mesh | Mapping[str, Mesh], bodies: Mapping[str, str | Coll
     return joined
 
 
-def bodies(mesh: Mesh) -> dict[str, Indices]:
-    """The connected parts of a mesh: what shares a node, directly or through others, is one body.
+def bodies(mesh: Mesh) -> Tags:
+    """The connected parts of a mesh: elements that share nodes, directly or through others, are one body.
 
-    A body is named after the subdomain that consists of exactly its elements (the latest, if there are several), else
-    after all subdomains that it contains elements of, joined by "+", else "body". Where bodies would have the same
-    name they are numbered: "pile 1", "pile 2".
+    A body is named after the subdomain that consists of exactly its elements (the last, if there are
+    several), else after all subdomains that it has elements of, joined by "+", else "body". If several bodies
+    would get the same name, they are numbered: "pile 1", "pile 2".
 
     Parameters
     ----------
@@ -121,42 +129,42 @@ def bodies(mesh: Mesh) -> dict[str, Indices]:
     >>> bodies(mesh)
     {'base': array([0, 1]), 'block': array([2, 3])}
     """
-    n_corners, n_elements = mesh.t.shape
-    element = np.tile(np.arange(n_elements), n_corners)
-    incidence = coo_matrix((np.ones(mesh.t.size), (element, mesh.t.ravel()))).tocsr()
-    _, label = connected_components(incidence @ incidence.T, directed=False)
-    parts = [np.flatnonzero(label == k) for k in range(label.max() + 1)]
-    names = [_name_of(part, mesh.subdomains or {}) for part in parts]
-    repeated = {name for name, count in Counter(names).items() if count > 1}
-    seen: Counter[str] = Counter()
-    result = {}
-    for name, part in zip(names, parts, strict=True):
+    parts = _connected_elements(mesh)
+    names = [_name_of(part, own_tags(mesh.subdomains)) for part in parts]
+    count, seen = Counter(names), Counter[str]()
+    result: Tags = {}
+    for name, part in zip(names, parts):
         seen[name] += 1
-        result[f"{name} {seen[name]}" if name in repeated else name] = part
+        result[name if count[name] == 1 else f"{name} {seen[name]}"] = part
     return result
 
 
-def _name_of(elements: Indices, subdomains: Mapping[str, Indices]) -> str:
-    """A name for some elements from the subdomains that cover them."""
-    inside = {name: part for name, part in _own(subdomains).items() if np.isin(part, elements).any()}
-    exact = [name for name, part in inside.items() if np.array_equal(np.unique(part), elements)]
-    return exact[-1] if exact else "+".join(inside) or "body"
+def _connected_elements(mesh: Mesh) -> list[Indices]:
+    """The elements of every connected part."""
+    n_corners, n_elements = mesh.t.shape
+    element = np.tile(np.arange(n_elements), n_corners)
+    size = n_elements + mesh.nvertices
+    links = coo_matrix((np.ones(mesh.t.size), (element, n_elements + mesh.t.ravel())), shape=(size, size))
+    label = connected_components(links, directed=False)[1][:n_elements]
+    return [np.flatnonzero(label == k) for k in np.unique(label)]
 
 
-def _own(tags: Mapping[str, Indices] | None) -> Tags:
-    """The user's tags, without Gmsh's bookkeeping that scikit-fem takes for a tag."""
-    return {name: part for name, part in (tags or {}).items() if not name.startswith("gmsh:")}
+def _name_of(elements: Indices, subdomains: Tags) -> str:
+    """A name for some elements, from the subdomains that they are part of."""
+    touched = {name: part for name, part in subdomains.items() if np.isin(part, elements).any()}
+    exact = [name for name, part in touched.items() if np.array_equal(np.unique(part), elements)]
+    return exact[-1] if exact else "+".join(touched) or "body"
 
 
 def _side_by_side(meshes: Mapping[str, Mesh]) -> Mesh:
     """Several meshes in one, their tags prefixed with their names."""
     if not meshes:
-        raise ValueError("join_bodies needs a mesh, or at least one in a dictionary of meshes")
+        raise ValueError("there is no mesh to join")
     for part in meshes.values():
         check_topology(part)
     if len({type(part) for part in meshes.values()}) > 1:
-        kinds = ", ".join(f"{name!r}: {type(part).__name__}" for name, part in meshes.items())
-        raise ValueError(f"meshes of different types cannot be joined: {kinds}")
+        kinds = ", ".join(f"'{name}': {type(part).__name__}" for name, part in meshes.items())
+        raise ValueError(f"meshes of different types cannot be joined ({kinds})")
 
     counts = [part.nelements for part in meshes.values()]
     mesh = _renumbered(list(meshes.values()), np.repeat(np.arange(len(counts)), counts))
@@ -165,84 +173,85 @@ def _side_by_side(meshes: Mapping[str, Mesh]) -> Mesh:
     first = 0
     for name, part in meshes.items():
         _add(subdomains, name, np.arange(first, first + part.nelements))
-        for tag, elements in _own(part.subdomains).items():
+        for tag, elements in own_tags(part.subdomains).items():
             _add(subdomains, f"{name}:{tag}", elements + first)
-        for tag, facets in _own(part.boundaries).items():
+        for tag, facets in own_tags(part.boundaries).items():
             _add(boundaries, f"{name}:{tag}", _moved(part, mesh, facets, _owners(part, facets), first))
         first += part.nelements
     return replace(mesh, _boundaries=boundaries, _subdomains=subdomains)
 
 
 def _taken_apart(mesh: Mesh, groups: Mapping[str, str | Collection[str]] | None) -> Mesh:
-    """A mesh without the nodes that its bodies share."""
+    """A mesh whose bodies have nodes of their own."""
     check_topology(mesh)
-    parts = _connected(mesh) if groups is None else _grouped(mesh, groups)
+    parts = _separate_parts(mesh) if groups is None else _grouped(mesh, groups)
     body = _body_of_elements(mesh, parts)
     apart = _renumbered([mesh], body)
-    subdomains = _own(mesh.subdomains)
+    subdomains = own_tags(mesh.subdomains)
     for name, elements in parts.items():
-        if name in subdomains and not np.array_equal(np.unique(subdomains[name]), np.unique(elements)):
-            raise ValueError(f"body {name!r} would replace the subdomain {name!r}, which has other elements")
+        if name in subdomains and not np.array_equal(np.unique(subdomains[name]), elements):
+            raise ValueError(f"body '{name}' is not the subdomain '{name}'; choose another name for it")
         subdomains[name] = elements
-    return replace(apart, _boundaries=_split_boundaries(mesh, apart, body, list(parts)), _subdomains=subdomains)
+    boundaries = _split_boundaries(mesh, apart, body, list(parts))
+    return replace(apart, _boundaries=boundaries, _subdomains=subdomains)
 
 
-def _connected(mesh: Mesh) -> Tags:
-    """The connected parts as bodies."""
+def _separate_parts(mesh: Mesh) -> Tags:
+    """The connected parts as bodies, if there is more than one."""
     parts = bodies(mesh)
     if len(parts) == 1:
         raise ValueError(
-            "the mesh is one connected body: say which subdomains are to be taken apart, as in "
-            f"bodies={{'name': ['subdomain', ...], ...}}; {_listing(mesh)}"
+            "the mesh is one connected body; say which subdomains make up its bodies, bodies={'name': [...]}; "
+            f"existing: {', '.join(own_tags(mesh.subdomains)) or 'none at all'}"
         )
     return parts
 
 
 def _grouped(mesh: Mesh, groups: Mapping[str, str | Collection[str]]) -> Tags:
-    """The subdomains of every body put together."""
-    subdomains = _own(mesh.subdomains)
+    """The elements of every body from the names of its subdomains."""
+    subdomains = own_tags(mesh.subdomains)
     parts = {}
-    for body, members in groups.items():
-        members = [members] if isinstance(members, str) else list(members)
-        unknown = [name for name in members if name not in subdomains]
-        if unknown or not members:
-            what = f"unknown subdomain {unknown[0]!r}" if unknown else "no subdomain"
-            raise ValueError(f"{what} in body {body!r}; {_listing(mesh)}")
-        parts[body] = np.unique(np.concatenate([subdomains[name] for name in members]))
+    for name, members in groups.items():
+        members = [members] if isinstance(members, str) else members
+        elements = [look_up(member, subdomains, "subdomain") for member in members]
+        if sum(map(len, elements)) == 0:
+            raise ValueError(f"body '{name}' has no elements")
+        parts[name] = np.unique(np.concatenate(elements))
     return parts
 
 
-def _listing(mesh: Mesh) -> str:
-    return "the mesh has the subdomains " + (", ".join(map(repr, _own(mesh.subdomains))) or "(none)")
-
-
-def _body_of_elements(mesh: Mesh, parts: Mapping[str, Indices]) -> Indices:
-    """The number of the body of every element; every element must have exactly one."""
+def _body_of_elements(mesh: Mesh, parts: Tags) -> Indices:
+    """The number of every element's body; it must have exactly one."""
     names = list(parts)
     body = np.full(mesh.nelements, -1)
     for k, elements in enumerate(parts.values()):
-        taken = elements[body[elements] >= 0]
-        if len(taken):
-            raise ValueError(f"element {taken[0]} belongs to two bodies, {names[body[taken[0]]]!r} and {names[k]!r}")
+        twice = elements[body[elements] >= 0]
+        if len(twice):
+            raise ValueError(
+                f"{len(twice)} elements belong both to '{names[body[twice[0]]]}' and to '{names[k]}' "
+                f"(element {twice[0]} is the first)"
+            )
         body[elements] = k
-    if (body < 0).any():
+    left = np.flatnonzero(body < 0)
+    if len(left):
+        tags = own_tags(mesh.subdomains)
+        among = [name for name, elements in tags.items() if np.isin(elements, left).any()]
         raise ValueError(
-            f"{np.sum(body < 0)} elements belong to no body (the first is element {np.argmax(body < 0)}); "
-            f"bodies= must cover the whole mesh; {_listing(mesh)}"
+            f"{len(left)} elements belong to no body (element {left[0]} is the first); add to bodies= the "
+            f"subdomains they are in: {', '.join(among) or 'none, name them first'}"
         )
     return body
 
 
-def _renumbered(parts: list[Mesh], body: Indices) -> Mesh:
-    """All elements of meshes of one type in one mesh, with nodes of their own for every body, and no tags.
+def _renumbered(parts: Sequence[Mesh], body: Indices) -> Mesh:
+    """All elements of meshes of one type in one mesh, every body with nodes of its own, without tags.
 
-    Nodes are sorted by body and keep their order within, so an element's corners keep their order even where
-    scikit-fem sorts them: side `k` of an element remains its side `k`.
+    Nodes are sorted by body and keep their order within, so the corners of an element remain in the same
+    order even in meshes where scikit-fem sorts them, and side `k` of an element remains its side `k`.
     """
-    first = np.cumsum([0] + [part.nvertices for part in parts])
-    corners = np.hstack([part.t + shift for part, shift in zip(parts, first, strict=False)])
-    _, t = np.unique(body * first[-1] + corners, return_inverse=True)
-    t = t.reshape(corners.shape)
+    offset = np.cumsum([0] + [part.nvertices for part in parts])
+    corners = np.hstack([part.t + start for part, start in zip(parts, offset)])
+    t = np.unique(body * offset[-1] + corners, return_inverse=True)[1].reshape(corners.shape)
     mesh = replace(
         parts[0],
         doflocs=np.zeros((2, t.max() + 1)),
@@ -259,43 +268,40 @@ def _renumbered(parts: list[Mesh], body: Indices) -> Mesh:
     return replace(mesh, doflocs=doflocs)
 
 
-def _split_boundaries(mesh: Mesh, apart: Mesh, body: Indices, names: list[str]) -> Tags:
-    """The boundaries of a mesh whose bodies have been taken apart, and both sides of every interface."""
-    body = np.append(body, -1)  # f2t has -1 where there is no second element
-    sides = body[mesh.f2t]
-    interface = (sides >= 0).all(axis=0) & (sides[0] != sides[1])
+def _split_boundaries(mesh: Mesh, apart: Mesh, body: Indices, names: Sequence[str]) -> Tags:
+    """The boundaries of a mesh that was taken apart, and both sides of every interface."""
+    sides = np.append(body, -1)[mesh.f2t]  # the bodies on both sides of a facet; -1 is the outside
+    between = np.flatnonzero((sides[0] != sides[1]) & (sides[1] >= 0))
     result: Tags = {}
-    for name, facets in _own(mesh.boundaries).items():
+    for tag, facets in own_tags(mesh.boundaries).items():
         owners = _owners(mesh, facets)
-        if not interface[facets].any():
-            _add(result, name, _moved(mesh, apart, facets, owners))
+        if not np.isin(facets, between).any():
+            _add(result, tag, _moved(mesh, apart, facets, owners))
             continue
-        for k in np.unique(sides[:, facets][sides[:, facets] >= 0]):
-            mine = (sides[:, facets] == k).any(axis=0)
-            inner = np.where(body[mesh.f2t[0, facets]] == k, *mesh.f2t[:, facets])
-            owner = np.where(interface[facets], inner, owners)
-            _add(result, f"{names[k]}:{name}", _moved(mesh, apart, facets, owner, keep=mine))
-    found = np.flatnonzero(interface)
-    for a, b in np.unique(np.hstack((sides[:, found], sides[::-1, found])), axis=1).T:
-        here = found[((sides[:, found] == [[a], [b]]) | (sides[:, found] == [[b], [a]])).all(axis=0)]
-        owner = np.where(sides[0, here] == a, *mesh.f2t[:, here])
-        _add(result, f"{names[a]}|{names[b]}", _moved(mesh, apart, here, owner))
+        others = mesh.f2t[:, np.asarray(facets)].sum(axis=0) - owners
+        for k, name in enumerate(names):
+            here = (sides[:, np.asarray(facets)] == k).any(axis=0)
+            if here.any():
+                mine = np.where(body[owners] == k, owners, others)[here]
+                _add(result, f"{name}:{tag}", _moved(mesh, apart, facets[here], mine))
+
+    facets, owners = np.tile(between, 2), mesh.f2t[:, between].ravel()
+    pairs = np.hstack((sides[:, between], sides[::-1, between]))
+    for a, b in np.unique(pairs, axis=1).T:
+        here = (pairs == [[a], [b]]).all(axis=0)
+        _add(result, f"{names[a]}|{names[b]}", _moved(mesh, apart, facets[here], owners[here]))
     return result
 
 
 def _owners(mesh: Mesh, facets: Indices) -> Indices:
-    """The element that a boundary's facets are seen from."""
+    """The elements that a boundary's facets are seen from."""
     side = facets.ori if isinstance(facets, OrientedBoundary) else 0
     return mesh.f2t[side, np.asarray(facets)]
 
 
-def _moved(
-    old: Mesh, new: Mesh, facets: Indices, owners: Indices, first: int = 0, keep: NDArray[np.bool_] | None = None
-) -> Indices:
-    """A boundary's facets in the new mesh, whose element `first + n` has the corners of the old element n."""
-    keep = np.ones(len(facets), dtype=bool) if keep is None else keep
-    chosen, owners = np.asarray(facets)[keep], owners[keep]
-    side = np.argmax(old.t2f[:, owners] == chosen, axis=0)
+def _moved(old: Mesh, new: Mesh, facets: Indices, owners: Indices, first: int = 0) -> Indices:
+    """A boundary in the new mesh, whose element `first + n` has the corners of the old element `n`."""
+    side = np.argmax(old.t2f[:, owners] == np.asarray(facets), axis=0)
     moved = new.t2f[side, owners + first]
     if isinstance(facets, OrientedBoundary):
         return OrientedBoundary(moved, new.f2t[0, moved] != owners + first)
@@ -305,5 +311,5 @@ def _moved(
 def _add(tags: Tags, name: str, part: Indices) -> None:
     """Put a tag under a name that must be new."""
     if name in tags:
-        raise ValueError(f"the name {name!r} would stand for two things; rename a body or a tag of the mesh")
+        raise ValueError(f"the name '{name}' would stand for two things; rename a body or a tag")
     tags[name] = part

@@ -1,17 +1,19 @@
-"""Make ``culvert.msh``: a concrete pipe in two soil layers, meshed with quadrilaterals (needs Gmsh's Python module).
+"""Make ``culvert.msh``, a concrete pipe in two layers of soil (needs Gmsh's Python module).
 
-The pipe (outer radius 0.90, inner 0.72, centre at the origin) lies 2.6 under the ground surface; the layers meet at
-the height of its centre. Around the pipe an O-grid grows into a square, the square into the rectangular domain. The
-mesh is its own mirror image in x = 0, digit by digit, and an element ends at x = -1 on the ground surface.
+The pipe has the outer radius 0.90, the inner radius 0.72 and its centre in the origin. Its crown lies 2.6
+below the surface of the ground; the layers meet at the height of its centre. Quadrilaterals: an O-grid around
+the pipe grows into a square, the square into the rectangular domain. The mesh is its own mirror image in x =
+0 to the last digit, and one of its elements ends at x = -1 on the surface.
 
-    python make_culvert.py culvert.msh           # pipe and ground share their nodes (curve "skin")
-    python make_culvert.py apart.msh --hole 64   # 72 nodes on the pipe, 64 on the hole (curves "pipe", "hole")
+    python make_culvert.py culvert.msh           # pipe and ground share the nodes of the curve "skin"
+    python make_culvert.py apart.msh --hole 64   # 72 nodes on "culvert_outer", 64 on "hole"
 """
 
 from __future__ import annotations
 
 import argparse
 from collections import defaultdict
+from typing import Any
 
 import numpy as np
 
@@ -26,15 +28,15 @@ DIGITS = 6
 class Sketch:
     """Points, lines and four-sided patches of a block-structured mesh, and the names they are saved under."""
 
-    def __init__(self, geo) -> None:
+    def __init__(self, geo: Any) -> None:
         self.geo = geo
         self.curves: dict[str, list[int]] = defaultdict(list)
         self.surfaces: dict[str, list[int]] = defaultdict(list)
 
     def points(self, radius: float) -> list[int]:
         """Eight points on a circle around the origin, every 45 degrees from the positive x axis on."""
-        angle = np.deg2rad(45.0 * np.arange(8))
-        return [self.geo.addPoint(x, y, 0) for x, y in radius * np.stack((np.cos(angle), np.sin(angle)), axis=1)]
+        angles = np.deg2rad(45.0 * np.arange(8))
+        return [self.geo.addPoint(radius * np.cos(a), radius * np.sin(a), 0) for a in angles]
 
     def line(self, start: int, end: int, count: int, growth: float = 1.0, name: str | None = None) -> int:
         """A straight line with `count` elements, each `growth` times as long as the one before."""
@@ -81,7 +83,9 @@ def draw_ground(sketch: Sketch, circle: list[int], arcs: list[int], hole: int) -
     grow_x = (1 / GROWTH, 1.0, 1.0, GROWTH)
     grow_y = (1 / GROWTH, 1.0, 1.0, 1.0)
     outside = {(0, None): "left", (4, None): "right", (None, 0): "bottom", (None, 4): "surface"}
-    point = {(i, j): sketch.geo.addPoint(X[i], Y[j], 0) for i in range(5) for j in range(5) if (i, j) != (2, 2)}
+    point = {
+        (i, j): sketch.geo.addPoint(X[i], Y[j], 0) for i in range(5) for j in range(5) if (i, j) != (2, 2)
+    }
     across = {
         (i, j): sketch.line(point[i, j], point[i + 1, j], n_x[i], grow_x[i], outside.get((None, j)))
         for i in range(4) for j in range(5) if not (i in (1, 2) and j == 2)
@@ -94,19 +98,20 @@ def draw_ground(sketch: Sketch, circle: list[int], arcs: list[int], hole: int) -
         sketch.patch([across[i, j], up[i + 1, j], -across[i, j + 1], -up[i, j]], layer(Y[j] + Y[j + 1]))
 
     square = [(3, 2), (3, 3), (2, 3), (1, 3), (1, 2), (1, 1), (2, 1), (3, 1)]
-    edges = [up[3, 2], -across[2, 3], -across[1, 3], -up[1, 2], -up[1, 1], across[1, 1], across[2, 1], up[3, 1]]
+    right, top, left, bottom = up[3, 2], -across[2, 3], -up[1, 2], across[1, 1]
+    edges = [right, top, -across[1, 3], left, -up[1, 1], bottom, across[2, 1], up[3, 1]]
     rays = [sketch.line(circle[k], point[square[k]], RADIAL, RADIAL_GROWTH) for k in range(8)]
     for k in range(8):
         sketch.patch([rays[k], edges[k], -rays[(k + 1) % 8], -arcs[k]], "soft" if k < 4 else "stiff")
 
 
-def round_and_check(mesh) -> None:
-    """Round the coordinates, which keeps the file small, and insist on a mirror image without any difference."""
+def round_nodes(mesh: Any) -> None:
+    """Round the coordinates, for a small file, and insist on a mirror image to the last digit."""
     tags, coordinates, _ = mesh.getNodes()
-    rounded = np.round(coordinates.reshape(-1, 3), DIGITS) + 0.0
-    for tag, x in zip(tags, rounded, strict=True):
+    nodes = np.round(coordinates.reshape(-1, 3), DIGITS) + 0.0  # no -0
+    for tag, x in zip(tags, nodes):
         mesh.setNode(tag, x, [])
-    if {(-x, y) for x, y, _ in rounded + 0.0} != {(x, y) for x, y, _ in rounded}:
+    if {(-x, y) for x, y, _ in nodes} != {(x, y) for x, y, _ in nodes}:
         raise RuntimeError("the mesh is not symmetric in x = 0")
 
 
@@ -120,11 +125,12 @@ def make_culvert(path: str, ring: int = 72, hole: int | None = None) -> None:
     ring
         Number of elements around the pipe, a multiple of 8.
     hole
-        Number of elements around the hole in the ground, a multiple of 8, if it is to be meshed apart from the pipe.
+        Number of elements around the hole in the ground, a multiple of 8, if it is meshed apart from the
+        pipe.
     """
     import gmsh
 
-    gmsh.initialize(interruptible=False)
+    gmsh.initialize(readConfigFiles=False, interruptible=False)
     try:
         gmsh.option.setNumber("General.Terminal", 0)
         geo = gmsh.model.geo
@@ -140,7 +146,7 @@ def make_culvert(path: str, ring: int = 72, hole: int | None = None) -> None:
             for name, entities in groups.items():
                 gmsh.model.addPhysicalGroup(dimension, entities, name=name)
         gmsh.model.mesh.generate(2)
-        round_and_check(gmsh.model.mesh)
+        round_nodes(gmsh.model.mesh)
         gmsh.option.setNumber("Mesh.MshFileVersion", 4.1)
         gmsh.write(path)
     finally:
@@ -148,7 +154,9 @@ def make_culvert(path: str, ring: int = 72, hole: int | None = None) -> None:
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("path")
     parser.add_argument("--ring", type=int, default=72, help="elements around the pipe (72)")
     parser.add_argument("--hole", type=int, default=None, help="elements around the hole, if meshed apart")

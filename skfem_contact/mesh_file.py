@@ -1,0 +1,120 @@
+"""Read a Gmsh file with everything that is named in it."""
+
+from __future__ import annotations
+
+from os import PathLike, fspath
+
+import meshio
+import numpy as np
+from numpy.typing import NDArray
+from skfem import Mesh
+from skfem.io.meshio import from_meshio
+
+# The supported elements by meshio's names: number of corners, and what the lines along their sides are
+# called.
+_ELEMENTS = {"triangle": (3, "line"), "triangle6": (3, "line3"), "quad": (4, "line"), "quad9": (4, "line3")}
+_LOWER = {"vertex", "line", "line3"}
+
+Integers = NDArray[np.integer]
+
+
+def load_mesh(path: str | PathLike[str]) -> Mesh:
+    """The plane mesh of a Gmsh file, with physical surfaces as subdomains and physical curves as boundaries.
+
+    For first-order meshes in format 4.1, ``skfem.Mesh.load`` does the same. Of second-order meshes it loses
+    all curves, in format 2.2 the curves between two surfaces, and of a mesh of triangles and quadrilaterals
+    the quadrilaterals, mostly without a word.
+
+    Parameters
+    ----------
+    path
+        A Gmsh file (MSH 2.2 or 4.1, text or binary) with triangles or quadrilaterals of first or second
+        order. A curve must not have the name of a surface.
+
+    Returns
+    -------
+    Mesh
+        A ``MeshTri``, ``MeshTri2``, ``MeshQuad`` or ``MeshQuad2``. Nodes without an element are left out.
+
+    Raises
+    ------
+    ValueError
+        If the file is not a Gmsh mesh, if its elements are of several types or of one that is not supported,
+        or if a physical curve does not run along the sides of elements.
+
+    See Also
+    --------
+    join_bodies : Separate the bodies of the mesh.
+
+    Examples
+    --------
+    >>> from importlib.resources import files
+    >>> mesh = load_mesh(files("skfem_contact") / "data" / "culvert.msh")
+    >>> sorted(mesh.subdomains)
+    ['culvert', 'soft', 'stiff']
+    >>> sorted(mesh.boundaries)
+    ['bottom', 'culvert_inner', 'left', 'right', 'skin', 'surface']
+    """
+    try:
+        file = meshio.gmsh.read(fspath(path))
+    except meshio.ReadError as error:
+        raise ValueError(f"{fspath(path)} is not a Gmsh mesh: {error}") from error
+    kind = _element_type(file)
+    n_corners, line = _ELEMENTS[kind]
+    elements = file.cells_dict[kind]
+    lines = file.cells_dict.get(line, np.empty((0, 2), dtype=int))[:, :2]
+    curves = _physical_groups(file, 1, line)
+    _check_curves(curves, lines, elements[:, :n_corners])
+
+    corners = np.unique(elements[:, :n_corners])  # scikit-fem wants corners first, and all nodes used
+    kept = np.concatenate((corners, np.setdiff1d(elements, corners)))
+    number = np.zeros(len(file.points), dtype=int)
+    number[kept] = np.arange(len(kept))
+    named_lines = {name: [members, None] for name, members in curves.items()}
+    named_elements = {name: [None, members] for name, members in _physical_groups(file, 2, kind).items()}
+    return from_meshio(
+        meshio.Mesh(
+            file.points[kept],
+            [("line", number[lines]), (kind, number[elements])],
+            cell_sets={**named_lines, **named_elements},
+        )
+    )
+
+
+def _element_type(file: meshio.Mesh) -> str:
+    """The one type of elements in the file."""
+    counts = {kind: len(cells) for kind, cells in file.cells_dict.items() if kind not in _LOWER}
+    if len(counts) == 1 and set(counts) <= set(_ELEMENTS):
+        return next(iter(counts))
+    found = ", ".join(f"{count} {kind}" for kind, count in counts.items()) or "no elements"
+    remedy = ""
+    if len(counts) > 1:
+        remedy = "; in Gmsh, recombine all surfaces or none (Mesh.SubdivisionAlgorithm = 1 makes quads only)"
+    elif "quad8" in counts:
+        remedy = "; in Gmsh, set Mesh.SecondOrderIncomplete = 0"
+    raise ValueError(f"the mesh has {found}; supported is one type out of {', '.join(_ELEMENTS)}{remedy}")
+
+
+def _physical_groups(file: meshio.Mesh, dimension: int, cell_type: str) -> dict[str, Integers]:
+    """The cells of every named physical group of a dimension."""
+    names = {name: tag for name, (tag, dim) in file.field_data.items() if dim == dimension}
+    if file.cell_sets:  # format 4.1
+        groups = {name: file.cell_sets_dict[name].get(cell_type, []) for name in names}
+    else:
+        tags = file.cell_data_dict.get("gmsh:physical", {}).get(cell_type, np.empty(0))
+        groups = {name: np.flatnonzero(tags == tag) for name, tag in names.items()}
+    return {name: members for name, members in groups.items() if len(members)}
+
+
+def _check_curves(curves: dict[str, Integers], lines: Integers, corners: Integers) -> None:
+    """Every line of a named curve must be a side of an element."""
+    size = 1 + max(corners.max(), lines.max(initial=0))
+
+    def keys(pairs: Integers) -> Integers:
+        return pairs.min(axis=-1) * size + pairs.max(axis=-1)
+
+    is_side = np.isin(keys(lines), keys(np.stack((corners, np.roll(corners, -1, axis=1)), axis=-1)))
+    for name, members in curves.items():
+        stray = np.sum(~is_side[members])
+        if stray:
+            raise ValueError(f"{stray} of {len(members)} lines of curve '{name}' are not sides of elements")
