@@ -1,6 +1,6 @@
-"""One reference page per module, made from the package itself, so that no public name can be forgotten.
+"""Reference pages made from the package itself, so that no public name can be forgotten.
 
-A module's page carries the first paragraph of the module's docstring and a table of its public names.
+A page carries the docstring of its module and a table of the public names.
 """
 
 from __future__ import annotations
@@ -11,41 +11,43 @@ import inspect
 from pathlib import Path
 
 import skfem_contact
+from sphinx.errors import ConfigError
 
-#: Order and titles of the pages; names of any other module follow under that module's own name.
+#: Titles of the pages, in their order, and the modules of each; the first one's docstring opens the page.
 ROOMS = {
-    "mesh": "Meshes",
-    "solid": "Solid bodies",
-    "materials": "Materials",
-    "contact": "Contact",
-    "analysis": "Analysis",
-    "post": "Results",
-    "plot": "Pictures",
-    "assembly": "Assembly",
+    "Meshes": ("mesh", "mesh_file", "mesh_check"),
+    "Solid bodies": ("solid",),
+    "Materials": ("materials",),
+    "Contact": ("contact",),
+    "Loads": ("loads",),
+    "Analysis": ("analysis",),
+    "Results": ("post",),
+    "Pictures": ("plot",),
+    "Assembly": ("assembly",),
 }
 
 
 def public_names() -> dict[str, list[str]]:
-    """Qualified public names of every room."""
-    names: dict[str, list[str]] = {room: [] for room in ROOMS}
-    for name in getattr(skfem_contact, "__all__", ()):
-        thing = getattr(skfem_contact, name)
-        if not inspect.ismodule(thing):
-            room = thing.__module__.removeprefix("skfem_contact.").partition(".")[0]
-            names.setdefault(room, []).append(f"skfem_contact.{name}")
+    """Qualified public names by module, subpackages as a whole."""
+    names: dict[str, list[str]] = {}
+    for name in skfem_contact.__all__:
+        module = getattr(skfem_contact, name).__module__.split(".")[1]
+        names.setdefault(module, []).append(f"skfem_contact.{name}")
     if importlib.util.find_spec("skfem_contact.plot"):
         plot = importlib.import_module("skfem_contact.plot")
         names["plot"] = [f"skfem_contact.plot.{name}" for name in plot.__all__]
-    return {room: found for room, found in names.items() if found}
+    homeless = set(names).difference(*ROOMS.values())
+    if homeless:
+        raise ConfigError(f"public names of {sorted(homeless)} have no page: add the modules to ROOMS")
+    return names
 
 
-def page(room: str, names: list[str]) -> str:
-    """The reStructuredText of one room."""
-    title = ROOMS.get(room, room)
-    module = importlib.import_module(f"skfem_contact.{room}")
+def page(title: str, module: str, names: list[str]) -> str:
+    """The reStructuredText of one page."""
+    introduction = inspect.getdoc(importlib.import_module(f"skfem_contact.{module}"))
     rows = "\n".join(f"   ~{name}" for name in names)
     return (
-        f"{title}\n{'=' * len(title)}\n\n{inspect.getdoc(module)}\n\n"
+        f"{title}\n{'=' * len(title)}\n\n{introduction}\n\n"
         f".. autosummary::\n   :toctree: .\n   :nosignatures:\n\n{rows}\n"
     )
 
@@ -56,8 +58,11 @@ def write_pages(app, config) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     for old in folder.glob("*.rst"):
         old.unlink()
-    for number, (room, names) in enumerate(public_names().items()):
-        (folder / f"{number}_{room}.rst").write_text(page(room, names), encoding="utf-8")
+    names = public_names()
+    for number, (title, modules) in enumerate(ROOMS.items()):
+        found = [name for module in modules for name in names.get(module, [])]
+        if found:
+            (folder / f"{number}_{modules[0]}.rst").write_text(page(title, modules[0], found), encoding="utf-8")
 
 
 def setup(app):
