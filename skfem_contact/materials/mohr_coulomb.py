@@ -119,7 +119,7 @@ class MohrCoulomb(IsotropicPlasticity):
         tolerance = ROUND_OFF * np.maximum(trial[0], -trial[2])
         edge = np.flatnonzero(np.minimum(values[0] - values[1], values[1] - values[2]) < tolerance)
         at_edge = chosen(constants, edge)
-        values[:, edge], weights, apex = _to_edge_or_apex(trial[:, edge], tolerance[edge], at_edge)
+        values[:, edge], weights, apex = _to_edge_or_apex(trial[:, edge], at_edge)
 
         def moduli() -> Array:
             result = np.empty((3, *trial.shape))
@@ -183,14 +183,12 @@ def _to_plane(averaged: Array, weights: _Weights, k: _Constants) -> Array:
     return values
 
 
-def _to_edge_or_apex(
-    trial: Array, tolerance: Array, k: _Constants
-) -> tuple[Array, _Weights, NDArray[np.intp]]:
+def _to_edge_or_apex(trial: Array, k: _Constants) -> tuple[Array, _Weights, NDArray[np.intp]]:
     """Return trial stresses whose return to the face would change their order.
 
     Along the flow direction of the face one pair of principal stresses meets first, and the return goes on
     along that edge; the multipliers of both its faces grow all the way. The other pair can meet at the apex
-    only, which is reached if the yield function is still positive where all three have become equal.
+    only, which the return reaches if it would change the order of the largest and the smallest stress.
 
     Returns
     -------
@@ -204,15 +202,12 @@ def _to_edge_or_apex(
     weights = np.where(minor_pair, 1.0, 0.5), np.where(minor_pair, 0.5, 1.0)
     averaged = np.stack([sum(w * s for w, s in zip(row, trial)) for row in _averaging(weights)])
     values = _to_plane(averaged, weights, k)
-    np.maximum(values[0], values[2], out=values[0])
     values[1] = np.where(minor_pair, values[2], values[0])
 
-    flow = _normal(k.sin_psi, weights)
-    multiplier = (averaged[0] - averaged[2]) / (2 * k.mu * (flow[0] - flow[2]))
-    mean = trial.mean(axis=0) - (2 * k.lam + 4 / 3 * k.mu) * k.sin_psi * multiplier
-    apex = np.flatnonzero(2 * k.sin_phi * mean - k.strength > tolerance)
-    at_apex = chosen(k, apex)
-    values[:, apex] = at_apex.strength / (2 * at_apex.sin_phi)
+    apex = np.flatnonzero(values[0] < values[2])
+    if apex.size:
+        at_apex = chosen(k, apex)
+        values[:, apex] = at_apex.strength / (2 * at_apex.sin_phi)
     return values, weights, apex
 
 
