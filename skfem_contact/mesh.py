@@ -201,7 +201,7 @@ def _separate_parts(mesh: Mesh) -> Tags:
     parts = bodies(mesh)
     if len(parts) == 1:
         raise ValueError(
-            "the mesh is one connected body; say which subdomains make up its bodies, bodies={'name': [...]}; "
+            "the mesh is one connected body; name the subdomains of every body, bodies={'name': [...]}; "
             f"existing: {', '.join(own_tags(mesh.subdomains)) or 'none at all'}"
         )
     return parts
@@ -294,9 +294,10 @@ def _split_boundaries(mesh: Mesh, apart: Mesh, body: Indices, names: Sequence[st
 
 
 def _owners(mesh: Mesh, facets: Indices) -> Indices:
-    """The elements that a boundary's facets are seen from."""
+    """The elements that a boundary's facets are seen from: on the outer boundary, the only ones there are."""
     side = facets.ori if isinstance(facets, OrientedBoundary) else 0
-    return mesh.f2t[side, np.asarray(facets)]
+    facets = np.asarray(facets)
+    return np.where(mesh.f2t[1, facets] < 0, mesh.f2t[0, facets], mesh.f2t[side, facets])
 
 
 def _moved(old: Mesh, new: Mesh, facets: Indices, owners: Indices, first: int = 0) -> Indices:

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 from skfem import MappingIsoparametric, Mesh, MeshQuad1, MeshQuad2, MeshTri1, MeshTri2
+from skfem.generic_utils import OrientedBoundary
 
 Indices = NDArray[np.integer]
 
@@ -101,6 +102,8 @@ def _check_tags(tags: Mapping[str, Indices], kind: str, count: int) -> None:
     for name, part in tags.items():
         if np.min(part, initial=0) < 0 or np.max(part, initial=0) >= count:
             raise ValueError(f"{kind} '{name}' has numbers outside 0..{count - 1}; is it from another mesh?")
+        if isinstance(part, OrientedBoundary) and np.shape(part.ori) != part.shape:
+            raise ValueError(f"{kind} '{name}' has {len(part)} facets, but {np.size(part.ori)} orientations")
 
 
 def _error(problem: str, kind: str, numbers: Indices, x: NDArray[np.float64]) -> ValueError:
