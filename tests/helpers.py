@@ -1,0 +1,142 @@
+"""Meshes, bodies along a line, and finite differences, shared by the tests."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from numpy import ndarray
+from skfem import (
+    Basis,
+    ElementQuad1,
+    ElementQuad2,
+    ElementQuadS2,
+    ElementTriP1,
+    ElementTriP2,
+    ElementVector,
+    Mesh,
+    MeshQuad,
+    MeshTri,
+)
+
+import skfem_contact as sc
+from skfem_contact.contact.search import Projection, project
+
+#: Every supported element with a mesh that it lives on.
+ELEMENTS = {
+    "P1": (MeshTri, ElementTriP1),
+    "P2": (MeshTri, ElementTriP2),
+    "Q1": (MeshQuad, ElementQuad1),
+    "Q2": (MeshQuad, ElementQuad2),
+    "QuadS2": (MeshQuad, ElementQuadS2),
+}
+
+
+def vector_basis(mesh: Mesh, element: str, **options) -> Basis:
+    """Displacements in elements of a name of :data:`ELEMENTS`."""
+    return Basis(mesh, ElementVector(ELEMENTS[element][1]()), **options)
+
+
+def grid(element: str, x: ndarray, y: ndarray) -> Mesh:
+    """A tensor grid with the boundaries left, right, bottom and top."""
+    return ELEMENTS[element][0].init_tensor(np.asarray(x, float), np.asarray(y, float)).with_defaults()
+
+
+def distorted(mesh: Mesh, rng: np.random.Generator, amount: float) -> Mesh:
+    """The mesh with every node moved at random."""
+    return replace(mesh, doflocs=mesh.doflocs + amount * rng.uniform(-1, 1, mesh.doflocs.shape))
+
+
+def line_normals(line: ndarray, closed: bool = False) -> ndarray:
+    """Unit normals to the left of a line at its nodes, (n, 2)."""
+    before, after = np.roll(line, 1, axis=0), np.roll(line, -1, axis=0)
+    if not closed:
+        before[0], after[-1] = line[0], line[-1]
+    tangent = after - before
+    return np.stack((-tangent[:, 1], tangent[:, 0]), axis=1) / np.linalg.norm(tangent, axis=1)[:, None]
+
+
+def body_along(line: ndarray, element: str = "Q1", thickness: float = 1.0, closed: bool = False) -> Mesh:
+    """One layer of elements to the right of a line, which becomes the boundary "face".
+
+    Parameters
+    ----------
+    line
+        Points of the line, (n, 2); the outward normal of the face is on its left.
+    element
+        Name of :data:`ELEMENTS`; triangles are quadrilaterals cut in two.
+    thickness
+        Of the layer.
+    closed
+        Whether the last point is joined to the first.
+    """
+    line = np.asarray(line, float)
+    n = len(line)
+    inner = line - thickness * line_normals(line, closed)
+    a = np.arange(n if closed else n - 1)
+    b = (a + 1) % n
+    p = np.vstack((line, inner)).T
+    quads = np.stack((a, b, b + n, a + n))
+    if ELEMENTS[element][0] is MeshTri:
+        mesh = MeshTri(p, np.hstack((quads[[0, 1, 2]], quads[[0, 2, 3]])))
+    else:
+        mesh = MeshQuad(p, quads)
+    face = np.flatnonzero((mesh.facets < n).all(axis=0))
+    return mesh.with_boundaries({"face": face})
+
+
+def facing(slave: Mesh, master: Mesh, element: str = "Q1") -> Basis:
+    """A basis of two bodies with the boundaries "slave:face" and "master:face"."""
+    return vector_basis(sc.join_bodies({"slave": slave, "master": master}), element)
+
+
+def unknowns_of(basis: Basis, body: str) -> ndarray:
+    """The unknowns of a subdomain, (n, 2): one row a node."""
+    dofs = np.unique(basis.element_dofs[:, basis.mesh.subdomains[body]])
+    return dofs.reshape(-1, 2)
+
+
+def unknowns_at(basis: Basis, body: str, point: tuple[float, float]) -> ndarray:
+    """The two unknowns of the node of a body at a place."""
+    dofs = unknowns_of(basis, body)
+    distance = np.linalg.norm(basis.doflocs[:, dofs[:, 0]].T - np.asarray(point), axis=1)
+    assert distance.min() < 1e-9, f"no node of '{body}' at {point}"
+    return dofs[np.argmin(distance)]
+
+
+def rotation(degrees: float) -> ndarray:
+    c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    return np.array([[c, -s], [s, c]])
+
+
+def moved_rigidly(
+    basis: Basis, degrees: float, shift: tuple[float, float], x: ndarray | None = None
+) -> ndarray:
+    """Displacements that turn everything, displaced by x already, about the origin and shift it."""
+    x = basis.zeros() if x is None else x
+    places = basis.doflocs[:, ::2].T + x.reshape(-1, 2)
+    return (places @ rotation(degrees).T + shift - basis.doflocs[:, ::2].T).ravel()
+
+
+def closest(pair: sc.ContactPair, x: ndarray) -> Projection:
+    """Closest points on the master at the displacements x, among all segments at any depth."""
+    points = pair.points.positions(pair.slave.positions(x))
+    depth = np.full(len(points), np.inf)
+    return project(pair.master, pair.master.positions(x), points, depth, reach=np.inf)
+
+
+def directional_error(
+    force: Callable[[ndarray], ndarray], K, x: ndarray, directions: ndarray, h: float
+) -> float:
+    """Largest difference of ``K d`` and the central difference of the force over the largest ``K d``."""
+    exact = np.array([K @ d for d in directions])
+    numeric = np.array([(force(x + h * d) - force(x - h * d)) / (2 * h) for d in directions])
+    return float(np.abs(exact - numeric).max() / np.abs(exact).max())
+
+
+def resultant(basis: Basis, x: ndarray, force: ndarray) -> ndarray:
+    """Sum of nodal forces and their moment about the origin in the current configuration, (3,)."""
+    f = force.reshape(-1, 2)
+    place = basis.doflocs[:, ::2].T + x.reshape(-1, 2)
+    return np.array([*f.sum(axis=0), (place[:, 0] * f[:, 1] - place[:, 1] * f[:, 0]).sum()])
