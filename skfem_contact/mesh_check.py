@@ -60,8 +60,7 @@ def check_mesh(mesh: Mesh) -> None:
         raise _error("coordinates that are not finite", "node", lost, mesh.doflocs)
 
     corners = mesh.p[:, mesh.t]
-    element = mesh.elem()
-    jacobian = MappingIsoparametric(mesh, element).detDF(element.doflocs.T)
+    jacobian = _jacobian_at_nodes(mesh)
     size = np.linalg.norm(np.ptp(corners, axis=1), axis=0)
     flat = np.flatnonzero(np.abs(jacobian).min(axis=1) <= _FLAT * size**2)
     if len(flat):
@@ -96,6 +95,14 @@ def check_topology(mesh: Mesh) -> None:
 def own_tags(tags: Mapping[str, Indices] | None) -> dict[str, Indices]:
     """The user's tags, without Gmsh's bookkeeping that scikit-fem takes for a tag."""
     return {name: part for name, part in (tags or {}).items() if not name.startswith("gmsh:")}
+
+
+def _jacobian_at_nodes(mesh: Mesh) -> NDArray[np.float64]:
+    """The determinant of the mapping at the nodes of every element, zeros included: (n_elements, n_nodes)."""
+    element = mesh.elem()
+    mapping = MappingIsoparametric(mesh, element)
+    dx_dr, dx_ds, dy_dr, dy_ds = (mapping.J(i, j, element.doflocs.T) for i in (0, 1) for j in (0, 1))
+    return dx_dr * dy_ds - dx_ds * dy_dr
 
 
 def _check_tags(tags: Mapping[str, Indices], kind: str, count: int) -> None:

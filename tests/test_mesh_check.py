@@ -1,0 +1,164 @@
+"""Every mesh that no analysis can work on gets one clear error."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from skfem import (
+    MeshHex,
+    MeshLine,
+    MeshQuad1,
+    MeshQuad1DG,
+    MeshQuad2,
+    MeshTet,
+    MeshTri1,
+    MeshTri2,
+)
+from skfem.generic_utils import OrientedBoundary
+
+from skfem_contact import check_mesh, join_bodies
+
+KINDS = [MeshQuad1, MeshQuad2, MeshTri1, MeshTri2]
+SQUARE = np.array([[0.0, 1.0, 1.0, 0.0], [0.0, 0.0, 1.0, 1.0]])
+ONE = np.array([[0], [1], [2], [3]])
+
+
+def grid(kind):
+    """A unit square, 4 x 4."""
+    mesh = MeshQuad1.init_tensor(np.linspace(0, 1, 5), np.linspace(0, 1, 5))
+    mesh = mesh if issubclass(kind, MeshQuad1) else mesh.to_meshtri()
+    return mesh if type(mesh) is kind else kind.from_mesh(mesh)
+
+
+def moved(mesh, node, x):
+    """The mesh with a node somewhere else."""
+    doflocs = mesh.doflocs.copy()
+    doflocs[:, node] = x
+    return type(mesh)(doflocs, mesh.t)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("flip", [1.0, -1.0])
+@pytest.mark.parametrize("stretch", [1.0, 1e5])
+def test_good_meshes_pass(kind, flip, stretch):
+    """Either way round, of any size, far away, and as needles."""
+    check_mesh(grid(kind).scaled((flip * stretch, 1.0)))
+    check_mesh(grid(kind).scaled((1e-6, 1e-6 * flip)))
+    check_mesh(grid(kind).translated((1e3, -1e3)))
+
+
+def test_both_ways_round_in_one_mesh_pass():
+    tidy = grid(MeshTri1)
+    (ax, bx), (ay, by) = tidy.p[:, tidy.t[1:]] - tidy.p[:, tidy.t[:1]]
+    assert set(np.sign(ax * by - ay * bx)) == {-1.0, 1.0}
+    check_mesh(tidy)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_flat_element(kind):
+    mesh = grid(kind)
+    flat = moved(mesh, mesh.t[:, 5], mesh.p[:, mesh.t[:, 5]] * [[1.0], [0.0]])
+    with pytest.raises(ValueError, match=r"flat elements, \d+ in all: .*element 5 at \(0\.\d+, 0\)"):
+        check_mesh(flat)
+
+
+def test_quadrilateral_with_three_corners_in_a_line():
+    with pytest.raises(ValueError, match=r"flat elements, 1 in all: element 0 at \(0.625, 0.375\)"):
+        check_mesh(MeshQuad1(np.array([[0, 1, 1, 0.5], [0, 0, 1, 0.5]]), ONE))
+
+
+@pytest.mark.parametrize("kind", [MeshQuad1, MeshQuad2])
+@pytest.mark.parametrize("order", [[0, 2, 1, 3], [0, 1, 3, 2]])
+def test_bow_tie(kind, order):
+    mesh = MeshQuad1(SQUARE[:, order], ONE)
+    with pytest.raises(ValueError, match=r"(inverted|flat) elements, 1 in all: element 0 at \(0.5, 0.5\)"):
+        check_mesh(mesh if kind is MeshQuad1 else kind.from_mesh(mesh))
+
+
+def test_corner_inside_the_opposite_triangle():
+    with pytest.raises(ValueError, match=r"inverted elements, 1 in all: element 0"):
+        check_mesh(MeshQuad1(np.array([[0, 1, 0.3, 0], [0, 0, 0.3, 1]]), ONE))
+
+
+@pytest.mark.parametrize("kind", [MeshQuad2, MeshTri2])
+def test_side_bent_through_the_element(kind):
+    mesh = grid(kind)
+    side = mesh.dofs.element_dofs[len(mesh.t), 3]
+    with pytest.raises(ValueError, match="inverted elements"):
+        check_mesh(moved(mesh, side, mesh.doflocs[:, side] + 0.24))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_coordinates_that_are_not_finite(kind, value):
+    with pytest.raises(ValueError, match=r"not finite, 1 in all: node 7 at \((nan|inf), 0.5\)"):
+        check_mesh(moved(grid(kind), 7, (value, 0.5)))
+
+
+def test_free_nodes_are_named_but_join_bodies_drops_them():
+    mesh = grid(MeshQuad1)
+    loose = MeshQuad1(np.hstack((mesh.p, [[2.0, 3.0], [0.5, np.nan]])), mesh.t)
+    with pytest.raises(ValueError, match=r"nodes of no element .*2 in all: node 25 at \(2, 0.5\), node 26"):
+        check_mesh(loose)
+    check_mesh(join_bodies({"square": loose}))
+
+
+def test_long_lists_are_cut():
+    mesh = grid(MeshQuad1)
+    with pytest.raises(ValueError) as caught:
+        check_mesh(mesh.scaled((1.0, 0.0)))
+    assert "flat elements, 16 in all" in str(caught.value)
+    assert str(caught.value).count("element ") == 5
+    assert str(caught.value).endswith("...")
+
+
+@pytest.mark.parametrize("mesh", [MeshTet(), MeshHex(), MeshLine(), MeshQuad1DG.init_tensor([0, 1], [0, 1])])
+def test_other_kinds(mesh):
+    message = f"{type(mesh).__name__} is not supported; supported are MeshTri1, MeshTri2, MeshQuad1,"
+    for check in (check_mesh, join_bodies):
+        with pytest.raises(ValueError, match=message):
+            check(mesh)
+
+
+def test_no_elements():
+    with pytest.raises(ValueError, match="no elements"):
+        check_mesh(MeshQuad1(SQUARE, np.zeros((4, 0), dtype=int)))
+
+
+@pytest.mark.parametrize("node", [4, -1])
+def test_nodes_that_do_not_exist(node):
+    with pytest.raises(ValueError, match="4 nodes, but its elements need"):
+        check_mesh(MeshQuad1(SQUARE, np.array([[0], [1], [2], [node]])))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_surface_saved_twice(kind):
+    first_order = MeshQuad1 if issubclass(kind, MeshQuad1) else MeshTri1
+    mesh = grid(first_order)
+    double = first_order(mesh.p, np.hstack((mesh.t, mesh.t[:, :1])))
+    with pytest.raises(ValueError, match="elements on top of each other"):
+        check_mesh(double if kind is first_order else kind.from_mesh(double))
+
+
+@pytest.mark.parametrize("numbers", [[0, 40], [-1, 3]])
+def test_tags_of_another_mesh(numbers):
+    mesh = grid(MeshQuad1)
+    with pytest.raises(ValueError, match=r"boundary 'edge' has numbers outside 0..39; is it"):
+        check_mesh(mesh.with_boundaries({"edge": np.array(numbers)}))
+    with pytest.raises(ValueError, match=r"subdomain 'part' has numbers outside 0..15"):
+        check_mesh(mesh.with_subdomains({"part": np.array(numbers)}))
+
+
+def test_part_of_an_oriented_boundary():
+    """Indexing an oriented boundary leaves its orientations behind."""
+    mesh = grid(MeshQuad1)
+    rim = mesh.facets_around(np.array([5, 6]))
+    check_mesh(mesh.with_boundaries({"rim": rim}))
+    assert isinstance(rim[:2], OrientedBoundary)
+    with pytest.raises(ValueError, match="boundary 'rim' has 2 facets, but 6 orientations"):
+        check_mesh(mesh.with_boundaries({"rim": rim[:2]}))
+
+
+def test_empty_tags_are_allowed():
+    empty = np.zeros(0, dtype=int)
+    check_mesh(grid(MeshQuad1).with_boundaries({"none": empty}).with_subdomains({"nothing": empty}))
