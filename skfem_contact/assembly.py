@@ -22,36 +22,45 @@ _CHUNK = 512  # elements a batch: B, DB and BᵀDB of a batch stay in the proces
 
 
 class Response:
-    """What a form answers: internal force, candidate state and, when asked for, the tangent.
+    """What a form answers: the internal force and, when asked for, the candidate state and the tangent.
 
     Parameters
     ----------
     force
         Internal force, shape (N,).
     state
-        The state that holds once the step is accepted; accepting it is an assignment.
+        Function that gives the state that holds once the step is accepted.
     stiffness
-        Function that computes the tangent ``d force / d x``; it is called at the first access of
-        :attr:`stiffness` only, so that a line search never pays for a tangent.
+        Function that computes the tangent ``d force / d x``.
+
+    Notes
+    -----
+    Both functions are called at the first access of :attr:`state` and :attr:`stiffness` only, so that a line
+    search pays for the force alone.
 
     Examples
     --------
     >>> import numpy as np
     >>> from scipy.sparse import csr_matrix
     >>> from skfem_contact import Response
-    >>> Response(np.zeros(2), None, lambda: csr_matrix(np.eye(2))).stiffness.shape
+    >>> Response(np.zeros(2), lambda: None, lambda: csr_matrix(np.eye(2))).stiffness.shape
     (2, 2)
     """
 
-    def __init__(self, force: ndarray, state: Any, stiffness: Callable[[], csr_matrix]) -> None:
+    def __init__(self, force: ndarray, state: Callable[[], Any], stiffness: Callable[[], csr_matrix]) -> None:
         self.force = force
-        self.state = state
-        self._compute_stiffness = stiffness
+        self._state = state
+        self._stiffness = stiffness
+
+    @cached_property
+    def state(self) -> Any:
+        """Candidate state; accepting a step is an assignment."""
+        return self._state()
 
     @cached_property
     def stiffness(self) -> csr_matrix:
         """Tangent stiffness, a ``csr_matrix`` of shape (N, N)."""
-        return self._compute_stiffness()
+        return self._stiffness()
 
 
 class StrainOperator(NamedTuple):

@@ -156,7 +156,7 @@ class SolidForm:
                 internal[:n, e] = update.internal
             updates.append(update)
         force = self._strain_matrix.T @ (stress * self.weight).ravel()
-        return Response(force, SolidState(strain, stress, internal), lambda: self._tangent(updates))
+        return Response(force, lambda: SolidState(strain, stress, internal), lambda: self._tangent(updates))
 
     def summary(self, state: SolidState) -> str:
         """Share of the points that have yielded, for the table of a result; nothing where nothing has."""
@@ -167,6 +167,9 @@ class SolidForm:
     def remarks(self, state: SolidState) -> list[str]:
         """What a user should know of an accepted state: nothing here."""
         return []
+
+    def settle(self, accepted: SolidState, candidate: SolidState) -> None:
+        """Nothing is left to do once an increment has converged."""
 
     def element_forces(self, stress: ndarray, elements: ndarray) -> ndarray:
         """Internal forces that the nodes exert on some elements, (n_local_dofs, len(elements))."""

@@ -15,6 +15,7 @@ from ..contact.penalty import choose_penalties
 from .linear import DirectSolver, as_solver
 from .newton import Form, Newton, NotConverged, System
 from .result import Result, StageResult
+from .settling import settled
 from .supports import check_supports
 
 logger = logging.getLogger("skfem_contact")
@@ -130,7 +131,7 @@ def _increments(system: System, stage: Stage, last: StageResult, newton: Newton)
         load = first_load + fraction * (stage.load - first_load)
         prescribed = first + fraction * (target - first)
         try:
-            new = system.equilibrium(last.x, last.states, load, prescribed, newton)
+            new = settled(system, last.x, last.states, load, prescribed, newton)
         except NotConverged as error:
             size = 0.5 * (fraction - last.fraction)
             logger.info("stage '%s': increment to %.4f failed, cut to %.4f", stage.name, fraction, size)

@@ -1,6 +1,10 @@
 """Contact between bodies: surfaces, closest point projection, kinematics, and the pair form."""
-from .pair import ContactPair, ContactState
+from .augmented import AugmentedLagrangian
+from .pair import ContactPair, two_pass
 from .penalty import choose_penalties
+from .rigid import rigid_circle, rigid_level_set, rigid_line, rigid_polyline
+from .state import ContactState
 from .surface import Surface
 
-__all__ = ["ContactPair", "ContactState", "Surface", "choose_penalties"]
+__all__ = ["AugmentedLagrangian", "ContactPair", "ContactState", "Surface", "choose_penalties", "rigid_circle",
+           "rigid_level_set", "rigid_line", "rigid_polyline", "two_pass"]

@@ -2,7 +2,8 @@
 from __future__ import annotations
 
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import replace
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -12,69 +13,59 @@ from skfem import CellBasis
 
 from ..assembly import Response
 from ..checks import check_basis
-from ..materials.coulomb import Coulomb, Status, Traction
+from ..materials.coulomb import InterfaceLaw, Status, Traction
 from . import quadrature as rules
+from .augmented import AugmentedLagrangian
 from .kinematics import Kinematics, geometric_tangent, variations
 from .search import Projection, project
+from .smoothing import smoothed
+from .state import ContactState
 from .surface import Surface
 
 #: Round-off of a gap, as a share of the slave segment: bodies that touch exactly are in contact.
 _TOUCHING = 1e-9
 #: Penetration, as a share of the slave segment, from which the user is told.
 _PENETRATION = 0.01
-
-
-@dataclass(frozen=True)
-class ContactState:
-    """What the points of a contact pair remember, arrays (n_points,).
-
-    Attributes
-    ----------
-    stick_point
-        Arc position on the undeformed master to which each point sticks; NaN where it has no counterpart.
-    gap, slip
-        Normal gap (negative: penetration, inf: nothing near) and slip from the initial stick point.
-    normal, tangential
-        Tractions: normal negative in compression; tangential opposes the slip.
-    status
-        :class:`~skfem_contact.Status`.
-    arc
-        Arc position of the closest point on the master.
-    """
-
-    stick_point: ndarray
-    gap: ndarray
-    slip: ndarray
-    normal: ndarray
-    tangential: ndarray
-    status: ndarray
-    arc: ndarray
+#: The rule "segments" is cut anew when a cut has moved by more than this share of a segment.
+_MOVED = 1e-3
 
 
 class ContactPair:
-    """Frictional contact with finite sliding between two named boundaries.
+    """Frictional contact with finite sliding between two boundaries, or a boundary and a rigid obstacle.
 
     Parameters
     ----------
     basis
-        ``Basis`` of the mesh that holds both bodies.
+        ``Basis`` of the mesh that holds the bodies.
     slave, master
         Names of the boundaries; each must be a single chain.  The paper's advice: the softer body is the slave.
+        The master may be a rigid obstacle, e.g. :func:`rigid_line`.
     law
-        Interface law, e.g. :class:`Coulomb`.
+        Interface law: :class:`Coulomb` or :class:`Tied`.
     quadrature
-        ``"nodal"``, the paper's node-to-segment with tributary lengths, or the number of Gauss points on each
-        slave segment (surface-to-surface).
+        ``"nodal"``, the paper's node-to-segment with tributary lengths; the number of Gauss points on each slave
+        segment (surface-to-surface); or ``"segments"``, Gauss points between cuts by both meshes, which passes
+        the patch test.
     penalty
         Traction per penetration: one number for both directions, or (normal, tangential); by default
         :func:`choose_penalties` takes it from the stiffness and the size of the elements on both sides.
+    smoothing
+        Share alpha of the facets that Hermite curves round off at the master's joints (0 < alpha <= 1/2); joints
+        of more than 45 degrees stay sharp.  ``None``: the facets as they are.
+    enforcement
+        ``None``: penalty; or :class:`AugmentedLagrangian`, whose result does not depend on the penalty.
+    initial
+        ``"as meshed"``: gaps and overlaps count; ``"adjusted"``: what lies within half a segment touches exactly;
+        ``"ramped"``: overlaps are resolved in steps (interference fits).
+    share
+        Share of the contact work, 1/2 for each of two pairs with the roles swapped (:func:`two_pass`).
     tangent
         ``"exact"``, or ``"primary"``: the paper's eqs 20 to 22 without the rotation and curvature parts.
 
     Raises
     ------
     ValueError
-        Unknown boundary, no single chain, slave and master that share nodes, penalty not positive.
+        Unknown boundary, no single chain, slave and master that share nodes, penalty not positive, alpha out of range.
 
     Examples
     --------
@@ -92,55 +83,95 @@ class ContactPair:
     [-10.0, -10.0, -10.0]
     """
 
-    def __init__(self, basis: CellBasis, slave: str, master: str, law: Coulomb,
-                 quadrature: Literal["nodal"] | int = "nodal",
+    def __init__(self, basis: CellBasis, slave: str, master: str | Surface, law: InterfaceLaw,
+                 quadrature: Literal["nodal", "segments"] | int = "nodal",
                  penalty: float | tuple[float, float] | None = None,
+                 smoothing: float | None = None, enforcement: AugmentedLagrangian | None = None,
+                 initial: Literal["as meshed", "adjusted", "ramped"] = "as meshed", share: float = 1.0,
                  tangent: Literal["exact", "primary"] = "exact") -> None:
         check_basis(basis)
         self.slave = Surface.from_boundary(basis, slave)
-        self.master = Surface.from_boundary(basis, master)
-        if slave == master or np.isin(self.slave.dofs[:, 0], self.master.dofs[:, 0]).any():
-            raise ValueError(f"slave '{slave}' and master '{master}' share nodes: a body cannot touch itself "
-                             "there; separate the bodies with join_bodies")
-        if tangent not in ("exact", "primary"):
-            raise ValueError(f"tangent must be 'exact' or 'primary', not {tangent!r}")
+        self.facets = master if isinstance(master, Surface) else Surface.from_boundary(basis, master)
+        self.master = self.facets if smoothing is None else smoothed(self.facets, smoothing)
+        if np.isin(self.slave.dofs[:, 0], self.master.dofs[:, 0]).any():
+            raise ValueError(f"slave '{slave}' and master '{self.master.name}' share nodes: a body cannot touch "
+                             "itself there; separate the bodies with join_bodies")
+        _one_of("quadrature", quadrature, ("nodal", "segments", "a positive number of Gauss points"))
+        _one_of("tangent", tangent, ("exact", "primary"))
+        _one_of("initial", initial, ("as meshed", "adjusted", "ramped"))
+        if not 0.0 < share <= 1.0:
+            raise ValueError(f"share must lie in (0, 1], not {share!r}")
         self.law, self.quadrature, self.tangent = law, quadrature, tangent
-        self.points = _points(self.slave, quadrature)
+        self.enforcement, self.initial, self.share = enforcement, initial, share
         self.n = basis.N
         self.penalty = None if penalty is None else self._checked(penalty)
-        # what penetrates deeper than an element or so belongs to the other side of the body
-        self._depth = np.maximum(self.points.size, float(np.median(self.master.length)))
+        self.stiffness: ndarray | None = None
 
     def __repr__(self) -> str:
-        return (f"<ContactPair {self.slave.name} on {self.master.name}, {len(self.points.weight)} points "
-                f"({self.quadrature}), {self.law!r}>")
+        return (f"<ContactPair {self.slave.name} on {self.master.name}, {len(self.slave.segments)} segments, "
+                f"quadrature {self.quadrature}, {self.law!r}>")
+
+    # -- what is given once ---------------------------------------------------------------------------------
 
     def _checked(self, penalty: float | tuple[float | ndarray, float | ndarray]) -> tuple[ndarray, ndarray]:
         values = penalty if isinstance(penalty, tuple) else (penalty, penalty)
-        normal, tangential = (np.broadcast_to(np.asarray(v, float), self.points.weight.shape) for v in values)
+        normal, tangential = (np.broadcast_to(np.asarray(v, float), len(self.slave.segments)) for v in values)
         if not (normal > 0).all() or not (tangential > 0).all():
             raise ValueError(f"penalties must be positive, not {penalty!r}")
         return normal, tangential
 
-    def with_penalty(self, normal: float | ndarray, tangential: float | ndarray) -> ContactPair:
-        """The same pair with other penalties (traction per penetration and per elastic slip)."""
+    def with_penalty(self, normal: float | ndarray, tangential: float | ndarray,
+                     stiffness: ndarray | None = None) -> ContactPair:
+        """The same pair with other penalties.
+
+        Parameters
+        ----------
+        normal, tangential
+            Traction per penetration and per elastic slip: numbers, or one value for each slave segment.
+        stiffness
+            Traction per displacement of the bodies' surfaces, about E/h, for each slave segment: what the
+            augmented method measures a penetration by.
+        """
         new = copy(self)
         new.penalty = self._checked((normal, tangential))
+        new.stiffness = stiffness
         return new
 
-    def with_law(self, law: Coulomb) -> ContactPair:
+    def with_law(self, law: InterfaceLaw) -> ContactPair:
         """The same pair with another interface law."""
         new = copy(self)
         new.law = law
         return new
 
+    @cached_property
+    def _fixed_points(self) -> rules.SlavePoints:
+        return rules.nodal(self.slave) if self.quadrature == "nodal" else rules.gauss(self.slave, int(self.quadrature))
+
+    def points(self, state: ContactState) -> rules.SlavePoints:
+        """The slave's points at which a state holds."""
+        if self.quadrature != "segments":
+            return self._fixed_points
+        return rules.between(self.slave, state.cuts, self.slave.segments.shape[1] + 1)
+
     def initial_state(self) -> ContactState:
         """Nothing has moved: each point sticks to its initial closest point (eq. 7, ``xi_0 = xi_c``)."""
-        nodes = self.master.nodes
-        found = self._project(nodes, self.points.positions(self.slave.nodes))
+        slave, master = self.slave.nodes, self.master.nodes
+        cuts = self._cuts(slave, master) if self.quadrature == "segments" else np.zeros(0)
+        empty = np.zeros(0)
+        points = self.points(ContactState(*[empty] * 11, cuts=cuts))
+        found = self._project(points, master, points.positions(slave))
         arc = self._arc(found)
         zero = np.zeros(len(arc))
-        return ContactState(arc, found.gap, zero, zero, zero, np.full(len(arc), int(Status.OPEN)), arc)
+        offset = zero
+        if self.initial == "adjusted" or self.law.bonds:
+            offset = np.where(np.abs(found.gap) <= 0.5 * points.size, found.gap, 0.0)
+        elif self.initial == "ramped":
+            offset = np.minimum(found.gap, 0.0)
+        touching = found.gap - offset <= _TOUCHING * points.size
+        status = np.where(touching, int(Status.STICK), int(Status.OPEN))
+        return ContactState(arc, arc, found.gap, zero, zero, zero, status, zero, zero, zero + 1.0, offset, cuts)
+
+    # -- the form -------------------------------------------------------------------------------------------
 
     def assemble(self, x: ndarray, state: ContactState) -> Response:
         """Contact force, tangent and candidate state at the displacements ``x``.
@@ -152,48 +183,53 @@ class ContactPair:
         state
             The last accepted state.
         """
+        slave, nodes = self.slave.positions(x), self.master.positions(x)
+        points = self.points(state)
+        positions = points.positions(slave)
+        found = self._project(points, nodes, positions)
+        arc = self._arc(found)
+        normal_penalty, tangential_penalty = self.penalties(points, state)
+        gap = found.gap - state.offset + state.normal_multiplier / normal_penalty
+        gap = np.where(np.abs(gap) <= _TOUCHING * points.size, 0.0, gap)
+        bonded = state.status != Status.OPEN
+        at = np.flatnonzero(found.found & self.law.reaches(gap, normal_penalty, bonded))
+
+        rho = self.master.curve(found.segment[at], found.xi[at], nodes)[1]
+        stick_point = np.where(np.isnan(state.stick_point[at]), arc[at], state.stick_point[at])
+        elastic_arc = self._along(arc[at] - stick_point)
+        kinematics = variations(points, self.slave, self.master, at, found, positions[at] - rho[0], elastic_arc, nodes)
+        stretch = np.linalg.norm(rho[1], axis=1) / self.master.arc(found.segment[at], found.xi[at])[1]
+        shift = state.tangential_multiplier[at] / tangential_penalty[at]
+        traction = self.law.update(gap[at], stretch * elastic_arc + shift, normal_penalty[at], tangential_penalty[at])
+
+        weight = self.share * points.weight[at]
+        force = ((weight * traction.normal)[:, None] * kinematics.gap_gradient
+                 + (weight * traction.tangential)[:, None] * kinematics.tangential)
+        elastic = (traction.elastic_slip - shift) / stretch
+        return Response(self._gather(kinematics, force),
+                        lambda: self._candidate(state, found, arc, at, traction, elastic, slave, nodes),
+                        lambda: self._stiffness(kinematics, traction, weight))
+
+    def penalties(self, points: rules.SlavePoints, state: ContactState) -> tuple[ndarray, ndarray]:
+        """Normal and tangential penalty at the points of a state."""
         if self.penalty is None:
             raise ValueError(f"contact of '{self.slave.name}' on '{self.master.name}' has no penalty yet: give "
                              "`penalty=`, or call choose_penalties(forms), which `run` does for you")
-        nodes = self.master.positions(x)
-        positions = self.points.positions(self.slave.positions(x))
-        found = self._project(nodes, positions)
-        arc = self._arc(found)
-        at = np.flatnonzero(found.gap <= _TOUCHING * self.points.size)
-        rho = self.master.curve(found.segment[at], found.xi[at], nodes)[1]
-        elastic_arc = self._along(arc[at] - np.where(np.isnan(state.stick_point[at]), arc[at], state.stick_point[at]))
-        kinematics = variations(self.points, self.slave, self.master, at, found, positions[at] - rho[0],
-                                elastic_arc, nodes)
-        stretch = np.linalg.norm(rho[1], axis=1) / self.master.arc(found.segment[at], found.xi[at])[1]
-        traction = self.law.update(np.minimum(found.gap[at], 0.0), stretch * elastic_arc,
-                                   self.penalty[0][at], self.penalty[1][at])
-        weight = self.points.weight[at]
-        force = (weight * traction.normal)[:, None] * kinematics.gap_gradient \
-            + (weight * traction.tangential)[:, None] * kinematics.tangential
-        new = self._candidate(state, found, arc, at, traction, traction.elastic_slip / stretch)
-        return Response(np.bincount(kinematics.dofs.ravel(), force.ravel(), minlength=self.n), new,
-                        lambda: self._stiffness(kinematics, traction, weight))
+        normal, tangential = (self._at(points, p) * state.stiffening for p in self.penalty)
+        return normal, tangential
 
-    def summary(self, state: ContactState) -> str:
-        """Counts of open, sticking and slipping points, for the table of a result."""
-        counts = np.bincount(state.status, minlength=3)
-        return f"{counts[Status.STICK]} stick, {counts[Status.SLIP]} slip, {counts[Status.OPEN]} open"
+    def _at(self, points: rules.SlavePoints, per_segment: ndarray) -> ndarray:
+        """Values of the slave's segments at its points; a node takes the mean of its segments."""
+        flat = self.slave.segments.ravel()
+        count = np.bincount(flat, minlength=len(self.slave.nodes))
+        at_nodes = np.bincount(flat, np.repeat(per_segment, self.slave.segments.shape[1]),
+                               minlength=len(self.slave.nodes)) / count
+        return np.asarray(at_nodes[points.nodes].mean(axis=1))
 
-    def penetration(self, state: ContactState) -> float:
-        """Largest penetration as a share of the slave segment there."""
-        closed = state.status != Status.OPEN
-        return float(np.max(-state.gap[closed] / self.points.size[closed], initial=0.0))
-
-    def remarks(self, state: ContactState) -> list[str]:
-        """What a user should know of an accepted state: a penetration of more than 1 % of the segment."""
-        share = self.penetration(state)
-        if share <= _PENETRATION:
-            return []
-        return [f"the slave penetrates by {share:.1%} of its segment length: the penalty "
-                f"(median {np.median(self.penalty[0]):.3g}) is too soft for this load"]  # type: ignore[index]
-
-    def _project(self, nodes: ndarray, positions: ndarray) -> Projection:
-        return project(self.master, nodes, positions, self._depth, reach=float(self._depth.max()))
+    def _project(self, points: rules.SlavePoints, nodes: ndarray, positions: ndarray) -> Projection:
+        # what penetrates deeper than an element or so belongs to the other side of the body
+        depth = np.maximum(points.size, float(np.median(self.master.length)))
+        return project(self.master, nodes, positions, depth, reach=float(depth.max()))
 
     def _arc(self, found: Projection) -> ndarray:
         arc = np.full(len(found.gap), np.nan)
@@ -207,8 +243,11 @@ class ContactPair:
         total = self.master.total_length
         return (difference + 0.5 * total) % total - 0.5 * total
 
+    def _cuts(self, slave: ndarray, master: ndarray) -> ndarray:
+        return rules.common_cuts(self.slave, slave, self.master, master)
+
     def _candidate(self, state: ContactState, found: Projection, arc: ndarray, at: ndarray, traction: Traction,
-                   elastic_arc: ndarray) -> ContactState:
+                   elastic_arc: ndarray, slave: ndarray, master: ndarray) -> ContactState:
         """Open points take their closest point along as stick point, sliding ones drag it behind (eq. 10)."""
         zero = np.zeros(len(arc))
         stick_point, normal, tangential = arc.copy(), zero.copy(), zero.copy()
@@ -217,7 +256,30 @@ class ContactPair:
         normal[at], tangential[at], status[at] = traction.normal, traction.tangential, traction.status
         moved = self._along(arc - state.arc)
         slip = np.where(status == Status.OPEN, 0.0, state.slip + np.where(np.isnan(moved), 0.0, moved))
-        return ContactState(stick_point, found.gap, slip, normal, tangential, status, arc)
+        closed = status != Status.OPEN
+        new = replace(state, stick_point=stick_point, arc=arc, gap=found.gap, slip=slip, normal=normal,
+                      tangential=tangential, status=status,
+                      normal_multiplier=np.where(closed, state.normal_multiplier, 0.0),
+                      tangential_multiplier=np.where(closed, state.tangential_multiplier, 0.0))
+        return self._recut(new, self._cuts(slave, master)) if self.quadrature == "segments" else new
+
+    def _recut(self, state: ContactState, cuts: ndarray) -> ContactState:
+        """Carry a state over to new cuts, unless they are where they were."""
+        if len(cuts) == len(state.cuts) and np.abs(cuts - state.cuts).max() < _MOVED:
+            return state
+        old, new = self.points(state), self.points(replace(state, cuts=cuts))
+        nearest = np.abs(new.arc[:, None] - old.arc).argmin(axis=1)
+        elastic = np.nan_to_num(state.arc - state.stick_point)
+        smooth = {name: np.interp(new.arc, old.arc, getattr(state, name)) for name in (
+            "slip", "normal", "tangential", "normal_multiplier", "tangential_multiplier", "stiffening", "offset")}
+        arc = np.interp(new.arc, old.arc, np.nan_to_num(state.arc)) if not self.master.closed else state.arc[nearest]
+        arc = np.where(np.isnan(state.arc[nearest]), np.nan, arc)
+        return ContactState(stick_point=arc - np.interp(new.arc, old.arc, elastic), arc=arc,
+                            gap=state.gap[nearest], status=state.status[nearest], cuts=cuts, **smooth)
+
+    def _gather(self, kinematics: Kinematics, force: ndarray) -> ndarray:
+        moving = kinematics.dofs >= 0  # rigid obstacles have no unknowns
+        return np.bincount(kinematics.dofs[moving], force[moving], minlength=self.n)
 
     def _stiffness(self, kinematics: Kinematics, traction: Traction, weight: ndarray) -> csr_matrix:
         """Eqs 14 to 16, exact; the primary part alone is eqs 20 to 22."""
@@ -228,14 +290,80 @@ class ContactPair:
         if self.tangent == "exact":
             K += geometric_tangent(kinematics, traction.normal, traction.tangential)
         K *= weight[:, None, None]
-        rows = np.repeat(kinematics.dofs, K.shape[2], axis=1)
-        columns = np.tile(kinematics.dofs, (1, K.shape[1]))
-        return coo_matrix((K.ravel(), (rows.ravel(), columns.ravel())), shape=(self.n, self.n)).tocsr()
+        m = K.shape[1]
+        rows, columns = np.repeat(kinematics.dofs, m, axis=1).ravel(), np.tile(kinematics.dofs, (1, m)).ravel()
+        moving = (rows >= 0) & (columns >= 0)
+        return coo_matrix((K.ravel()[moving], (rows[moving], columns[moving])), shape=(self.n, self.n)).tocsr()
+
+    # -- what the analysis asks besides ---------------------------------------------------------------------
+
+    def settle(self, accepted: ContactState, candidate: ContactState) -> ContactState | None:
+        """State from which the same increment must be solved once more, or None where nothing is left to do.
+
+        The augmented method improves its multipliers here, and overlaps are resolved in steps.
+        """
+        if self.initial == "ramped" and accepted.offset.any():
+            left = accepted.offset * 0.5
+            return replace(accepted, offset=np.where(np.abs(left) < 0.05 * np.abs(left).max(initial=0.0), 0.0, left))
+        if self.enforcement is None:
+            return None
+        points = self.points(accepted)
+        stiffness = self.penalty[0] if self.stiffness is None else self.stiffness  # type: ignore[index]
+        return self.enforcement.augment(accepted, candidate, self.penalties(points, accepted),
+                                        self._at(points, stiffness))
+
+    def summary(self, state: ContactState) -> str:
+        """Counts of open, sticking and slipping points, for the table of a result."""
+        counts = np.bincount(state.status, minlength=3)
+        return f"{counts[Status.STICK]} stick, {counts[Status.SLIP]} slip, {counts[Status.OPEN]} open"
+
+    def penetration(self, state: ContactState) -> float:
+        """Largest penetration as a share of the slave segment there."""
+        closed = state.status != Status.OPEN
+        return float(np.max((state.offset - state.gap)[closed] / self.points(state).size[closed], initial=0.0))
+
+    def remarks(self, state: ContactState) -> list[str]:
+        """What a user should know of an accepted state: a penetration of more than 1 % of the segment."""
+        share = self.penetration(state)
+        if share <= _PENETRATION:
+            return []
+        softest = np.median(self.penalties(self.points(state), state)[0])
+        return [f"the slave penetrates by {share:.1%} of its segment length: the penalty (median {softest:.3g}) is "
+                "too soft for this load"]
 
 
-def _points(slave: Surface, quadrature: str | int) -> rules.SlavePoints:
-    if quadrature == "nodal":
-        return rules.nodal(slave)
-    if isinstance(quadrature, int) and quadrature > 0:
-        return rules.gauss(slave, quadrature)
-    raise ValueError(f"quadrature must be 'nodal' or a positive number of Gauss points, not {quadrature!r}")
+def _one_of(name: str, value: object, allowed: tuple[str, ...]) -> None:
+    if value in allowed or (name == "quadrature" and type(value) is int and value > 0):
+        return
+    raise ValueError(f"{name} must be one of {allowed}, not {value!r}")
+
+
+def two_pass(basis: CellBasis, a: str, b: str, law: InterfaceLaw, **options: object) -> dict[str, ContactPair]:
+    """Two pairs with the roles swapped, each with half of the contact work: node-to-segment without bias.
+
+    Parameters
+    ----------
+    basis, law
+        As for :class:`ContactPair`.
+    a, b
+        Names of the boundaries.
+    options
+        Further arguments of :class:`ContactPair`.
+
+    Returns
+    -------
+    dict
+        The two forms, named ``"a on b"``.
+
+    Examples
+    --------
+    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+    >>> import skfem_contact as sc
+    >>> block = MeshQuad().refined(1).with_defaults()
+    >>> mesh = sc.join_bodies({"lower": block, "upper": block.translated((0., 1.))})
+    >>> basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+    >>> list(sc.two_pass(basis, "upper:bottom", "lower:top", sc.Coulomb(mu=.3)))
+    ['upper:bottom on lower:top', 'lower:top on upper:bottom']
+    """
+    return {f"{slave} on {master}": ContactPair(basis, slave, master, law, share=0.5, **options)  # type: ignore[arg-type]
+            for slave, master in ((a, b), (b, a))}

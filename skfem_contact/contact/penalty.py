@@ -44,34 +44,30 @@ def choose_penalties(forms: Mapping[str, Any]) -> dict[str, Any]:
     >>> bool(1e3 < forms["contact"].penalty[0].mean() < 1e5)        # some E/h
     True
     """
-    pairs = {k: f for k, f in forms.items() if isinstance(f, ContactPair) and f.penalty is None}
-    if not pairs:
-        return dict(forms)
+    pairs = {k: f for k, f in forms.items() if isinstance(f, ContactPair) and f.stiffness is None}
     diagonals = [f.elastic_stiffness.diagonal() for f in forms.values() if hasattr(f, "elastic_stiffness")]
-    if not diagonals:
+    if pairs and not diagonals:
         raise ValueError("no solid among the forms: the contact pairs need `penalty=`")
-    diagonal = np.sum(diagonals, axis=0)
     new = dict(forms)
     for name, pair in pairs.items():
-        penalty = _RATIO * _series(pair, diagonal)
-        new[name] = pair.with_penalty(penalty, penalty)
+        stiffness = _series(pair, np.sum(diagonals, axis=0))
+        penalty = pair.penalty or (_RATIO * stiffness, _RATIO * stiffness)
+        new[name] = pair.with_penalty(*penalty, stiffness=stiffness)
     return new
 
 
 def _series(pair: ContactPair, diagonal: ndarray) -> ndarray:
-    """Stiffness per length of both surfaces in series, at every slave point."""
-    slave, master = _stiffness(pair.slave, diagonal), _stiffness(pair.master, diagonal)
-    at_points = np.einsum("nk,nk->n", np.abs(pair.points.values), slave[pair.points.nodes]) \
-        / np.abs(pair.points.values).sum(axis=1)
-    return 1.0 / (1.0 / at_points + 1.0 / np.median(master))
+    """Stiffness per length of both surfaces in series, for every slave segment."""
+    slave = _per_length(pair.slave, diagonal)
+    if (pair.facets.dofs < 0).all():  # rigid
+        return slave
+    return 1.0 / (1.0 / slave + 1.0 / np.median(_per_length(pair.facets, diagonal)))
 
 
-def _stiffness(surface: Surface, diagonal: ndarray) -> ndarray:
-    """Diagonal stiffness per length of surface at every node of a surface."""
+def _per_length(surface: Surface, diagonal: ndarray) -> ndarray:
+    """Diagonal stiffness per length at the nodes of every segment: about E/h."""
     k = surface.segments.shape[1]
-    per_length = diagonal[surface.dofs].mean(axis=1)[surface.segments].mean(axis=1) * (k - 1) / surface.length
-    if not (per_length > 0).all():
+    stiffness = diagonal[surface.dofs].mean(axis=1)[surface.segments].mean(axis=1) * (k - 1) / surface.length
+    if not (stiffness > 0).all():
         raise ValueError(f"boundary '{surface.name}' belongs to no solid among the forms")
-    flat = surface.segments.ravel()
-    count = np.bincount(flat, minlength=len(surface.nodes))
-    return np.bincount(flat, np.repeat(per_length, k), minlength=len(surface.nodes)) / count
+    return np.asarray(stiffness)

@@ -6,7 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy import ndarray
 
-from .surface import Surface, powers
+from .search import project
+from .surface import Surface
+
+#: Pieces shorter than this share of a segment are left out.
+_SLIVER = 1e-9
 
 
 @dataclass(frozen=True)
@@ -58,10 +62,43 @@ def nodal(surface: Surface) -> SlavePoints:
 
 def gauss(surface: Surface, n: int) -> SlavePoints:
     """``n`` Gauss points on every slave segment: surface-to-surface contact."""
-    xi, w = np.polynomial.legendre.leggauss(n)
-    m = len(surface.segments)
-    segment, points = np.repeat(np.arange(m), n), np.tile(xi, m)
-    M, rho = surface.curve(segment, points, surface.nodes)
-    weight = np.linalg.norm(rho[1], axis=-1) * np.tile(w, m)
-    return SlavePoints(surface.segments[segment], M[0], weight, surface.arc(segment, points)[0],
-                       surface.length[segment])
+    return between(surface, np.arange(len(surface.segments) + 1.0), n)
+
+
+def between(surface: Surface, cuts: ndarray, n: int) -> SlavePoints:
+    """``n`` Gauss points on every piece of the chain between two cuts.
+
+    Parameters
+    ----------
+    cuts
+        Chain coordinates of the cuts, ascending: segment number plus the share ``(1 + xi) / 2``; whole numbers,
+        the ends of the segments, are among them.
+    """
+    t, w = np.polynomial.legendre.leggauss(n)
+    half = 0.5 * np.diff(cuts)
+    coordinate = ((cuts[:-1] + half)[:, None] + half[:, None] * t).ravel()
+    segment = np.repeat(np.floor(cuts[:-1] + half).astype(int), n)
+    xi = 2.0 * (coordinate - segment) - 1.0
+    M, rho = surface.curve(segment, xi, surface.nodes)
+    weight = np.linalg.norm(rho[1], axis=-1) * (2.0 * half[:, None] * w).ravel()
+    return SlavePoints(surface.segments[segment], M[0], weight, surface.arc(segment, xi)[0], surface.length[segment])
+
+
+def common_cuts(slave: Surface, slave_nodes: ndarray, master: Surface, master_nodes: ndarray) -> ndarray:
+    """Chain coordinates at which the slave is cut: by its own segments' ends and by those of the master.
+
+    Between the cuts gap and shape functions are smooth on both sides, so that Gauss points on the pieces integrate
+    the contact work exactly on flat interfaces: the patch test is passed.
+    """
+    ends = master.curve(np.arange(len(master.segments)), -np.ones(len(master.segments)), master_nodes)[1][0]
+    if not master.closed:
+        last = np.array([len(master.segments) - 1])
+        ends = np.concatenate((ends, master.curve(last, np.ones(1), master_nodes)[1][0]))
+    near = np.full(len(ends), float(np.median(slave.length)))
+    found = project(slave, slave_nodes, ends, near, reach=float(near[0]))
+    hit = found.found & ~found.vertex & (np.abs(found.xi) < 1.0) & (found.gap < near)
+    inner = found.segment[hit] + 0.5 * (1.0 + found.xi[hit])
+    cuts = np.unique(np.concatenate((np.arange(len(slave.segments) + 1.0), inner)))
+    tiny = np.diff(cuts) < _SLIVER
+    drop = np.flatnonzero(tiny) + np.where(cuts[1:][tiny] % 1.0 == 0.0, 0, 1)  # keep the segments' own ends
+    return np.delete(cuts, drop)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy import ndarray
 from scipy.spatial import cKDTree
 
-from .surface import Surface, powers
+from .surface import Surface
 
 #: An open chain goes on straight for this share of its last segment: a slave corner that starts flush with
 #: the master's end must not lose contact to the lateral strain of the bodies.
@@ -106,9 +106,11 @@ def _candidates(surface: Surface, nodes: ndarray, points: ndarray) -> tuple[ndar
 
 def _foot(surface: Surface, nodes: ndarray, points: ndarray, segment: ndarray) -> ndarray:
     """Local coordinate of the orthogonal projection on every candidate: eq. 17 on the chord, then Newton."""
-    ends = nodes[surface.segments[segment][:, :2]]
-    chord = ends[:, 1] - ends[:, 0]
-    xi = np.einsum("nc,nc->n", 2 * points - ends[:, 0] - ends[:, 1], chord) / np.einsum("nc,nc->n", chord, chord)
+    one = np.ones(len(surface.segments))
+    number = np.arange(len(surface.segments))
+    first, last = (surface.curve(number, end, nodes)[1][0][segment] for end in (-one, one))
+    chord = last - first
+    xi = np.einsum("nc,nc->n", 2 * points - first - last, chord) / np.einsum("nc,nc->n", chord, chord)
     if not surface.coefficients[:, :, 2:].any():
         return xi
     xi = np.clip(xi, -1.2, 1.2)

@@ -15,8 +15,8 @@ from skfem import CellBasis
 from ..checks import look_up
 
 #: Coefficients of the shape functions of a facet in the powers 1, xi, xi^2, xi^3.
-_LINEAR = np.array([[.5, -.5, 0, 0], [.5, .5, 0, 0]])
-_QUADRATIC = np.array([[0, -.5, .5, 0], [0, .5, .5, 0], [1, 0, -1, 0]])
+LINEAR = np.array([[.5, -.5, 0, 0], [.5, .5, 0, 0]])
+QUADRATIC = np.array([[0, -.5, .5, 0], [0, .5, .5, 0], [1, 0, -1, 0]])
 _GAUSS = np.polynomial.legendre.leggauss(5)
 
 
@@ -90,10 +90,10 @@ class Surface:
         facets, ends = facets[order], ends[:, order]
 
         dofs = basis.nodal_dofs[:, ends].transpose(1, 2, 0)  # (2 ends, n, 2 components)
-        coefficients = _LINEAR
+        coefficients = LINEAR
         if basis.facet_dofs is not None and len(basis.facet_dofs):
             dofs = np.concatenate((dofs, basis.facet_dofs[:2, facets].T[None]))
-            coefficients = _QUADRATIC
+            coefficients = QUADRATIC
         dofs = dofs.transpose(1, 0, 2)  # (n, k, 2)
         unique, segments = np.unique(dofs[..., 0], return_inverse=True)
         dofs = np.stack((unique, unique + 1), axis=1)

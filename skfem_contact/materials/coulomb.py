@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy import ndarray
@@ -42,6 +42,20 @@ class Traction(NamedTuple):
     status: ndarray
 
 
+class InterfaceLaw(Protocol):
+    """What a contact pair asks of a law: pure functions of gap and slip."""
+
+    @property
+    def bonds(self) -> bool:
+        """Whether points near the master are bonded to it as they are meshed."""
+
+    def reaches(self, gap: ndarray, normal_penalty: ndarray, closed: ndarray) -> ndarray:
+        """Which points may carry traction; ``closed`` are those that did in the accepted state."""
+
+    def update(self, gap: ndarray, slip: ndarray, normal_penalty: ndarray, tangential_penalty: ndarray) -> Traction:
+        """Tractions at the points that :meth:`reaches` names."""
+
+
 @dataclass(frozen=True)
 class Coulomb:
     r"""Regularised Coulomb friction: an elastic stick and the return to the friction cone.
@@ -54,6 +68,8 @@ class Coulomb:
         Coefficient of friction.
     adhesion
         Shear strength ``a`` at zero pressure, in units of stress; it acts while the point is closed.
+    tension
+        Tension cut-off: a closed point opens when its normal traction exceeds this stress, for good (brittle).
 
     Raises
     ------
@@ -71,11 +87,21 @@ class Coulomb:
 
     mu: float = 0.0
     adhesion: float = 0.0
+    tension: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("mu", "adhesion"):
+        for name in ("mu", "adhesion", "tension"):
             if not getattr(self, name) >= 0.0 or not np.isfinite(getattr(self, name)):
                 raise ValueError(f"Coulomb: {name} must be a non-negative number, not {getattr(self, name)!r}")
+
+    @property
+    def bonds(self) -> bool:
+        """No bond: contact is where the bodies meet."""
+        return False
+
+    def reaches(self, gap: ndarray, normal_penalty: ndarray, closed: ndarray) -> ndarray:
+        """Penetrating points, and closed ones up to the tension cut-off."""
+        return (gap <= 0.0) | (closed & (normal_penalty * gap <= self.tension) & (self.tension > 0.0))
 
     def update(self, gap: ndarray, slip: ndarray, normal_penalty: ndarray, tangential_penalty: ndarray) -> Traction:
         """Return mapping of the tangential traction (eqs 8 to 10); a pure function.
@@ -89,21 +115,48 @@ class Coulomb:
         normal_penalty, tangential_penalty
             Traction per penetration and per elastic slip, (n,).
         """
-        closed = gap <= 0.0
-        normal = np.where(closed, normal_penalty * gap, 0.0)  # eq. 4
+        normal = normal_penalty * gap  # eq. 4
         trial = tangential_penalty * slip  # eq. 8
-        limit = np.where(closed, self.adhesion + self.mu * np.abs(normal), 0.0)
-        if self.mu == 0.0 and self.adhesion == 0.0:
-            status = np.where(closed, Status.SLIP, Status.OPEN)
-        else:
-            status = np.where(closed, np.where(np.abs(trial) <= limit, Status.STICK, Status.SLIP), Status.OPEN)
-        stick, direction = status == Status.STICK, np.sign(trial)
+        limit = self.adhesion + self.mu * np.maximum(-normal, 0.0)
+        direction = np.sign(trial)
+        stick = (np.abs(trial) <= limit) & (self.mu + self.adhesion > 0.0)
         tangential = np.where(stick, trial, direction * limit)  # eq. 9
         return Traction(
             normal=normal,
             tangential=tangential,
-            normal_by_gap=np.where(closed, normal_penalty, 0.0),
-            tangential_by_gap=np.where(status == Status.SLIP, -direction * self.mu * normal_penalty, 0.0),
+            normal_by_gap=normal_penalty,
+            tangential_by_gap=np.where(stick | (gap > 0.0), 0.0, -direction * self.mu * normal_penalty),
             tangential_by_slip=np.where(stick, tangential_penalty, 0.0),
             elastic_slip=tangential / tangential_penalty,  # eq. 10
-            status=status)
+            status=np.where(stick, int(Status.STICK), int(Status.SLIP)))
+
+
+@dataclass(frozen=True)
+class Tied:
+    r"""A bond of what is meshed apart: :math:`t_N = \epsilon_N g` in both directions, and no slip.
+
+    Slave points that lie within half a segment of the master at the start are tied as they are meshed.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from skfem_contact import Tied
+    >>> one = np.ones(1)
+    >>> float(Tied().update(1e-3 * one, 0. * one, 1e4 * one, 1e4 * one).normal[0])
+    10.0
+    """
+
+    @property
+    def bonds(self) -> bool:
+        """Points near the master are bonded to it."""
+        return True
+
+    def reaches(self, gap: ndarray, normal_penalty: ndarray, closed: ndarray) -> ndarray:
+        """What was tied at the start."""
+        return closed
+
+    def update(self, gap: ndarray, slip: ndarray, normal_penalty: ndarray, tangential_penalty: ndarray) -> Traction:
+        """Linear springs in both directions; arguments as for :meth:`Coulomb.update`."""
+        zero = np.zeros_like(gap)
+        return Traction(normal_penalty * gap, tangential_penalty * slip, normal_penalty, zero, tangential_penalty + zero,
+                        slip, np.full(len(gap), int(Status.STICK)))

@@ -1,0 +1,86 @@
+"""Hermite smoothing of a faceted master surface (eqs 23 and 24 of the paper, mended).
+
+At the joint x3 of the facets x2-x3 and x3-x4 a cubic runs from ``x_a`` to ``x_b``, both at the share alpha of
+their facet's length from the joint, with the end tangents (eq. 23)
+
+    dx/dxi|_a = x3 - x_a,     dx/dxi|_b = x_b - x3.
+
+The curve is linear in the three nodes, so that smoothed segments are segments like all others; collinear facets
+are reproduced exactly and all joints are C1.
+"""
+from __future__ import annotations
+
+import numpy as np
+from numpy import ndarray
+
+from .surface import Surface
+
+# Hermite polynomials of eq. 24 in the powers of xi; the last one ends with -1.
+_HERMITE = np.array([[2, -3, 0, 1], [2, 3, 0, -1], [1, -1, -1, 1], [-1, -1, 1, 1]]) / 4.0
+
+
+def smoothed(surface: Surface, alpha: float = 0.5, corner: float = 45.0) -> Surface:
+    """The surface with its joints rounded by Hermite cubics.
+
+    Parameters
+    ----------
+    surface
+        A chain of straight facets.
+    alpha
+        Share of each facet that the curve takes at its end, 0 < alpha <= 1/2.
+    corner
+        Joints that turn by more than this angle (degrees) are real corners and stay sharp.
+
+    Raises
+    ------
+    ValueError
+        Alpha out of its range, or facets that are curved themselves.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from skfem_contact.contact.rigid import rigid_polyline
+    >>> from skfem_contact.contact.smoothing import smoothed
+    >>> roof = rigid_polyline(np.array([[0., 0.], [1., .1], [2., 0.]]))
+    >>> len(smoothed(roof).segments), len(smoothed(roof, corner=5.).segments)
+    (3, 2)
+    """
+    if not 0.0 < alpha <= 0.5:
+        raise ValueError(f"smoothing: alpha must lie in (0, 0.5], not {alpha!r}")
+    if surface.segments.shape[1] != 2:
+        raise ValueError(f"smoothing: the facets of '{surface.name}' are curved already; smooth linear elements only")
+    before = np.arange(len(surface.segments))
+    after = (before + 1) % len(before)
+    if not surface.closed:
+        before, after = before[:-1], after[:-1]
+    along = surface.nodes[surface.segments[:, 1]] - surface.nodes[surface.segments[:, 0]]
+    direction = np.arctan2(along[:, 1], along[:, 0])
+    turn = np.abs((direction[after] - direction[before] + np.pi) % (2 * np.pi) - np.pi)
+    soft = np.rad2deg(turn) <= corner
+    before, after = before[soft], after[soft]
+
+    start, end = np.zeros(len(along)), np.ones(len(along))
+    end[before], start[after] = 1.0 - alpha, alpha
+    straight = np.flatnonzero(end - start > 1e-12)
+    nodes = np.concatenate((surface.segments[straight][:, [0, 1, 1]],
+                            np.column_stack((surface.segments[before], surface.segments[after, 1]))))
+    coefficients = np.concatenate((_straight(start[straight], end[straight]),
+                                   np.broadcast_to(_rounded(alpha), (len(before), 3, 4))))
+    order = np.argsort(np.concatenate((straight, before + 0.5)), kind="stable")
+    return Surface.of(surface.name, surface.dofs, surface.nodes, nodes[order], coefficients[order], surface.closed)
+
+
+def _straight(start: ndarray, end: ndarray) -> ndarray:
+    """Shape functions of the middle parts of facets: from the share ``start`` to the share ``end``."""
+    middle, half = 0.5 * (start + end), 0.5 * (end - start)
+    coefficients = np.zeros((len(start), 3, 4))
+    coefficients[:, 0, 0], coefficients[:, 0, 1] = 1.0 - middle, -half
+    coefficients[:, 1, 0], coefficients[:, 1, 1] = middle, half
+    return coefficients
+
+
+def _rounded(alpha: float) -> ndarray:
+    """Shape functions of the three nodes of a rounded joint, (3, 4)."""
+    ends = np.array([[alpha, 1 - alpha, 0], [0, 1 - alpha, alpha],  # x_a, x_b
+                     [-alpha, alpha, 0], [0, -alpha, alpha]])  # tangents, eq. 23
+    return np.asarray(ends.T @ _HERMITE)
