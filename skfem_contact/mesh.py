@@ -61,6 +61,7 @@ def join_bodies(
     Mesh
         A new mesh, its nodes numbered body by body. Of scikit-fem's functions only those that weld coincident
         nodes must not be used on it: ``mesh1 + mesh2``, ``mesh1 @ mesh2`` and ``remove_duplicate_nodes``.
+        Keep it with ``save_npz``: names that went through ``save`` and ``load`` end at their first colon.
 
     Raises
     ------
