@@ -307,13 +307,13 @@ def test_strain_matrix_and_element_matrices(rng):
     np.testing.assert_allclose(element_stiffness(B, D), np.einsum("eqci,eqcd,eqdj->eij", B, D, B), atol=1e-13)
 
 
-def test_response_computes_its_stiffness_once_and_only_when_asked():
+def test_response_computes_state_and_stiffness_once_and_only_when_asked():
     """[X] Counted calls."""
     calls = []
-    response = sc.Response(np.zeros(2), None, lambda: calls.append(1) or "K")
+    response = sc.Response(np.zeros(2), lambda: calls.append("state") or 5, lambda: calls.append("K") or 7)
     assert calls == []
-    assert response.stiffness == "K" and response.stiffness == "K"
-    assert calls == [1]
+    assert response.stiffness == 7 and response.stiffness == 7 and calls == ["K"]
+    assert response.state == 5 and response.state == 5 and calls == ["K", "state"]
 
 
 @pytest.mark.parametrize("element", [ElementQuad1, ElementQuad2])
