@@ -125,16 +125,3 @@ def along_elements(value: Parameter, shape: tuple[int, ...]) -> Parameter:
     if np.size(value) != shape[1]:
         raise ValueError(f"a parameter array has {np.size(value)} values for {shape[1]} elements")
     return np.reshape(value, (-1,) + (1,) * (len(shape) - 2))
-
-
-def at_points(value: Parameter, points: NDArray[np.intp], shape: tuple[int, ...]) -> Parameter:
-    """Parameter at the points with these flat indices of a field of the given shape (ncomp, n_elements, ...).
-
-    Examples
-    --------
-    >>> at_points(np.array([1.0, 2.0]), np.array([0, 9, 17]), (4, 2, 9))
-    array([1., 2., 2.])
-    """
-    if isinstance(value, np.ndarray):
-        return value[points // int(np.prod(shape[2:]))]
-    return value

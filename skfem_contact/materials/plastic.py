@@ -10,13 +10,15 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .base import Array, Parameter, Update, along_elements, at_points
+from .base import Array, Parameter, Update, along_elements
 from .elastic import Isotropic
-from .spectral import principal
+from .spectral import Frame, principal
 
 # Excess over the yield surface and differences of principal stresses below this fraction of the largest trial
 # stress are round-off: about a hundred times the error of turning a stress to principal axes and back.
 ROUND_OFF = 1e-13
+# Points returned at a time: their arrays stay in the processor's cache.
+BLOCK = 16384
 
 
 class Return(NamedTuple):
@@ -85,24 +87,54 @@ class IsotropicPlasticity(Isotropic):
             If the shapes do not fit each other or the parameters.
         """
         result = self.elastic_stress(strain_increment, stress)
+        internal = internal.copy()
         constants = self._constants()
         spread = _map(lambda value: along_elements(value, result.shape), constants)
-        outside = np.flatnonzero(self._yield_bound(result, spread) > 0)
+        candidates = np.flatnonzero(self._yield_bound(result, spread) > 0)
+        blocks = [
+            self._return_block(result, internal, candidates[start : start + BLOCK], constants)
+            for start in range(0, candidates.size, BLOCK)
+        ]
+        plastic = np.concatenate([candidates[:0], *(block.points for block in blocks)])
+        return Update(result, internal, plastic, lambda: _tangent(blocks, plastic.size, len(result)))
 
-        flat = result.reshape(len(result), -1)
-        frame = principal(flat[:, outside])
-        local = _map(lambda value: at_points(value, outside, result.shape), constants)
-        excess = self._yield_function(frame.values, local)
-        plastic = excess > ROUND_OFF * np.abs(frame.values).max(axis=0)
+    def _return_block(
+        self, stress: Array, internal: Array, points: NDArray[np.intp], constants: Any
+    ) -> _ReturnedBlock:
+        """Return those of the points that are outside the yield surface; changes stress and internal in place."""
+        constants = chosen(constants, points // stress[0, 0].size)
+        stress = stress.reshape(len(stress), -1)
+        frame = principal(stress[:, points])
+        excess = self._yield_function(frame.values, constants)
+        plastic = excess > ROUND_OFF * np.maximum(frame.values[0], -frame.values[2])
         if not plastic.all():
             kept = np.flatnonzero(plastic)
-            outside, frame, local = outside[kept], frame.take(kept), chosen(local, kept)
+            points, frame, constants = points[kept], frame.take(kept), chosen(constants, kept)
+        values, moduli = self._return_map(frame.values, constants)
+        stress[:, points] = frame.stress(values)
+        internal.reshape(1, -1)[0, points] += _equivalent_shear_strain(frame.values - values, constants.mu)
+        return _ReturnedBlock(points, frame, values, moduli, constants.mu)
 
-        values, moduli = self._return_map(frame.values, local)
-        flat[:, outside] = frame.stress(values)
-        internal = internal.copy()
-        internal.reshape(1, -1)[0, outside] += _equivalent_shear_strain(frame.values - values, local.mu)
-        return Update(result, internal, outside, lambda: frame.tangent(moduli(), values, local.mu))
+
+class _ReturnedBlock(NamedTuple):
+    """Points after their return, with what their tangent needs."""
+
+    points: NDArray[np.intp]
+    trial: Frame
+    values: Array
+    moduli: Callable[[], Array]
+    mu: Parameter
+
+
+def _tangent(blocks: list[_ReturnedBlock], n_plastic: int, ncomp: int) -> Array:
+    """Consistent tangent (n_plastic, ncomp, ncomp) at the points of all blocks."""
+    result = np.empty((n_plastic, ncomp, ncomp))
+    start = 0
+    for block in blocks:
+        stop = start + block.points.size
+        result[start:stop] = block.trial.tangent(block.moduli(), block.values, block.mu)
+        start = stop
+    return result
 
 
 def chosen(constants: Any, points: NDArray[np.intp]) -> Any:
@@ -117,5 +149,5 @@ def _map(function: Callable[[Parameter], Parameter], constants: Any) -> Any:
 
 def _equivalent_shear_strain(relaxed: Array, mu: Parameter) -> Array:
     """sqrt(2/3 e : e) of the plastic strain that relaxes the principal stresses by ``relaxed``."""
-    deviator = relaxed - relaxed.mean(axis=0)
-    return np.sqrt(2 / 3 * (deviator * deviator).sum(axis=0)) / (2 * mu)
+    s1, s2, s3 = relaxed
+    return np.sqrt((s1 - s2) ** 2 + (s2 - s3) ** 2 + (s3 - s1) ** 2) / (np.sqrt(18) * mu)

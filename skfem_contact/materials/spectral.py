@@ -115,10 +115,12 @@ def _shear_modulus(trial: Array, values: Array, moduli: Array, shear: Parameter,
     divided difference of the returned over the trial stresses; where these coincide, its limit by the moduli.
     """
     gap = trial[i] - trial[j]
-    apart = np.abs(gap) > _COINCIDENT * np.abs(trial).max(axis=0)
-    divided = shear * (values[i] - values[j]) / np.where(apart, gap, 1)
-    limit = (moduli[i, i] - moduli[i, j] - moduli[j, i] + moduli[j, j]) / 4
-    return np.where(apart, divided, limit)
+    close = np.flatnonzero(np.abs(gap) <= _COINCIDENT * np.maximum(trial[0], -trial[2]))
+    gap[close] = 1
+    modulus = shear * (values[i] - values[j]) / gap
+    at = moduli[:, :, close]
+    modulus[close] = (at[i, i] - at[i, j] - at[j, i] + at[j, j]) / 4
+    return modulus
 
 
 class _PlaneFrame(NamedTuple):
@@ -131,7 +133,7 @@ class _PlaneFrame(NamedTuple):
     values: Array
     cos: Array
     sin: Array
-    place: NDArray[np.intp]
+    place: NDArray[np.int8]
 
     def take(self, points: NDArray[np.intp]) -> _PlaneFrame:
         return _PlaneFrame(self.values[:, points], self.cos[points], self.sin[points], self.place[points])
@@ -141,40 +143,42 @@ class _PlaneFrame(NamedTuple):
         minor = np.where(self.place == 2, values[1], values[2])
         centre, radius = (major + minor) / 2, (major - minor) / 2
         normal, tangential = radius * self.cos, radius * self.sin
-        return np.stack((centre + normal, centre - normal, np.choose(self.place, values), tangential))
+        zz = np.where(self.place == 1, values[1], np.where(self.place == 0, values[0], values[2]))
+        return np.stack((centre + normal, centre - normal, zz, tangential))
 
     def tangent(self, moduli: Array, values: Array, shear: Parameter) -> Array:
         result = np.empty((self.cos.size, 4, 4))
         for place, (major, minor) in enumerate(((1, 2), (0, 2), (0, 1))):
             here = np.flatnonzero(self.place == place)
-            local, trial = moduli[:, :, here], self.values[:, here]
-            modulus = shear[here] if isinstance(shear, np.ndarray) else shear
-            rotated = _shear_modulus(trial, values[:, here], local, modulus, major, minor)
-            result[here] = _rotate_plane(
-                local[np.ix_((major, minor, place), (major, minor, place))],
-                rotated,
-                self.cos[here],
-                self.sin[here],
-            )
+            if here.size:
+                local = moduli[:, :, here]
+                shear_here = shear[here] if isinstance(shear, np.ndarray) else shear
+                modulus = _shear_modulus(
+                    self.values[:, here], values[:, here], local, shear_here, major, minor
+                )
+                order = major, minor, place
+                result[here] = _rotate_plane(local, order, modulus, self.cos[here], self.sin[here])
         return result
 
 
 def _plane_frame(stress: Array) -> _PlaneFrame:
     centre, half, radius = _mohr_circle(stress)
     major, minor, zz = centre + radius, centre - radius, stress[2]
-    values = np.stack((np.maximum(major, zz), np.clip(zz, minor, major), np.minimum(minor, zz)))
-    place = (zz <= major).astype(np.intp) + (zz < minor)
+    middle = np.maximum(minor, np.minimum(major, zz))
+    values = np.stack((np.maximum(major, zz), middle, np.minimum(minor, zz)))
+    place = (zz <= major).astype(np.int8) + (zz < minor)
     round_ = radius == 0
     radius[round_], half[round_] = 1, 1
     return _PlaneFrame(values, half / radius, stress[3] / radius, place)
 
 
-def _rotate_plane(moduli: Array, shear: Array, cos: Array, sin: Array) -> Array:
-    """Tangent (n, 4, 4) from the shear modulus and the moduli (3, 3, n) in the order major, minor, zz."""
-    mean, half = (moduli[0] + moduli[1]) / 2, (moduli[0] - moduli[1]) / 2
+def _rotate_plane(moduli: Array, order: tuple[int, int, int], shear: Array, cos: Array, sin: Array) -> Array:
+    """Tangent (n, 4, 4) from the moduli (3, 3, n), where ``order`` are the places of major, minor and zz."""
+    i, j, k = order
+    mean, half = (moduli[i] + moduli[j]) / 2, (moduli[i] - moduli[j]) / 2
     result = np.empty((4, 4, cos.size))
     (pp, pq, pz), (qp, qq, qz), (zp, zq, zz) = (
-        ((row[0] + row[1]) / 2, (row[0] - row[1]) / 2, row[2]) for row in (mean, half, moduli[2])
+        ((row[i] + row[j]) / 2, (row[i] - row[j]) / 2, row[k]) for row in (mean, half, moduli[k])
     )
     even, odd = cos * cos * qq + sin * sin * shear, cos * sin * (qq - shear)
     result[0, 0], result[0, 1] = pp + cos * (pq + qp) + even, pp - cos * (pq - qp) - even
