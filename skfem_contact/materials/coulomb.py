@@ -8,6 +8,9 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy import ndarray
 
+#: Round-off of a traction on the friction cone, as a share of it.
+_ON_CONE = 1e-9
+
 
 class Status(IntEnum):
     """Status of a contact point."""
@@ -119,7 +122,8 @@ class Coulomb:
         trial = tangential_penalty * slip  # eq. 8
         limit = self.adhesion + self.mu * np.maximum(-normal, 0.0)
         direction = np.sign(trial)
-        stick = (np.abs(trial) <= limit) & (self.mu + self.adhesion > 0.0)
+        # a point that slid to the cone lies on it up to round-off, and sticks until it is dragged further
+        stick = (np.abs(trial) <= (1.0 + _ON_CONE) * limit) & (self.mu + self.adhesion > 0.0)
         tangential = np.where(stick, trial, direction * limit)  # eq. 9
         return Traction(
             normal=normal,
