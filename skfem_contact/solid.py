@@ -168,7 +168,7 @@ class SolidForm:
         """What a user should know of an accepted state: nothing here."""
         return []
 
-    def settle(self, accepted: SolidState, candidate: SolidState) -> None:
+    def settle(self, x: ndarray, accepted: SolidState, candidate: SolidState) -> None:
         """Nothing is left to do once an increment has converged."""
 
     def element_forces(self, stress: ndarray, elements: ndarray) -> ndarray:

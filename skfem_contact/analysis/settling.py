@@ -33,7 +33,7 @@ def settled(system: System, x: ndarray, states: Mapping[str, Any], load: ndarray
     for _ in range(_MOST):
         new = system.equilibrium(x, states, load, prescribed, newton)
         residuals += new.residuals if not residuals else new.residuals[1:]
-        again = {name: form.settle(states[name], new.states[name]) for name, form in system.forms.items()}
+        again = {name: form.settle(new.x, states[name], new.states[name]) for name, form in system.forms.items()}
         if all(state is None for state in again.values()):
             return replace(new, residuals=residuals)
         states = {name: states[name] if state is None else state for name, state in again.items()}

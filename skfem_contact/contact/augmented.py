@@ -7,10 +7,11 @@ import numpy as np
 from numpy import ndarray
 
 from ..materials.coulomb import Status
+from .quadrature import SlavePoints
 from .state import ContactState
 
-#: Share of the traction that one augmentation should at most leave open; a penalty that leaves more is raised.
-_WANTED = 0.05
+#: Penalty over the stiffness of the surfaces that the method goes to from whatever it was given.
+_WANTED = 10.0
 _LARGEST_FACTOR = 1e3
 
 
@@ -19,10 +20,13 @@ class AugmentedLagrangian:
     r"""Multipliers that take over the tractions until nothing penetrates: no penalty needs to be chosen.
 
     After an increment has converged, the tractions become multipliers,
-    :math:`\lambda_N \leftarrow \lambda_N + \epsilon_N g`, and the increment is solved again: each time the
+    :math:`\lambda_N \leftarrow \lambda_N + \epsilon_N \bar g`, and the increment is solved again: each time the
     penetration shrinks by the factor :math:`1 / (1 + \epsilon_N / k)`, where k is the stiffness of the bodies' surfaces.
-    What is left of gap and elastic slip, times k, is the error of the tractions.  Where it shows the penalty to be
-    too soft for fast progress, the penalty is raised.
+    What is left of gap and elastic slip, times k, is the error of the tractions.
+
+    The multipliers live at the slave's nodes and gaps enter as their weighted means there: multipliers at every
+    Gauss point would constrain more than the nodes can follow.  A penalty that was chosen badly is replaced after
+    the first solution.
 
     Parameters
     ----------
@@ -47,32 +51,40 @@ class AugmentedLagrangian:
         if not 0 < self.tolerance < 1:
             raise ValueError(f"AugmentedLagrangian: tolerance must lie in (0, 1), not {self.tolerance!r}")
 
-    def augment(self, accepted: ContactState, candidate: ContactState, penalties: tuple[ndarray, ndarray],
-                stiffness: ndarray) -> ContactState | None:
-        """The accepted state with the candidate's tractions as multipliers, or None where they are good enough.
+    def augment(self, accepted: ContactState, candidate: ContactState, points: SlavePoints,
+                penalties: tuple[float, float], stiffness: float) -> ContactState | None:
+        """The accepted state with improved multipliers, or None where they are good enough.
 
         Parameters
         ----------
         accepted, candidate
             State at the start of the increment, and the one that has been found.
+        points
+            The slave's points.
         penalties
-            Normal and tangential penalty at the points.
+            Normal and tangential penalty.
         stiffness
-            Traction per displacement of the bodies' surfaces at the points.
+            Traction per displacement of the bodies' surfaces.
         """
+        before = accepted.normal_multiplier, accepted.tangential_multiplier
+        change = [_nodal_mean(points, traction - points.at(multiplier))
+                  for traction, multiplier in zip((candidate.normal, candidate.tangential), before, strict=True)]
+        # a sliding point's traction follows from the normal one; only where it sticks is its elastic slip an error
+        sticks = _nodal_mean(points, candidate.status == Status.STICK) > 0.99
+        error = stiffness * max(np.abs(change[0]).max() / penalties[0],
+                                np.abs(change[1][sticks]).max(initial=0.0) / penalties[1])
         largest = np.abs(candidate.normal).max(initial=0.0)
-        error = max(self._error(candidate.status != Status.OPEN, candidate.normal - accepted.normal_multiplier,
-                                penalties[0], stiffness),
-                    self._error(candidate.status == Status.STICK,
-                                candidate.tangential - accepted.tangential_multiplier, penalties[1], stiffness))
         if error <= self.tolerance * largest:
             return None
-        factor = np.clip(error / (_WANTED * largest), 1.0, _LARGEST_FACTOR)
-        return replace(accepted, normal_multiplier=candidate.normal, tangential_multiplier=candidate.tangential,
-                       stiffening=accepted.stiffening * factor,
+        factor = float(np.clip(_WANTED * stiffness / penalties[0], 1.0 / _LARGEST_FACTOR, _LARGEST_FACTOR))
+        return replace(accepted, normal_multiplier=np.minimum(before[0] + change[0], 0.0),
+                       tangential_multiplier=before[1] + change[1], stiffening=accepted.stiffening * factor,
                        stick_point=accepted.arc - (accepted.arc - accepted.stick_point) / factor)
 
-    @staticmethod
-    def _error(active: ndarray, change: ndarray, penalty: ndarray, stiffness: ndarray) -> float:
-        """Tractions that the gap (or the elastic slip) behind a change of traction stands for."""
-        return float(np.abs(change[active] / penalty[active] * stiffness[active]).max(initial=0.0))
+
+def _nodal_mean(points: SlavePoints, values: ndarray) -> ndarray:
+    """Means of values at the points, weighted by the shape functions of each slave node."""
+    share = points.values * points.weight[:, None]
+    n = points.nodes.max() + 1
+    return np.asarray(np.bincount(points.nodes.ravel(), (share * values[:, None]).ravel(), n)
+                      / np.bincount(points.nodes.ravel(), share.ravel(), n))

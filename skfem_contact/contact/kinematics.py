@@ -56,7 +56,7 @@ class Kinematics(NamedTuple):
 
 def _lift(factors: ndarray, vectors: ndarray) -> ndarray:
     """``A^T v`` for an operator that acts node by node: (n, nodes) and (n, 2) give (n, 2 nodes)."""
-    return (factors[:, :, None] * vectors[:, None, :]).reshape(len(factors), -1)
+    return (factors[:, :, None] * vectors[:, None, :]).reshape(len(factors), 2 * factors.shape[1])
 
 
 def _dot(u: ndarray, v: ndarray) -> ndarray:
@@ -111,7 +111,7 @@ def variations(points: SlavePoints, slave: Surface, master: Surface, at: ndarray
         dl / metric[:, None] - (l * dmetric / metric**2)[:, None] * Xi)
     slip_gradient[vertex] = 0.0
     second = (alpha, beta, gamma, rho, l, g, h, D, Xi, dl, vertex, facet_tau, facet_n)
-    return Kinematics(dofs.reshape(len(at), -1), G, tangential, slip_gradient, n, tau, second)
+    return Kinematics(dofs.reshape(G.shape), G, tangential, slip_gradient, n, tau, second)
 
 
 def geometric_tangent(kinematics: Kinematics, normal_traction: ndarray, tangential_traction: ndarray) -> ndarray:

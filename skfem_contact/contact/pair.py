@@ -104,8 +104,10 @@ class ContactPair:
         self.law, self.quadrature, self.tangent = law, quadrature, tangent
         self.enforcement, self.initial, self.share = enforcement, initial, share
         self.n = basis.N
-        self.penalty = None if penalty is None else self._checked(penalty)
-        self.stiffness: ndarray | None = None
+        self.penalty: tuple[float, float] | None = None
+        self.stiffness: float | None = None
+        if penalty is not None:
+            self.penalty = self.with_penalty(*(penalty if isinstance(penalty, tuple) else (penalty, penalty))).penalty
 
     def __repr__(self) -> str:
         return (f"<ContactPair {self.slave.name} on {self.master.name}, {len(self.slave.segments)} segments, "
@@ -113,28 +115,21 @@ class ContactPair:
 
     # -- what is given once ---------------------------------------------------------------------------------
 
-    def _checked(self, penalty: float | tuple[float | ndarray, float | ndarray]) -> tuple[ndarray, ndarray]:
-        values = penalty if isinstance(penalty, tuple) else (penalty, penalty)
-        normal, tangential = (np.broadcast_to(np.asarray(v, float), len(self.slave.segments)) for v in values)
-        if not (normal > 0).all() or not (tangential > 0).all():
-            raise ValueError(f"penalties must be positive, not {penalty!r}")
-        return normal, tangential
-
-    def with_penalty(self, normal: float | ndarray, tangential: float | ndarray,
-                     stiffness: ndarray | None = None) -> ContactPair:
+    def with_penalty(self, normal: float, tangential: float, stiffness: float | None = None) -> ContactPair:
         """The same pair with other penalties.
 
         Parameters
         ----------
         normal, tangential
-            Traction per penetration and per elastic slip: numbers, or one value for each slave segment.
+            Traction per penetration and per elastic slip.
         stiffness
-            Traction per displacement of the bodies' surfaces, about E/h, for each slave segment: what the
-            augmented method measures a penetration by.
+            Traction per displacement of the bodies' surfaces, about E/h: what the augmented method measures a
+            penetration by.
         """
+        if not normal > 0 or not tangential > 0:
+            raise ValueError(f"penalties must be positive, not {(normal, tangential)!r}")
         new = copy(self)
-        new.penalty = self._checked((normal, tangential))
-        new.stiffness = stiffness
+        new.penalty, new.stiffness = (float(normal), float(tangential)), stiffness
         return new
 
     def with_law(self, law: InterfaceLaw) -> ContactPair:
@@ -161,7 +156,7 @@ class ContactPair:
         points = self.points(ContactState(*[empty] * 11, cuts=cuts))
         found = self._project(points, master, points.positions(slave))
         arc = self._arc(found)
-        zero = np.zeros(len(arc))
+        zero, nodal = np.zeros(len(arc)), np.zeros(len(slave))
         offset = zero
         if self.initial == "adjusted" or self.law.bonds:
             offset = np.where(np.abs(found.gap) <= 0.5 * points.size, found.gap, 0.0)
@@ -169,7 +164,7 @@ class ContactPair:
             offset = np.minimum(found.gap, 0.0)
         touching = found.gap - offset <= _TOUCHING * points.size
         status = np.where(touching, int(Status.STICK), int(Status.OPEN))
-        return ContactState(arc, arc, found.gap, zero, zero, zero, status, zero, zero, zero + 1.0, offset, cuts)
+        return ContactState(arc, arc, found.gap, zero, zero, zero, status, nodal, nodal, np.ones(1), offset, cuts)
 
     # -- the form -------------------------------------------------------------------------------------------
 
@@ -188,8 +183,8 @@ class ContactPair:
         positions = points.positions(slave)
         found = self._project(points, nodes, positions)
         arc = self._arc(found)
-        normal_penalty, tangential_penalty = self.penalties(points, state)
-        gap = found.gap - state.offset + state.normal_multiplier / normal_penalty
+        normal_penalty, tangential_penalty = self.penalties(state)
+        gap = found.gap - state.offset + points.at(state.normal_multiplier) / normal_penalty
         gap = np.where(np.abs(gap) <= _TOUCHING * points.size, 0.0, gap)
         bonded = state.status != Status.OPEN
         at = np.flatnonzero(found.found & self.law.reaches(gap, normal_penalty, bonded))
@@ -199,32 +194,24 @@ class ContactPair:
         elastic_arc = self._along(arc[at] - stick_point)
         kinematics = variations(points, self.slave, self.master, at, found, positions[at] - rho[0], elastic_arc, nodes)
         stretch = np.linalg.norm(rho[1], axis=1) / self.master.arc(found.segment[at], found.xi[at])[1]
-        shift = state.tangential_multiplier[at] / tangential_penalty[at]
-        traction = self.law.update(gap[at], stretch * elastic_arc + shift, normal_penalty[at], tangential_penalty[at])
+        shift = points.at(state.tangential_multiplier)[at] / tangential_penalty
+        traction = self.law.update(gap[at], stretch * elastic_arc + shift, normal_penalty, tangential_penalty)
 
         weight = self.share * points.weight[at]
         force = ((weight * traction.normal)[:, None] * kinematics.gap_gradient
                  + (weight * traction.tangential)[:, None] * kinematics.tangential)
         elastic = (traction.elastic_slip - shift) / stretch
         return Response(self._gather(kinematics, force),
-                        lambda: self._candidate(state, found, arc, at, traction, elastic, slave, nodes),
+                        lambda: self._candidate(state, found, arc, at, traction, elastic),
                         lambda: self._stiffness(kinematics, traction, weight))
 
-    def penalties(self, points: rules.SlavePoints, state: ContactState) -> tuple[ndarray, ndarray]:
-        """Normal and tangential penalty at the points of a state."""
+    def penalties(self, state: ContactState) -> tuple[float, float]:
+        """Normal and tangential penalty in a state."""
         if self.penalty is None:
             raise ValueError(f"contact of '{self.slave.name}' on '{self.master.name}' has no penalty yet: give "
                              "`penalty=`, or call choose_penalties(forms), which `run` does for you")
-        normal, tangential = (self._at(points, p) * state.stiffening for p in self.penalty)
-        return normal, tangential
-
-    def _at(self, points: rules.SlavePoints, per_segment: ndarray) -> ndarray:
-        """Values of the slave's segments at its points; a node takes the mean of its segments."""
-        flat = self.slave.segments.ravel()
-        count = np.bincount(flat, minlength=len(self.slave.nodes))
-        at_nodes = np.bincount(flat, np.repeat(per_segment, self.slave.segments.shape[1]),
-                               minlength=len(self.slave.nodes)) / count
-        return np.asarray(at_nodes[points.nodes].mean(axis=1))
+        factor = float(state.stiffening[0])
+        return self.penalty[0] * factor, self.penalty[1] * factor
 
     def _project(self, points: rules.SlavePoints, nodes: ndarray, positions: ndarray) -> Projection:
         # what penetrates deeper than an element or so belongs to the other side of the body
@@ -247,7 +234,7 @@ class ContactPair:
         return rules.common_cuts(self.slave, slave, self.master, master)
 
     def _candidate(self, state: ContactState, found: Projection, arc: ndarray, at: ndarray, traction: Traction,
-                   elastic_arc: ndarray, slave: ndarray, master: ndarray) -> ContactState:
+                   elastic_arc: ndarray) -> ContactState:
         """Open points take their closest point along as stick point, sliding ones drag it behind (eq. 10)."""
         zero = np.zeros(len(arc))
         stick_point, normal, tangential = arc.copy(), zero.copy(), zero.copy()
@@ -256,26 +243,20 @@ class ContactPair:
         normal[at], tangential[at], status[at] = traction.normal, traction.tangential, traction.status
         moved = self._along(arc - state.arc)
         slip = np.where(status == Status.OPEN, 0.0, state.slip + np.where(np.isnan(moved), 0.0, moved))
-        closed = status != Status.OPEN
-        new = replace(state, stick_point=stick_point, arc=arc, gap=found.gap, slip=slip, normal=normal,
-                      tangential=tangential, status=status,
-                      normal_multiplier=np.where(closed, state.normal_multiplier, 0.0),
-                      tangential_multiplier=np.where(closed, state.tangential_multiplier, 0.0))
-        return self._recut(new, self._cuts(slave, master)) if self.quadrature == "segments" else new
+        return replace(state, stick_point=stick_point, arc=arc, gap=found.gap, slip=slip, normal=normal,
+                       tangential=tangential, status=status)
 
     def _recut(self, state: ContactState, cuts: ndarray) -> ContactState:
-        """Carry a state over to new cuts, unless they are where they were."""
-        if len(cuts) == len(state.cuts) and np.abs(cuts - state.cuts).max() < _MOVED:
-            return state
+        """Carry a state over to new cuts."""
         old, new = self.points(state), self.points(replace(state, cuts=cuts))
         nearest = np.abs(new.arc[:, None] - old.arc).argmin(axis=1)
         elastic = np.nan_to_num(state.arc - state.stick_point)
         smooth = {name: np.interp(new.arc, old.arc, getattr(state, name)) for name in (
-            "slip", "normal", "tangential", "normal_multiplier", "tangential_multiplier", "stiffening", "offset")}
+            "slip", "normal", "tangential", "offset")}
         arc = np.interp(new.arc, old.arc, np.nan_to_num(state.arc)) if not self.master.closed else state.arc[nearest]
         arc = np.where(np.isnan(state.arc[nearest]), np.nan, arc)
-        return ContactState(stick_point=arc - np.interp(new.arc, old.arc, elastic), arc=arc,
-                            gap=state.gap[nearest], status=state.status[nearest], cuts=cuts, **smooth)
+        return replace(state, stick_point=arc - np.interp(new.arc, old.arc, elastic), arc=arc,
+                       gap=state.gap[nearest], status=state.status[nearest], cuts=cuts, **smooth)
 
     def _gather(self, kinematics: Kinematics, force: ndarray) -> ndarray:
         moving = kinematics.dofs >= 0  # rigid obstacles have no unknowns
@@ -297,20 +278,25 @@ class ContactPair:
 
     # -- what the analysis asks besides ---------------------------------------------------------------------
 
-    def settle(self, accepted: ContactState, candidate: ContactState) -> ContactState | None:
+    def settle(self, x: ndarray, accepted: ContactState, candidate: ContactState) -> ContactState | None:
         """State from which the same increment must be solved once more, or None where nothing is left to do.
 
-        The augmented method improves its multipliers here, and overlaps are resolved in steps.
+        The cuts of ``quadrature="segments"`` follow the bodies here, the augmented method improves its multipliers,
+        and overlaps are resolved in steps.
         """
         if self.initial == "ramped" and accepted.offset.any():
             left = accepted.offset * 0.5
             return replace(accepted, offset=np.where(np.abs(left) < 0.05 * np.abs(left).max(initial=0.0), 0.0, left))
-        if self.enforcement is None:
-            return None
-        points = self.points(accepted)
-        stiffness = self.penalty[0] if self.stiffness is None else self.stiffness  # type: ignore[index]
-        return self.enforcement.augment(accepted, candidate, self.penalties(points, accepted),
-                                        self._at(points, stiffness))
+        again = None
+        if self.enforcement is not None:
+            stiffness = self.penalty[0] if self.stiffness is None else self.stiffness  # type: ignore[index]
+            again = self.enforcement.augment(accepted, candidate, self.points(accepted), self.penalties(accepted),
+                                             stiffness)
+        if self.quadrature == "segments":
+            cuts = self._cuts(self.slave.positions(x), self.master.positions(x))
+            if len(cuts) != len(accepted.cuts) or np.abs(cuts - accepted.cuts).max() > _MOVED:
+                again = self._recut(again or accepted, cuts)
+        return again
 
     def summary(self, state: ContactState) -> str:
         """Counts of open, sticking and slipping points, for the table of a result."""
@@ -327,8 +313,8 @@ class ContactPair:
         share = self.penetration(state)
         if share <= _PENETRATION:
             return []
-        softest = np.median(self.penalties(self.points(state), state)[0])
-        return [f"the slave penetrates by {share:.1%} of its segment length: the penalty (median {softest:.3g}) is "
+        softest = self.penalties(state)[0]
+        return [f"the slave penetrates by {share:.1%} of its segment length: the penalty, {softest:.3g}, is "
                 "too soft for this load"]
 
 

@@ -41,6 +41,10 @@ class SlavePoints:
         """Coordinates of the points, (n, 2), from those of the slave nodes."""
         return np.einsum("nk,nkc->nc", self.values, nodes[self.nodes])
 
+    def at(self, nodal: ndarray) -> ndarray:
+        """Values at the points, (n,), of a field given at the slave nodes."""
+        return np.einsum("nk,nk->n", self.values, nodal[self.nodes])
+
 
 def nodal(surface: Surface) -> SlavePoints:
     """The paper's node-to-segment rule: the nodes themselves with their tributary lengths.

@@ -23,9 +23,9 @@ class ContactState:
     status
         :class:`~skfem_contact.Status`.
     normal_multiplier, tangential_multiplier
-        Lagrange multipliers of the augmented method; zero in the penalty method.
+        Lagrange multipliers of the augmented method at the slave's nodes, (n_nodes,); zero in the penalty method.
     stiffening
-        Factor by which the augmented method has changed the penalty.
+        Factor by which the augmented method has changed the penalty, (1,).
     offset
         Gap that counts as touching: the initial one where it was adjusted.
     cuts

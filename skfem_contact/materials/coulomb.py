@@ -52,10 +52,10 @@ class InterfaceLaw(Protocol):
     def bonds(self) -> bool:
         """Whether points near the master are bonded to it as they are meshed."""
 
-    def reaches(self, gap: ndarray, normal_penalty: ndarray, closed: ndarray) -> ndarray:
+    def reaches(self, gap: ndarray, normal_penalty: float, closed: ndarray) -> ndarray:
         """Which points may carry traction; ``closed`` are those that did in the accepted state."""
 
-    def update(self, gap: ndarray, slip: ndarray, normal_penalty: ndarray, tangential_penalty: ndarray) -> Traction:
+    def update(self, gap: ndarray, slip: ndarray, normal_penalty: float, tangential_penalty: float) -> Traction:
         """Tractions at the points that :meth:`reaches` names."""
 
 
@@ -83,7 +83,7 @@ class Coulomb:
     --------
     >>> import numpy as np
     >>> from skfem_contact import Coulomb
-    >>> out = Coulomb(mu=.5).update(np.array([-1e-3]), np.array([2e-3]), np.array([1e4]), np.array([1e4]))
+    >>> out = Coulomb(mu=.5).update(np.array([-1e-3]), np.array([2e-3]), 1e4, 1e4)
     >>> float(out.normal[0]), float(out.tangential[0]), int(out.status[0])   # slips at 0.5 * 10
     (-10.0, 5.0, 2)
     """
@@ -102,11 +102,11 @@ class Coulomb:
         """No bond: contact is where the bodies meet."""
         return False
 
-    def reaches(self, gap: ndarray, normal_penalty: ndarray, closed: ndarray) -> ndarray:
+    def reaches(self, gap: ndarray, normal_penalty: float, closed: ndarray) -> ndarray:
         """Penetrating points, and closed ones up to the tension cut-off."""
         return (gap <= 0.0) | (closed & (normal_penalty * gap <= self.tension) & (self.tension > 0.0))
 
-    def update(self, gap: ndarray, slip: ndarray, normal_penalty: ndarray, tangential_penalty: ndarray) -> Traction:
+    def update(self, gap: ndarray, slip: ndarray, normal_penalty: float, tangential_penalty: float) -> Traction:
         """Return mapping of the tangential traction (eqs 8 to 10); a pure function.
 
         Parameters
@@ -116,7 +116,7 @@ class Coulomb:
         slip
             Slip from the stick point, (n,).
         normal_penalty, tangential_penalty
-            Traction per penetration and per elastic slip, (n,).
+            Traction per penetration and per elastic slip.
         """
         normal = normal_penalty * gap  # eq. 4
         trial = tangential_penalty * slip  # eq. 8
@@ -128,7 +128,7 @@ class Coulomb:
         return Traction(
             normal=normal,
             tangential=tangential,
-            normal_by_gap=normal_penalty,
+            normal_by_gap=np.full_like(gap, normal_penalty),
             tangential_by_gap=np.where(stick | (gap > 0.0), 0.0, -direction * self.mu * normal_penalty),
             tangential_by_slip=np.where(stick, tangential_penalty, 0.0),
             elastic_slip=tangential / tangential_penalty,  # eq. 10
@@ -146,7 +146,7 @@ class Tied:
     >>> import numpy as np
     >>> from skfem_contact import Tied
     >>> one = np.ones(1)
-    >>> float(Tied().update(1e-3 * one, 0. * one, 1e4 * one, 1e4 * one).normal[0])
+    >>> float(Tied().update(1e-3 * one, 0. * one, 1e4, 1e4).normal[0])
     10.0
     """
 
@@ -155,12 +155,13 @@ class Tied:
         """Points near the master are bonded to it."""
         return True
 
-    def reaches(self, gap: ndarray, normal_penalty: ndarray, closed: ndarray) -> ndarray:
+    def reaches(self, gap: ndarray, normal_penalty: float, closed: ndarray) -> ndarray:
         """What was tied at the start."""
         return closed
 
-    def update(self, gap: ndarray, slip: ndarray, normal_penalty: ndarray, tangential_penalty: ndarray) -> Traction:
+    def update(self, gap: ndarray, slip: ndarray, normal_penalty: float, tangential_penalty: float) -> Traction:
         """Linear springs in both directions; arguments as for :meth:`Coulomb.update`."""
         zero = np.zeros_like(gap)
-        return Traction(normal_penalty * gap, tangential_penalty * slip, normal_penalty, zero, tangential_penalty + zero,
+        return Traction(normal_penalty * gap, tangential_penalty * slip, zero + normal_penalty, zero,
+                        zero + tangential_penalty,
                         slip, np.full(len(gap), int(Status.STICK)))
