@@ -130,8 +130,16 @@ class SolidForm:
     def initial_state(self) -> SolidState:
         """Unstrained and stress-free."""
         shape = self.weight.shape
-        n_internal = max(region.material.n_internal for region in self.regions)
-        return SolidState(np.zeros((4, *shape)), np.zeros((4, *shape)), np.zeros((n_internal, *shape)))
+        return SolidState(np.zeros((4, *shape)), np.zeros((4, *shape)), np.zeros((self._n_internal, *shape)))
+
+    @property
+    def _n_internal(self) -> int:
+        return max(region.material.n_internal for region in self.regions)
+
+    def _remembered(self, state: SolidState) -> ndarray:
+        """Internal variables, of which a state from before a change of materials may hold too few."""
+        missing = max(0, self._n_internal - len(state.internal))
+        return np.pad(state.internal, ((0, missing), (0, 0), (0, 0))) if missing else state.internal
 
     def assemble(self, x: ndarray, state: SolidState) -> Response:
         """Internal force, tangent and candidate state at the displacements ``x``.
@@ -145,14 +153,15 @@ class SolidForm:
         """
         strain = (self._strain_matrix @ x).reshape(state.strain.shape)
         increment = strain - state.strain
-        stress, internal = np.empty_like(state.stress), state.internal
+        stress, before = np.empty_like(state.stress), self._remembered(state)
+        internal = before
         updates: list[Update] = []
         for region in self.regions:
             e, n = region.elements, region.material.n_internal
-            update = region.material.update(increment[:, e], state.stress[:, e], state.internal[:n, e])
+            update = region.material.update(increment[:, e], state.stress[:, e], before[:n, e])
             stress[:, e] = update.stress
             if len(update.plastic):
-                internal = internal.copy() if internal is state.internal else internal
+                internal = internal.copy() if internal is before else internal
                 internal[:n, e] = update.internal
             updates.append(update)
         force = self._strain_matrix.T @ (stress * self.weight).ravel()
