@@ -66,7 +66,8 @@ class SolidForm:
     Raises
     ------
     ValueError
-        Unsupported element or mesh, unknown subdomain, elements without or with two materials.
+        Unsupported element or mesh, unknown subdomain, elements without or with two materials, a parameter
+        array of another length than its region.
 
     Examples
     --------
@@ -90,6 +91,7 @@ class SolidForm:
                  strain: Callable[[CellBasis], StrainOperator] = plane_strain) -> None:
         check_basis(basis)
         self.basis, self.regions = _by_region(basis, materials)
+        _check_materials(self.regions, self.basis.nelems)
         self.strain = strain
         operator = strain(self.basis)
         self.B, self.weight = operator
@@ -120,6 +122,7 @@ class SolidForm:
             look_up(name, self.materials, "region of this solid")
         new = copy(self)
         new.regions = tuple(_Region(r.name, materials.get(r.name, r.material), r.elements) for r in self.regions)
+        _check_materials(new.regions, new.basis.nelems)
         same = all(np.array_equal(a.material.elasticity(4), b.material.elasticity(4))
                    for a, b in zip(self.regions, new.regions, strict=True))
         if not same:
@@ -216,6 +219,17 @@ class SolidForm:
         change[position, q] = D * self.weight[element, q][:, None, None]
         correction = self._pattern.scatter(element_stiffness(self._B[elements], change), elements)
         return self._pattern.matrix(self.elastic_stiffness.data + correction)
+
+
+def _check_materials(regions: tuple[_Region, ...], n_elements: int) -> None:
+    """Try every material on unstrained elements: parameter arrays must fit their region."""
+    for region in regions:
+        n = len(range(n_elements)[region.elements])
+        zero = np.zeros((4, n, 1))
+        try:
+            region.material.update(zero, zero, np.zeros((region.material.n_internal, n, 1)))
+        except ValueError as error:
+            raise ValueError(f"material of '{region.name}': {error}") from error
 
 
 def _by_region(basis: CellBasis, materials: Material | Mapping[str, Material]
