@@ -119,9 +119,9 @@ def moved_rigidly(
     return (places @ rotation(degrees).T + shift - basis.doflocs[:, ::2].T).ravel()
 
 
-def closest(pair: sc.ContactPair, x: ndarray) -> Projection:
-    """Closest points on the master at the displacements x, among all segments at any depth."""
-    points = pair.points.positions(pair.slave.positions(x))
+def closest(pair: sc.ContactPair, state: sc.ContactState, x: ndarray) -> Projection:
+    """Closest points on the master of the points of a state at the displacements x, at any depth."""
+    points = pair.points(state).positions(pair.slave.positions(x))
     depth = np.full(len(points), np.inf)
     return project(pair.master, pair.master.positions(x), points, depth, reach=np.inf)
 

@@ -9,7 +9,7 @@ from skfem_contact import Coulomb, Status, Tied
 
 
 def drag(law: Coulomb, gaps, slips, penalties=(1e6, 1e4)):
-    """Lead one point along a path of gaps and slips as a pair does; tractions and stick points of all steps."""
+    """Lead one point along a path of gaps and slips as a pair does; the answers of all steps."""
     eps = [np.array([p]) for p in penalties]
     stick, status, answers = 0.0, Status.OPEN, []
     for gap, slip in zip(gaps, slips, strict=True):
@@ -146,7 +146,7 @@ def test_opening_forgets_the_friction():
 
 
 def test_touching_point_is_closed():
-    """[X] A gap of exactly zero carries nothing but is stiff: bodies that touch need it in their first iteration."""
+    """[X] A gap of exactly zero carries nothing but is stiff: bodies that touch need it to begin with."""
     law, zero, eps_n, eps_t = Coulomb(mu=0.3), np.zeros(1), np.array([1e3]), np.array([1e2])
     assert law.reaches(zero, eps_n, np.array([False]))[0]
     out = law.update(zero, zero, eps_n, eps_t)
