@@ -6,12 +6,22 @@ from fractions import Fraction as F
 
 import numpy as np
 import pytest
+from material_points import (
+    assert_history,
+    assert_tangent,
+    components,
+    principal_stresses,
+    random_points,
+    random_strains,
+    rotations,
+    update,
+)
 from oracles.mohr_coulomb import (
     active_set_return,
     rational_return,
 )
 
-from skfem_contact.materials import MohrCoulomb, mohr_coulomb
+from skfem_contact.materials import MohrCoulomb, pyramid
 
 # Principal trial strains and the exact stresses for sin psi = 0, 1/4 and 1/2; E = 1000, nu = 1/4,
 # sin phi = 1/2, 2 c cos phi = 10.
@@ -60,44 +70,9 @@ def soil(law: tuple[float, float, float] = LAWS["dilatant"]) -> MohrCoulomb:
     return MohrCoulomb(E=2e4, nu=0.3, c=c, phi=phi, psi=psi)
 
 
-def rotations(n: int, ncomp: int, rng: np.random.Generator) -> np.ndarray:
-    """Random rotations (n, 3, 3), about z for 4 components."""
-    matrices = np.linalg.qr(rng.normal(size=(n, 3, 3)))[0]
-    if ncomp == 4:
-        angle = rng.uniform(0, 2 * np.pi, n)
-        matrices[...] = np.eye(3)
-        matrices[:, 0, 0] = matrices[:, 1, 1] = np.cos(angle)
-        matrices[:, 1, 0] = np.sin(angle)
-        matrices[:, 0, 1] = -np.sin(angle)
-    return matrices
-
-
-def components(principal: np.ndarray, rotation: np.ndarray, ncomp: int, shear: float = 1.0) -> np.ndarray:
-    """Components (ncomp, n) of Q diag(principal) Q^T; ``shear`` is 2 for engineering shear strains."""
-    tensor = np.einsum("nij,nj,nkj->nik", rotation, principal, rotation)
-    rows, columns = np.array([0, 1, 2, 0, 1, 2]), np.array([0, 1, 2, 1, 2, 0])
-    return (tensor[:, rows, columns] * np.array([1, 1, 1, shear, shear, shear]))[:, :ncomp].T.copy()
-
-
-def update(material: MohrCoulomb, strain: np.ndarray, stress: np.ndarray | None = None):
-    stress = np.zeros_like(strain) if stress is None else stress
-    return material.update(strain, stress, np.zeros((1, *strain.shape[1:])))
-
-
-def random_strains(n: int, rng: np.random.Generator, size: float = 4e-3) -> np.ndarray:
-    """Principal strains (n, 3) that reach every region; a tenth has two equal values, some have three."""
-    strain = rng.normal(size=(n, 3)) * size * rng.uniform(0, 1, (n, 1)) + rng.normal(size=(n, 1)) * size / 3
-    strain[: n // 20, 1] = strain[: n // 20, 0]
-    strain[n // 20 : n // 10, 2] = strain[n // 20 : n // 10, 1]
-    strain[: n // 100] = strain[: n // 100, :1]
-    return strain
-
-
 def excess(material: MohrCoulomb, stress: np.ndarray) -> np.ndarray:
     """Yield function from the eigenvalues of numpy."""
-    six = np.vstack((stress, np.zeros((6 - len(stress), *stress.shape[1:]))))
-    tensor = six[[[0, 3, 5], [3, 1, 4], [5, 4, 2]]]
-    s = np.linalg.eigvalsh(np.moveaxis(tensor, (0, 1), (-2, -1)))
+    s = principal_stresses(stress)
     sine, cosine = np.sin(np.radians(material.phi)), np.cos(np.radians(material.phi))
     return (1 + sine) * s[..., 2] - (1 - sine) * s[..., 0] - 2 * material.c * cosine
 
@@ -156,25 +131,7 @@ def test_random_returns_against_active_sets(law: tuple[float, float, float], nco
 @RANDOM_LAWS
 def test_tangent_against_finite_differences(law: tuple[float, float, float], ncomp: int) -> None:
     """[X] Consistent tangent, equal principal stresses included; kinks within the step are left out."""
-    rng = np.random.default_rng(3)
-    n, step = 5000, 1e-9
-    material = soil(law)
-    strain = components(random_strains(n, rng), rotations(n, ncomp, rng), ncomp, shear=2)
-    result = update(material, strain)
-    tangent = np.broadcast_to(material.elasticity(ncomp), (n, ncomp, ncomp)).copy()
-    tangent[result.plastic] = result.tangent()
-
-    kinked = np.zeros(n, dtype=bool)
-    error = np.zeros(n)
-    for j, direction in enumerate(np.eye(ncomp)):
-        forward = update(material, strain + step * direction[:, None]).stress
-        backward = update(material, strain - step * direction[:, None]).stress
-        kinked |= np.abs(forward - 2 * result.stress + backward).max(axis=0) > 1e-3 * step * material.E
-        slope = ((forward - backward) / (2 * step)).T
-        error = np.maximum(error, np.abs(slope - tangent[:, :, j]).max(axis=1))
-    # Round-off of the differences: 1e-13 in the stress over a step of 2e-9, against E = 2e4, is 3e-9.
-    assert error[~kinked].max() <= 1e-6 * material.E
-    assert kinked.mean() < 0.01
+    assert_tangent(soil(law), random_points(5000, ncomp, np.random.default_rng(3)))
 
 
 @COMPONENTS
@@ -216,34 +173,15 @@ def test_any_parameters_in_exact_arithmetic(ncomp: int) -> None:
 @RANDOM_LAWS
 def test_random_history(law: tuple[float, float, float], ncomp: int) -> None:
     """[X] 1e5 random increments: dissipation, no excess, no drift, hardening variable from its definition."""
-    rng = np.random.default_rng(5)
     material = soil(law)
-    n, steps = 1000, 100
-    stress, internal = np.zeros((ncomp, n)), np.zeros((1, n))
-    compliance = np.linalg.inv(material.elasticity(ncomp))
-    equivalent = np.zeros(n)
-    for _ in range(steps):
-        increment = rng.normal(size=(ncomp, n)) * 1e-3
-        result = material.update(increment, stress, internal)
-        plastic_strain = increment - compliance @ (result.stress - stress)
-        scale = np.abs(result.stress).max(axis=0) * 1e-3 + 1e-3
-        # round-off of the stress times the strain
-        assert ((result.stress * plastic_strain).sum(axis=0) >= -1e-13 * scale).all()
-        deviator = plastic_strain.copy()
-        deviator[:3] -= plastic_strain[:3].mean(axis=0)
-        weights = np.array([1, 1, 1, 0.5, 0.5, 0.5])[:ncomp, None]
-        equivalent += np.sqrt(2 / 3 * (weights * deviator**2).sum(axis=0))
-        stress, internal = result.stress, result.internal
-        assert (excess(material, stress) <= 1e-12 * (np.abs(stress).max(axis=0) + 1)).all()
-    # a hundred increments of 1e-3, each to the round-off of its stress over E
-    np.testing.assert_allclose(internal[0], equivalent, rtol=1e-11, atol=1e-13)
+    assert_history(material, lambda stress: excess(material, stress), ncomp)
 
 
 @COMPONENTS
 def test_point_on_the_surface_is_elastic_without_increment(ncomp: int) -> None:
     """[X] A returned stress returns to itself: no plastic point, no change but round-off."""
     rng = np.random.default_rng(6)
-    strain = components(random_strains(20_000, rng), rotations(20_000, ncomp, rng), ncomp, shear=2)
+    strain = random_points(20_000, ncomp, rng)
     first = update(soil(), strain)
     again = update(soil(), np.zeros_like(strain), first.stress)
     assert first.plastic.size > 10_000
@@ -299,8 +237,8 @@ def test_update_is_pure_and_its_tangent_lazy(monkeypatch: pytest.MonkeyPatch) ->
     arguments = [rng.normal(size=(4, 30)) * 5e-3, rng.normal(size=(4, 30)), np.zeros((1, 30))]
     copies = [a.copy() for a in arguments]
     calls = []
-    fill = mohr_coulomb._fill_moduli
-    monkeypatch.setattr(mohr_coulomb, "_fill_moduli", lambda *a: (calls.append(1), fill(*a)))
+    fill = pyramid._fill_moduli
+    monkeypatch.setattr(pyramid, "_fill_moduli", lambda *a: (calls.append(1), fill(*a)))
     result = soil().update(*arguments)
     assert result.plastic.size and not calls
     np.testing.assert_array_equal(result.tangent(), result.tangent())
@@ -318,6 +256,8 @@ def test_reduced_strength() -> None:
         np.tan(np.radians(reduced.phi)), np.tan(np.radians(material.phi)) / 1.5, rtol=1e-14
     )
     np.testing.assert_allclose(reduced.psi, [10.0, reduced.phi[1]], rtol=1e-15)
+    raised = material.reduced(0.5)
+    np.testing.assert_allclose(raised.psi, [10.0, raised.phi[1]], rtol=1e-15)
     associated = MohrCoulomb(1e4, 0.3, c=10.0, phi=30.0, psi=30.0)
     assert associated.reduced(2.0).psi == associated.reduced(2.0).phi < 30
     assert associated.reduced(0.5).psi == associated.reduced(0.5).phi > 30

@@ -3,5 +3,6 @@
 from .base import Material, Update
 from .elastic import LinearElastic
 from .mohr_coulomb import MohrCoulomb
+from .tresca import Tresca
 
-__all__ = ["LinearElastic", "Material", "MohrCoulomb", "Update"]
+__all__ = ["LinearElastic", "Material", "MohrCoulomb", "Tresca", "Update"]

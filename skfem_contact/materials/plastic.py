@@ -101,7 +101,7 @@ class IsotropicPlasticity(Isotropic):
     def _return_block(
         self, stress: Array, internal: Array, points: NDArray[np.intp], constants: Any
     ) -> _ReturnedBlock:
-        """Return those of the points that are outside the yield surface; changes stress and internal in place."""
+        """Return those of the points that are outside the surface; changes stress and internal in place."""
         constants = chosen(constants, points // stress[0, 0].size)
         stress = stress.reshape(len(stress), -1)
         frame = principal(stress[:, points])

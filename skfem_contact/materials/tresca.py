@@ -1,0 +1,75 @@
+"""Tresca plasticity: soil without drainage, with one shear strength."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from .base import Parameter, require
+from .pyramid import PyramidConstants, PyramidPlasticity
+
+
+@dataclass(frozen=True, eq=False)
+class Tresca(PyramidPlasticity):
+    """Linear elasticity, perfect plasticity where the largest shear stress is c, no change of volume.
+
+    Parameters
+    ----------
+    E : float or ndarray
+        Young's modulus (stress), positive; a float or one value an element.
+    nu : float or ndarray
+        Poisson's ratio, -1 < nu < 0.5; a float or one value an element.
+    c : float or ndarray
+        Shear strength (stress), not negative; a float or one value an element.
+
+    Raises
+    ------
+    ValueError
+        If a parameter is out of its range, not finite, or arrays differ in length.
+
+    Notes
+    -----
+    It is the limit phi = 0 of `MohrCoulomb` and runs through the same return mapping, without an apex.
+
+    Examples
+    --------
+    >>> clay = Tresca(E=1000.0, nu=0.25, c=5.0)
+    >>> shear_strain = np.array([[0.0], [0.0], [0.0], [0.1]])
+    >>> clay.update(shear_strain, np.zeros((4, 1)), np.zeros((1, 1))).stress.ravel()
+    array([0., 0., 0., 5.])
+    """
+
+    c: Parameter
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        require("c", self.c, np.greater_equal(self.c, 0), "not be negative")
+
+    def reduced(self, factor: float) -> Tresca:
+        """The material with its shear strength divided by a factor.
+
+        Parameters
+        ----------
+        factor : float
+            Positive.
+
+        Returns
+        -------
+        Tresca
+
+        Raises
+        ------
+        ValueError
+            If the factor is not positive.
+
+        Examples
+        --------
+        >>> Tresca(E=1e4, nu=0.3, c=10.0).reduced(2.0).c
+        5.0
+        """
+        require("factor", factor, np.isfinite(factor) and factor > 0, "be positive")
+        return replace(self, c=self.c / factor)
+
+    def _constants(self) -> PyramidConstants:
+        return PyramidConstants(*self.lame, sin_phi=0.0, sin_psi=0.0, strength=2 * self.c)
