@@ -119,7 +119,7 @@ class Surface:
 
     def positions(self, x: ndarray) -> ndarray:
         """Current coordinates of the nodes at the displacements x, (n_nodes, 2)."""
-        return self.nodes + x[self.dofs]
+        return self.nodes + np.where(self.dofs >= 0, x[self.dofs], 0.0)
 
     def curve(self, segment: ndarray, xi: ndarray, nodes: ndarray) -> tuple[ndarray, ndarray]:
         """Shape functions and curve with three derivatives at points given by segment and xi.
