@@ -109,7 +109,8 @@ def variations(points: SlavePoints, slave: Surface, master: Surface, at: ndarray
     dl = _lift(beta, tau) + _dot(tau, rho[2])[:, None] * Xi
     slip_gradient = l[:, None] * Xi + elastic_arc[:, None] * (
         dl / metric[:, None] - (l * dmetric / metric**2)[:, None] * Xi)
-    slip_gradient[vertex] = 0.0
+    if vertex.any():  # there the arc position stays, but not the metric
+        slip_gradient[vertex] = (elastic_arc / metric)[vertex, None] * _lift(beta, facet_tau)[vertex]
     second = (alpha, beta, gamma, rho, l, g, h, D, Xi, dl, vertex, facet_tau, facet_n)
     return Kinematics(dofs.reshape(G.shape), G, tangential, slip_gradient, n, tau, second)
 
