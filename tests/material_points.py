@@ -99,3 +99,38 @@ def assert_history(
     assert (equivalent > 0).all()
     # every increment to the round-off of its stress over E
     np.testing.assert_allclose(internal[0], equivalent, rtol=1e-11, atol=1e-13)
+
+
+class Specimen:
+    """One point under mixed control: given strain increments, and given stresses at the free components.
+
+    On an edge the tangent leaves the difference of two strains open, hence the least-squares solution.
+    """
+
+    def __init__(self, material, stress: list[float], ncomp: int = 4) -> None:
+        self.material = material
+        self.stress = np.zeros((ncomp, 1))
+        self.stress[:4, 0] = stress
+        self.internal = np.zeros((1, 1))
+        self.strain = np.zeros((ncomp, 1))
+        self.plastic_strain = np.zeros(ncomp)
+
+    def step(self, strain: dict[int, float], stress: dict[int, float]) -> None:
+        """Load by strain increments; the strains of the components in ``stress`` give these stresses."""
+        increment = np.zeros_like(self.stress)
+        for i, value in strain.items():
+            increment[i] = value
+        free, target = list(stress), np.array(list(stress.values()))
+        for _ in range(12):
+            result = self.material.update(increment, self.stress, self.internal)
+            residual = target - result.stress[free, 0]
+            if np.abs(residual).max(initial=0) <= 1e-12 * np.abs(result.stress).max():
+                break
+            tangent = result.tangent()[0] if result.plastic.size else self.material.elasticity(len(increment))
+            increment[free, 0] += np.linalg.lstsq(tangent[np.ix_(free, free)], residual)[0]
+        else:
+            raise AssertionError(f"no equilibrium, residual {residual}")
+        elastic = np.linalg.solve(self.material.elasticity(len(increment)), result.stress - self.stress)
+        self.plastic_strain += (increment - elastic)[:, 0]
+        self.strain += increment
+        self.stress, self.internal = result.stress, result.internal

@@ -125,3 +125,18 @@ def along_elements(value: Parameter, shape: tuple[int, ...]) -> Parameter:
     if np.size(value) != shape[1]:
         raise ValueError(f"a parameter array has {np.size(value)} values for {shape[1]} elements")
     return np.reshape(value, (-1,) + (1,) * (len(shape) - 2))
+
+
+def reduced_dilatancy(dilatancy: Parameter, friction: Parameter, reduced_friction: Parameter) -> Parameter:
+    """Dilatancy that belongs to a reduced friction.
+
+    It equals the reduced friction where it equalled the friction (associated flow); elsewhere it is capped
+    by it.
+
+    Examples
+    --------
+    >>> reduced_dilatancy(np.array([30.0, 5.0]), np.array([30.0, 30.0]), np.array([20.0, 20.0]))
+    array([20.,  5.])
+    """
+    associated = np.equal(dilatancy, friction)
+    return np.where(associated, reduced_friction, np.minimum(dilatancy, reduced_friction))

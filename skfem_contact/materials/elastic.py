@@ -125,6 +125,8 @@ class LinearElastic(Isotropic):
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from skfem_contact.materials import LinearElastic
     >>> steel = LinearElastic(E=210e6, nu=0.3)
     >>> strain = np.array([[1e-3], [0.0], [0.0], [0.0]])
     >>> steel.update(strain, np.zeros((4, 1)), np.zeros((0, 1))).stress.ravel().round()

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .base import Parameter, require
+from .base import Parameter, reduced_dilatancy, require
 from .pyramid import PyramidConstants, PyramidPlasticity
 
 
@@ -44,6 +44,8 @@ class MohrCoulomb(PyramidPlasticity):
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from skfem_contact.materials import MohrCoulomb
     >>> sand = MohrCoulomb(E=1000.0, nu=0.25, c=0.0, phi=30.0)
     >>> strain = np.array([[0.001], [-0.01], [-0.001], [0.0]])
     >>> sand.update(strain, np.zeros((4, 1)), np.zeros((1, 1))).stress.ravel().round(3)
@@ -90,8 +92,7 @@ class MohrCoulomb(PyramidPlasticity):
         """
         require("factor", factor, np.isfinite(factor) and factor > 0, "be positive")
         phi = np.degrees(np.arctan(np.tan(np.radians(self.phi)) / factor))
-        psi = np.where(np.equal(self.psi, self.phi), phi, np.minimum(self.psi, phi))
-        return replace(self, c=self.c / factor, phi=phi, psi=psi)
+        return replace(self, c=self.c / factor, phi=phi, psi=reduced_dilatancy(self.psi, self.phi, phi))
 
     def _constants(self) -> PyramidConstants:
         phi, psi = np.radians(self.phi), np.radians(self.psi)

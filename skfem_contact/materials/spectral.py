@@ -84,17 +84,36 @@ def extremes(stress: Array) -> tuple[Array, Array]:
     if stress.shape[0] == 4:
         centre, _, radius = _mohr_circle(stress)
         return np.maximum(centre + radius, stress[2]), np.minimum(centre - radius, stress[2])
-    mean = (stress[0] + stress[1] + stress[2]) / 3
+    mean, shear = mean_and_shear(stress)
     xx, yy, zz = stress[:3] - mean
     xy, yz, zx = stress[3:]
-    j2 = (xx * xx + yy * yy + zz * zz) / 2 + xy * xy + yz * yz + zx * zx
     j3 = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * zx) + zx * (xy * yz - yy * zx)
-    radius = 2 * np.sqrt(j2 / 3)
+    radius = 2 / np.sqrt(3) * shear
     lode = np.arccos(np.clip(4 * j3 / np.where(radius > 0, radius, 1) ** 3, -1, 1)) / 3
     return (
         mean + radius * (np.cos(lode) + _MARGIN),
         mean + radius * (np.cos(lode + 2 * np.pi / 3) - _MARGIN),
     )
+
+
+def mean_and_shear(stress: Array) -> tuple[Array, Array]:
+    """Mean stress and sqrt(J2) of Cartesian components (4 or 6, ...) or of principal stresses (3, ...).
+
+    Examples
+    --------
+    >>> mean, shear = mean_and_shear(np.array([[3.0], [1.0], [2.0]]))
+    >>> float(mean[0]), float(shear[0])
+    (2.0, 1.0)
+    """
+    mean = stress[0] + stress[1] + stress[2]
+    mean /= 3
+    squares = np.square(stress[0] - mean)
+    squares += np.square(stress[1] - mean)
+    squares += np.square(stress[2] - mean)
+    squares /= 2
+    for shear in stress[3:]:
+        squares += shear * shear
+    return mean, np.sqrt(squares, out=squares)
 
 
 def _mohr_circle(stress: Array) -> tuple[Array, Array, Array]:

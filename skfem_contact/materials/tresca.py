@@ -34,6 +34,8 @@ class Tresca(PyramidPlasticity):
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from skfem_contact.materials import Tresca
     >>> clay = Tresca(E=1000.0, nu=0.25, c=5.0)
     >>> shear_strain = np.array([[0.0], [0.0], [0.0], [0.1]])
     >>> clay.update(shear_strain, np.zeros((4, 1)), np.zeros((1, 1))).stress.ravel()
