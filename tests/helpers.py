@@ -119,11 +119,34 @@ def moved_rigidly(
     return (places @ rotation(degrees).T + shift - basis.doflocs[:, ::2].T).ravel()
 
 
+def rough_pair(
+    element: str, quadrature: str | int, law: sc.Coulomb | sc.Tied, rng: np.random.Generator, **options
+) -> tuple[Basis, sc.ContactPair, ndarray, sc.ContactState]:
+    """Two bodies that overlap along a bent line, displaced at random, with stick points at random.
+
+    The master of five segments is both convex and concave; the slave's four segments lie within its ends.
+    """
+    t = np.linspace(0, 3, 6)
+    floor = np.stack((t, 0.25 * np.sin(2.2 * t)), axis=1)
+    s = np.linspace(2.55, 0.4, 5)
+    roof = np.stack((s, 0.25 * np.sin(2.2 * s) - 0.06), axis=1)
+    basis = facing(body_along(roof, element, 0.6), body_along(floor, element, 0.6), element)
+    options = {"penalty": (1e3, 7e2), **options}
+    pair = sc.ContactPair(basis, "slave:face", "master:face", law, quadrature, **options)
+    x = 0.02 * rng.standard_normal(basis.N)
+    return basis, pair, x, slipped(pair.initial_state(), 0.05, rng)
+
+
+def slipped(state: sc.ContactState, amount: float, rng: np.random.Generator) -> sc.ContactState:
+    """The state with its stick points moved at random."""
+    return replace(state, stick_point=state.stick_point + amount * rng.standard_normal(len(state.gap)))
+
+
 def closest(pair: sc.ContactPair, state: sc.ContactState, x: ndarray) -> Projection:
     """Closest points on the master of the points of a state at the displacements x, at any depth."""
     points = pair.points(state).positions(pair.slave.positions(x))
     depth = np.full(len(points), np.inf)
-    return project(pair.master, pair.master.positions(x), points, depth, reach=np.inf)
+    return project(pair.master, pair.master.positions(x), points, depth, np.inf, state.segment)
 
 
 def directional_error(
