@@ -66,20 +66,24 @@ class AugmentedLagrangian:
         stiffness
             Traction per displacement of the bodies' surfaces.
         """
-        before = accepted.normal_multiplier, accepted.tangential_multiplier
-        change = [_nodal_mean(points, traction - points.at(multiplier))
-                  for traction, multiplier in zip((candidate.normal, candidate.tangential), before, strict=True)]
+        normal = np.minimum(_improved(points, candidate.normal, accepted.normal_multiplier), 0.0)
+        tangential = _improved(points, candidate.tangential, accepted.tangential_multiplier)
         # a sliding point's traction follows from the normal one; only where it sticks is its elastic slip an error
         sticks = _nodal_mean(points, candidate.status == Status.STICK) > 0.99
-        error = stiffness * max(np.abs(change[0]).max() / penalties[0],
-                                np.abs(change[1][sticks]).max(initial=0.0) / penalties[1])
-        largest = np.abs(candidate.normal).max(initial=0.0)
-        if error <= self.tolerance * largest:
+        error = stiffness * max(
+            np.abs(normal - accepted.normal_multiplier).max() / penalties[0],
+            np.abs(tangential - accepted.tangential_multiplier)[sticks].max(initial=0.0) / penalties[1])
+        if error <= self.tolerance * np.abs(candidate.normal).max(initial=0.0):
             return None
         factor = float(np.clip(_WANTED * stiffness / penalties[0], 1.0 / _LARGEST_FACTOR, _LARGEST_FACTOR))
-        return replace(accepted, normal_multiplier=np.minimum(before[0] + change[0], 0.0),
-                       tangential_multiplier=before[1] + change[1], stiffening=accepted.stiffening * factor,
+        return replace(accepted, normal_multiplier=normal, tangential_multiplier=tangential,
+                       stiffening=accepted.stiffening * factor,
                        stick_point=accepted.arc - (accepted.arc - accepted.stick_point) / factor)
+
+
+def _improved(points: SlavePoints, traction: ndarray, multiplier: ndarray) -> ndarray:
+    """Multipliers raised by the weighted means of what the tractions exceed them by."""
+    return multiplier + _nodal_mean(points, traction - points.at(multiplier))
 
 
 def _nodal_mean(points: SlavePoints, values: ndarray) -> ndarray:

@@ -153,7 +153,7 @@ class ContactPair:
         slave, master = self.slave.nodes, self.master.nodes
         cuts = self._cuts(slave, master) if self.quadrature == "segments" else np.zeros(0)
         empty = np.zeros(0)
-        points = self.points(ContactState(*[empty] * 11, cuts=cuts))
+        points = self.points(ContactState(*[empty] * 12, cuts=cuts))
         found = self._project(points, master, points.positions(slave))
         arc = self._arc(found)
         zero, nodal = np.zeros(len(arc)), np.zeros(len(slave))
@@ -164,7 +164,7 @@ class ContactPair:
             offset = np.minimum(found.gap, 0.0)
         touching = found.gap - offset <= _TOUCHING * points.size
         status = np.where(touching, int(Status.STICK), int(Status.OPEN))
-        return ContactState(arc, arc, found.gap, zero, zero, zero, status, nodal, nodal, np.ones(1), offset, cuts)
+        return ContactState(arc, arc, _segments(found), found.gap, zero, zero, zero, status, nodal, nodal, np.ones(1), offset, cuts)
 
     # -- the form -------------------------------------------------------------------------------------------
 
@@ -181,7 +181,7 @@ class ContactPair:
         slave, nodes = self.slave.positions(x), self.master.positions(x)
         points = self.points(state)
         positions = points.positions(slave)
-        found = self._project(points, nodes, positions)
+        found = self._project(points, nodes, positions, state.segment)
         arc = self._arc(found)
         normal_penalty, tangential_penalty = self.penalties(state)
         gap = found.gap - state.offset + points.at(state.normal_multiplier) / normal_penalty
@@ -213,10 +213,11 @@ class ContactPair:
         factor = float(state.stiffening[0])
         return self.penalty[0] * factor, self.penalty[1] * factor
 
-    def _project(self, points: rules.SlavePoints, nodes: ndarray, positions: ndarray) -> Projection:
+    def _project(self, points: rules.SlavePoints, nodes: ndarray, positions: ndarray,
+                 previous: ndarray | None = None) -> Projection:
         # what penetrates deeper than an element or so belongs to the other side of the body
         depth = np.maximum(points.size, float(np.median(self.master.length)))
-        return project(self.master, nodes, positions, depth, reach=float(depth.max()))
+        return project(self.master, nodes, positions, depth, reach=float(depth.max()), previous=previous)
 
     def _arc(self, found: Projection) -> ndarray:
         arc = np.full(len(found.gap), np.nan)
@@ -243,7 +244,7 @@ class ContactPair:
         normal[at], tangential[at], status[at] = traction.normal, traction.tangential, traction.status
         moved = self._along(arc - state.arc)
         slip = np.where(status == Status.OPEN, 0.0, state.slip + np.where(np.isnan(moved), 0.0, moved))
-        return replace(state, stick_point=stick_point, arc=arc, gap=found.gap, slip=slip, normal=normal,
+        return replace(state, stick_point=stick_point, arc=arc, segment=_segments(found), gap=found.gap, slip=slip, normal=normal,
                        tangential=tangential, status=status)
 
     def _recut(self, state: ContactState, cuts: ndarray) -> ContactState:
@@ -256,7 +257,7 @@ class ContactPair:
         arc = np.interp(new.arc, old.arc, np.nan_to_num(state.arc)) if not self.master.closed else state.arc[nearest]
         arc = np.where(np.isnan(state.arc[nearest]), np.nan, arc)
         return replace(state, stick_point=arc - np.interp(new.arc, old.arc, elastic), arc=arc,
-                       gap=state.gap[nearest], status=state.status[nearest], cuts=cuts, **smooth)
+                       segment=state.segment[nearest], gap=state.gap[nearest], status=state.status[nearest], cuts=cuts, **smooth)
 
     def _gather(self, kinematics: Kinematics, force: ndarray) -> ndarray:
         moving = kinematics.dofs >= 0  # rigid obstacles have no unknowns
@@ -316,6 +317,10 @@ class ContactPair:
         softest = self.penalties(state)[0]
         return [f"the slave penetrates by {share:.1%} of its segment length: the penalty, {softest:.3g}, is "
                 "too soft for this load"]
+
+
+def _segments(found: Projection) -> ndarray:
+    return np.where(found.found, found.segment, -1)
 
 
 def _one_of(name: str, value: object, allowed: tuple[str, ...]) -> None:

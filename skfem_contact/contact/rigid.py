@@ -49,7 +49,7 @@ def rigid_line(start: tuple[float, float], end: tuple[float, float], name: str =
     Examples
     --------
     >>> from skfem_contact import rigid_line
-    >>> rigid_line((-1., 0.), (1., 0.)).total_length      # the free side is above
+    >>> round(rigid_line((-1., 0.), (1., 0.)).total_length, 12)      # the free side is above
     2.0
     """
     return rigid_polyline(np.array([start, end]), name=name)

@@ -12,6 +12,9 @@ from .surface import Surface
 #: An open chain goes on straight for this share of its last segment: a slave corner that starts flush with
 #: the master's end must not lose contact to the lateral strain of the bodies.
 EXTENSION = 0.05
+#: Hysteresis: a point leaves the segment that it had in the accepted state only beyond this share of its
+#: length, lest nodes that face each other chatter between two segments.
+HYSTERESIS = 0.01
 _ON_FACET = 1e-9  # round-off of xi at a joint
 _NEWTON_STEPS = 25
 
@@ -38,7 +41,8 @@ class Projection(NamedTuple):
     vertex: ndarray
 
 
-def project(surface: Surface, nodes: ndarray, points: ndarray, depth: ndarray, reach: float) -> Projection:
+def project(surface: Surface, nodes: ndarray, points: ndarray, depth: ndarray, reach: float,
+            previous: ndarray | None = None) -> Projection:
     """Closest points on the surface, among all of its segments.
 
     Parameters
@@ -51,6 +55,8 @@ def project(surface: Surface, nodes: ndarray, points: ndarray, depth: ndarray, r
         Largest penetration that counts as contact, (n,): what lies deeper belongs to the body's other side.
     reach
         Points farther away from the surface's bounding box are not projected.
+    previous
+        Segments of the accepted state, (n,), -1 where there was none.
     """
     n = len(points)
     result = Projection(np.zeros(n, bool), np.zeros(n, int), np.zeros(n), np.full(n, np.inf), np.zeros(n, bool))
@@ -59,22 +65,24 @@ def project(surface: Surface, nodes: ndarray, points: ndarray, depth: ndarray, r
         return result
     row, segment = _candidates(surface, nodes, points[near])
     foot = _foot(surface, nodes, points[near][row], segment)
-    beyond = _beyond(surface, segment, foot)
-    xi = np.where(beyond, foot, np.clip(foot, -1.0, 1.0))
+    same = np.zeros(len(row), bool) if previous is None else segment == previous[near][row]
+    over = np.abs(foot) - 1.0
+    inside = (over <= _ON_FACET) | (same & (over <= 2.0 * HYSTERESIS))
+    off_end = _off_end(surface, segment, foot)
+    xi = np.where(inside | off_end, foot, np.clip(foot, -1.0, 1.0))
     rho = surface.curve(segment, xi, nodes)[1]
     offset = points[near][row] - rho[0]
     distance = np.linalg.norm(offset, axis=1)
-    vertex = np.abs(foot) > 1.0 + _ON_FACET
-
-    side = np.where(vertex & ~beyond, _outside_of_vertex(surface, nodes, segment, xi, offset), _left(rho[1], offset))
+    vertex = ~inside & ~off_end
+    side = np.where(vertex, _outside_of_vertex(surface, nodes, segment, xi, offset), _left(rho[1], offset))
     gap = np.where(side >= 0, distance, -distance)
-    off_end = beyond & (np.abs(foot) > 1.0 + 2.0 * EXTENSION)
-    usable = ~off_end & (gap >= -depth[near][row])
-    best = _first_minimum(row, np.where(usable, distance, np.inf), len(near))
-    at, best = near[best[0]], best[1]
+    usable = ~(off_end & (over > 2.0 * EXTENSION)) & (gap >= -depth[near][row])
+    rank = distance - np.where(same & inside, HYSTERESIS * surface.length[segment], 0.0)
+    rows, best = _first_minimum(row, np.where(usable, rank, np.inf))
+    at = near[rows]
     result.found[at] = True
     result.segment[at], result.xi[at], result.gap[at] = segment[best], xi[best], gap[best]
-    result.vertex[at] = (vertex & ~beyond)[best]
+    result.vertex[at] = vertex[best]
     return result
 
 
@@ -127,7 +135,7 @@ def _foot(surface: Surface, nodes: ndarray, points: ndarray, segment: ndarray) -
     return xi
 
 
-def _beyond(surface: Surface, segment: ndarray, foot: ndarray) -> ndarray:
+def _off_end(surface: Surface, segment: ndarray, foot: ndarray) -> ndarray:
     """Feet off the two ends of an open chain."""
     if surface.closed:
         return np.zeros(len(foot), bool)
@@ -147,7 +155,7 @@ def _outside_of_vertex(surface: Surface, nodes: ndarray, segment: ndarray, xi: n
     return np.asarray(side)
 
 
-def _first_minimum(row: ndarray, value: ndarray, n: int) -> tuple[ndarray, ndarray]:
+def _first_minimum(row: ndarray, value: ndarray) -> tuple[ndarray, ndarray]:
     """Rows that have a finite value, and the position of the first smallest one of each."""
     order = np.lexsort((value, row))
     first = order[np.concatenate(([True], np.diff(row[order]) > 0))]

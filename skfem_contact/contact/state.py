@@ -16,6 +16,8 @@ class ContactState:
         Arc position on the undeformed master to which each point sticks; NaN where it has no counterpart.
     arc
         Arc position of the closest point on the master.
+    segment
+        Segment of the master with the closest point, -1 where there is none.
     gap, slip
         Normal gap (negative: penetration, inf: nothing near) and slip since the point closed.
     normal, tangential
@@ -34,6 +36,7 @@ class ContactState:
 
     stick_point: ndarray
     arc: ndarray
+    segment: ndarray
     gap: ndarray
     slip: ndarray
     normal: ndarray
