@@ -66,20 +66,20 @@ def project(surface: Surface, nodes: ndarray, points: ndarray, depth: ndarray, r
     row, segment = _candidates(surface, nodes, points[near])
     foot = _foot(surface, nodes, points[near][row], segment)
     same = np.zeros(len(row), bool) if previous is None else segment == previous[near][row]
-    over = np.abs(foot) - 1.0
-    inside = (over <= _ON_FACET) | (same & (over <= 2.0 * HYSTERESIS))
     off_end = _off_end(surface, segment, foot)
-    xi = np.where(inside | off_end, foot, np.clip(foot, -1.0, 1.0))
+    outside = np.abs(foot) - 1.0 > np.where(off_end, 2.0 * EXTENSION, np.where(same, 2.0 * HYSTERESIS, _ON_FACET))
+    reached = np.where(off_end, 1.0 + 2.0 * EXTENSION, 1.0)
+    xi = np.where(outside, np.clip(foot, -reached, reached), foot)
     rho = surface.curve(segment, xi, nodes)[1]
     offset = points[near][row] - rho[0]
     distance = np.linalg.norm(offset, axis=1)
-    vertex = ~inside & ~off_end
+    vertex = outside & ~off_end
     side = np.where(vertex, _outside_of_vertex(surface, nodes, segment, xi, offset), _left(rho[1], offset))
     gap = np.where(side >= 0, distance, -distance)
-    usable = ~(off_end & (over > 2.0 * EXTENSION)) & (gap >= -depth[near][row])
-    rank = distance - np.where(same & inside, HYSTERESIS * surface.length[segment], 0.0)
-    rows, best = _first_minimum(row, np.where(usable, rank, np.inf))
-    at = near[rows]
+    best = _first_minimum(row, distance - np.where(same & ~outside, HYSTERESIS * surface.length[segment], 0.0))
+    # what is closest decides: off the end of the chain, or too deep, there is no contact with anything farther
+    best = best[~(outside & off_end)[best] & (gap >= -depth[near][row])[best]]
+    at = near[row[best]]
     result.found[at] = True
     result.segment[at], result.xi[at], result.gap[at] = segment[best], xi[best], gap[best]
     result.vertex[at] = vertex[best]
@@ -155,9 +155,7 @@ def _outside_of_vertex(surface: Surface, nodes: ndarray, segment: ndarray, xi: n
     return np.asarray(side)
 
 
-def _first_minimum(row: ndarray, value: ndarray) -> tuple[ndarray, ndarray]:
-    """Rows that have a finite value, and the position of the first smallest one of each."""
+def _first_minimum(row: ndarray, value: ndarray) -> ndarray:
+    """Position of the first smallest value of every row."""
     order = np.lexsort((value, row))
-    first = order[np.concatenate(([True], np.diff(row[order]) > 0))]
-    first = first[np.isfinite(value[first])]
-    return row[first], first
+    return order[np.concatenate(([True], np.diff(row[order]) > 0))]
