@@ -56,7 +56,7 @@ def smoothed(surface: Surface, alpha: float = 0.5, corner: float = 45.0) -> Surf
     along = surface.nodes[surface.segments[:, 1]] - surface.nodes[surface.segments[:, 0]]
     direction = np.arctan2(along[:, 1], along[:, 0])
     turn = np.abs((direction[after] - direction[before] + np.pi) % (2 * np.pi) - np.pi)
-    soft = np.rad2deg(turn) <= corner
+    soft = np.rad2deg(turn) <= corner + 1e-6  # all joints of an octagon alike
     before, after = before[soft], after[soft]
 
     start, end = np.zeros(len(along)), np.ones(len(along))
