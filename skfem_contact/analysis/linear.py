@@ -8,10 +8,11 @@ from typing import Any, Protocol
 
 import numpy as np
 from numpy import ndarray
-from scipy.sparse import csc_matrix, csr_matrix, diags
-from scipy.sparse.linalg import splu
+from scipy.sparse import csr_matrix, diags
 
-from .ordering import nested_dissection
+from .free_block import FreeBlock, same_pattern
+from .pardiso import Pardiso
+from .superlu import SuperLU
 
 logger = logging.getLogger("skfem_contact")
 
@@ -19,9 +20,10 @@ Solve = Callable[[ndarray], ndarray]
 
 SOFT = 1e-11  # a probe that grows by more than 1/SOFT is looked at more closely
 SINGULAR = 1e-15  # relative stiffness of a free motion, by round-off alone
-MOVES = 1e-3  # part of the largest entry from which an unknown takes part in a free motion
+MOVES = 1e-2  # part of the largest entry from which an unknown takes part in a motion
 REFINE = 1e-10  # relative residual from which the solution is refined
 WRONG = 1e-5  # relative residual that is refused
+HOLD = 1e-13  # relative stiffness that is added to find the unknowns that move
 
 
 class SingularSystem(ValueError):
@@ -59,92 +61,47 @@ class LinearSolver(Protocol):
         ...
 
 
-class FreeBlock:
-    """K[order][:, order], gathered through an index map that is kept as long as the pattern of K stays.
-
-    Parameters
-    ----------
-    order
-        The unknowns of the block, in its order.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from scipy.sparse import csr_matrix
-    >>> block = FreeBlock(np.array([2, 0]))
-    >>> block.gather(csr_matrix(np.arange(9.0).reshape(3, 3))).toarray()
-    array([[8., 6.],
-           [2., 0.]])
-    """
-
-    def __init__(self, order: ndarray) -> None:
-        self.order = order
-        self._pattern: csr_matrix | None = None
-
-    def gather(self, K: csr_matrix) -> csr_matrix:
-        """The block of `K`; blocks of equal patterns share their index arrays."""
-        if not K.has_canonical_format:
-            K = K.copy()
-            K.sum_duplicates()
-        if self._pattern is None or not _same_pattern(K, self._pattern):
-            self._map(K)
-        block = csr_matrix((K.data[self._entries], self._indices, self._indptr), shape=2 * (len(self.order),))
-        block.has_canonical_format = True
-        return block
-
-    def _map(self, K: csr_matrix) -> None:
-        self._pattern = K
-        numbers = csr_matrix((np.arange(K.nnz), K.indices, K.indptr), shape=K.shape)
-        block = numbers[self.order][:, self.order]
-        block.sort_indices()
-        self._entries, self._indices, self._indptr = block.data, block.indices, block.indptr
-
-
-def _same_pattern(A: csr_matrix, B: csr_matrix) -> bool:
-    return A.nnz == B.nnz and np.array_equal(A.indptr, B.indptr) and np.array_equal(A.indices, B.indices)
-
-
-class SuperLU:
-    """Engine of scipy: `splu` of a matrix that is already in a fill-reducing order."""
-
-    name = "SuperLU with nested dissection"
-
-    def factor(self, A: csr_matrix, symmetric: bool, careful: bool = False) -> Solve:
-        """Solution of A x = b; `careful` pivots for accuracy rather than for sparsity."""
-        transposed = csc_matrix((A.data, A.indices, A.indptr), shape=A.shape)
-        transposed.has_canonical_format = True
-        threshold, mode = (1.0, {}) if careful else (0.01, {"SymmetricMode": True})
-        lu = splu(transposed, permc_spec="NATURAL", diag_pivot_thresh=threshold, options=mode)
-        return lambda b: lu.solve(b, trans="T")  # type: ignore[call-overload]  # missing in the stubs
+ENGINES: dict[str, Callable[[], Any]] = {"pardiso": Pardiso, "superlu": SuperLU}  # the fastest first
 
 
 class DirectSolver:
-    """Sparse LU factors of the free block of K; all that depends on the mesh alone is done once.
+    """Sparse factors of the free block of K, made for many tangents on one mesh.
 
-    The order of elimination is kept for good, the gathering of the block as long as the pattern of K
-    stays, and the factor as long as the free block of K stays.
+    The order of elimination is kept as long as it keeps the factors sparse, the map that gathers the
+    block as long as the pattern of K stays, and the factor as long as the free block of K stays.
 
     Parameters
     ----------
     locations
-        (dim, N), the place of each unknown (`basis.doflocs`).
+        (dim, N), the place of each unknown (`basis.doflocs`), in any unit of length.
     free
         Indices of the unknowns to solve for; the others are zero in every solution.
+    engine
+        "superlu" (scipy) or "pardiso" (Intel MKL, needs the extra ``fast``); by default PARDISO where it
+        is installed.
+
+    Raises
+    ------
+    ValueError
+        There is no such engine.
+    ImportError
+        "pardiso" is asked for and not installed.
 
     Examples
     --------
     >>> import numpy as np
     >>> from scipy.sparse import diags
     >>> K = diags([-1.0, 2.0, -1.0], [-1, 0, 1], shape=(4, 4)).tocsr()
-    >>> solve = DirectSolver(np.arange(4.0)[None], np.array([1, 2, 3])).factor(K)
-    >>> solve(np.ones(4)).round(12)
+    >>> solver = DirectSolver(np.arange(4.0)[None], free=np.array([1, 2, 3]), engine="superlu")
+    >>> solver
+    DirectSolver(SuperLU with nested dissection, 3 of 4 unknowns)
+    >>> solver.factor(K)(np.ones(4)).round(12)
     array([0. , 1.5, 2. , 1.5])
     """
 
-    def __init__(self, locations: ndarray, free: ndarray) -> None:
-        self._locations = locations
-        self._free = np.asarray(free)
-        self._engine = SuperLU()
+    def __init__(self, locations: ndarray, free: ndarray, engine: str | None = None) -> None:
+        self._locations, self._free = locations, np.asarray(free)
+        self._engine = _engine(engine)
         self._block: FreeBlock | None = None
         self._last: _Factor | None = None
         logger.info("linear solver: %s", self.name)
@@ -152,7 +109,7 @@ class DirectSolver:
     @property
     def name(self) -> str:
         """The engine that was chosen."""
-        return self._engine.name
+        return str(self._engine.name)
 
     def __repr__(self) -> str:
         return f"DirectSolver({self.name}, {len(self._free)} of {self._locations.shape[1]} unknowns)"
@@ -165,7 +122,7 @@ class DirectSolver:
         K
             (N, N); nonsymmetric in slip and in non-associated flow.
         symmetric
-            K is symmetric, and an engine may make use of it.
+            K is symmetric, of which PARDISO makes use.
 
         Returns
         -------
@@ -178,25 +135,44 @@ class DirectSolver:
             A motion of the free unknowns meets no stiffness. The callable raises it as well, when its
             solution leaves a residual.
         ValueError
-            K has entries that are not finite.
+            K has entries that are not finite, or another size than `locations`.
         """
-        if self._block is None:
-            self._block = self._ordered_block(K)
-        A = self._block.gather(K)
+        n = self._locations.shape[1]
+        if K.shape != (n, n):
+            raise ValueError(f"the stiffness has the shape {K.shape}, but {n} unknowns have a location")
+        if len(self._free) == 0:
+            return np.zeros_like
+        block = self._block = self._block or self._ordered(K)
+        A = block.gather(K)
         last = self._last
         if last is not None and last.symmetric == symmetric and _equal(A, last.A):
             return last
+        if self._engine.outdated():
+            block = self._block = self._ordered(K)
+            A = block.gather(K)
         self._last = last = None  # its memory is free for the next one
-        factor = self._last = _Factor(A, self._engine, symmetric, self._block.order, K.shape[0])
+        factor = self._last = _Factor(A, self._engine, symmetric, block.order, n)
         return factor
 
-    def _ordered_block(self, K: csr_matrix) -> FreeBlock:
+    def _ordered(self, K: csr_matrix) -> FreeBlock:
         graph = K[self._free][:, self._free]
-        return FreeBlock(self._free[nested_dissection(graph, self._locations[:, self._free])])
+        return FreeBlock(self._free[self._engine.order(graph, self._locations[:, self._free])])
+
+
+def _engine(name: str | None) -> Any:
+    """The engine of that name, or the fastest that is installed."""
+    if name is not None:
+        if name not in ENGINES:
+            raise ValueError(f"there is no engine {name!r}; there are {', '.join(ENGINES)}")
+        return ENGINES[name]()
+    try:
+        return Pardiso()
+    except ImportError:
+        return SuperLU()
 
 
 def _equal(A: csr_matrix, B: csr_matrix) -> bool:
-    return _same_pattern(A, B) and np.array_equal(A.data, B.data)
+    return same_pattern(A, B) and np.array_equal(A.data, B.data)
 
 
 class _Factor:
@@ -205,18 +181,15 @@ class _Factor:
     def __init__(self, A: csr_matrix, engine: Any, symmetric: bool, order: ndarray, size: int) -> None:
         self.A, self.symmetric = A, symmetric
         self._engine, self._order, self._size = engine, order, size
-        self._scale = abs(A).max(axis=1).toarray().ravel() if A.nnz else np.zeros(len(order))
-        if not np.all(np.isfinite(self._scale)):
-            raise ValueError("the stiffness has entries that are not finite")
-        if not np.all(self._scale):
-            raise self._singular(self._scale == 0.0)
-        try:
-            self._solve = engine.factor(A, symmetric)
-        except RuntimeError as error:
-            shifted = (A + diags(1e-8 * self._scale)).tocsr()
-            motion = self._softest(engine.factor(shifted, symmetric))[0]
-            raise self._singular(motion) from error
-        self._refuse_free_motion()
+        self._scale = self._row_norms()
+        for careful in (False, True):
+            try:
+                self._solve = engine.factor(A, symmetric, careful)
+            except RuntimeError:  # an exact zero among the pivots
+                continue
+            if self._stiffness() > SINGULAR:
+                return
+        raise self._singular()
 
     def __call__(self, b: ndarray) -> ndarray:
         rhs = b[self._order]
@@ -229,12 +202,13 @@ class _Factor:
         return x
 
     def _checked(self, rhs: ndarray, size: float) -> ndarray:
+        """Solution of small residual."""
         x, error = self._refined(rhs, size)
         if error > WRONG:
             self._solve = self._engine.factor(self.A, self.symmetric, careful=True)
             x, error = self._refined(rhs, size)
         if error > WRONG:
-            raise self._singular(self._softest(self._solve)[0])
+            raise self._singular()
         return x
 
     def _refined(self, rhs: ndarray, size: float) -> tuple[ndarray, float]:
@@ -244,39 +218,61 @@ class _Factor:
         if np.linalg.norm(residual) > REFINE * size:
             x = x + self._solve(residual)
             residual = rhs - self.A @ x
-        error = np.linalg.norm(residual) / size
-        return x, float(error) if np.isfinite(error) else np.inf
+        error = float(np.linalg.norm(residual)) / size
+        return x, error if np.isfinite(error) else np.inf
 
-    def _softest(self, solve: Solve, steps: int = 2) -> tuple[ndarray, list[float]]:
-        """Inverse iteration: the softest motion and its stiffness relative to the rows' norms."""
-        motion = np.random.default_rng(0).choice([-1.0, 1.0], len(self._scale))
-        stiffness = []
-        for _ in range(steps):
-            motion = solve(self._scale * motion)
-            largest = np.abs(motion).max()
-            motion /= largest
-            stiffness.append(1.0 / largest)
-            if stiffness[-1] > SOFT:
+    def _row_norms(self) -> ndarray:
+        """Largest entry of each row, the measure of what is small: penalties may be millions of times E."""
+        A = self.A
+        filled = np.flatnonzero(np.diff(A.indptr))
+        norms = np.zeros(A.shape[0])
+        norms[filled] = np.maximum.reduceat(np.abs(A.data), A.indptr[filled])
+        if not np.all(np.isfinite(norms)):
+            raise ValueError("the stiffness has entries that are not finite")
+        if not np.all(norms):
+            raise _floating(self._order[norms == 0.0], len(norms))
+        return norms
+
+    def _stiffness(self) -> float:
+        """Stiffness of the softest motion relative to the rows, by one or two steps of inverse iteration.
+
+        It stands in for the ratio of the pivots, which SuperLU cannot tell without a copy of its factors.
+        """
+        motion = _any_motion(len(self._scale))
+        for _ in range(2):
+            motion = self._solve(self._scale * motion)
+            stiffness = 1.0 / float(np.abs(motion).max())
+            if stiffness > SOFT:
                 break
-        return motion, stiffness
+            motion *= stiffness
+        return stiffness
 
-    def _refuse_free_motion(self) -> None:
-        motion, stiffness = self._softest(self._solve)
-        if not stiffness[-1] > SINGULAR:
-            raise self._singular(motion)
-
-    def _singular(self, motion: ndarray) -> SingularSystem:
-        size = np.abs(motion).astype(float)
-        unknowns = np.sort(self._order[size > MOVES * size.max()])
-        return SingularSystem(
-            f"the system is singular: {len(unknowns)} of {len(size)} free unknowns "
-            f"(the first is {unknowns[0]}) can move without force",
-            unknowns,
-        )
+    def _singular(self) -> SingularSystem:
+        """The error that names the unknowns of the softest motion, found with a little stiffness added."""
+        solve = self._engine.factor((self.A + diags(HOLD * self._scale)).tocsr(), self.symmetric)
+        motion = _any_motion(len(self._scale))
+        for _ in range(2):
+            motion = solve(self._scale * motion)
+            motion /= np.abs(motion).max()
+        return _floating(self._order[np.abs(motion) > MOVES], len(motion))
 
 
-class _OwnSolver:
-    """A user's function (A, b) -> x behind the call of `DirectSolver`."""
+def _any_motion(n: int) -> ndarray:
+    """A start of the iteration that takes part in every motion, and is the same in every run."""
+    return np.random.default_rng(0).standard_normal(n)
+
+
+def _floating(unknowns: ndarray, n: int) -> SingularSystem:
+    unknowns = np.sort(unknowns)
+    return SingularSystem(
+        f"the system is singular: {len(unknowns)} of {n} free unknowns can move without force, "
+        f"the first is {unknowns[0]}",
+        unknowns,
+    )
+
+
+class FunctionSolver:
+    """A function (A, b) -> x behind the call of :class:`DirectSolver`."""
 
     def __init__(self, function: Callable[[csr_matrix, ndarray], ndarray], free: ndarray) -> None:
         self._function = function
@@ -285,6 +281,7 @@ class _OwnSolver:
         logger.info("linear solver: %s", self.name)
 
     def factor(self, K: csr_matrix, symmetric: bool = False) -> Solve:
+        """Keep the free block of K for the function."""
         A = self._block.gather(K)
 
         def solve(b: ndarray) -> ndarray:
@@ -303,8 +300,8 @@ def as_solver(solver: Any, locations: ndarray, free: ndarray) -> LinearSolver:
     Parameters
     ----------
     solver
-        None for a :class:`DirectSolver`, or a scikit-fem linear solver, which is a function
-        (A, b) -> x such as `skfem.utils.solver_iter_krylov()` returns.
+        None or the name of an engine for a :class:`DirectSolver`; or a scikit-fem linear solver, that is
+        a function (A, b) -> x such as `skfem.utils.solver_iter_krylov()` returns.
     locations
         (dim, N), the place of each unknown.
     free
@@ -313,7 +310,7 @@ def as_solver(solver: Any, locations: ndarray, free: ndarray) -> LinearSolver:
     Raises
     ------
     ValueError
-        `solver` is neither.
+        `solver` is none of these.
 
     Examples
     --------
@@ -324,8 +321,9 @@ def as_solver(solver: Any, locations: ndarray, free: ndarray) -> LinearSolver:
     >>> solver.factor(2 * eye(3, format="csr"))(np.ones(3))
     array([0.5, 0. , 0.5])
     """
-    if solver is None:
-        return DirectSolver(locations, free)
     if callable(solver):
-        return _OwnSolver(solver, free)
-    raise ValueError(f"solver must be None or a function (A, b) -> x, not {solver!r}")
+        return FunctionSolver(solver, free)
+    if solver is None or isinstance(solver, str):
+        return DirectSolver(locations, free, solver)
+    names = ", ".join(ENGINES)
+    raise ValueError(f"solver must be None, one of {names}, or a function (A, b) -> x, not {solver!r}")

@@ -1,0 +1,54 @@
+"""The block of the free unknowns of a matrix whose pattern seldom changes."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy import ndarray
+from scipy.sparse import csr_matrix
+
+
+class FreeBlock:
+    """K[order][:, order], gathered through an index map that is kept as long as the pattern of K stays.
+
+    Parameters
+    ----------
+    order
+        The unknowns of the block, in its order.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scipy.sparse import csr_matrix
+    >>> block = FreeBlock(np.array([2, 0]))
+    >>> block.gather(csr_matrix(np.arange(9.0).reshape(3, 3))).toarray()
+    array([[8., 6.],
+           [2., 0.]])
+    """
+
+    def __init__(self, order: ndarray) -> None:
+        self.order = order
+        self._pattern: csr_matrix | None = None
+
+    def gather(self, K: csr_matrix) -> csr_matrix:
+        """The block of `K`, in canonical format."""
+        if not K.has_canonical_format:
+            K = K.copy()
+            K.sum_duplicates()
+        if self._pattern is None or not same_pattern(K, self._pattern):
+            self._map(K)
+        data = K.data.take(self._entries)
+        block = csr_matrix((data, self._indices, self._indptr), shape=2 * (len(self.order),), dtype=float)
+        block.has_canonical_format = True
+        return block
+
+    def _map(self, K: csr_matrix) -> None:
+        self._pattern = K
+        numbers = csr_matrix((np.arange(K.nnz), K.indices, K.indptr), shape=K.shape)
+        block = numbers[self.order][:, self.order]
+        block.sort_indices()
+        self._entries, self._indices, self._indptr = block.data, block.indices, block.indptr
+
+
+def same_pattern(A: csr_matrix, B: csr_matrix) -> bool:
+    """Whether two matrices in canonical format have their entries at the same places."""
+    return A.nnz == B.nnz and np.array_equal(A.indptr, B.indptr) and np.array_equal(A.indices, B.indices)

@@ -1,0 +1,85 @@
+"""PARDISO: reuse of the analysis, memory."""
+
+import numpy as np
+import pytest
+from scipy.sparse import csr_matrix, diags
+
+pardiso = pytest.importorskip("skfem_contact.analysis.pardiso")
+pytest.importorskip("pypardiso")
+
+
+@pytest.fixture
+def phases(monkeypatch):
+    """The phases that PARDISO runs through."""
+    seen, call = [], pardiso._Call.__call__
+
+    def spy(self, phase, *arguments):
+        seen.append(phase)
+        call(self, phase, *arguments)
+
+    monkeypatch.setattr(pardiso._Call, "__call__", spy)
+    return seen
+
+
+def _chain(n, seed=None):
+    """Nonsymmetric tridiagonal matrix; with a seed, some couplings are left out."""
+    K = diags([-1.0, 2.5, -1.2], [-1, 0, 1], shape=(n, n)).tocoo()
+    keep = np.ones(K.nnz, dtype=bool)
+    if seed is not None:
+        keep = (K.row == K.col) | (np.random.default_rng(seed).random(K.nnz) < 0.9)
+    A = csr_matrix((K.data[keep], (K.row[keep], K.col[keep])), shape=(n, n))
+    A.sort_indices()
+    return A
+
+
+def test_analysis_serves_for_patterns_within(phases):
+    """[X] Entries that vanish and come back cost no new analysis; the solutions are those of numpy."""
+    engine, b = pardiso.Pardiso(), np.ones(50)
+    for A in (_chain(50), _chain(50, 1), _chain(50, 2), 2.0 * _chain(50)):
+        # condition number below 1e2
+        np.testing.assert_allclose(engine.factor(A, False)(b), np.linalg.solve(A.toarray(), b), rtol=1e-12)
+    assert phases.count(pardiso.ANALYSE) == 1
+    assert phases.count(pardiso.FACTOR) == 4
+
+
+def test_new_entries_join_the_analysed_pattern(phases):
+    """[X] After both patterns have been seen, neither costs an analysis any more."""
+    engine, b = pardiso.Pardiso(), np.ones(50)
+    few, others = _chain(50, 1), _chain(50, 2)
+    for A in (few, others, few, others):
+        np.testing.assert_allclose(engine.factor(A, False)(b), np.linalg.solve(A.toarray(), b), rtol=1e-12)
+    assert phases.count(pardiso.ANALYSE) == 2
+
+
+def test_symmetric_matrix_without_diagonal_entries():
+    """[X] A Lagrange multiplier's row: PARDISO's LDL' wants its zero stored."""
+    A = csr_matrix(np.array([[2.0, -1.0, 1.0], [-1.0, 2.0, 0.0], [1.0, 0.0, 0.0]]))
+    A.eliminate_zeros()
+    b = np.array([1.0, 2.0, 3.0])
+    x = pardiso.Pardiso().factor(A, True)(b)
+    np.testing.assert_allclose(x, np.linalg.solve(A.toarray(), b), rtol=1e-13)  # condition number below 10
+
+
+def test_memory_is_released(phases):
+    """[X] One release for each analysis, when it is replaced and when the engine goes."""
+    engine = pardiso.Pardiso()
+    engine.factor(_chain(50, 1), False)
+    engine.factor(_chain(50, 1), True)
+    assert phases.count(pardiso.RELEASE) == 1
+    del engine
+    assert phases.count(pardiso.RELEASE) == phases.count(pardiso.ANALYSE) == 2
+
+
+def test_errors_are_raised():
+    """PARDISO reports by a number; a library that does nothing else stands in for it."""
+
+    def call(number):
+        def library(*arguments):
+            arguments[-1][0] = number
+
+        pardiso._Call(library, pardiso.UNSYMMETRIC)(pardiso.FACTOR, np.zeros(1), np.ones(2), np.ones(1))
+
+    with pytest.raises(MemoryError, match="memory"):
+        call(pardiso.OUT_OF_MEMORY)
+    with pytest.raises(RuntimeError, match="error -4"):
+        call(-4)
