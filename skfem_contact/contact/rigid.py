@@ -28,7 +28,7 @@ def rigid_polyline(points: ndarray, closed: bool = False, name: str = "obstacle"
     --------
     >>> from skfem_contact import rigid_polyline
     >>> floor = rigid_polyline([[5., 0.], [-5., 0.]])    # the free side is below
-    >>> floor.total_length
+    >>> round(floor.total_length, 12)
     10.0
     """
     points = np.asarray(points, float)
