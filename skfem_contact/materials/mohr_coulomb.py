@@ -31,6 +31,9 @@ class MohrCoulomb(PyramidPlasticity):
         Friction angle in degrees, 0 <= phi < 90; a float or one value an element.
     psi : float or ndarray, optional
         Dilatancy angle in degrees, 0 <= psi <= phi; a float or one value an element.
+    tension : float or ndarray, optional
+        Tensile strength, not negative: no principal stress exceeds it, with associated flow. None, or a value
+        above the apex c cot(phi), is no cut-off.
 
     Raises
     ------
@@ -55,6 +58,7 @@ class MohrCoulomb(PyramidPlasticity):
     c: Parameter
     phi: Parameter
     psi: Parameter = 0.0
+    tension: Parameter | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -63,9 +67,11 @@ class MohrCoulomb(PyramidPlasticity):
         require("phi", self.phi, in_range, "lie in [0, 90) degrees")
         require("psi", self.psi, np.greater_equal(self.psi, 0), "not be negative")
         require("psi", self.psi, np.less_equal(self.psi, self.phi), "not exceed phi")
+        if self.tension is not None:
+            require("tension", self.tension, np.greater_equal(self.tension, 0), "not be negative")
 
     def reduced(self, factor: float) -> MohrCoulomb:
-        """The material with its strength c and tan(phi) divided by a factor.
+        """The material with its strength, c, tan(phi) and tension, divided by a factor.
 
         Where the flow is associated (psi = phi) it stays so; elsewhere the new psi is the smaller of psi and
         the new phi.
@@ -92,8 +98,15 @@ class MohrCoulomb(PyramidPlasticity):
         """
         require("factor", factor, np.isfinite(factor) and factor > 0, "be positive")
         phi = np.degrees(np.arctan(np.tan(np.radians(self.phi)) / factor))
-        return replace(self, c=self.c / factor, phi=phi, psi=reduced_dilatancy(self.psi, self.phi, phi))
+        return replace(
+            self,
+            c=self.c / factor,
+            phi=phi,
+            psi=reduced_dilatancy(self.psi, self.phi, phi),
+            tension=None if self.tension is None else self.tension / factor,
+        )
 
     def _constants(self) -> PyramidConstants:
         phi, psi = np.radians(self.phi), np.radians(self.psi)
-        return PyramidConstants(*self.lame, np.sin(phi), np.sin(psi), strength=2 * self.c * np.cos(phi))
+        strength = 2 * self.c * np.cos(phi)
+        return PyramidConstants(*self.lame, np.sin(phi), np.sin(psi), strength, self.tension)

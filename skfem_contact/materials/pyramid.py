@@ -21,19 +21,24 @@ from numpy.typing import NDArray
 from .base import Array, Parameter
 from .plastic import ROUND_OFF, IsotropicPlasticity, Return, chosen
 from .spectral import extremes
+from .tension import tension_return
 
 _Weights = tuple[Parameter, Parameter]
 _FACE: _Weights = (1.0, 1.0)
 
 
 class PyramidConstants(NamedTuple):
-    """Constants of the pyramid: floats, or arrays over elements or points; ``strength`` is 2 c cos(phi)."""
+    """Constants of the pyramid: floats, or arrays over elements or points.
+
+    ``strength`` is 2 c cos(phi), and ``tension`` the cut-off, None without.
+    """
 
     lam: Parameter
     mu: Parameter
     sin_phi: Parameter
     sin_psi: Parameter
     strength: Parameter
+    tension: Parameter | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,13 +46,43 @@ class PyramidPlasticity(IsotropicPlasticity):
     """Base of the laws with a hexagonal pyramid or prism; a law adds its parameters and constants."""
 
     def _yield_bound(self, stress: Array, constants: PyramidConstants) -> Array:
-        return pyramid_excess(*extremes(stress), constants)
+        return _excess(*extremes(stress), constants)
 
     def _yield_function(self, values: Array, constants: PyramidConstants) -> Array:
-        return pyramid_excess(values[0], values[2], constants)
+        return _excess(values[0], values[2], constants)
 
     def _return_map(self, trial: Array, constants: PyramidConstants) -> Return:
-        return pyramid_return(trial, constants)
+        if constants.tension is None:
+            return pyramid_return(trial, constants)
+        return _return_with_cut_off(trial, constants)
+
+
+def _excess(largest: Array, smallest: Array, k: PyramidConstants) -> Array:
+    """Yield function of the pyramid with its cut-off."""
+    excess = pyramid_excess(largest, smallest, k)
+    return excess if k.tension is None else np.maximum(excess, largest - k.tension, out=excess)
+
+
+def _return_with_cut_off(trial: Array, k: PyramidConstants) -> Return:
+    """Return to the pyramid, and to the cut-off what exceeds it then, from the trial stress again."""
+    values = trial.copy()
+    sheared = np.flatnonzero(pyramid_excess(trial[0], trial[2], k) > 0)
+    shear = pyramid_return(trial[:, sheared], chosen(k, sheared))
+    values[:, sheared] = shear.values
+
+    torn = np.flatnonzero(values[0] > k.tension)
+    at = chosen(k, torn)
+    lateral = ((1 + at.sin_phi) * at.tension - at.strength) / (1 - at.sin_phi)
+    cut_off = tension_return(trial[:, torn], at.lam, at.mu, at.tension, lateral)
+    values[:, torn] = cut_off.values
+
+    def moduli() -> Array:
+        result = np.empty((3, *trial.shape))
+        result[:, :, sheared] = shear.moduli()
+        result[:, :, torn] = cut_off.moduli()
+        return result
+
+    return Return(values, moduli)
 
 
 def pyramid_return(trial: Array, k: PyramidConstants) -> Return:

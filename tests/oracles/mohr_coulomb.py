@@ -1,4 +1,4 @@
-"""Mohr-Coulomb return mapping by trying active sets, and closed forms of element tests.
+"""Mohr-Coulomb return mapping in exact arithmetic, and closed forms of element tests.
 
 Tension positive. A yield function is ``f_ij = (1 + sin phi) s_i - (1 - sin phi) s_j - strength`` with
 ``strength = 2 c cos phi``, for every ordered pair of principal stresses; its flow direction has psi for phi.
@@ -38,43 +38,6 @@ def rational_return(trial, lam, mu, sin_phi, sin_psi, strength):
         if min(multipliers) >= 0 and max(excess(stress, *pair) for pair in PAIRS) <= 0:
             return stress
     return [Fraction(strength, 2) / sin_phi] * 3
-
-
-def active_set_return(trial, lam, mu, sin_phi, sin_psi, strength):
-    """Principal stresses after the return and the region of each point, in floating point.
-
-    ``trial`` has shape (n, 3), in any order. Of all active sets the one whose multipliers and yield functions
-    violate Koiter's conditions least is taken, the apex where all violate them clearly. Regions: 0 elastic,
-    1 face, 2 edge s2 = s3, 3 edge s1 = s2, 4 apex.
-    """
-    order = np.argsort(-trial, axis=1)
-    sorted_trial = np.take_along_axis(trial, order, 1)
-    n = len(trial)
-    stiffness = lam * np.ones((3, 3)) + 2 * mu * np.eye(3)
-    unit = np.eye(3)
-    normals = {pair: (1 + sin_phi) * unit[pair[0]] - (1 - sin_phi) * unit[pair[1]] for pair in PAIRS}
-    flows = {pair: (1 + sin_psi) * unit[pair[0]] - (1 - sin_psi) * unit[pair[1]] for pair in PAIRS}
-    all_normals = np.array(list(normals.values()))
-    scale = np.abs(trial).max(axis=1) + strength
-
-    candidates = [sorted_trial]
-    violations = [(sorted_trial @ all_normals.T - strength).max(axis=1) / scale]
-    for pairs in ACTIVE_SETS:
-        a = np.array([normals[pair] for pair in pairs])
-        drops = stiffness @ np.array([flows[pair] for pair in pairs]).T
-        multipliers = np.linalg.solve(a @ drops, (sorted_trial @ a.T - strength).T)
-        stress = sorted_trial - (drops @ multipliers).T
-        excess = (stress @ all_normals.T - strength).max(axis=1)
-        candidates.append(stress)
-        violations.append(np.maximum(excess, (-mu * multipliers).max(axis=0)) / scale)
-    if sin_phi > 0:
-        candidates.append(np.full((n, 3), strength / (2 * sin_phi)))
-        violations.append(np.full(n, 1e-11))  # well above round-off, well below any true violation
-    region = np.argmin(np.array(violations), axis=0)
-    region[violations[0] <= 1e-15] = 0
-    result = np.empty_like(trial)
-    np.put_along_axis(result, order, np.array(candidates)[region, np.arange(n)], 1)
-    return result, region
 
 
 def triaxial_strength(c, phi, cell):
