@@ -1,0 +1,122 @@
+"""Fields for pictures: displacements and nodal averages of stresses and plastic strain."""
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy import ndarray
+
+from ..analysis.result import StageResult
+from ..checks import look_up
+from ..solid import SolidForm
+
+
+def _principal(stress: ndarray) -> ndarray:
+    """Principal stresses of (4, ...) in ascending order along the last axis."""
+    xx, yy, zz, xy = stress
+    center, radius = 0.5 * (xx + yy), np.hypot(0.5 * (xx - yy), xy)
+    return np.sort(np.stack((center - radius, center + radius, zz), axis=-1), axis=-1)
+
+
+def _mises(stress: ndarray) -> ndarray:
+    xx, yy, zz, xy = stress
+    return np.sqrt(0.5 * ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) + 3.0 * xy**2)
+
+
+#: Fields and what a legend calls them.
+QUANTITIES = {
+    "ux": "horizontal displacement", "uy": "vertical displacement", "u": "displacement",
+    "sxx": "horizontal stress", "syy": "vertical stress", "szz": "out-of-plane stress", "sxy": "shear stress",
+    "s1": "largest principal stress", "s2": "middle principal stress", "s3": "smallest principal stress",
+    "mean": "mean stress", "mises": "von Mises stress", "plastic": "equivalent plastic strain"}
+
+_OF_DISPLACEMENT: dict[str, Callable[[ndarray], ndarray]] = {
+    "ux": lambda u: u[0], "uy": lambda u: u[1], "u": lambda u: np.hypot(u[0], u[1])}
+_OF_STRESS: dict[str, Callable[[ndarray], ndarray]] = {
+    "sxx": lambda s: s[0], "syy": lambda s: s[1], "szz": lambda s: s[2], "sxy": lambda s: s[3],
+    "s1": lambda s: _principal(s)[..., 2], "s2": lambda s: _principal(s)[..., 1],
+    "s3": lambda s: _principal(s)[..., 0], "mean": lambda s: s[:3].mean(axis=0), "mises": _mises}
+
+
+def nodal_field(forms: Mapping[str, Any], step: StageResult, quantity: str) -> ndarray:
+    """A field at the nodes, for contour pictures.
+
+    Stresses are averaged over the elements at a node, weighted by their volumes; bodies do not share nodes,
+    so nothing is averaged across a contact.  Invariants are those of the averaged stress.
+
+    Parameters
+    ----------
+    forms
+        Forms by name; the solids among them count.
+    step
+        A stage of the result of these forms.
+    quantity
+        ``"ux"``, ``"uy"``, ``"u"`` (length of the displacement); ``"sxx"``, ``"syy"``, ``"szz"``, ``"sxy"``;
+        principal stresses ``"s1"`` >= ``"s2"`` >= ``"s3"``; ``"mean"``, ``"mises"``; ``"plastic"``, the
+        equivalent plastic strain (zero in elastic bodies).
+
+    Returns
+    -------
+    ndarray
+        Values at the nodes of the basis, (N/2,), the mesh's vertices first; NaN where there is no solid.
+
+    Raises
+    ------
+    ValueError
+        Unknown quantity, or no solid among the forms.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+    >>> import skfem_contact as sc
+    >>> basis = Basis(MeshQuad().with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+    >>> forms = {"block": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.))}
+    >>> fixed = np.hstack((basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1")))
+    >>> result = sc.run(forms, [sc.Stage("weight", sc.weight(basis, 20.))], fixed=fixed)
+    >>> sc.nodal_field(forms, result["weight"], "syy").round(6).tolist()
+    [-10.0, -10.0, -10.0, -10.0]
+    """
+    look_up(quantity, QUANTITIES, "field")
+    forms = solids(forms)
+    if quantity in _OF_DISPLACEMENT:
+        used = np.unique(np.concatenate([element_nodes(form).ravel() for form in forms.values()]))
+        field = np.full(len(step.x) // 2, np.nan)
+        field[used] = _OF_DISPLACEMENT[quantity](step.x.reshape(-1, 2)[used].T)
+        return field
+    if quantity == "plastic":
+        return _average(forms, {name: plastic_strain(step.states[name]) for name in forms})[0]
+    return _OF_STRESS[quantity](_average(forms, {name: step.states[name].stress for name in forms}))
+
+
+def solids(forms: Mapping[str, Any]) -> dict[str, SolidForm]:
+    """The solids among the forms."""
+    found = {name: form for name, form in forms.items() if isinstance(form, SolidForm)}
+    if not found:
+        raise ValueError(f"there is no SolidForm among the forms {list(forms)}")
+    return found
+
+
+def element_nodes(form: SolidForm) -> ndarray:
+    """Nodes of all elements, (n_elements, n_nodes): corners, middles of the sides, centre."""
+    return np.asarray(form.basis.element_dofs[0::2].T) // 2
+
+
+def plastic_strain(state: Any) -> ndarray:
+    """Equivalent plastic strain of a solid's state, (1, n_elements, n_points)."""
+    return state.internal[:1] if len(state.internal) else np.zeros((1, *state.stress.shape[1:]))
+
+
+def _average(forms: Mapping[str, SolidForm], values: Mapping[str, ndarray]) -> ndarray:
+    """Averages of (components, n_elements, n_points) at the nodes, weighted by the elements' volumes."""
+    n_nodes = next(iter(forms.values())).basis.N // 2
+    components = len(next(iter(values.values())))
+    volume, total = np.zeros(n_nodes), np.zeros((components, n_nodes))
+    for name, form in forms.items():
+        nodes = element_nodes(form)
+        flat, k = nodes.ravel(), nodes.shape[1]
+        volume += np.bincount(flat, np.repeat(form.weight.sum(axis=1), k), minlength=n_nodes)
+        integral = np.einsum("ceq,eq->ce", values[name], form.weight)
+        total += [np.bincount(flat, np.repeat(c, k), minlength=n_nodes) for c in integral]
+    return np.divide(total, volume, out=np.full_like(total, np.nan), where=volume > 0)

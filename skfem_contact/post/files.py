@@ -1,0 +1,88 @@
+"""Results as VTU files for ParaView and other programs."""
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy import ndarray
+
+from ..analysis.result import StageResult
+from ..mesh import bodies
+from ..solid import SolidForm
+from .fields import element_nodes, plastic_strain, solids
+
+#: VTK's cells by the number of nodes; scikit-fem numbers the nodes of an element in the same order.
+_CELLS = {3: "triangle", 4: "quad", 6: "triangle6", 8: "quad8", 9: "quad9"}
+
+
+def export_vtu(file: str | Path, forms: Mapping[str, Any], step: StageResult) -> None:
+    """Write the solids of a stage to a ``.vtu`` file.
+
+    Points carry the ``displacement``; cells carry the mean ``stress`` (xx, yy, zz, xy, yz, xz), the mean
+    equivalent ``plastic_strain``, the number of the ``body``, in the order of :func:`bodies`, and of the
+    ``region``, counted through the materials of all solids.  Bodies share no points, quadratic elements stay
+    quadratic.
+
+    Parameters
+    ----------
+    file
+        Name of the file.
+    forms
+        Forms by name; the solids among them are written.
+    step
+        A stage of the result of these forms.
+
+    Raises
+    ------
+    ValueError
+        No solid among the forms.
+
+    Examples
+    --------
+    >>> import tempfile, meshio
+    >>> import numpy as np
+    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+    >>> import skfem_contact as sc
+    >>> basis = Basis(MeshQuad().with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+    >>> forms = {"block": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.))}
+    >>> fixed = np.hstack((basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1")))
+    >>> result = sc.run(forms, [sc.Stage("weight", sc.weight(basis, 20.))], fixed=fixed)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     sc.export_vtu(folder + "/weight.vtu", forms, result["weight"])
+    ...     mesh = meshio.read(folder + "/weight.vtu")
+    >>> sorted(mesh.cell_data), mesh.cell_data["stress"][0].round(6)[0, 1].item()
+    (['body', 'plastic_strain', 'region', 'stress'], -10.0)
+    """
+    import meshio
+
+    forms = solids(forms)
+    basis = next(iter(forms.values())).basis
+    points = np.column_stack((basis.doflocs[:, 0::2].T, np.zeros(basis.N // 2)))
+    displacement = np.column_stack((step.x.reshape(-1, 2), np.zeros(basis.N // 2)))
+    nodes = np.concatenate([element_nodes(form) for form in forms.values()])
+    data = [_cell_data(form, step.states[name]) for name, form in forms.items()]
+    merged = {key: np.concatenate([d[key] for d in data]) for key in data[0]}
+    first = np.cumsum([0] + [len(form.regions) for form in forms.values()])
+    merged["region"] = np.concatenate([d["region"] + k for d, k in zip(data, first)])
+    used, cells = np.unique(nodes, return_inverse=True)
+    meshio.Mesh(points[used], [(_CELLS[nodes.shape[1]], cells.reshape(nodes.shape))],
+                point_data={"displacement": displacement[used]},
+                cell_data={key: [values] for key, values in merged.items()}).write(file, file_format="vtu")
+
+
+def _cell_data(form: SolidForm, state: Any) -> dict[str, ndarray]:
+    """Means over the elements of a solid, and the numbers of their body and region."""
+    elements = np.arange(form.basis.mesh.nelements) if form.basis.tind is None else form.basis.tind
+    share = form.weight / form.weight.sum(axis=1)[:, None]
+    stress = np.zeros((len(elements), 6))
+    stress[:, :4] = np.einsum("ceq,eq->ec", state.stress, share)
+    body = np.empty(form.basis.mesh.nelements, dtype=int)
+    for number, members in enumerate(bodies(form.basis.mesh).values()):
+        body[members] = number
+    region = np.empty(len(elements), dtype=int)
+    for number, part in enumerate(form.regions):
+        region[part.elements] = number
+    return {"stress": stress, "plastic_strain": np.einsum("eq,eq->e", plastic_strain(state)[0], share),
+            "body": body[elements], "region": region}

@@ -1,0 +1,117 @@
+"""Resultants and status of a contact pair in a few lines."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy import ndarray
+
+from ..contact import ContactPair, ContactState
+from ..materials.coulomb import Status
+from .tractions import check_state
+
+
+@dataclass(frozen=True)
+class ContactReport:
+    """Sums over a contact pair; ``print`` shows it as text.
+
+    Attributes
+    ----------
+    name
+        Slave and master.
+    normal, tangential
+        Resultants of the contact pressure and of the friction on the slave, (2,).
+    pressure, friction
+        Integrals of the pressure and of the magnitude of the friction over the surface.
+    mobilised
+        Largest friction over pressure of a point.
+    penetration
+        Largest penetration as a share of the slave's segment there.
+    open, stick, slip
+        Number of points of each status.
+    """
+
+    name: str
+    normal: ndarray
+    tangential: ndarray
+    pressure: float
+    friction: float
+    mobilised: float
+    penetration: float
+    open: int
+    stick: int
+    slip: int
+
+    @property
+    def force(self) -> ndarray:
+        """Resultant of all contact tractions on the slave, (2,)."""
+        return self.normal + self.tangential
+
+    def __str__(self) -> str:
+        lines = [f"contact of {self.name}: {self.stick} stick, {self.slip} slip, {self.open} open"]
+        for what, total, (x, y) in (("pressure", self.pressure, self.normal),
+                                    ("friction", self.friction, self.tangential)):
+            lines.append(f"  {what:8} {total:12.5g}   resultant on the slave ({x:.5g}, {y:.5g})")
+        lines.append(f"  friction over pressure at most {self.mobilised:.3f}, "
+                     f"penetration at most {self.penetration:.2%} of a segment")
+        return "\n".join(lines)
+
+
+def contact_report(pair: ContactPair, x: ndarray, state: ContactState) -> ContactReport:
+    """Resultants, status and penetration of a contact pair.
+
+    Parameters
+    ----------
+    pair
+        The pair; it needs no penalty.
+    x, state
+        Displacements (N,) and the pair's state, as for ``pair.assemble``.
+
+    Raises
+    ------
+    ValueError
+        The state of another form.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+    >>> import skfem_contact as sc
+    >>> block = MeshQuad().refined(1).with_defaults()
+    >>> mesh = sc.join_bodies({"lower": block, "upper": block.translated((0., 1.))})
+    >>> basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+    >>> pair = sc.ContactPair(basis, "upper:bottom", "lower:top", sc.Coulomb(mu=.3), penalty=1e4)
+    >>> x = basis.zeros()
+    >>> x[basis.nodal_dofs[1, mesh.t[:, mesh.subdomains["upper"]]]] = -1e-3     # press the upper block down
+    >>> print(sc.contact_report(pair, x, pair.assemble(x, pair.initial_state()).state))
+    contact of upper:bottom on lower:top: 3 stick, 0 slip, 0 open
+      pressure           10   resultant on the slave (0, 10)
+      friction            0   resultant on the slave (0, 0)
+      friction over pressure at most 0.000, penetration at most 0.20% of a segment
+    """
+    check_state(pair, state)
+    closed = state.status != Status.OPEN
+    weight = pair.share * pair.points(state).weight[closed]
+    normal, tangential = state.normal[closed], state.tangential[closed]
+    n = _normals(pair, x, state)[closed]
+    along = np.column_stack((n[:, 1], -n[:, 0]))
+    counts = np.bincount(state.status, minlength=3)
+    ratio = np.divide(np.abs(tangential), -normal, out=np.zeros(len(normal)), where=normal < 0)
+    return ContactReport(
+        name=f"{pair.slave.name} on {pair.master.name}",
+        normal=-(weight * normal) @ n + 0.0, tangential=-(weight * tangential) @ along + 0.0,
+        pressure=-float(weight @ normal), friction=float(weight @ np.abs(tangential)),
+        mobilised=float(ratio.max(initial=0.0)), penetration=pair.penetration(state),
+        open=int(counts[Status.OPEN]), stick=int(counts[Status.STICK]), slip=int(counts[Status.SLIP]))
+
+
+def _normals(pair: ContactPair, x: ndarray, state: ContactState) -> ndarray:
+    """Outward normals of the master at the closest points, (n, 2)."""
+    points, nodes = pair.points(state), pair.master.positions(x)
+    positions = points.positions(pair.slave.positions(x))
+    found = pair._project(points, nodes, positions)
+    rho = pair.master.curve(found.segment, found.xi, nodes)[1]
+    tangent = np.where(found.vertex[:, None], 0.0, rho[1])
+    normal = np.column_stack((-tangent[:, 1], tangent[:, 0]))
+    normal[found.vertex] = (positions - rho[0])[found.vertex] * np.sign(found.gap[found.vertex])[:, None]
+    return normal / np.linalg.norm(normal, axis=1)[:, None]

@@ -1,0 +1,248 @@
+"""Thrust, shear and moment of rings, walls and piles from the nodal forces of their elements.
+
+The resultant of a cut follows from equilibrium, not from sampled stresses: for a virtual motion that is zero
+behind the cut and a rigid motion in front of it, the internal forces of the elements between do the work of
+the forces that the front exerts on the back.  The share ``phi`` of the motion rises linearly over the length
+of one layer of elements about the cut.  On a line of nodes this is the mean of the nodal forces on both
+sides; between two lines it interpolates.  The resultants are in equilibrium with all loads and contact forces
+beyond, however coarse the mesh.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy import ndarray
+from numpy.typing import ArrayLike
+from scipy.spatial import cKDTree
+
+from ..solid import SolidForm, SolidState
+
+#: Round-off of a position, as a share of the element: a cut through the end of a body meets its elements.
+_ROUND_OFF = 1e-9
+
+
+@dataclass(frozen=True)
+class Sections:
+    """Cuts across a slender body.
+
+    Attributes
+    ----------
+    position
+        Coordinate of every cut for tables and diagrams, (n,): central angle or arc position.
+    center
+        Its point on the axis of the body, (n, 2); moments refer to it.
+    axis
+        Unit tangent of the axis, (n, 2), in the sense of rising position.
+    half_depth
+        Half the depth of the body there, (n,): elements farther from the axis do not belong to it.
+    curvature
+        Curvature of the axis, (n,); positive where it turns to the right.
+    """
+
+    position: ndarray
+    center: ndarray
+    axis: ndarray
+    half_depth: ndarray
+    curvature: ndarray
+
+    @property
+    def left(self) -> ndarray:
+        """Unit normal to the left of the axis, (n, 2): outward on a ring."""
+        return np.column_stack((-self.axis[:, 1], self.axis[:, 0]))
+
+    def local(self, section: ndarray, points: ndarray) -> tuple[ndarray, ndarray]:
+        """Position along the curved axis and distance to its left, of points (m, 2) from sections (m,)."""
+        offset = points - self.center[section]
+        s = np.einsum("mc,mc->m", offset, self.axis[section])
+        y = np.einsum("mc,mc->m", offset, self.left[section])
+        k = self.curvature[section]
+        curved = k != 0.0
+        if curved.any():
+            k = k[curved]
+            radius = 1.0 + k * y[curved] + 1j * k * s[curved]  # from the centre of curvature, in units of 1/k
+            s[curved], y[curved] = np.angle(radius) / k, (np.abs(radius) - 1.0) / k
+        return s, y
+
+
+@dataclass(frozen=True)
+class SectionForces:
+    """Section forces along a body, arrays (n,).
+
+    Attributes
+    ----------
+    position
+        As in :class:`Sections`.
+    x, y
+        Place of the sections.
+    N
+        Normal force, tension positive (a thrust is negative).
+    V
+        Shear force: what the front exerts on the back to the left of the axis; ``V = dM/ds``.
+    M
+        Moment, positive where the fibres to the left of the axis, the outer ones of a ring, are in tension.
+    """
+
+    position: ndarray
+    x: ndarray
+    y: ndarray
+    N: ndarray
+    V: ndarray
+    M: ndarray
+
+
+def ring_sections(center: ArrayLike, inner: float, outer: float, n: int = 72) -> Sections:
+    """Radial cuts through a ring at equal central angles, from the crown clockwise.
+
+    Parameters
+    ----------
+    center
+        Centre of the ring.
+    inner, outer
+        Its radii.
+    n
+        Number of cuts; their positions are ``360 / n`` degrees apart.
+
+    Raises
+    ------
+    ValueError
+        Radii that are no ring.
+
+    Examples
+    --------
+    >>> import skfem_contact as sc
+    >>> cuts = sc.ring_sections(center=(0., 0.), inner=.72, outer=.9, n=4)
+    >>> cuts.position.tolist(), cuts.center[1].round(12).tolist()
+    ([0.0, 90.0, 180.0, 270.0], [0.81, 0.0])
+    """
+    if not 0.0 < inner < outer:
+        raise ValueError(f"a ring needs 0 < inner < outer, not inner={inner!r}, outer={outer!r}")
+    middle = 0.5 * (inner + outer)
+    position = np.arange(n) * 360.0 / n
+    sin, cos = np.sin(np.radians(position)), np.cos(np.radians(position))
+    return Sections(position, np.asarray(center, float) + middle * np.column_stack((sin, cos)),
+                    np.column_stack((cos, -sin)), np.full(n, 0.5 * (outer - inner)), np.full(n, 1.0 / middle))
+
+
+def line_sections(start: ArrayLike, end: ArrayLike, depth: float, n: int = 51) -> Sections:
+    """Cuts across a straight wall, pile or beam, from one end of its axis to the other.
+
+    Parameters
+    ----------
+    start, end
+        Ends of the axis; the position is the distance from the start.
+    depth
+        Depth of the body across its axis.
+    n
+        Number of cuts, both ends included.
+
+    Raises
+    ------
+    ValueError
+        Ends that coincide or a depth that is not positive.
+
+    Examples
+    --------
+    >>> import skfem_contact as sc
+    >>> sc.line_sections((0., 0.), (0., -15.), depth=.2, n=4).position.tolist()
+    [0.0, 5.0, 10.0, 15.0]
+    """
+    start, end = np.asarray(start, float), np.asarray(end, float)
+    length = float(np.linalg.norm(end - start))
+    if not (length > 0.0 and depth > 0.0):
+        raise ValueError(f"a line of sections needs two different ends and a positive depth, not {depth!r}")
+    position = np.linspace(0.0, length, n)
+    axis = (end - start) / length
+    return Sections(position, start + position[:, None] * axis, np.tile(axis, (n, 1)),
+                    np.full(n, 0.5 * depth), np.zeros(n))
+
+
+def section_forces(form: SolidForm, state: SolidState, sections: Sections) -> SectionForces:
+    """Normal force, shear force and moment at sections of a body.
+
+    Parameters
+    ----------
+    form
+        The solid that holds the body; it may hold others.
+    state
+        Its state, ``result["gravity"].states["culvert"]``.
+    sections
+        Where to cut, :func:`ring_sections` or :func:`line_sections`.
+
+    Raises
+    ------
+    ValueError
+        A section that cuts no element.
+
+    Notes
+    -----
+    Between two lines of nodes the forces are interpolated linearly.  At the very end of a body, where there
+    is no second layer of elements, they are those of the last layer.
+
+    Examples
+    --------
+    A bar under tension:
+
+    >>> import numpy as np
+    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+    >>> import skfem_contact as sc
+    >>> mesh = MeshQuad.init_tensor(np.linspace(0., 4., 9), np.linspace(-.5, .5, 3))
+    >>> basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+    >>> form = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.))
+    >>> x = basis.zeros()
+    >>> x[basis.nodal_dofs[0]] = 1e-3 * mesh.p[0]
+    >>> state = form.assemble(x, form.initial_state()).state
+    >>> forces = sc.section_forces(form, state, sc.line_sections((0., 0.), (4., 0.), depth=1., n=3))
+    >>> forces.N.round(12).tolist(), bool(abs(forces.M).max() < 1e-12)
+    ([1.0, 1.0, 1.0], True)
+    """
+    n = len(sections.position)
+    nodes, section, element = _near(form, sections)
+    points = form.basis.doflocs[:, 2 * nodes[element]].transpose(1, 2, 0)  # (pairs, nodes, 2)
+    flat = np.repeat(section, points.shape[1])
+    s = sections.local(flat, points.reshape(-1, 2))[0].reshape(points.shape[:2])
+    length = np.ptp(s, axis=1)
+    crossing = (s.min(axis=1) <= _ROUND_OFF * length) & (s.max(axis=1) >= -_ROUND_OFF * length)
+    count = np.bincount(section[crossing], minlength=n)
+    if not count.all():
+        at = sections.center[np.flatnonzero(count == 0)[0]]
+        raise ValueError(f"{(count == 0).sum()} of {n} sections cut no element of the solid; the first is at "
+                         f"({at[0]:g}, {at[1]:g})")
+    layer = np.bincount(section[crossing], length[crossing], minlength=n) / count
+    phi = np.clip(s / layer[section, None] + 0.5, 0.0, 1.0)
+
+    active = np.ptp(phi, axis=1) > 0.0
+    section, element, points, phi = section[active], element[active], points[active], phi[active]
+    lowest, highest = np.full(n, 1.0), np.zeros(n)  # 0 and 1, but for the ends of the body
+    np.minimum.at(lowest, section, phi.min(axis=1))
+    np.maximum.at(highest, section, phi.max(axis=1))
+    used, position = np.unique(element, return_inverse=True)
+    forces = form.element_forces(state.stress, used).reshape(-1, 2, len(used))[:, :, position]
+    forces = np.einsum("pn,ncp->pnc", phi / (highest - lowest)[section, None], forces)
+    return _resultants(sections, section, points, forces)
+
+
+def _near(form: SolidForm, sections: Sections) -> tuple[ndarray, ndarray, ndarray]:
+    """Nodes of all elements, and the pairs of a section and an element that may touch its layer."""
+    nodes = form.basis.element_dofs[0::2].T // 2
+    points = form.basis.doflocs[:, 2 * nodes]
+    centroid = points.mean(axis=2).T
+    largest = float(np.ptp(points, axis=2).max()) * np.sqrt(2.0)
+    hits = cKDTree(centroid).query_ball_point(sections.center, sections.half_depth + 1.5 * largest)
+    section = np.repeat(np.arange(len(hits)), [len(h) for h in hits])
+    element = np.concatenate([np.asarray(h, dtype=int) for h in hits])
+    y = sections.local(section, centroid[element])[1]
+    inside = np.abs(y) <= sections.half_depth[section]
+    return nodes, section[inside], element[inside]
+
+
+def _resultants(sections: Sections, section: ndarray, points: ndarray, forces: ndarray) -> SectionForces:
+    """Sums of nodal forces (pairs, nodes, 2) section by section, moments about the sections' centres."""
+    n = len(sections.position)
+    arm = points - sections.center[section][:, None]
+    turning = (arm[..., 1] * forces[..., 0] - arm[..., 0] * forces[..., 1]).sum(axis=1)  # clockwise
+    fx, fy = (np.bincount(section, forces[..., c].sum(axis=1), minlength=n) for c in range(2))
+    x, y = sections.center.T
+    along, across = sections.axis.T, sections.left.T
+    return SectionForces(sections.position, x, y, N=fx * along[0] + fy * along[1],
+                         V=fx * across[0] + fy * across[1], M=np.bincount(section, turning, minlength=n))

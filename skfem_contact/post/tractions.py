@@ -1,0 +1,100 @@
+"""Contact tractions as arrays along the interface."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy import ndarray
+from numpy.typing import ArrayLike
+
+from ..contact import ContactPair, ContactState
+
+
+@dataclass(frozen=True)
+class Tractions:
+    """What a contact pair transmits, arrays (n_points,) in the order of the slave's chain.
+
+    Attributes
+    ----------
+    arc
+        Position along the slave's chain, which has its body to the right: clockwise around a body,
+        anticlockwise around a hole.
+    x, y
+        Place of the point in the undeformed slave.
+    pressure
+        Normal traction, compression positive.
+    shear
+        Friction that the slave exerts on the master, positive along the master's chain: clockwise around a
+        pipe.
+    gap
+        Normal gap; negative where the penalty lets the point penetrate, infinite where no master is near.
+    slip
+        Distance along the master's chain that the point has slid.
+    status
+        :class:`~skfem_contact.Status` of the point.
+    weight
+        Length of surface that belongs to it, times the pair's share: ``(weight * pressure).sum()`` is a
+        force.
+    """
+
+    arc: ndarray
+    x: ndarray
+    y: ndarray
+    pressure: ndarray
+    shear: ndarray
+    gap: ndarray
+    slip: ndarray
+    status: ndarray
+    weight: ndarray
+
+    def central_angle(self, center: ArrayLike = (0.0, 0.0)) -> ndarray:
+        """Angle about a centre in degrees, from the crown clockwise, 0 to 360."""
+        x, y = np.asarray(center, float)
+        return np.degrees(np.arctan2(self.x - x, self.y - y)) % 360.0
+
+
+def tractions(pair: ContactPair, state: ContactState) -> Tractions:
+    """Contact tractions, gaps and slips of a state.
+
+    Parameters
+    ----------
+    pair
+        The pair; it needs no penalty.
+    state
+        Its state, ``result["gravity"].states["skin"]`` for a pair that is named ``"skin"`` among the forms.
+
+    Raises
+    ------
+    ValueError
+        The state of another form.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+    >>> import skfem_contact as sc
+    >>> block = MeshQuad().refined(1).with_defaults()
+    >>> mesh = sc.join_bodies({"lower": block, "upper": block.translated((0., 1.))})
+    >>> basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+    >>> pair = sc.ContactPair(basis, "upper:bottom", "lower:top", sc.Coulomb(mu=.3), penalty=1e4)
+    >>> x = basis.zeros()
+    >>> x[basis.nodal_dofs[1, mesh.t[:, mesh.subdomains["upper"]]]] = -1e-3     # press the upper block down
+    >>> joint = sc.tractions(pair, pair.assemble(x, pair.initial_state()).state)
+    >>> joint.pressure.round(9).tolist(), float((joint.weight * joint.pressure).sum().round(9))
+    ([10.0, 10.0, 10.0], 10.0)
+    """
+    check_state(pair, state)
+    points = pair.points(state)
+    x, y = points.positions(pair.slave.nodes).T
+    return Tractions(points.arc, x, y, -state.normal, state.tangential, state.gap, state.slip, state.status,
+                     pair.share * points.weight)
+
+
+def check_state(pair: ContactPair, state: ContactState) -> None:
+    """Refuse the state of another form."""
+    if not isinstance(state, ContactState):
+        raise ValueError(f"{type(state).__name__} is not the state of a contact pair; "
+                         "pass result[stage].states[name of the pair]")
+    if len(state.gap) != (n := len(pair.points(state).weight)):
+        raise ValueError(f"the state holds {len(state.gap)} points and the pair {n}: "
+                         "it belongs to another pair")
