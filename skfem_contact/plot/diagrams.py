@@ -1,0 +1,174 @@
+"""Diagrams along interfaces and bodies by matplotlib."""
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Literal
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+from numpy import ndarray
+from numpy.typing import ArrayLike
+
+from ..materials.coulomb import Status
+from ..post.sections import SectionForces
+from ..post.tractions import Tractions
+
+_COLORS = ("#d55e00", "#1f4e8c", "#2a7f3f", "#7b3294", "#444444")
+
+
+def ring_diagram(angle: ArrayLike, series: Mapping[str, ArrayLike], quantity: str,
+                 file: str | Path | None = None) -> Figure:
+    """A quantity around a ring: as a polar diagram and against the central angle.
+
+    Parameters
+    ----------
+    angle
+        Central angles in degrees, from the crown clockwise, (n,).
+    series
+        Values by their labels, (n,) each.  Of two, the first is dashed and the second solid, like a first and
+        a second stage.
+    quantity
+        What it is, with its unit: the label of the axis.
+    file
+        Name of a picture to write.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import skfem_contact.plot as plot
+    >>> angle = np.arange(0., 360., 5.)
+    >>> pressure = 100. + 30. * np.cos(2 * np.radians(angle))
+    >>> figure = plot.ring_diagram(angle, {"gravity": pressure}, "pressure [kPa]")
+    """
+    angle = np.asarray(angle, float) % 360.0
+    order = np.argsort(angle)
+    closed = np.concatenate((order, order[:1]))
+    figure = plt.figure(figsize=(10.0, 4.2), layout="constrained")
+    polar, plain = figure.add_subplot(1, 2, 1, projection="polar"), figure.add_subplot(1, 2, 2)
+    polar.set_theta_zero_location("N")  # type: ignore[attr-defined]
+    polar.set_theta_direction(-1)  # type: ignore[attr-defined]
+    turns = np.concatenate((angle[order], angle[order[:1]] + 360.0))
+    for style, (label, values) in zip(_styles(len(series)), series.items()):
+        around = np.asarray(values, float)[closed]
+        polar.plot(np.radians(turns), around, **style)
+        plain.plot(turns, around, label=label, **style)
+    low, high = plain.get_ylim()
+    polar.set_ylim(min(low, 0.0) - 0.35 * (max(high, 0.0) - min(low, 0.0)), max(high, 0.0))
+    polar.plot(np.linspace(0.0, 2.0 * np.pi, 181), np.zeros(181), color="black", linewidth=0.8)
+    polar.set_rlabel_position(22.5)  # type: ignore[attr-defined]
+    polar.yaxis.set_major_locator(MaxNLocator(4))
+    polar.tick_params(axis="y", labelsize=8)
+    plain.set(xlim=(0.0, 360.0), xticks=range(0, 361, 45), ylabel=quantity,
+              xlabel="central angle from the crown, clockwise [°]")
+    _finish(plain, len(series))
+    return _saved(figure, file)
+
+
+def contact_diagram(series: Mapping[str, Tractions], along: Literal["arc", "x", "y"] = "arc",
+                    file: str | Path | None = None) -> Figure:
+    """Pressure and friction along an interface; points that slip are marked by open circles.
+
+    Parameters
+    ----------
+    series
+        Tractions by label, of one stage or several.
+    along
+        Coordinate: position along the slave's chain, or x or y of the points; y is drawn upright, for walls
+        and piles.
+    file
+        Name of a picture to write.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import skfem_contact as sc
+    >>> import skfem_contact.plot as plot
+    >>> y, ones = np.linspace(-5., 0., 6), np.ones(6)
+    >>> joint = sc.Tractions(y + 5., 0. * y, y, -6. * y, -2. * y, 0. * y, 0. * y, ones.astype(int), ones)
+    >>> figure = plot.contact_diagram({"gravity": joint}, along="y")
+    """
+    upright = along == "y"
+    figure, axes = plt.subplots(1, 2, figsize=(8.0, 6.0), sharey=True, layout="constrained") if upright else \
+        plt.subplots(2, 1, figsize=(8.0, 6.0), sharex=True, layout="constrained")
+    for style, (label, t) in zip(_styles(len(series)), series.items()):
+        position, slips = getattr(t, along), t.status == Status.SLIP
+        for ax, values in zip(axes, (t.pressure, t.shear)):
+            _draw(ax, position, values, upright, label=label, **style)
+            _draw(ax, position[slips], values[slips], upright, color=style["color"], linestyle="none",
+                  marker="o", markersize=4, markerfacecolor="white")
+    names = {"arc": "position along the slave", "x": "x", "y": "y"}
+    _label(axes, ("pressure", "friction"), names[along], upright, len(series))
+    return _saved(figure, file)
+
+
+def section_diagram(series: Mapping[str, SectionForces], upright: bool = False,
+                    file: str | Path | None = None) -> Figure:
+    """Normal force, shear force and moment along a body.
+
+    Parameters
+    ----------
+    series
+        Section forces by label, of one stage or several.
+    upright
+        Draw the position downwards, for walls and piles.
+    file
+        Name of a picture to write.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import skfem_contact as sc
+    >>> import skfem_contact.plot as plot
+    >>> s = np.linspace(0., 15., 16)
+    >>> forces = sc.SectionForces(s, 0. * s, -s, N=-5. * s, V=15. - 2. * s, M=s * (15. - s))
+    >>> figure = plot.section_diagram({"failure": forces}, upright=True)
+    """
+    figure, axes = plt.subplots(1, 3, figsize=(9.0, 6.0), sharey=True, layout="constrained") if upright else \
+        plt.subplots(3, 1, figsize=(8.0, 7.5), sharex=True, layout="constrained")
+    for style, (label, forces) in zip(_styles(len(series)), series.items()):
+        for ax, values in zip(axes, (forces.N, forces.V, forces.M)):
+            _draw(ax, forces.position, values, upright, label=label, **style)
+    _label(axes, ("normal force N", "shear force V", "moment M"), "position", upright, len(series))
+    if upright:
+        axes[0].invert_yaxis()
+    return _saved(figure, file)
+
+
+def _styles(n: int) -> list[dict[str, Any]]:
+    """Line styles of n series; the first of several is dashed."""
+    colors = _COLORS[1:2] if n == 1 else _COLORS
+    return [{"color": colors[i % len(colors)], "linestyle": "--" if n > 1 and i == 0 else "-",
+             "linewidth": 1.8} for i in range(n)]
+
+
+def _draw(ax: Axes, position: ndarray, values: ndarray, upright: bool, **style: Any) -> None:
+    ax.plot(*((values, position) if upright else (position, values)), **style)
+
+
+def _label(axes: ndarray, quantities: tuple[str, ...], position: str, upright: bool, n: int) -> None:
+    """Names of the axes; the position is written once."""
+    for ax, name in zip(axes, quantities):
+        _finish(ax, n if ax is axes[0] else 1)
+        ax.set(**{"xlabel" if upright else "ylabel": name})
+    if upright:
+        axes[0].set_ylabel(position)
+    else:
+        axes[-1].set_xlabel(position)
+
+
+def _finish(ax: Axes, n: int) -> None:
+    """A grid, and a legend where there are several series."""
+    ax.grid(color="#dddddd", linewidth=0.6)
+    ax.spines[["top", "right"]].set_visible(False)
+    if n > 1:
+        ax.legend(frameon=False)
+
+
+def _saved(figure: Figure, file: str | Path | None) -> Figure:
+    if file is not None:
+        figure.savefig(file, dpi=160)
+    return figure
