@@ -6,11 +6,11 @@ A page carries the docstring of its module and a table of the public names.
 from __future__ import annotations
 
 import importlib
-import importlib.util
 import inspect
 from pathlib import Path
 
 import skfem_contact
+import skfem_contact.plot as plot
 from sphinx.errors import ConfigError
 
 #: Titles of the pages, in their order, and the modules of each; the first one's docstring opens the page.
@@ -33,9 +33,7 @@ def public_names() -> dict[str, list[str]]:
     for name in skfem_contact.__all__:
         module = getattr(skfem_contact, name).__module__.split(".")[1]
         names.setdefault(module, []).append(f"skfem_contact.{name}")
-    if importlib.util.find_spec("skfem_contact.plot"):
-        plot = importlib.import_module("skfem_contact.plot")
-        names["plot"] = [f"skfem_contact.plot.{name}" for name in plot.__all__]
+    names["plot"] = [f"skfem_contact.plot.{name}" for name in plot.__all__]
     homeless = set(names).difference(*ROOMS.values())
     if homeless:
         raise ConfigError(f"public names of {sorted(homeless)} have no page: add the modules to ROOMS")
