@@ -243,6 +243,18 @@ def test_gather_follows_a_new_pattern(blocks):
             assert (block.gather(K) != K[order][:, order]).nnz == 0
 
 
+def test_gather_notices_a_pattern_changed_in_place():
+    """[X] Slicing by scipy, after an entry has gone and another has moved in the same matrix."""
+    order = np.array([2, 0, 1])
+    block, K = FreeBlock(order), csr_matrix(np.array([[1.0, 2.0, 3.0], [0.0, 4.0, 0.0], [5.0, 0.0, 6.0]]))
+    block.gather(K)
+    K.data[1] = 0.0
+    K.eliminate_zeros()
+    assert (block.gather(K) != K[order][:, order]).nnz == 0
+    K.indices[-2:] = [1, 2]  # the same number of entries in other columns
+    assert (block.gather(K) != K[order][:, order]).nnz == 0
+
+
 def test_gather_sums_duplicates():
     """[X] Duplicate entries mean their sum."""
     K = csr_matrix((np.array([1.0, 2.0, 4.0]), np.array([0, 0, 1]), np.array([0, 2, 3])), shape=(2, 2))

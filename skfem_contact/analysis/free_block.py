@@ -42,7 +42,9 @@ class FreeBlock:
         return block
 
     def _map(self, K: csr_matrix) -> None:
-        self._pattern = K
+        # a copy, since scipy changes the pattern of a matrix in place
+        nothing = np.empty(K.nnz, dtype=bool)
+        self._pattern = csr_matrix((nothing, K.indices, K.indptr), shape=K.shape, copy=True)
         numbers = csr_matrix((np.arange(K.nnz), K.indices, K.indptr), shape=K.shape)
         block = numbers[self.order][:, self.order]
         block.sort_indices()
