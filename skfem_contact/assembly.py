@@ -32,11 +32,14 @@ class Response:
         Function that gives the state that holds once the step is accepted.
     stiffness
         Function that computes the tangent ``d force / d x``.
+    damped
+        Function that computes a matrix near the tangent with which Newton's method is less prone to stall; by
+        default the tangent itself.
 
     Notes
     -----
-    Both functions are called at the first access of :attr:`state` and :attr:`stiffness` only, so that a line
-    search pays for the force alone.
+    The functions are called at the first access of :attr:`state`, :attr:`stiffness` and :attr:`damped` only, so
+    that a line search pays for the force alone.
 
     Examples
     --------
@@ -47,10 +50,12 @@ class Response:
     (2, 2)
     """
 
-    def __init__(self, force: ndarray, state: Callable[[], Any], stiffness: Callable[[], csr_matrix]) -> None:
+    def __init__(self, force: ndarray, state: Callable[[], Any], stiffness: Callable[[], csr_matrix],
+                 damped: Callable[[], csr_matrix] | None = None) -> None:
         self.force = force
         self._state = state
         self._stiffness = stiffness
+        self._damped = damped
 
     @cached_property
     def state(self) -> Any:
@@ -61,6 +66,11 @@ class Response:
     def stiffness(self) -> csr_matrix:
         """Tangent stiffness, a ``csr_matrix`` of shape (N, N)."""
         return self._stiffness()
+
+    @cached_property
+    def damped(self) -> csr_matrix:
+        """The tangent, or a matrix near it with which Newton's method is less prone to stall."""
+        return self.stiffness if self._damped is None else self._damped()
 
 
 class StrainOperator(NamedTuple):

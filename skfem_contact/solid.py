@@ -15,6 +15,9 @@ from .assembly import Pattern, Response, StrainOperator, element_stiffness, plan
 from .checks import check_basis, look_up
 from .materials import Material, Update
 
+#: Share of the symmetric companion in a damped tangent: more of it makes Newton's method slow, less lets it stall.
+_DAMPING = 0.2
+
 
 @dataclass(frozen=True)
 class SolidState:
@@ -168,7 +171,8 @@ class SolidForm:
                 internal[:n, e] = update.internal
             updates.append(update)
         force = self._strain_matrix.T @ (stress * self.weight).ravel()
-        return Response(force, lambda: SolidState(strain, stress, internal), lambda: self._tangent(updates))
+        return Response(force, lambda: SolidState(strain, stress, internal), lambda: self._tangent(updates),
+                        lambda: self._tangent(updates, damped=True))
 
     def summary(self, state: SolidState) -> str:
         """Share of the points that have yielded, for the table of a result; nothing where nothing has."""
@@ -201,14 +205,19 @@ class SolidForm:
         D = self._elasticity[:, None] * self.weight[..., None, None]
         return self._pattern.matrix(self._pattern.scatter(element_stiffness(self._B, D)))
 
-    def _tangent(self, updates: list[Update]) -> csr_matrix:
+    def _tangent(self, updates: list[Update], damped: bool = False) -> csr_matrix:
         """Elastic stiffness corrected in the elements that hold a plastic point."""
         n_points = self.weight.shape[1]
         points, tangents = [], []
         for region, update in zip(self.regions, updates, strict=True):
             if len(update.plastic):
                 points.append(update.plastic + n_points * (region.elements.start or 0))
-                tangents.append(update.tangent())
+                tangent = update.tangent()
+                if damped:
+                    n_elements = len(range(self.basis.nelems)[region.elements])
+                    elasticity = np.broadcast_to(region.material.elasticity(4), (n_elements, 4, 4))
+                    tangent = _damped(tangent, elasticity[update.plastic // n_points])
+                tangents.append(tangent)
         if not points:
             return self.elastic_stiffness
         point = np.concatenate(points)
@@ -219,6 +228,20 @@ class SolidForm:
         change[position, q] = D * self.weight[element, q][:, None, None]
         correction = self._pattern.scatter(element_stiffness(self._B[elements], change), elements)
         return self._pattern.matrix(self.elastic_stiffness.data + correction)
+
+
+def _damped(tangent: ndarray, elasticity: ndarray) -> ndarray:
+    r"""Move tangents of non-associated flow, (n, 4, 4), towards a symmetric and positive neighbour.
+
+    :math:`D = D_e P` with a projector P along the plastic flow. Its companion :math:`P^T D_e P = D^T D_e^{-1} D`
+    resists all strains but the same flow, and is symmetric.
+    """
+    skew = np.abs(tangent - tangent.transpose(0, 2, 1)).max(axis=(1, 2))
+    at = np.flatnonzero(skew > 1e-9 * np.abs(elasticity).max(axis=(1, 2)))
+    new = tangent.copy()
+    companion = tangent[at].transpose(0, 2, 1) @ np.linalg.solve(elasticity[at], tangent[at])
+    new[at] += _DAMPING * (companion - tangent[at])
+    return new
 
 
 def _check_materials(regions: tuple[_Region, ...], n_elements: int) -> None:

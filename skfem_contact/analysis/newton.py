@@ -1,8 +1,8 @@
-"""Newton's method with a line search for a sum of forms."""
+"""Newton's method with a line search for a sum of forms; it tells a stall from a collapse."""
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -19,6 +19,10 @@ logger = logging.getLogger("skfem_contact")
 #: closes and slips on its way to the solution raises the residual now and then.
 _MEMORY = 4
 _SHORTEST = 1.0 / 16.0
+#: The tangent is damped for the rest of an increment when so many iterations have not halved the residual.
+_PATIENCE = 4
+#: An equilibrium that is farther away than so many elastic displacements is none.
+_FAR = 100.0
 
 
 class Form(Protocol):
@@ -28,7 +32,7 @@ class Form(Protocol):
 
     def assemble(self, x: ndarray, state: Any) -> Response: ...
 
-    def settle(self, accepted: Any, candidate: Any) -> Any | None: ...
+    def settle(self, x: ndarray, accepted: Any, candidate: Any) -> Any | None: ...
 
     def summary(self, state: Any) -> str: ...
 
@@ -36,15 +40,34 @@ class Form(Protocol):
 
 
 class NotConverged(RuntimeError):
-    """Newton's method found no equilibrium.
+    """Newton's method found no equilibrium; whether there is one remains open.
 
     Attributes
     ----------
     result
         The stages and increments that were accepted before, as far as they came.
+    x
+        The displacements that were reached, (N,).
+    residuals
+        History of the residual.
     """
 
     result: Any = None
+
+    def __init__(self, message: str, x: ndarray | None = None, residuals: Sequence[float] = ()) -> None:
+        super().__init__(message)
+        self.x, self.residuals = x, tuple(residuals)
+
+
+class Collapse(NotConverged):
+    """There is no equilibrium within any displacement worth the name: the bodies collapse under this load.
+
+    Internal forces that grow with the displacements are monotone: at any displacement x they leave a residual
+    r, and every equilibrium x* lies beyond, r . (x* - x) >= 0.  From the start x_0 of the increment it is at least
+    r . (x - x_0) / \\|r\\| away.  Once this exceeds a hundred times the displacements that the load causes by
+    elasticity, there is none.  With associated flow the bound is rigorous; with friction and non-associated flow it
+    says that a mechanism was found along which the load does more work than the bodies resist.
+    """
 
 
 @dataclass(frozen=True)
@@ -84,11 +107,41 @@ class Equilibrium:
 
 
 @dataclass(frozen=True)
-class _Trial:
-    x: ndarray
+class Trial:
+    """What the forms answer to a vector of unknowns.
+
+    Attributes
+    ----------
+    z
+        Unknowns: displacements, and whatever else is sought.
+    responses
+        Answers of the forms.
+    residual
+        Load less internal forces, zero at the fixed unknowns, (N,).
+    norm
+        Its norm, relative to the largest norm among the load and the forms' forces.
+    lag
+        How much the unknowns differ from what is prescribed.
+    """
+
+    z: ndarray
     responses: dict[str, Response]
     residual: ndarray
     norm: float
+    lag: float = 0.0
+
+    def tangent(self, damped: bool) -> csr_matrix:
+        """Tangent of all forms together."""
+        matrices = [r.damped if damped else r.stiffness for r in self.responses.values()]
+        total = matrices[0]
+        for matrix in matrices[1:]:
+            total = total + matrix
+        return total
+
+    @property
+    def states(self) -> dict[str, Any]:
+        """Candidate states."""
+        return {name: response.state for name, response in self.responses.items()}
 
 
 class System:
@@ -109,13 +162,14 @@ class System:
         self.fixed, self.free = fixed, free
         self.solver = solver
 
-    def _evaluate(self, x: ndarray, states: Mapping[str, Any], load: ndarray) -> _Trial:
+    def evaluate(self, x: ndarray, states: Mapping[str, Any], load: ndarray) -> Trial:
+        """Answers of all forms at some displacements."""
         responses = {name: form.assemble(x, states[name]) for name, form in self.forms.items()}
         residual = load - sum(r.force for r in responses.values())
         residual[self.fixed] = 0.0
         scale = max(np.linalg.norm(load), *(np.linalg.norm(r.force) for r in responses.values()))
         norm = float(np.linalg.norm(residual))
-        return _Trial(x, responses, residual, norm / scale if scale > 0 else norm)
+        return Trial(x, responses, residual, norm / scale if scale > 0 else norm)
 
     def equilibrium(self, x: ndarray, states: Mapping[str, Any], load: ndarray, prescribed: ndarray,
                     settings: Newton) -> Equilibrium:
@@ -132,59 +186,103 @@ class System:
 
         Raises
         ------
+        Collapse
+            There is none.
         NotConverged
             With the place and the size of the largest unbalanced force.
         """
-        now = self._evaluate(x, states, load)
-        norms = [now.norm]
-        for _ in range(settings.max_iterations):
-            lag = prescribed - now.x[self.fixed]
-            if now.norm <= settings.tolerance and not lag.any():
-                return Equilibrium(now.x, {k: r.state for k, r in now.responses.items()}, tuple(norms))
-            step = self._direction(now, lag)
-            now = self._search(now, step, norms, lambda trial: self._evaluate(trial, states, load))
-            norms.append(now.norm)
-            logger.debug("iteration %d: residual %.3e", len(norms) - 1, now.norm)
-            if not np.isfinite(now.norm) or now.norm > 1e8:
-                break
-        if now.norm <= settings.tolerance:
-            return Equilibrium(now.x, {k: r.state for k, r in now.responses.items()}, tuple(norms))
-        raise NotConverged(self._why(now, norms))
+        first: list[ndarray] = []
 
-    def _direction(self, now: _Trial, lag: ndarray) -> ndarray:
-        K = _sum([r.stiffness for r in now.responses.values()])
+        def evaluate(z: ndarray) -> Trial:
+            trial = self.evaluate(z, states, load)
+            return Trial(z, trial.responses, trial.residual, trial.norm,
+                         float(np.abs(prescribed - z[self.fixed]).max(initial=0.0)))
+
+        def direction(now: Trial, damped: bool) -> ndarray:
+            step = self._direction(now, prescribed - now.z[self.fixed], damped)
+            first.append(step)
+            return step
+
+        def far(now: Trial) -> bool:
+            elastic = max(np.linalg.norm(first[0]), np.linalg.norm(x))
+            return bool(now.lag == 0.0 and distance(now.residual, now.z - x) > _FAR * elastic)
+
+        now, norms = iterate(evaluate(x), evaluate, direction, settings, far)
+        return Equilibrium(now.z, now.states, norms)
+
+    def _direction(self, now: Trial, lag: ndarray, damped: bool) -> ndarray:
+        K = now.tangent(damped)
         right = now.residual
-        step = np.zeros_like(now.x)
+        step = np.zeros_like(now.z)
         if lag.any():
             step[self.fixed] = lag
             right = right - K @ step
+        return step + self.solver.factor(K)(right)
+
+
+def distance(residual: ndarray, moved: ndarray) -> float:
+    """Least distance of any equilibrium from where the displacements started (see :class:`Collapse`)."""
+    norm = np.linalg.norm(residual)
+    return float(residual @ moved / norm) if norm > 0 else 0.0
+
+
+def iterate(now: Trial, evaluate: Callable[[ndarray], Trial], direction: Callable[[Trial, bool], ndarray],
+            settings: Newton, hopeless: Callable[[Trial], bool]) -> tuple[Trial, tuple[float, ...]]:
+    """Newton's iterations: from a trial to one without residual, and the history of the residual.
+
+    Parameters
+    ----------
+    now
+        Where to start.
+    evaluate
+        Trial at some unknowns.
+    direction
+        Newton step at a trial, with the tangent or with the damped one.
+    settings
+        Tolerance and number of iterations.
+    hopeless
+        Whether a trial shows that there is no solution.
+
+    Raises
+    ------
+    Collapse, NotConverged
+        There is no solution; none was found.
+    """
+    norms, damped = [now.norm], False
+    while not (now.norm <= settings.tolerance and now.lag == 0.0):
+        if len(norms) > settings.max_iterations or not now.norm < 1e8:
+            raise NotConverged(f"no equilibrium after {len(norms) - 1} iterations; {_why(now, norms)}", now.z, norms)
         try:
-            return step + self.solver.factor(K)(right)
+            step = direction(now, damped)
         except SingularSystem as error:
-            raise NotConverged(f"the stiffness is singular: {error}") from error
-
-    def _search(self, now: _Trial, step: ndarray, norms: list[float], evaluate: Callable[[ndarray], _Trial]) -> _Trial:
-        """Halve the step while the residual is worse than all of the last few."""
-        bound = max(norms[-_MEMORY:]) if len(norms) > 1 else np.inf
-        best = trial = evaluate(now.x + step)
-        length = 1.0
-        while not trial.norm <= bound and length > _SHORTEST:
-            length *= 0.5
-            trial = evaluate(now.x + length * step)
-            if not best.norm <= trial.norm:
-                best = trial
-        return best
-
-    def _why(self, now: _Trial, norms: list[float]) -> str:
-        worst = int(np.argmax(np.abs(now.residual)))
-        names = [k for k, r in now.responses.items() if r.force[worst] != 0.0]
-        history = ", ".join(f"{v:.1e}" for v in norms[-5:])
-        return (f"no equilibrium after {len(norms) - 1} iterations; the residual went {history}; the largest "
-                f"unbalanced force, {now.residual[worst]:.3g}, acts on unknown {worst} of {names}")
+            raise NotConverged(f"the stiffness is singular: {error}", now.z, norms) from error
+        now = _search(now, step, norms, evaluate)
+        norms.append(now.norm)
+        logger.debug("iteration %d: residual %.3e", len(norms) - 1, now.norm)
+        if now.norm > settings.tolerance and hopeless(now):
+            raise Collapse(f"there is no equilibrium: after {len(norms) - 1} iterations none is possible within "
+                           f"{_FAR:g} times the elastic displacements; {_why(now, norms)}", now.z, norms)
+        if len(norms) > _PATIENCE and now.norm > 0.5 * norms[-1 - _PATIENCE]:
+            damped = True
+    return now, tuple(norms)
 
 
-def _sum(matrices: list[csr_matrix]) -> csr_matrix:
-    total = matrices[0]
-    for matrix in matrices[1:]:
-        total = total + matrix
-    return total
+def _search(now: Trial, step: ndarray, norms: list[float], evaluate: Callable[[ndarray], Trial]) -> Trial:
+    """Halve the step while the residual is worse than all of the last few."""
+    bound = max(norms[-_MEMORY:]) if len(norms) > 1 else np.inf
+    best = trial = evaluate(now.z + step)
+    length = 1.0
+    while not trial.norm <= bound and length > _SHORTEST:
+        length *= 0.5
+        trial = evaluate(now.z + length * step)
+        if not best.norm <= trial.norm:
+            best = trial
+    return best
+
+
+def _why(now: Trial, norms: list[float]) -> str:
+    worst = int(np.argmax(np.abs(now.residual)))
+    names = [k for k, r in now.responses.items() if r.force[worst] != 0.0]
+    history = ", ".join(f"{v:.1e}" for v in norms[-5:])
+    return (f"the residual went {history}; the largest unbalanced force, {now.residual[worst]:.3g}, acts on unknown "
+            f"{worst} of {names}")
