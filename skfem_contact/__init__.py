@@ -21,14 +21,29 @@ from .materials import LinearElastic, MohrCoulomb
 from .materials.coulomb import Coulomb, Status, Tied, Traction
 from .mesh import bodies, join_bodies
 from .mesh_check import check_mesh
+from .post import (
+    ContactReport,
+    SectionForces,
+    Sections,
+    Tractions,
+    contact_report,
+    export_vtu,
+    line_sections,
+    nodal_field,
+    ring_sections,
+    section_forces,
+    tractions,
+)
 from .solid import SolidForm, SolidState
 
 __version__ = "0.1.0"
 
 __all__ = [
-    "AnalysisWarning", "AugmentedLagrangian", "ContactPair", "ContactState", "Coulomb", "LinearElastic", "MohrCoulomb",
-    "Newton", "NotConverged", "Response", "Result", "SolidForm", "SolidState", "Stage", "StageResult", "Status",
-    "StrainOperator", "Surface", "Tied", "Traction", "b_bar", "bodies", "check_mesh", "choose_penalties", "join_bodies",
-    "load_result", "plane_strain", "rigid_circle", "rigid_level_set", "rigid_line", "rigid_polyline", "run", "two_pass",
-    "weight",
+    "AnalysisWarning", "AugmentedLagrangian", "ContactPair", "ContactReport", "ContactState", "Coulomb",
+    "LinearElastic", "MohrCoulomb", "Newton", "NotConverged", "Response", "Result", "SectionForces",
+    "Sections", "SolidForm", "SolidState", "Stage", "StageResult", "Status", "StrainOperator", "Surface",
+    "Tied", "Traction", "Tractions", "b_bar", "bodies", "check_mesh", "choose_penalties", "contact_report",
+    "export_vtu", "join_bodies", "line_sections", "load_result", "nodal_field", "plane_strain",
+    "rigid_circle", "rigid_level_set", "rigid_line", "rigid_polyline", "ring_sections", "run",
+    "section_forces", "tractions", "two_pass", "weight",
 ]
