@@ -21,6 +21,7 @@ from .materials import LinearElastic, MohrCoulomb
 from .materials.coulomb import Coulomb, Status, Tied, Traction
 from .mesh import bodies, join_bodies
 from .mesh_check import check_mesh
+from .mesh_file import load_mesh
 from .post import (
     ContactReport,
     SectionForces,
@@ -43,7 +44,7 @@ __all__ = [
     "LinearElastic", "MohrCoulomb", "Newton", "NotConverged", "Response", "Result", "SectionForces",
     "Sections", "SolidForm", "SolidState", "Stage", "StageResult", "Status", "StrainOperator", "Surface",
     "Tied", "Traction", "Tractions", "b_bar", "bodies", "check_mesh", "choose_penalties", "contact_report",
-    "export_vtu", "join_bodies", "line_sections", "load_result", "nodal_field", "plane_strain",
+    "export_vtu", "join_bodies", "line_sections", "load_mesh", "load_result", "nodal_field", "plane_strain",
     "rigid_circle", "rigid_level_set", "rigid_line", "rigid_polyline", "ring_sections", "run",
     "section_forces", "tractions", "two_pass", "weight",
 ]
