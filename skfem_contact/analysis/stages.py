@@ -12,7 +12,7 @@ from numpy import ndarray
 from tqdm import tqdm
 
 from ..contact.penalty import choose_penalties
-from .linear import DirectSolver, as_solver
+from .interface import linear_solver
 from .newton import Form, Newton, NotConverged, System
 from .result import Result, StageResult
 from .settling import settled
@@ -95,7 +95,7 @@ def run(forms: Mapping[str, Form], stages: Sequence[Stage], fixed: ndarray, star
     forms = choose_penalties(forms)
     locations = _check(forms, stages, fixed)
     free = np.setdiff1d(np.arange(locations.shape[1]), fixed)
-    linear = DirectSolver(locations, free) if solver is None else as_solver(solver, locations, free)
+    linear = linear_solver(forms, solver, locations, free)
     system = System(forms, fixed, free, linear)
     done = list(start) if start else []
     last = done[-1] if done else StageResult(

@@ -113,6 +113,12 @@ class ContactPair:
         return (f"<ContactPair {self.slave.name} on {self.master.name}, {len(self.slave.segments)} segments, "
                 f"quadrature {self.quadrature}, {self.law!r}>")
 
+    @property
+    def unknowns(self) -> ndarray:
+        """The unknowns that the pair acts on: those of the two surfaces."""
+        dofs = np.unique(np.concatenate((self.slave.dofs.ravel(), self.master.dofs.ravel())))
+        return dofs[dofs >= 0]
+
     # -- what is given once ---------------------------------------------------------------------------------
 
     def with_penalty(self, normal: float, tangential: float, stiffness: float | None = None) -> ContactPair:

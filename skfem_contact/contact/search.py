@@ -12,9 +12,10 @@ from .surface import Surface
 #: An open chain goes on straight for this share of its last segment: a slave corner that starts flush with
 #: the master's end must not lose contact to the lateral strain of the bodies.
 EXTENSION = 0.05
-#: Hysteresis: a point leaves the segment that it had in the accepted state only beyond this share of its
-#: length, lest nodes that face each other chatter between two segments.
+#: Hysteresis: at a joint that turns by less than a degree, a point leaves the segment that it had in the accepted
+#: state only beyond this share of its length, lest nodes that face each other chatter between two segments.
 HYSTERESIS = 0.01
+_STRAIGHT = np.cos(np.deg2rad(1.0))
 _ON_FACET = 1e-9  # round-off of xi at a joint
 _NEWTON_STEPS = 25
 
@@ -65,9 +66,9 @@ def project(surface: Surface, nodes: ndarray, points: ndarray, depth: ndarray, r
         return result
     row, segment = _candidates(surface, nodes, points[near])
     foot = _foot(surface, nodes, points[near][row], segment)
-    same = np.zeros(len(row), bool) if previous is None else segment == previous[near][row]
     off_end = _off_end(surface, segment, foot)
-    outside = np.abs(foot) - 1.0 > np.where(off_end, 2.0 * EXTENSION, np.where(same, 2.0 * HYSTERESIS, _ON_FACET))
+    stays = _stays(surface, nodes, segment, foot, None if previous is None else previous[near][row])
+    outside = np.abs(foot) - 1.0 > np.where(off_end, 2.0 * EXTENSION, np.where(stays, 2.0 * HYSTERESIS, _ON_FACET))
     reached = np.where(off_end, 1.0 + 2.0 * EXTENSION, 1.0)
     xi = np.where(outside, np.clip(foot, -reached, reached), foot)
     rho = surface.curve(segment, xi, nodes)[1]
@@ -76,7 +77,7 @@ def project(surface: Surface, nodes: ndarray, points: ndarray, depth: ndarray, r
     vertex = outside & ~off_end
     side = np.where(vertex, _outside_of_vertex(surface, nodes, segment, xi, offset), _left(rho[1], offset))
     gap = np.where(side >= 0, distance, -distance)
-    best = _first_minimum(row, distance - np.where(same & ~outside, HYSTERESIS * surface.length[segment], 0.0))
+    best = _first_minimum(row, distance - np.where(stays & ~outside, HYSTERESIS * surface.length[segment], 0.0))
     # what is closest decides: off the end of the chain, or too deep, there is no contact with anything farther
     best = best[~(outside & off_end)[best] & (gap >= -depth[near][row])[best]]
     at = near[row[best]]
@@ -143,16 +144,29 @@ def _off_end(surface: Surface, segment: ndarray, foot: ndarray) -> ndarray:
     return ((segment == 0) & (foot < -1.0)) | ((segment == last) & (foot > 1.0))
 
 
+def _stays(surface: Surface, nodes: ndarray, segment: ndarray, foot: ndarray, previous: ndarray | None) -> ndarray:
+    """Candidates that are the point's accepted segment, with the foot at a joint that is almost straight."""
+    stays = np.zeros(len(foot), bool)
+    if previous is not None:
+        at_joint = np.flatnonzero((segment == previous) & (np.abs(np.abs(foot) - 1.0) <= 2.0 * HYSTERESIS))
+        here, there = _tangents_at_joint(surface, nodes, segment[at_joint], foot[at_joint])
+        stays[at_joint] = np.einsum("nc,nc->n", here, there) > _STRAIGHT
+    return stays
+
+
 def _outside_of_vertex(surface: Surface, nodes: ndarray, segment: ndarray, xi: ndarray, offset: ndarray) -> ndarray:
     """Positive where a point whose closest point is a vertex lies outside: seen from both segments there."""
+    here, there = _tangents_at_joint(surface, nodes, segment, xi)
+    return _left(here + there, offset)
+
+
+def _tangents_at_joint(surface: Surface, nodes: ndarray, segment: ndarray, xi: ndarray) -> tuple[ndarray, ndarray]:
+    """Unit tangents of a segment and its neighbour at the joint on the side of xi."""
     m = len(surface.segments)
-    neighbour = np.clip(np.where(xi > 0, segment + 1, segment - 1), None if surface.closed else 0,
-                        None if surface.closed else m - 1) % m
-    side = 0.0
-    for s, at in ((segment, xi), (neighbour, -xi)):
-        tangent = surface.curve(s, np.sign(at), nodes)[1][1]
-        side = side + _left(tangent, offset) / np.linalg.norm(tangent, axis=1)
-    return np.asarray(side)
+    neighbour = np.where(xi > 0, segment + 1, segment - 1)
+    neighbour = neighbour % m if surface.closed else np.clip(neighbour, 0, m - 1)
+    here, there = (surface.curve(s, end, nodes)[1][1] for s, end in ((segment, np.sign(xi)), (neighbour, -np.sign(xi))))
+    return here / np.linalg.norm(here, axis=1)[:, None], there / np.linalg.norm(there, axis=1)[:, None]
 
 
 def _first_minimum(row: ndarray, value: ndarray) -> ndarray:
