@@ -54,14 +54,27 @@ class LinearSolver(Protocol):
     @property
     def name(self) -> str:
         """What solves, for the log."""
-        ...
 
     def factor(self, K: csr_matrix, symmetric: bool = False) -> Solve:
         """Prepare the solution of K[free, free] x[free] = b[free] for any b (N,)."""
-        ...
 
 
-ENGINES: dict[str, Callable[[], Any]] = {"pardiso": Pardiso, "superlu": SuperLU}  # the fastest first
+class Engine(Protocol):
+    """Sparse factors without checks: what :class:`DirectSolver` asks of SuperLU and PARDISO."""
+
+    name: str
+
+    def order(self, graph: csr_matrix, locations: ndarray) -> ndarray:
+        """Order of the unknowns in the matrices to come."""
+
+    def outdated(self) -> bool:
+        """Whether they should be ordered anew."""
+
+    def factor(self, A: csr_matrix, symmetric: bool, careful: bool = False) -> Solve:
+        """Solution of A x = b; RuntimeError for an exact zero among the pivots."""
+
+
+ENGINES: dict[str, Callable[[], Engine]] = {"pardiso": Pardiso, "superlu": SuperLU}  # the fastest first
 
 
 class DirectSolver:
@@ -109,7 +122,7 @@ class DirectSolver:
     @property
     def name(self) -> str:
         """The engine that was chosen."""
-        return str(self._engine.name)
+        return self._engine.name
 
     def __repr__(self) -> str:
         return f"DirectSolver({self.name}, {len(self._free)} of {self._locations.shape[1]} unknowns)"
@@ -159,7 +172,7 @@ class DirectSolver:
         return FreeBlock(self._free[self._engine.order(graph, self._locations[:, self._free])])
 
 
-def _engine(name: str | None) -> Any:
+def _engine(name: str | None) -> Engine:
     """The engine of that name, or the fastest that is installed."""
     if name is not None:
         if name not in ENGINES:
@@ -178,7 +191,7 @@ def _equal(A: csr_matrix, B: csr_matrix) -> bool:
 class _Factor:
     """Factor of one free block, with the checks that the engines leave to their caller."""
 
-    def __init__(self, A: csr_matrix, engine: Any, symmetric: bool, order: ndarray, size: int) -> None:
+    def __init__(self, A: csr_matrix, engine: Engine, symmetric: bool, order: ndarray, size: int) -> None:
         self.A, self.symmetric = A, symmetric
         self._engine, self._order, self._size = engine, order, size
         self._scale = self._row_norms()
