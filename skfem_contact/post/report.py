@@ -109,7 +109,7 @@ def _normals(pair: ContactPair, x: ndarray, state: ContactState) -> ndarray:
     """Outward normals of the master at the closest points, (n, 2)."""
     points, nodes = pair.points(state), pair.master.positions(x)
     positions = points.positions(pair.slave.positions(x))
-    found = pair._project(points, nodes, positions)
+    found = pair._project(points, nodes, positions, state.segment)
     rho = pair.master.curve(found.segment, found.xi, nodes)[1]
     tangent = np.where(found.vertex[:, None], 0.0, rho[1])
     normal = np.column_stack((-tangent[:, 1], tangent[:, 0]))

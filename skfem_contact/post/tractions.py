@@ -27,7 +27,8 @@ class Tractions:
         Friction that the slave exerts on the master, positive along the master's chain: clockwise around a
         pipe.
     gap
-        Normal gap; negative where the penalty lets the point penetrate, infinite where no master is near.
+        Normal gap from what counts as touching; negative where the penalty lets the point penetrate,
+        infinite where no master is near.
     slip
         Distance along the master's chain that the point has slid.
     status
@@ -86,8 +87,9 @@ def tractions(pair: ContactPair, state: ContactState) -> Tractions:
     check_state(pair, state)
     points = pair.points(state)
     x, y = points.positions(pair.slave.nodes).T
-    return Tractions(points.arc, x, y, -state.normal, state.tangential, state.gap, state.slip, state.status,
-                     pair.share * points.weight)
+    return Tractions(points.arc, x, y, pressure=-state.normal, shear=state.tangential,
+                     gap=state.gap - state.offset, slip=state.slip, status=state.status,
+                     weight=pair.share * points.weight)
 
 
 def check_state(pair: ContactPair, state: ContactState) -> None:
