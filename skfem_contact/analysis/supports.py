@@ -17,8 +17,8 @@ from ..solid import SolidForm
 def check_supports(forms: Mapping[str, Any], fixed: ndarray) -> ndarray:
     """Refuse bodies that nothing holds; return the places of the unknowns.
 
-    A body is held when its fixed unknowns leave it no rigid motion.  A body that a contact pair joins to
-    another one passes: contact may hold it.
+    Bodies are held when their fixed unknowns leave them no rigid motion.  Bodies that contact pairs join
+    count as one, and those that meet a rigid obstacle pass: contact may hold them.
 
     Parameters
     ----------
@@ -46,42 +46,50 @@ def check_supports(forms: Mapping[str, Any], fixed: ndarray) -> ndarray:
         raise ValueError(f"the forms belong to different bases; their numbers of unknowns are {sizes}")
     basis = next(iter(solids.values())).basis
     check_mesh(basis.mesh)
+    if len(fixed) and fixed.dtype.kind not in "iu":
+        raise ValueError("fixed must be numbers of unknowns, integers such as basis.get_dofs('bottom').all()")
     if len(fixed) and (fixed.min() < 0 or fixed.max() >= basis.N):
         raise ValueError(f"fixed unknowns must lie between 0 and {basis.N - 1}")
-    covered = np.concatenate([_elements(f.basis) for f in solids.values()])
-    free_nodes = np.setdiff1d(np.arange(basis.N), np.concatenate((np.unique(
-        np.concatenate([np.unique(f.basis.element_dofs) for f in solids.values()])), fixed)))
-    if len(free_nodes):
-        where = basis.doflocs[:, free_nodes[0]]
-        raise ValueError(f"{len(free_nodes)} unknowns belong to no solid among the forms and are not fixed; the "
-                         f"first is at ({where[0]:g}, {where[1]:g})")
-    touched = {int(dof) for f in forms.values() if isinstance(f, ContactPair)
-               for surface in (f.slave, f.master) for dof in surface.dofs[:, 0]}
-    for name, elements in bodies(basis.mesh).items():
-        dofs = np.unique(basis.element_dofs[:, elements] if basis.tind is None
-                         else _whole(basis).element_dofs[:, elements])
-        if not np.isin(elements, covered).any():
-            continue
-        held = np.intersect1d(dofs, fixed)
-        if _rigid_motions(basis.doflocs, held) and not touched.intersection(dofs.tolist()):
-            raise ValueError(f"body '{name}' is held by nothing: {len(held)} of its unknowns are fixed and no "
-                             "contact pair touches it")
+    carried = np.unique(np.concatenate([np.unique(f.basis.element_dofs) for f in solids.values()]))
+    loose = np.setdiff1d(np.arange(basis.N), np.concatenate((carried, fixed)))
+    if len(loose):
+        x, y = basis.doflocs[:, loose[0]]
+        raise ValueError(f"{len(loose)} unknowns belong to no solid among the forms and are not fixed; the "
+                         f"first is at ({x:g}, {y:g})")
+    if all(isinstance(f, (SolidForm, ContactPair)) for f in forms.values()):  # others may hold what they like
+        _check_bodies(basis, carried, [f for f in forms.values() if isinstance(f, ContactPair)], fixed)
     return np.asarray(basis.doflocs)
 
 
-def _elements(basis: CellBasis) -> ndarray:
-    return np.arange(basis.mesh.nelements) if basis.tind is None else np.asarray(basis.tind)
-
-
-def _whole(basis: CellBasis) -> CellBasis:
-    return CellBasis(basis.mesh, basis.elem, quadrature=basis.quadrature)
+def _check_bodies(basis: CellBasis, carried: ndarray, pairs: list[ContactPair], fixed: ndarray) -> None:
+    """Bodies that contact joins stand or fall together: a common rigid motion of theirs meets no force."""
+    dofs = {name: np.intersect1d(basis.dofs.element_dofs[:, elements], carried)
+            for name, elements in bodies(basis.mesh).items()}
+    groups = [{name} for name in dofs if len(dofs[name])]
+    obstacles = set()
+    for pair in pairs:
+        surfaces = np.concatenate((pair.slave.dofs.ravel(), pair.facets.dofs.ravel()))
+        met = {name for name in dofs if np.isin(surfaces, dofs[name]).any()}
+        groups = [g for g in groups if not g & met] + [met.union(*(g for g in groups if g & met))]
+        obstacles |= met if (pair.facets.dofs < 0).any() else set()
+    for group in filter(len, groups):
+        held = np.intersect1d(np.concatenate([dofs[name] for name in group]), fixed)
+        free = _rigid_motions(basis.doflocs, held)
+        if free and not group & obstacles:
+            listed = " and ".join(f"'{name}'" for name in sorted(group))
+            alone = len(group) == 1
+            who = f"body {listed} is not held" if alone else f"the bodies {listed} hold only each other"
+            raise ValueError(f"{who}: {len(held)} of the unknowns are fixed, which leaves {free} of 3 rigid "
+                             "motions free")
 
 
 def _rigid_motions(locations: ndarray, held: ndarray) -> int:
     """Number of rigid motions (of three) that fixed unknowns leave free."""
     x, y = locations[:, held]
     across = (held % 2).astype(float)
+    if len(held) == 0:
+        return 3
     scale = max(float(np.ptp(locations)), 1e-300)
-    modes = np.stack((1 - across, across, (across * (x - x.mean()) - (1 - across) * (y - y.mean())) / scale)) \
-        if len(held) else np.zeros((3, 0))
+    turn = across * (x - x.mean()) - (1 - across) * (y - y.mean())
+    modes = np.stack((1 - across, across, turn / scale))
     return 3 - int(np.linalg.matrix_rank(modes, tol=1e-9))
