@@ -91,7 +91,7 @@ def test_sticking_across_a_joint():
 
 
 def test_reversal():
-    """[X] Case S14: back and forth over joints; inside the cone, dissipation never negative, a closed loop."""
+    """[X] Case S14: back and forth over joints; inside the cone, dissipation never negative, closed loop."""
     _, pair, place, _ = sled(2)
     amplitude = 0.6
     way = np.concatenate(
