@@ -77,7 +77,7 @@ def assert_history(
 ) -> None:
     """Random increments dissipate, stay on the surface without drift, and add up the plastic shear strain.
 
-    ``excess`` is the yield function of the Cartesian components.
+    ``excess`` is the yield function of the Cartesian components and the internal variable.
     """
     rng = np.random.default_rng(5)
     stress, internal = np.zeros((ncomp, points)), np.zeros((1, points))
@@ -95,7 +95,7 @@ def assert_history(
         deviator[:3] -= plastic_strain[:3].mean(axis=0)
         equivalent += np.sqrt(2 / 3 * (weights * deviator**2).sum(axis=0))
         stress, internal = result.stress, result.internal
-        assert (excess(stress) <= 1e-12 * (np.abs(stress).max(axis=0) + 1)).all()
+        assert (excess(stress, internal[0]) <= 1e-12 * (np.abs(stress).max(axis=0) + 1)).all()
     assert (equivalent > 0).all()
     # every increment to the round-off of its stress over E
     np.testing.assert_allclose(internal[0], equivalent, rtol=1e-11, atol=1e-13)

@@ -88,7 +88,7 @@ def test_tangent(law: DruckerPrager | VonMises, ncomp: int) -> None:
 @ALL_LAWS
 def test_random_history(law: DruckerPrager | VonMises, ncomp: int) -> None:
     """[X] Dissipation, no excess, no drift."""
-    assert_history(law, lambda stress: excess(law, stress), ncomp)
+    assert_history(law, lambda stress, _: excess(law, stress), ncomp)
 
 
 @COMPONENTS

@@ -83,7 +83,7 @@ def test_tangent(law: tuple[float, float, float], ncomp: int) -> None:
 def test_random_history(law: tuple[float, float, float], ncomp: int) -> None:
     """[X] Dissipation, no excess, no drift."""
     material = soil(law)
-    assert_history(material, lambda stress: excess(material, stress), ncomp)
+    assert_history(material, lambda stress, _: excess(material, stress), ncomp)
 
 
 @COMPONENTS

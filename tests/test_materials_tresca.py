@@ -42,7 +42,7 @@ def test_tangent(ncomp: int) -> None:
 @COMPONENTS
 def test_random_history(ncomp: int) -> None:
     """[X] Dissipation, no excess, no drift."""
-    assert_history(CLAY, lambda stress: np.ptp(principal_stresses(stress), axis=-1) - 20.0, ncomp)
+    assert_history(CLAY, lambda stress, _: np.ptp(principal_stresses(stress), axis=-1) - 20.0, ncomp)
 
 
 def test_parameters() -> None:

@@ -3,8 +3,18 @@
 from .base import Material, Update
 from .drucker_prager import DruckerPrager
 from .elastic import LinearElastic
+from .hardening import HardeningMohrCoulomb
 from .mohr_coulomb import MohrCoulomb
 from .tresca import Tresca
 from .von_mises import VonMises
 
-__all__ = ["DruckerPrager", "LinearElastic", "Material", "MohrCoulomb", "Tresca", "Update", "VonMises"]
+__all__ = [
+    "DruckerPrager",
+    "HardeningMohrCoulomb",
+    "LinearElastic",
+    "Material",
+    "MohrCoulomb",
+    "Tresca",
+    "Update",
+    "VonMises",
+]

@@ -53,6 +53,10 @@ class IsotropicPlasticity(Isotropic):
     def _constants(self) -> Any:
         """Constants of the law as a NamedTuple of parameters, with ``lam`` and ``mu`` among them."""
 
+    def _at_state(self, constants: Any, internal: Array) -> Any:
+        """The constants at an accepted internal variable; the same ones unless the law hardens."""
+        return constants
+
     @abstractmethod
     def _yield_bound(self, stress: Array, constants: Any) -> Array:
         """Upper bound of the yield function (a stress) from the Cartesian components (ncomp, ...)."""
@@ -89,7 +93,9 @@ class IsotropicPlasticity(Isotropic):
         result = self.elastic_stress(strain_increment, stress)
         internal = internal.copy()
         constants = self._constants()
-        spread = _map(lambda value: along_elements(value, result.shape), constants)
+        spread = self._at_state(
+            _map(lambda value: along_elements(value, result.shape), constants), internal[0]
+        )
         candidates = np.flatnonzero(self._yield_bound(result, spread) > 0)
         blocks = [
             self._return_block(result, internal, candidates[start : start + BLOCK], constants)
@@ -103,7 +109,8 @@ class IsotropicPlasticity(Isotropic):
     ) -> _ReturnedBlock:
         """Return those of the points that are outside the surface; changes stress and internal in place."""
         constants = chosen(constants, points // stress[0, 0].size)
-        stress = stress.reshape(len(stress), -1)
+        stress, equivalent = stress.reshape(len(stress), -1), internal.reshape(-1)
+        constants = self._at_state(constants, equivalent[points])
         frame = principal(stress[:, points])
         excess = self._yield_function(frame.values, constants)
         plastic = excess > ROUND_OFF * np.maximum(frame.values[0], -frame.values[2])
@@ -112,7 +119,7 @@ class IsotropicPlasticity(Isotropic):
             points, frame, constants = points[kept], frame.take(kept), chosen(constants, kept)
         values, moduli = self._return_map(frame.values, constants)
         stress[:, points] = frame.stress(values)
-        internal.reshape(1, -1)[0, points] += _equivalent_shear_strain(frame.values - values, constants.mu)
+        equivalent[points] += equivalent_shear_strain(frame.values - values, constants.mu)
         return _ReturnedBlock(points, frame, values, moduli, constants.mu)
 
 
@@ -147,7 +154,7 @@ def _map(function: Callable[[Parameter], Parameter], constants: Any) -> Any:
     return type(constants)(*map(function, constants))
 
 
-def _equivalent_shear_strain(relaxed: Array, mu: Parameter) -> Array:
+def equivalent_shear_strain(relaxed: Array, mu: Parameter) -> Array:
     """sqrt(2/3 e : e) of the plastic strain that relaxes the principal stresses by ``relaxed``."""
     s1, s2, s3 = relaxed
     return np.sqrt((s1 - s2) ** 2 + (s2 - s3) ** 2 + (s3 - s1) ** 2) / (np.sqrt(18) * mu)

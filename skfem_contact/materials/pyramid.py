@@ -12,6 +12,7 @@ the edge s2 = s3 and (1/2, 1) on the edge s1 = s2.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -53,7 +54,8 @@ class PyramidPlasticity(IsotropicPlasticity):
 
     def _return_map(self, trial: Array, constants: PyramidConstants) -> Return:
         if constants.tension is None:
-            return pyramid_return(trial, constants)
+            shear = pyramid_return(trial, constants)
+            return Return(shear.values, shear.moduli)
         return _return_with_cut_off(trial, constants)
 
 
@@ -85,7 +87,15 @@ def _return_with_cut_off(trial: Array, k: PyramidConstants) -> Return:
     return Return(values, moduli)
 
 
-def pyramid_return(trial: Array, k: PyramidConstants) -> Return:
+class PyramidReturn(NamedTuple):
+    """As `Return`; ``relief()`` is the loss of returned stress (3, n) for a unit rise of the yield function."""
+
+    values: Array
+    moduli: Callable[[], Array]
+    relief: Callable[[], Array]
+
+
+def pyramid_return(trial: Array, k: PyramidConstants) -> PyramidReturn:
     """Return descending principal trial stresses (3, n), all of them outside, to the pyramid."""
     values = _to_plane(trial, _FACE, k)
     tolerance = ROUND_OFF * np.maximum(trial[0], -trial[2])
@@ -94,15 +104,21 @@ def pyramid_return(trial: Array, k: PyramidConstants) -> Return:
     values[:, edge], weights, apex = _to_edge_or_apex(trial[:, edge], at_edge)
 
     def moduli() -> Array:
-        result = np.empty((3, *trial.shape))
-        _fill_moduli(result, _FACE, k)
-        at_edges = np.empty((3, 3, edge.size))
-        _fill_moduli(at_edges, weights, at_edge)
+        result = _moduli(_FACE, k, trial.shape[1])
+        at_edges = _moduli(weights, at_edge, edge.size)
         at_edges[:, :, apex] = 0
         result[:, :, edge] = at_edges
         return result
 
-    return Return(values, moduli)
+    def relief() -> Array:
+        result = _filled(_step(_FACE, k), trial.shape)
+        at_edges = _filled(_step(weights, at_edge), (3, edge.size))
+        if apex.size:
+            at_edges[:, apex] = 1 / (2 * chosen(at_edge, apex).sin_phi)
+        result[:, edge] = at_edges
+        return result
+
+    return PyramidReturn(values, moduli, relief)
 
 
 def pyramid_excess(largest: Array, smallest: Array, k: PyramidConstants) -> Array:
@@ -125,10 +141,12 @@ def _averaging(weights: _Weights) -> tuple[tuple[Parameter, ...], ...]:
     return (w1, 1 - w1, 0.0), (1 - w1, w1 + w3 - 1, 1 - w3), (0.0, 1 - w3, w3)
 
 
-def _resistance(weights: _Weights, k: PyramidConstants) -> Parameter:
-    """Drop of the yield function with the multiplier."""
-    product: Parameter = sum(n * r for n, r in zip(_normal(k.sin_phi, weights), _normal(k.sin_psi, weights)))
-    return 4 * k.lam * k.sin_phi * k.sin_psi + 2 * k.mu * product
+def _step(weights: _Weights, k: PyramidConstants) -> tuple[Parameter, ...]:
+    """Drop of the averaged stresses that lowers the yield function by one."""
+    normal, flow = _normal(k.sin_phi, weights), _normal(k.sin_psi, weights)
+    product: Parameter = sum(n * r for n, r in zip(normal, flow))
+    resistance = 2 * k.lam * k.sin_phi * k.sin_psi + k.mu * product
+    return tuple((k.lam * k.sin_psi + k.mu * r) / resistance for r in flow)
 
 
 def _to_plane(averaged: Array, weights: _Weights, k: PyramidConstants) -> Array:
@@ -137,12 +155,11 @@ def _to_plane(averaged: Array, weights: _Weights, k: PyramidConstants) -> Array:
     The largest stress follows from the yield condition in the end, so that this holds to the round-off of the
     returned stress, however large the trial stress was.
     """
-    multiplier = pyramid_excess(averaged[0], averaged[2], k)
-    multiplier /= _resistance(weights, k)
+    excess = pyramid_excess(averaged[0], averaged[2], k)
     values = np.empty_like(averaged)
-    for row, flow in zip(values, _normal(k.sin_psi, weights)):
-        np.multiply(multiplier, -2 * (k.lam * k.sin_psi + k.mu * flow), out=row)
-    values += averaged
+    for value, stress, step in zip(values, averaged, _step(weights, k)):
+        np.multiply(excess, step, out=value)
+        np.subtract(stress, value, out=value)
     values[0] = (k.strength + (1 - k.sin_phi) * values[2]) / (1 + k.sin_phi)
     return values
 
@@ -175,12 +192,20 @@ def _to_edge_or_apex(trial: Array, k: PyramidConstants) -> tuple[Array, _Weights
     return values, weights, apex
 
 
-def _fill_moduli(moduli: Array, weights: _Weights, k: PyramidConstants) -> None:
-    """Write d principal stress / d principal strain on a face or an edge into an array (3, 3, n)."""
-    resistance = _resistance(weights, k)
-    normal, flow, averaging = _normal(k.sin_phi, weights), _normal(k.sin_psi, weights), _averaging(weights)
+def _moduli(weights: _Weights, k: PyramidConstants, n: int) -> Array:
+    """Derivative of principal stresses to principal strains on a face or an edge, shape (3, 3, n)."""
+    steps, normal, averaging = _step(weights, k), _normal(k.sin_phi, weights), _averaging(weights)
+    result = np.empty((3, 3, n))
     for i in range(3):
-        drop = 4 * (k.lam * k.sin_psi + k.mu * flow[i]) / resistance
         for j in range(3):
-            gradient = k.lam * k.sin_phi + k.mu * normal[j]
-            moduli[i, j] = k.lam + 2 * k.mu * averaging[i][j] - drop * gradient
+            gradient = 2 * (k.lam * k.sin_phi + k.mu * normal[j])
+            result[i, j] = k.lam + 2 * k.mu * averaging[i][j] - steps[i] * gradient
+    return result
+
+
+def _filled(rows: tuple[Parameter, ...], shape: tuple[int, ...]) -> Array:
+    """Array whose rows are floats or arrays."""
+    result = np.empty(shape)
+    for row, value in zip(result, rows):
+        row[...] = value
+    return result

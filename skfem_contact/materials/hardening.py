@@ -1,0 +1,222 @@
+"""Mohr-Coulomb plasticity whose strength changes with the plastic shear strain."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from .base import Array, Parameter, reduced_dilatancy, require
+from .plastic import ROUND_OFF, IsotropicPlasticity, Return, chosen, equivalent_shear_strain
+from .pyramid import PyramidConstants, PyramidReturn, pyramid_excess, pyramid_return
+from .spectral import extremes
+
+_NEWTON_ITERATIONS = 20
+_HALVINGS = 60  # from the bounds to the round-off
+
+
+class _Constants(NamedTuple):
+    """Constants over elements or points, angles in radians; ``range`` is the strain where the change ends."""
+
+    lam: Parameter
+    mu: Parameter
+    sin_psi: Parameter
+    c: Parameter
+    phi: Parameter
+    c_change: Parameter
+    phi_change: Parameter
+    range: Parameter
+    accepted: Parameter = 0.0  # equivalent plastic shear strain
+
+
+@dataclass(frozen=True, eq=False)
+class HardeningMohrCoulomb(IsotropicPlasticity):
+    """Mohr-Coulomb plasticity, hardening or softening linearly with the plastic shear strain.
+
+    Cohesion and friction angle go linearly from their first to their last values while the accumulated
+    equivalent plastic shear strain (the internal variable) goes from zero to a given strain, and stay there.
+    The dilatancy angle is constant. Stress and strength at the end of an increment fulfil the yield
+    condition exactly (implicit integration).
+
+    Parameters
+    ----------
+    E : float or ndarray
+        Young's modulus (stress), positive; a float or one value an element.
+    nu : float or ndarray
+        Poisson's ratio, -1 < nu < 0.5; a float or one value an element.
+    c, c_end : float or ndarray
+        First and last cohesion (stress), not negative; floats or one value an element.
+    phi, phi_end : float or ndarray
+        First and last friction angle in degrees, in [0, 90); floats or one value an element.
+    strain_end : float or ndarray
+        Equivalent plastic shear strain at which the last values are reached, positive; a float or one value
+        an element.
+    psi : float or ndarray, optional
+        Dilatancy angle in degrees, not negative and not above phi and phi_end; a float or one value an
+        element.
+
+    Raises
+    ------
+    ValueError
+        If a parameter is out of its range, not finite, or arrays differ in length.
+
+    Notes
+    -----
+    A softening body has no solution that is independent of the mesh: the plastic strain gathers in a band one
+    element wide. Choose ``strain_end`` for the size of the elements.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from skfem_contact.materials import HardeningMohrCoulomb
+    >>> clay = HardeningMohrCoulomb(1e4, 0.3, c=20.0, c_end=5.0, phi=0.0, phi_end=0.0, strain_end=0.1)
+    >>> state = np.zeros((4, 1)), np.zeros((1, 1))
+    >>> for _ in range(3):
+    ...     update = clay.update(np.array([[0.0], [0.0], [0.0], [0.08]]), *state)
+    ...     state = update.stress, update.internal
+    ...     print(update.stress[3].round(3), update.internal[0].round(4))
+    [13.373] [0.0442]
+    [6.285] [0.0914]
+    [5.] [0.1378]
+    """
+
+    c: Parameter
+    c_end: Parameter
+    phi: Parameter
+    phi_end: Parameter
+    strain_end: Parameter
+    psi: Parameter = 0.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name in ("c", "c_end"):
+            require(name, getattr(self, name), np.greater_equal(getattr(self, name), 0), "not be negative")
+        for name in ("phi", "phi_end"):
+            angle = getattr(self, name)
+            require(name, angle, np.greater_equal(angle, 0) & np.less(angle, 90), "lie in [0, 90) degrees")
+            require("psi", self.psi, np.less_equal(self.psi, angle), f"not exceed {name}")
+        require("psi", self.psi, np.greater_equal(self.psi, 0), "not be negative")
+        require("strain_end", self.strain_end, np.greater(self.strain_end, 0), "be positive")
+
+    def reduced(self, factor: float) -> HardeningMohrCoulomb:
+        """The material with c and tan(phi), first and last, divided by a factor.
+
+        Where psi equals the smaller friction angle it goes on to do so; elsewhere it is capped by it.
+
+        Parameters
+        ----------
+        factor : float
+            Positive.
+
+        Returns
+        -------
+        HardeningMohrCoulomb
+
+        Raises
+        ------
+        ValueError
+            If the factor is not positive.
+        """
+        require("factor", factor, np.isfinite(factor) and factor > 0, "be positive")
+        phi, phi_end = (
+            np.degrees(np.arctan(np.tan(np.radians(angle)) / factor)) for angle in (self.phi, self.phi_end)
+        )
+        psi = reduced_dilatancy(self.psi, np.minimum(self.phi, self.phi_end), np.minimum(phi, phi_end))
+        return replace(self, c=self.c / factor, c_end=self.c_end / factor, phi=phi, phi_end=phi_end, psi=psi)
+
+    def _constants(self) -> _Constants:
+        phi, phi_end, psi = np.radians(self.phi), np.radians(self.phi_end), np.radians(self.psi)
+        return _Constants(
+            *self.lame, np.sin(psi), self.c, phi, self.c_end - self.c, phi_end - phi, self.strain_end
+        )
+
+    def _at_state(self, constants: _Constants, internal: Array) -> _Constants:
+        return constants._replace(accepted=internal)
+
+    def _yield_bound(self, stress: Array, constants: _Constants) -> Array:
+        return pyramid_excess(*extremes(stress), _pyramid(constants.accepted, constants))
+
+    def _yield_function(self, values: Array, constants: _Constants) -> Array:
+        return pyramid_excess(values[0], values[2], _pyramid(constants.accepted, constants))
+
+    def _return_map(self, trial: Array, constants: _Constants) -> Return:
+        strain = _end_strain(trial, constants)
+        returned = pyramid_return(trial, _pyramid(strain, constants))
+
+        def moduli() -> Array:
+            """The perfectly plastic moduli, and what the change of strength adds, a dyad."""
+            perfect = returned.moduli()
+            change = _stress_change(returned, strain, constants)
+            gradient = _strain_gradient(trial - returned.values, constants.mu)
+            lost = -np.einsum("in,ijn->jn", gradient, perfect)
+            lost += constants.lam * gradient.sum(axis=0) + 2 * constants.mu * gradient
+            lost /= 1 + np.einsum("in,in->n", gradient, change)
+            return perfect + change[:, None] * lost
+
+        return Return(returned.values, moduli)
+
+
+def _pyramid(strain: Parameter, k: _Constants) -> PyramidConstants:
+    """The yield surface at an equivalent plastic shear strain."""
+    progress = np.minimum(strain / k.range, 1)
+    phi = k.phi + progress * k.phi_change
+    strength = 2 * (k.c + progress * k.c_change) * np.cos(phi)
+    return PyramidConstants(k.lam, k.mu, np.sin(phi), k.sin_psi, strength)
+
+
+def _end_strain(trial: Array, k: _Constants) -> Array:
+    """Equivalent plastic shear strain at the end of the increment.
+
+    It is the root of: accepted strain + growth in the return to the surface at this strain - this strain.
+    Newton's method, kept between bounds by bisection, which finishes what Newton's method does not: the
+    growth is never negative, and never more than what relaxes the whole deviator of the trial stress.
+    """
+    lower = np.broadcast_to(k.accepted, trial.shape[1:]).copy()
+    upper = lower + equivalent_shear_strain(trial, k.mu)
+    tolerance = ROUND_OFF / 10 * np.maximum(trial[0], -trial[2]) / k.mu
+    strain = lower.copy()
+    open_ = np.arange(strain.size)
+    for iteration in range(_NEWTON_ITERATIONS + _HALVINGS):
+        at, here = chosen(k, open_), strain[open_]
+        growth, slope = _growth(here, trial[:, open_], at)
+        residual = at.accepted + growth - here
+        lower[open_] = np.where(residual > 0, here, lower[open_])
+        upper[open_] = np.where(residual > 0, upper[open_], here)
+        low, high = lower[open_], upper[open_]
+        newton = here + residual / np.where(slope < 1, 1 - slope, 1)
+        unsettled = (np.abs(residual) > tolerance[open_]) & (high - low > tolerance[open_])
+        inside = (low < newton) & (newton < high) & (slope < 1) & (iteration < _NEWTON_ITERATIONS)
+        strain[open_] = np.where(unsettled, np.where(inside, newton, (low + high) / 2), here)
+        open_ = open_[unsettled]
+        if not open_.size:
+            break
+    return strain
+
+
+def _growth(strain: Array, trial: Array, k: _Constants) -> tuple[Array, Array]:
+    """Equivalent plastic shear strain of the return to the surface at ``strain``, and its derivative."""
+    surface = _pyramid(strain, k)
+    returned = pyramid_return(trial, surface)
+    relaxed = trial - returned.values
+    change = _stress_change(returned, strain, k)
+    slope = -(_strain_gradient(relaxed, k.mu) * change).sum(axis=0)
+    outside = pyramid_excess(trial[0], trial[2], surface) > 0
+    return np.where(outside, equivalent_shear_strain(relaxed, k.mu), 0), np.where(outside, slope, 0)
+
+
+def _stress_change(returned: PyramidReturn, strain: Array, k: _Constants) -> Array:
+    """Derivative of the returned principal stresses (3, n) to the plastic shear strain, the trial fixed."""
+    largest, _, smallest = returned.values
+    phi = k.phi + np.minimum(strain / k.range, 1) * k.phi_change
+    c = k.c + np.minimum(strain / k.range, 1) * k.c_change
+    cos, sin = np.cos(phi), np.sin(phi)
+    rise = ((largest + smallest) * cos + 2 * c * sin) * k.phi_change - 2 * cos * k.c_change
+    return -returned.relief() * np.where(strain < k.range, rise / k.range, 0)
+
+
+def _strain_gradient(relaxed: Array, mu: Parameter) -> Array:
+    """Derivative of the equivalent shear strain to the relaxed principal stresses (3, n)."""
+    deviator = relaxed - relaxed.mean(axis=0)
+    size = np.sqrt((deviator * deviator).sum(axis=0))
+    return deviator / (np.where(size > 0, size, 1) * np.sqrt(6) * mu)
