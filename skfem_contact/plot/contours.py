@@ -86,9 +86,9 @@ def contour(forms: Mapping[str, Any], step: StageResult, quantity: str, deformed
     mapper = scene.add_field(plotter, values, limits, colors)
     if edges:
         plotter.add_mesh(scene.lines(scene.edges, scene.moved, 1), color="black", opacity=0.3, line_width=2)
-    plotter.add_mesh(scene.lines(scene.outline, scene.moved, 2), color="black", line_width=4)
     if deformed:
-        plotter.add_mesh(scene.lines(scene.outline, scene.points, 3), color="#999999", line_width=3)
+        plotter.add_mesh(scene.lines(scene.outline, scene.points, 2), color="#999999", line_width=3)
+    plotter.add_mesh(scene.lines(scene.outline, scene.moved, 3), color="black", line_width=4)
     scene.look_from_above(plotter)
     _add_bar(plotter, mapper, QUANTITIES[quantity] + (f", deformed {deformed:g} times" if deformed else ""))
     plotter.screenshot(file, return_img=False) if file else plotter.render()
