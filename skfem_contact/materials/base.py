@@ -108,7 +108,7 @@ def require_same_length(**parameters: Parameter | None) -> None:
 
 
 def along_elements(value: Parameter, shape: tuple[int, ...]) -> Parameter:
-    """Parameter that broadcasts over the points of a field of the given shape (ncomp, n_elements, ...).
+    """Parameter at the points of a field of the given shape (ncomp, n_elements, ...); a float stays one.
 
     Raises
     ------
@@ -118,13 +118,13 @@ def along_elements(value: Parameter, shape: tuple[int, ...]) -> Parameter:
     Examples
     --------
     >>> along_elements(np.array([1.0, 2.0]), (4, 2, 9)).shape
-    (2, 1)
+    (2, 9)
     """
-    if np.ndim(value) == 0:
+    if not isinstance(value, np.ndarray):
         return value
     if np.size(value) != shape[1]:
         raise ValueError(f"a parameter array has {np.size(value)} values for {shape[1]} elements")
-    return np.reshape(value, (-1,) + (1,) * (len(shape) - 2))
+    return np.repeat(value, int(np.prod(shape[2:]))).reshape(shape[1:])
 
 
 def reduced_dilatancy(dilatancy: Parameter, friction: Parameter, reduced_friction: Parameter) -> Parameter:

@@ -154,7 +154,7 @@ class HardeningMohrCoulomb(IsotropicPlasticity):
             lost /= 1 + np.einsum("in,in->n", gradient, change)
             return perfect + change[:, None] * lost
 
-        return Return(returned.values, moduli)
+        return Return(returned.values, moduli, growth=strain - constants.accepted)
 
 
 def _pyramid(strain: Parameter, k: _Constants) -> PyramidConstants:

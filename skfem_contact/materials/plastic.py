@@ -30,10 +30,13 @@ class Return(NamedTuple):
         Principal stresses, in the (descending) order of the trial stresses.
     moduli : callable
         ``moduli()`` returns d principal stress / d principal strain, shape (3, 3, n).
+    growth : ndarray, shape (n,), optional
+        Growth of the internal variable where the law solved for it; otherwise it follows from the stresses.
     """
 
     values: Array
     moduli: Callable[[], Array]
+    growth: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,9 +120,11 @@ class IsotropicPlasticity(Isotropic):
         if not plastic.all():
             kept = np.flatnonzero(plastic)
             points, frame, constants = points[kept], frame.take(kept), chosen(constants, kept)
-        values, moduli = self._return_map(frame.values, constants)
+        values, moduli, growth = self._return_map(frame.values, constants)
         stress[:, points] = frame.stress(values)
-        equivalent[points] += equivalent_shear_strain(frame.values - values, constants.mu)
+        if growth is None:
+            growth = equivalent_shear_strain(frame.values - values, constants.mu)
+        equivalent[points] += growth
         return _ReturnedBlock(points, frame, values, moduli, constants.mu)
 
 

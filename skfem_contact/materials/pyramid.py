@@ -88,7 +88,7 @@ def _return_with_cut_off(trial: Array, k: PyramidConstants) -> Return:
 
 
 class PyramidReturn(NamedTuple):
-    """As `Return`; ``relief()`` is the loss of returned stress (3, n) for a unit rise of the yield function."""
+    """As `Return`; ``relief()`` is the loss of returned stress (3, n) for a unit rise of the excess."""
 
     values: Array
     moduli: Callable[[], Array]
