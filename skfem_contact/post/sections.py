@@ -78,7 +78,8 @@ class SectionForces:
     N
         Normal force, tension positive (a thrust is negative).
     V
-        Shear force: what the front exerts on the back to the left of the axis; ``V = dM/ds``.
+        Shear force: what the front exerts on the back to the left of the axis; ``V = dM/ds`` where no friction
+        on a side of the body acts as a couple.
     M
         Moment, positive where the fibres to the left of the axis, the outer ones of a ring, are in tension.
     """
