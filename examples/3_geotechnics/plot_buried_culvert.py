@@ -146,8 +146,8 @@ def oval(values):
 
 
 for name, forces in ring.items():
-    print("{:10} moment +-{:.2f} kNm/m, peak at {:.1f} degrees".format(name, *oval(forces.M)), end=";  ")
-    print("thrust +-{:.2f} kN/m, peak at {:.1f} degrees".format(*oval(-forces.N)))
+    print("{:10} moment: {:5.2f} kNm/m up and down, peak at {:.1f} degrees".format(name, *oval(forces.M)))
+    print("{:10} thrust: {:5.2f} kN/m up and down, peak at {:.1f} degrees".format(name, *oval(-forces.N)))
 
 # %%
 # Can it be trusted?
