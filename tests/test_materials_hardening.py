@@ -134,6 +134,10 @@ def test_any_parameters(ncomp: int) -> None:
     # the round-off of stresses of some 100
     assert over.max() <= 1e-11
     np.testing.assert_allclose(over[result.plastic], 0, atol=1e-11)
+    # and from outside: with this strength the perfect law returns to the same stress
+    c, phi = strength(material, result.internal[0])
+    perfect = MohrCoulomb(material.E, material.nu, c, phi, np.minimum(psi, phi))
+    np.testing.assert_allclose(update(perfect, np.zeros_like(trial), trial).stress, result.stress, atol=1e-10)
 
 
 def test_parameters_of_each_element() -> None:
