@@ -28,7 +28,12 @@ def look_up(name: str, existing: Mapping[str, T], kind: str) -> T:
 
 def check_basis(basis: CellBasis) -> None:
     """Refuse what the kernels do not support: only plane vector elements of order 1 and 2 are."""
-    elem = getattr(basis, "elem", None)
-    if not isinstance(elem, ElementVector) or type(elem.elem) not in _SUPPORTED:
+    if not isinstance(basis, CellBasis):
+        raise ValueError(f"a Basis of elements is needed, not {type(basis).__name__}")
+    elem = basis.elem
+    if not isinstance(elem, ElementVector) or elem.dim != 2 or type(elem.elem) not in _SUPPORTED:
         names = ", ".join(f"ElementVector({cls.__name__}())" for cls in _SUPPORTED)
-        raise ValueError(f"unsupported element {elem!r}; supported are {names}")
+        name = type(elem).__name__
+        if isinstance(elem, ElementVector):
+            name = f"{name}({type(elem.elem).__name__}()) with {elem.dim} components"
+        raise ValueError(f"unsupported element {name}; supported are {names}")

@@ -247,6 +247,8 @@ def _damped(tangent: ndarray, elasticity: ndarray) -> ndarray:
 def _check_materials(regions: tuple[_Region, ...], n_elements: int) -> None:
     """Try every material on unstrained elements: parameter arrays must fit their region."""
     for region in regions:
+        if isinstance(region.material, type) or not hasattr(region.material, "update"):
+            raise ValueError(f"material of '{region.name}': {region.material!r} is no material")
         n = len(range(n_elements)[region.elements])
         zero = np.zeros((4, n, 1))
         try:
@@ -260,6 +262,8 @@ def _by_region(basis: CellBasis, materials: Material | Mapping[str, Material]
     """Order the elements of a basis region by region, so that every region is a slice."""
     if not isinstance(materials, Mapping):
         return basis, (_Region("all", materials),)
+    if not materials:
+        raise ValueError("there is no material: give one, or {subdomain: material}")
     present = np.arange(basis.mesh.nelements) if basis.tind is None else np.asarray(basis.tind)
     order, regions, start = [], [], 0
     for name, material in materials.items():
