@@ -44,12 +44,16 @@ def check_supports(forms: Mapping[str, Any], fixed: ndarray) -> ndarray:
              if isinstance(f, (SolidForm, ContactPair))}
     if len(set(sizes.values())) > 1:
         raise ValueError(f"the forms belong to different bases; their numbers of unknowns are {sizes}")
-    basis = next(iter(solids.values())).basis
+    first, basis = next((name, solid.basis) for name, solid in solids.items())
     check_mesh(basis.mesh)
+    _check_places(forms, first, basis)
     if len(fixed) and fixed.dtype.kind not in "iu":
         raise ValueError("fixed must be numbers of unknowns, integers such as basis.get_dofs('bottom').all()")
     if len(fixed) and (fixed.min() < 0 or fixed.max() >= basis.N):
         raise ValueError(f"fixed unknowns must lie between 0 and {basis.N - 1}")
+    count = np.bincount(np.concatenate([_elements(f.basis) for f in solids.values()]))
+    if count.max() > 1:
+        raise ValueError(f"{(count > 1).sum()} elements belong to more than one of the solids {list(solids)}")
     carried = np.unique(np.concatenate([np.unique(f.basis.element_dofs) for f in solids.values()]))
     loose = np.setdiff1d(np.arange(basis.N), np.concatenate((carried, fixed)))
     if len(loose):
@@ -59,6 +63,23 @@ def check_supports(forms: Mapping[str, Any], fixed: ndarray) -> ndarray:
     if all(isinstance(f, (SolidForm, ContactPair)) for f in forms.values()):  # others may hold what they like
         _check_bodies(basis, carried, [f for f in forms.values() if isinstance(f, ContactPair)], fixed)
     return np.asarray(basis.doflocs)
+
+
+def _check_places(forms: Mapping[str, Any], first: str, basis: CellBasis) -> None:
+    """Forms of different meshes may have as many unknowns as each other, but not at the same places."""
+    for name, form in forms.items():
+        if isinstance(form, SolidForm):
+            same = np.array_equal(form.basis.doflocs, basis.doflocs)
+        elif isinstance(form, ContactPair):
+            same = np.array_equal(form.slave.nodes.T, basis.doflocs[:, form.slave.dofs[:, 0]])
+        else:
+            continue
+        if not same:
+            raise ValueError(f"'{name}' belongs to another mesh or another element than '{first}'")
+
+
+def _elements(basis: CellBasis) -> ndarray:
+    return np.arange(basis.mesh.nelements) if basis.tind is None else np.asarray(basis.tind)
 
 
 def _check_bodies(basis: CellBasis, carried: ndarray, pairs: list[ContactPair], fixed: ndarray) -> None:
