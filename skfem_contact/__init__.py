@@ -17,7 +17,7 @@ from .contact import (
     two_pass,
 )
 from .loads import weight
-from .materials import LinearElastic, MohrCoulomb
+from .materials import DruckerPrager, LinearElastic, MohrCoulomb, Tresca, VonMises
 from .materials.coulomb import Coulomb, Status, Tied, Traction
 from .mesh import bodies, join_bodies
 from .mesh_check import check_mesh
@@ -41,10 +41,10 @@ __version__ = "0.1.0"
 
 __all__ = [
     "AnalysisWarning", "AugmentedLagrangian", "ContactPair", "ContactReport", "ContactState", "Coulomb",
-    "LinearElastic", "MohrCoulomb", "Newton", "NotConverged", "Response", "Result", "SectionForces",
-    "Sections", "SolidForm", "SolidState", "Stage", "StageResult", "Status", "StrainOperator", "Surface",
-    "Tied", "Traction", "Tractions", "b_bar", "bodies", "check_mesh", "choose_penalties", "contact_report",
-    "export_vtu", "join_bodies", "line_sections", "load_mesh", "load_result", "nodal_field", "plane_strain",
-    "rigid_circle", "rigid_level_set", "rigid_line", "rigid_polyline", "ring_sections", "run",
+    "DruckerPrager", "LinearElastic", "MohrCoulomb", "Newton", "NotConverged", "Response", "Result", "SectionForces",
+    "Sections", "SolidForm", "SolidState", "Stage", "StageResult", "Status", "StrainOperator", "Surface", "Tied",
+    "Traction", "Tractions", "Tresca", "VonMises", "b_bar", "bodies", "check_mesh", "choose_penalties",
+    "contact_report", "export_vtu", "join_bodies", "line_sections", "load_mesh", "load_result", "nodal_field",
+    "plane_strain", "rigid_circle", "rigid_level_set", "rigid_line", "rigid_polyline", "ring_sections", "run",
     "section_forces", "tractions", "two_pass", "weight",
 ]

@@ -18,7 +18,8 @@ from scipy.linalg import lu_factor, lu_solve
 from scipy.sparse import csr_matrix
 from scipy.sparse.linalg import SuperLU, splu
 
-from .linear import FreeBlock, LinearSolver, Solve, as_solver
+from .free_block import FreeBlock
+from .linear import LinearSolver, Solve, as_solver
 from .ordering import nested_dissection
 
 logger = logging.getLogger("skfem_contact")

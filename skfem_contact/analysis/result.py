@@ -108,6 +108,15 @@ def load_result(file: str | Path, forms: Mapping[str, Form]) -> Result:
     ------
     ValueError
         The file speaks of other forms, or their sizes differ.
+
+    Examples
+    --------
+    >>> import os, tempfile
+    >>> from skfem_contact import Result, load_result
+    >>> file = os.path.join(tempfile.mkdtemp(), "empty.npz")
+    >>> Result(()).save(file)
+    >>> len(load_result(file, {}))
+    0
     """
     stages = []
     with np.load(file, allow_pickle=False) as data:

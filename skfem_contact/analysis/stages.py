@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import logging
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -90,6 +90,20 @@ def run(forms: Mapping[str, Form], stages: Sequence[Stage], fixed: ndarray, star
         Bad input, before anything is computed: sizes, NaN, a body that nothing holds.
     NotConverged
         With the partial result, whose last entry is the last increment that was accepted.
+
+    Examples
+    --------
+    A square under its own weight:
+
+    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+    >>> import skfem_contact as sc
+    >>> basis = Basis(MeshQuad().refined(2).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+    >>> forms = {"square": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.))}
+    >>> fixed = basis.get_dofs("bottom").all()
+    >>> result = sc.run(forms, [sc.Stage("gravity", sc.weight(basis, 20.))], fixed)
+    >>> print(result)
+    stage            increments  iterations  residual  load    what the bodies carry
+    gravity                   1           1   ...  100%
     """
     fixed = np.unique(np.asarray(fixed))
     forms = choose_penalties(forms)
@@ -105,8 +119,9 @@ def run(forms: Mapping[str, Form], stages: Sequence[Stage], fixed: ndarray, star
         last = replace(last, name=stage.name, iterations=(), fraction=0.0)
         try:
             with tqdm(total=1.0, desc=stage.name, disable=None if progress is None else not progress,
-                      bar_format="{desc:16} {percentage:3.0f}% |{bar}| {postfix}") as bar:
-                for last in _increments(system, stage, last, newton or Newton()):
+                      bar_format="{desc:16} {percentage:3.0f}% |{bar}|{postfix}") as bar:
+                for accepted in _increments(system, stage, last, newton or Newton()):
+                    last = accepted
                     bar.update(last.fraction - bar.n)
                     bar.set_postfix_str(f"{len(last.iterations)} increments, {sum(last.iterations)} iterations")
         except NotConverged as error:
@@ -119,7 +134,7 @@ def run(forms: Mapping[str, Form], stages: Sequence[Stage], fixed: ndarray, star
     return Result(tuple(done))
 
 
-def _increments(system: System, stage: Stage, last: StageResult, newton: Newton):  # type: ignore[no-untyped-def]
+def _increments(system: System, stage: Stage, last: StageResult, newton: Newton) -> Iterator[StageResult]:
     """Accepted increments of a stage, one after the other."""
     first_load, first = last.load, last.x[system.fixed]
     target = first if stage.prescribed is None else stage.prescribed[system.fixed]
@@ -136,7 +151,8 @@ def _increments(system: System, stage: Stage, last: StageResult, newton: Newton)
             size = 0.5 * (fraction - last.fraction)
             logger.info("stage '%s': increment to %.4f failed, cut to %.4f", stage.name, fraction, size)
             if size < _SMALLEST:
-                raise NotConverged(f"stage '{stage.name}' stopped at {last.fraction:.2%} of its load: {error}") from error
+                reached = f"stage '{stage.name}' stopped at {last.fraction:.2%} of its load"
+                raise NotConverged(f"{reached}: {error}") from error
             continue
         logger.info("stage '%s': %.2f%% in %d iterations", stage.name, 100 * fraction, new.iterations)
         if new.iterations <= _EASY:

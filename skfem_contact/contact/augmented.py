@@ -21,8 +21,8 @@ class AugmentedLagrangian:
 
     After an increment has converged, the tractions become multipliers,
     :math:`\lambda_N \leftarrow \lambda_N + \epsilon_N \bar g`, and the increment is solved again: each time the
-    penetration shrinks by the factor :math:`1 / (1 + \epsilon_N / k)`, where k is the stiffness of the bodies' surfaces.
-    What is left of gap and elastic slip, times k, is the error of the tractions.
+    penetration shrinks by the factor :math:`1 / (1 + \epsilon_N / k)`, where k is the stiffness of the bodies'
+    surfaces.  What is left of gap and elastic slip, times k, is the error of the tractions.
 
     The multipliers live at the slave's nodes and gaps enter as their weighted means there: multipliers at every
     Gauss point would constrain more than the nodes can follow.  A penalty that was chosen badly is replaced after

@@ -3,7 +3,8 @@ r"""Gap and slip of contact points, their first variations and the exact geometr
 A point :math:`r = \sum_a N_a x_a` faces the curve :math:`\rho(\xi) = \sum_b M_b(\xi) x_b` at its closest point:
 :math:`(r - \rho) \cdot \rho_1 = 0`, :math:`g = (r - \rho) \cdot n` (eqs 2 and 3).  With the operators
 
-.. math:: A\,\delta u = \delta r - \delta\rho|_\xi, \quad B\,\delta u = \delta\rho_1|_\xi, \quad C\,\delta u = \delta\rho_2|_\xi
+.. math:: A\,\delta u = \delta r - \delta\rho|_\xi, \quad B\,\delta u = \delta\rho_1|_\xi,
+          \quad C\,\delta u = \delta\rho_2|_\xi
 
 and :math:`l = |\rho_1|`, :math:`a = l^2`, :math:`h = n \cdot \rho_2` the variations are exact for any penetration:
 

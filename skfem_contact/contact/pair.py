@@ -19,7 +19,7 @@ from .augmented import AugmentedLagrangian
 from .kinematics import Kinematics, geometric_tangent, variations
 from .search import Projection, project
 from .smoothing import smoothed
-from .state import ContactState
+from .state import ContactState, transferred
 from .surface import Surface
 
 #: Round-off of a gap, as a share of the slave segment: bodies that touch exactly are in contact.
@@ -150,16 +150,18 @@ class ContactPair:
 
     def points(self, state: ContactState) -> rules.SlavePoints:
         """The slave's points at which a state holds."""
+        return self._points_between(state.cuts)
+
+    def _points_between(self, cuts: ndarray) -> rules.SlavePoints:
         if self.quadrature != "segments":
             return self._fixed_points
-        return rules.between(self.slave, state.cuts, self.slave.segments.shape[1] + 1)
+        return rules.between(self.slave, cuts, self.slave.segments.shape[1] + 1)
 
     def initial_state(self) -> ContactState:
         """Nothing has moved: each point sticks to its initial closest point (eq. 7, ``xi_0 = xi_c``)."""
         slave, master = self.slave.nodes, self.master.nodes
         cuts = self._cuts(slave, master) if self.quadrature == "segments" else np.zeros(0)
-        empty = np.zeros(0)
-        points = self.points(ContactState(*[empty] * 12, cuts=cuts))
+        points = self._points_between(cuts)
         found = self._project(points, master, points.positions(slave))
         arc = self._arc(found)
         zero, nodal = np.zeros(len(arc)), np.zeros(len(slave))
@@ -170,7 +172,8 @@ class ContactPair:
             offset = np.minimum(found.gap, 0.0)
         touching = found.gap - offset <= _TOUCHING * points.size
         status = np.where(touching, int(Status.STICK), int(Status.OPEN))
-        return ContactState(arc, arc, _segments(found), found.gap, zero, zero, zero, status, nodal, nodal, np.ones(1), offset, cuts)
+        return ContactState(arc, arc, _segments(found), found.gap, zero, zero, zero, status, nodal, nodal, np.ones(1),
+                            offset, cuts)
 
     # -- the form -------------------------------------------------------------------------------------------
 
@@ -250,20 +253,8 @@ class ContactPair:
         normal[at], tangential[at], status[at] = traction.normal, traction.tangential, traction.status
         moved = self._along(arc - state.arc)
         slip = np.where(status == Status.OPEN, 0.0, state.slip + np.where(np.isnan(moved), 0.0, moved))
-        return replace(state, stick_point=stick_point, arc=arc, segment=_segments(found), gap=found.gap, slip=slip, normal=normal,
-                       tangential=tangential, status=status)
-
-    def _recut(self, state: ContactState, cuts: ndarray) -> ContactState:
-        """Carry a state over to new cuts."""
-        old, new = self.points(state), self.points(replace(state, cuts=cuts))
-        nearest = np.abs(new.arc[:, None] - old.arc).argmin(axis=1)
-        elastic = np.nan_to_num(state.arc - state.stick_point)
-        smooth = {name: np.interp(new.arc, old.arc, getattr(state, name)) for name in (
-            "slip", "normal", "tangential", "offset")}
-        arc = np.interp(new.arc, old.arc, np.nan_to_num(state.arc)) if not self.master.closed else state.arc[nearest]
-        arc = np.where(np.isnan(state.arc[nearest]), np.nan, arc)
-        return replace(state, stick_point=arc - np.interp(new.arc, old.arc, elastic), arc=arc,
-                       segment=state.segment[nearest], gap=state.gap[nearest], status=state.status[nearest], cuts=cuts, **smooth)
+        return replace(state, stick_point=stick_point, arc=arc, segment=_segments(found), gap=found.gap, slip=slip,
+                       normal=normal, tangential=tangential, status=status)
 
     def _gather(self, kinematics: Kinematics, force: ndarray) -> ndarray:
         moving = kinematics.dofs >= 0  # rigid obstacles have no unknowns
@@ -301,8 +292,9 @@ class ContactPair:
                                              stiffness)
         if self.quadrature == "segments":
             cuts = self._cuts(self.slave.positions(x), self.master.positions(x))
-            if len(cuts) != len(accepted.cuts) or np.abs(cuts - accepted.cuts).max() > _MOVED:
-                again = self._recut(again or accepted, cuts)
+            if rules.moved(accepted.cuts, cuts) > _MOVED:
+                base = again or accepted
+                again = transferred(base, self.points(base), self.points(replace(base, cuts=cuts)), cuts)
         return again
 
     def summary(self, state: ContactState) -> str:

@@ -11,8 +11,8 @@ from .pair import ContactPair
 from .surface import Surface
 
 #: Penalty over the stiffness of the layers of elements beside the surfaces.  The pressure of a Hertz contact is most
-#: accurate there (surface-to-surface rules, n = 10 and 20 elements in the half-width): softer ones blunt its peak, harder
-#: ones show more of the mesh.  The penetration is about a sixth of the compression of those layers.
+#: accurate there (surface-to-surface rules, n = 10 and 20 elements in the half-width): softer ones blunt its peak,
+#: harder ones show more of the mesh.  The penetration is about a sixth of the compression of those layers.
 _RATIO = 6.0
 
 

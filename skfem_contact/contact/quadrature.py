@@ -106,3 +106,12 @@ def common_cuts(slave: Surface, slave_nodes: ndarray, master: Surface, master_no
     tiny = np.diff(cuts) < _SLIVER
     drop = np.flatnonzero(tiny) + np.where(cuts[1:][tiny] % 1.0 == 0.0, 0, 1)  # keep the segments' own ends
     return np.delete(cuts, drop)
+
+
+def moved(old: ndarray, new: ndarray) -> float:
+    """Largest distance of a cut, old or new, from the nearest one among the others."""
+    def farthest(a: ndarray, b: ndarray) -> float:
+        right = np.clip(np.searchsorted(b, a), 1, len(b) - 1)
+        return float(np.minimum(np.abs(a - b[right - 1]), np.abs(a - b[right])).max())
+
+    return max(farthest(old, new), farthest(new, old))

@@ -1,9 +1,12 @@
 """What the points of a contact pair remember."""
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+import numpy as np
 from numpy import ndarray
+
+from .quadrature import SlavePoints
 
 
 @dataclass(frozen=True)
@@ -47,3 +50,18 @@ class ContactState:
     stiffening: ndarray
     offset: ndarray
     cuts: ndarray
+
+
+def transferred(state: ContactState, old: SlavePoints, new: SlavePoints, cuts: ndarray) -> ContactState:
+    """Carry a state from the slave's old points over to new ones: by interpolation along the slave.
+
+    Positions on the master, and what is no smooth field, come from the nearest old point.
+    """
+    nearest = np.abs(new.arc[:, None] - old.arc).argmin(axis=1)
+    smooth = {name: np.interp(new.arc, old.arc, getattr(state, name)) for name in (
+        "slip", "normal", "tangential", "offset")}
+    elastic = np.interp(new.arc, old.arc, np.nan_to_num(state.arc - state.stick_point))
+    # master and slave run in opposite directions: what lies on along the slave lies back along the master
+    arc = state.arc[nearest] - (new.arc - old.arc[nearest])
+    return replace(state, arc=arc, stick_point=arc - elastic, segment=state.segment[nearest], gap=state.gap[nearest],
+                   status=state.status[nearest], cuts=cuts, **smooth)

@@ -1,7 +1,8 @@
 """Coulomb friction between bodies with a penalty in both directions (eqs 4 to 10 of the paper)."""
+
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 from typing import NamedTuple, Protocol
 
@@ -97,6 +98,24 @@ class Coulomb:
             if not getattr(self, name) >= 0.0 or not np.isfinite(getattr(self, name)):
                 raise ValueError(f"Coulomb: {name} must be a non-negative number, not {getattr(self, name)!r}")
 
+    def reduced(self, factor: float) -> Coulomb:
+        """The law with friction, adhesion and tension cut-off divided by a factor.
+
+        Raises
+        ------
+        ValueError
+            The factor is not positive.
+
+        Examples
+        --------
+        >>> from skfem_contact import Coulomb
+        >>> Coulomb(mu=.6, adhesion=10.).reduced(2.)
+        Coulomb(mu=0.3, adhesion=5.0, tension=0.0)
+        """
+        if not factor > 0.0:
+            raise ValueError(f"the factor must be positive, not {factor!r}")
+        return replace(self, mu=self.mu / factor, adhesion=self.adhesion / factor, tension=self.tension / factor)
+
     @property
     def bonds(self) -> bool:
         """No bond: contact is where the bodies meet."""
@@ -132,7 +151,8 @@ class Coulomb:
             tangential_by_gap=np.where(stick | (gap > 0.0), 0.0, -direction * self.mu * normal_penalty),
             tangential_by_slip=np.where(stick, tangential_penalty, 0.0),
             elastic_slip=tangential / tangential_penalty,  # eq. 10
-            status=np.where(stick, int(Status.STICK), int(Status.SLIP)))
+            status=np.where(stick, int(Status.STICK), int(Status.SLIP)),
+        )
 
 
 @dataclass(frozen=True)
@@ -162,6 +182,12 @@ class Tied:
     def update(self, gap: ndarray, slip: ndarray, normal_penalty: float, tangential_penalty: float) -> Traction:
         """Linear springs in both directions; arguments as for :meth:`Coulomb.update`."""
         zero = np.zeros_like(gap)
-        return Traction(normal_penalty * gap, tangential_penalty * slip, zero + normal_penalty, zero,
-                        zero + tangential_penalty,
-                        slip, np.full(len(gap), int(Status.STICK)))
+        return Traction(
+            normal_penalty * gap,
+            tangential_penalty * slip,
+            zero + normal_penalty,
+            zero,
+            zero + tangential_penalty,
+            slip,
+            np.full(len(gap), int(Status.STICK)),
+        )
