@@ -1,8 +1,11 @@
 """Frictional contact, soil plasticity and staged analysis for scikit-fem."""
 
-from .analysis.newton import Newton, NotConverged
+from .analysis.davis import reduced_strength
+from .analysis.limit_load import LimitLoad, limit_load
+from .analysis.newton import Collapse, Newton, NotConverged
 from .analysis.result import Result, StageResult, load_result
 from .analysis.stages import AnalysisWarning, Stage, run
+from .analysis.strength import StrengthReduction, strength_reduction
 from .assembly import Response, StrainOperator, b_bar, plane_strain
 from .contact import (
     AugmentedLagrangian,
@@ -40,11 +43,12 @@ from .solid import SolidForm, SolidState
 __version__ = "0.1.0"
 
 __all__ = [
-    "AnalysisWarning", "AugmentedLagrangian", "ContactPair", "ContactReport", "ContactState", "Coulomb",
-    "DruckerPrager", "LinearElastic", "MohrCoulomb", "Newton", "NotConverged", "Response", "Result", "SectionForces",
-    "Sections", "SolidForm", "SolidState", "Stage", "StageResult", "Status", "StrainOperator", "Surface", "Tied",
-    "Traction", "Tractions", "Tresca", "VonMises", "b_bar", "bodies", "check_mesh", "choose_penalties",
-    "contact_report", "export_vtu", "join_bodies", "line_sections", "load_mesh", "load_result", "nodal_field",
-    "plane_strain", "rigid_circle", "rigid_level_set", "rigid_line", "rigid_polyline", "ring_sections", "run",
-    "section_forces", "tractions", "two_pass", "weight",
+    "AnalysisWarning", "AugmentedLagrangian", "Collapse", "ContactPair", "ContactReport", "ContactState",
+    "Coulomb", "DruckerPrager", "LimitLoad", "LinearElastic", "MohrCoulomb", "Newton", "NotConverged",
+    "Response", "Result", "SectionForces", "Sections", "SolidForm", "SolidState", "Stage", "StageResult",
+    "Status", "StrainOperator", "StrengthReduction", "Surface", "Tied", "Traction", "Tractions", "Tresca",
+    "VonMises", "b_bar", "bodies", "check_mesh", "choose_penalties", "contact_report", "export_vtu",
+    "join_bodies", "limit_load", "line_sections", "load_mesh", "load_result", "nodal_field", "plane_strain",
+    "reduced_strength", "rigid_circle", "rigid_level_set", "rigid_line", "rigid_polyline", "ring_sections",
+    "run", "section_forces", "strength_reduction", "tractions", "two_pass", "weight",
 ]

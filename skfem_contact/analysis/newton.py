@@ -3,15 +3,15 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, Protocol
+from dataclasses import dataclass, replace
+from typing import Any, Literal, Protocol
 
 import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix
 
 from ..assembly import Response
-from .linear import SingularSystem
+from .linear import SingularSystem, Solve
 
 logger = logging.getLogger("skfem_contact")
 
@@ -19,24 +19,35 @@ logger = logging.getLogger("skfem_contact")
 #: closes and slips on its way to the solution raises the residual now and then.
 _MEMORY = 4
 _SHORTEST = 1.0 / 16.0
-#: The tangent is damped for the rest of an increment when so many iterations have not halved the residual.
-_PATIENCE = 4
-#: An equilibrium that is farther away than so many elastic displacements is none.
+#: The search along the energy accepts a step that leaves at most this share of the slope.
+_SLOPE = 0.5
+_PROBES = 8
+#: The tangent is damped when so many iterations have not halved the residual.
+_PATIENCE = 6
+#: Displacements of so many times the elastic ones are those of a collapse.
 _FAR = 100.0
+
+#: What the line search looks at: the norm of the residual, or the work of the residual along the step.
+Search = Literal["residual", "energy"]
 
 
 class Form(Protocol):
     """Whatever carries load: solids and contact pairs answer the same calls."""
 
-    def initial_state(self) -> Any: ...
+    def initial_state(self) -> Any:
+        """State of unstrained bodies."""
 
-    def assemble(self, x: ndarray, state: Any) -> Response: ...
+    def assemble(self, x: ndarray, state: Any) -> Response:
+        """Answer to displacements from an accepted state."""
 
-    def settle(self, x: ndarray, accepted: Any, candidate: Any) -> Any | None: ...
+    def settle(self, x: ndarray, accepted: Any, candidate: Any) -> Any | None:
+        """An improved accepted state to solve again from, or None."""
 
-    def summary(self, state: Any) -> str: ...
+    def summary(self, state: Any) -> str:
+        """One line for the table of a result."""
 
-    def remarks(self, state: Any) -> list[str]: ...
+    def remarks(self, state: Any) -> list[str]:
+        """What a user should know of a state."""
 
 
 class NotConverged(RuntimeError):
@@ -60,13 +71,12 @@ class NotConverged(RuntimeError):
 
 
 class Collapse(NotConverged):
-    """There is no equilibrium within any displacement worth the name: the bodies collapse under this load.
+    """The bodies collapse under this load: they move on and on, and the load does more work than they resist.
 
-    Internal forces that grow with the displacements are monotone: at any displacement x they leave a residual
-    r, and every equilibrium x* lies beyond, r . (x* - x) >= 0.  From the start x_0 of the increment it is at least
-    r . (x - x_0) / \\|r\\| away.  Once this exceeds a hundred times the displacements that the load causes by
-    elasticity, there is none.  With associated flow the bound is rigorous; with friction and non-associated flow it
-    says that a mechanism was found along which the load does more work than the bodies resist.
+    With associated flow the residual is the gradient of a convex potential.  A line search along this energy
+    finds its minimum if there is one; where there is none, which is what collapse means, it runs away along the
+    mechanism.  A hundred times the elastic displacements are taken for that.  With friction and
+    non-associated flow there is no potential, but the mechanism is found in the same way.
     """
 
 
@@ -81,6 +91,11 @@ class Newton:
     max_iterations
         After so many iterations the increment has failed.
 
+    Raises
+    ------
+    ValueError
+        A tolerance that is not positive, or no iteration.
+
     Examples
     --------
     >>> from skfem_contact import Newton
@@ -90,6 +105,12 @@ class Newton:
 
     tolerance: float = 1e-8
     max_iterations: int = 25
+
+    def __post_init__(self) -> None:
+        if not 0 < self.tolerance < np.inf:
+            raise ValueError(f"tolerance must be positive, not {self.tolerance!r}")
+        if self.max_iterations < 1:
+            raise ValueError(f"max_iterations must be at least 1, not {self.max_iterations!r}")
 
 
 @dataclass(frozen=True)
@@ -162,6 +183,15 @@ class System:
         self.fixed, self.free = fixed, free
         self.solver = solver
 
+    @property
+    def size(self) -> int:
+        """Number of unknowns."""
+        return len(self.fixed) + len(self.free)
+
+    def work(self, load: ndarray, displacements: ndarray) -> float:
+        """Work of a load on the free unknowns."""
+        return float(load[self.free] @ displacements[self.free])
+
     def evaluate(self, x: ndarray, states: Mapping[str, Any], load: ndarray) -> Trial:
         """Answers of all forms at some displacements."""
         responses = {name: form.assemble(x, states[name]) for name, form in self.forms.items()}
@@ -169,10 +199,11 @@ class System:
         residual[self.fixed] = 0.0
         scale = max(np.linalg.norm(load), *(np.linalg.norm(r.force) for r in responses.values()))
         norm = float(np.linalg.norm(residual))
-        return Trial(x, responses, residual, norm / scale if scale > 0 else norm)
+        return Trial(x, responses, residual, float(norm / scale) if scale > 0 else norm)
 
     def equilibrium(self, x: ndarray, states: Mapping[str, Any], load: ndarray, prescribed: ndarray,
-                    settings: Newton) -> Equilibrium:
+                    settings: Newton, searches: Sequence[Search] = ("residual", "energy"),
+                    elastic: float = 0.0, at_least: int = 0) -> Equilibrium:
         """Find the displacements at which load and internal forces balance.
 
         Parameters
@@ -183,51 +214,73 @@ class System:
             External forces, (N,).
         prescribed
             Values of the fixed unknowns.
+        settings
+            Tolerance and number of iterations.
+        searches
+            Line searches to try, one after the other.
+        elastic
+            Norm of the displacements that the load causes by elasticity; by default the first step's, or that of
+            `x` if it is larger.
+        at_least
+            Number of iterations even if the residual is small from the start.
 
         Raises
         ------
         Collapse
-            There is none.
+            There is no equilibrium.
         NotConverged
-            With the place and the size of the largest unbalanced force.
+            None was found.  The message names the place and the size of the largest unbalanced force.
         """
-        first: list[ndarray] = []
+        first: list[float] = [elastic] if elastic > 0.0 else []
+        factors: list[Solve] = []
 
         def evaluate(z: ndarray) -> Trial:
             trial = self.evaluate(z, states, load)
-            return Trial(z, trial.responses, trial.residual, trial.norm,
-                         float(np.abs(prescribed - z[self.fixed]).max(initial=0.0)))
+            return replace(trial, lag=float(np.abs(prescribed - z[self.fixed]).max(initial=0.0)))
 
         def direction(now: Trial, damped: bool) -> ndarray:
-            step = self._direction(now, prescribed - now.z[self.fixed], damped)
-            first.append(step)
+            step = self._direction(now, prescribed - now.z[self.fixed], damped, factors)
+            if not first:
+                first.append(max(float(np.linalg.norm(step)), float(np.linalg.norm(x))))
             return step
 
         def far(now: Trial) -> bool:
-            elastic = max(np.linalg.norm(first[0]), np.linalg.norm(x))
-            return bool(now.lag == 0.0 and distance(now.residual, now.z - x) > _FAR * elastic)
+            moved = now.z - x
+            times = np.linalg.norm(moved) / first[0]
+            return bool((times > _FAR and now.residual @ moved > 0.0) or times > _FAR**2)
 
-        now, norms = iterate(evaluate(x), evaluate, direction, settings, far)
-        return Equilibrium(now.z, now.states, norms)
+        spent: tuple[float, ...] = ()
+        for search in searches:
+            try:
+                now, norms = iterate(evaluate(x), evaluate, direction, settings, search, far, at_least)
+            except NotConverged as error:
+                error.residuals = spent = spent + error.residuals[1 if spent else 0:]
+                if isinstance(error, Collapse) or search == searches[-1]:
+                    raise
+                logger.info("no equilibrium by the %s: %s", search, error)
+            else:
+                return Equilibrium(now.z, now.states, spent + norms[1 if spent else 0:])
+        raise ValueError("there is no line search to try")
 
-    def _direction(self, now: Trial, lag: ndarray, damped: bool) -> ndarray:
+    def _direction(self, now: Trial, lag: ndarray, damped: bool, factors: list[Solve]) -> ndarray:
+        """Newton step; where the tangent is singular, far out on a mechanism, with the last regular one."""
         K = now.tangent(damped)
         right = now.residual
         step = np.zeros_like(now.z)
         if lag.any():
             step[self.fixed] = lag
             right = right - K @ step
-        return step + self.solver.factor(K)(right)
-
-
-def distance(residual: ndarray, moved: ndarray) -> float:
-    """Least distance of any equilibrium from where the displacements started (see :class:`Collapse`)."""
-    norm = np.linalg.norm(residual)
-    return float(residual @ moved / norm) if norm > 0 else 0.0
+        try:
+            factors[:] = [self.solver.factor(K)]
+        except SingularSystem:
+            if not factors:
+                raise
+        return step + factors[0](right)
 
 
 def iterate(now: Trial, evaluate: Callable[[ndarray], Trial], direction: Callable[[Trial, bool], ndarray],
-            settings: Newton, hopeless: Callable[[Trial], bool]) -> tuple[Trial, tuple[float, ...]]:
+            settings: Newton, search: Search = "residual", far: Callable[[Trial], bool] = lambda trial: False,
+            at_least: int = 0, damp: bool = False) -> tuple[Trial, tuple[float, ...]]:
     """Newton's iterations: from a trial to one without residual, and the history of the residual.
 
     Parameters
@@ -240,36 +293,62 @@ def iterate(now: Trial, evaluate: Callable[[ndarray], Trial], direction: Callabl
         Newton step at a trial, with the tangent or with the damped one.
     settings
         Tolerance and number of iterations.
-    hopeless
-        Whether a trial shows that there is no solution.
+    search
+        Line search.
+    far
+        Whether a trial is so far away that the search along the energy shows a collapse.
+    at_least
+        Number of iterations even if the residual is small from the start.
+    damp
+        Damp the tangent from the start, not only where the iterations make no progress.
 
     Raises
     ------
     Collapse, NotConverged
         There is no solution; none was found.
     """
-    norms, damped = [now.norm], False
-    while not (now.norm <= settings.tolerance and now.lag == 0.0):
+    norms, damped = [now.norm], damp
+    while len(norms) <= at_least or not (now.norm <= settings.tolerance and now.lag == 0.0):
         if len(norms) > settings.max_iterations or not now.norm < 1e8:
-            raise NotConverged(f"no equilibrium after {len(norms) - 1} iterations; {_why(now, norms)}", now.z, norms)
+            raise NotConverged(f"no equilibrium after {len(norms) - 1} iterations; {_why(now, norms)}",
+                               now.z, norms)
         try:
             step = direction(now, damped)
         except SingularSystem as error:
             raise NotConverged(f"the stiffness is singular: {error}", now.z, norms) from error
-        now = _search(now, step, norms, evaluate)
+        now = _along_energy(now, step, evaluate) if search == "energy" else _search(now, step, norms, evaluate)
         norms.append(now.norm)
         logger.debug("iteration %d: residual %.3e", len(norms) - 1, now.norm)
-        if now.norm > settings.tolerance and hopeless(now):
-            raise Collapse(f"there is no equilibrium: after {len(norms) - 1} iterations none is possible within "
-                           f"{_FAR:g} times the elastic displacements; {_why(now, norms)}", now.z, norms)
-        if len(norms) > _PATIENCE and now.norm > 0.5 * norms[-1 - _PATIENCE]:
-            damped = True
+        if search == "energy" and now.norm > settings.tolerance and far(now):
+            raise Collapse(f"collapse: after {len(norms) - 1} iterations the displacements exceed {_FAR:g} times the "
+                           f"elastic ones; {_why(now, norms)}", now.z, norms)
+        stagnates = len(norms) > _PATIENCE and now.norm > 0.5 * norms[-1 - _PATIENCE]
+        damped = damp or stagnates
     return now, tuple(norms)
+
+
+def _along_energy(now: Trial, step: ndarray, evaluate: Callable[[ndarray], Trial]) -> Trial:
+    """Go along the step until the residual has lost half of its work along it, by doubling and bisection."""
+    slope = abs(now.residual @ step)
+    least, best, length, shortest, longest = np.inf, now, 1.0, 0.0, np.inf
+    for _ in range(_PROBES):
+        trial = evaluate(now.z + length * step)
+        work = float(trial.residual @ step)
+        if abs(work) < least:
+            least, best = abs(work), trial
+        if abs(work) <= _SLOPE * slope or trial.norm <= _SLOPE * now.norm:
+            return trial
+        if work > 0.0:
+            shortest = length
+        else:
+            longest = length
+        length = 2.0 * length if np.isinf(longest) else 0.5 * (shortest + longest)
+    return best
 
 
 def _search(now: Trial, step: ndarray, norms: list[float], evaluate: Callable[[ndarray], Trial]) -> Trial:
     """Halve the step while the residual is worse than all of the last few."""
-    bound = max(norms[-_MEMORY:]) if len(norms) > 1 else np.inf
+    bound = np.inf if now.lag else max(norms[-_MEMORY:])
     best = trial = evaluate(now.z + step)
     length = 1.0
     while not trial.norm <= bound and length > _SHORTEST:
@@ -284,5 +363,5 @@ def _why(now: Trial, norms: list[float]) -> str:
     worst = int(np.argmax(np.abs(now.residual)))
     names = [k for k, r in now.responses.items() if r.force[worst] != 0.0]
     history = ", ".join(f"{v:.1e}" for v in norms[-5:])
-    return (f"the residual went {history}; the largest unbalanced force, {now.residual[worst]:.3g}, acts on unknown "
-            f"{worst} of {names}")
+    return (f"the residual went {history}; the largest unbalanced force, {now.residual[worst]:.3g}, acts on "
+            f"unknown {worst} of {names}")

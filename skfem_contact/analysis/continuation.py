@@ -1,0 +1,206 @@
+"""Indirect continuation: the work of the load is prescribed, and the load or the strength follows.
+
+Near collapse the displacements grow without bound while the parameter of the problem (strength reduction factor,
+load multiplier) hardly changes, and beyond it there is no equilibrium at all.  The work that a reference load does
+on the displacements grows steadily through all of this.  So it is prescribed, the parameter is an unknown beside
+the displacements, and its curve over the work levels off at the limit.
+
+S. Sysala, E. Hrubesova, Z. Michalec, F. Tschuchnigg, Int. J. Numer. Anal. Methods Geomech. 45 (2021) 2388-2414.
+"""
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy import ndarray
+
+from .newton import Newton, NotConverged, System, Trial, iterate
+from .result import StageResult
+
+#: Relative step of the difference quotient by the parameter.
+_DIFFERENCE = 1e-6
+_GROWTH = 2.0
+#: Step lengths in a row that may fail before the curve ends.
+_CUTS = 6
+_MOST_STEPS = 100
+
+
+class Branch(Protocol):
+    """A problem that depends on one parameter."""
+
+    #: The parameter must be larger than this.
+    lowest: float
+
+    def at(self, parameter: float) -> tuple[System, ndarray]:
+        """Forms and load at a value of the parameter."""
+
+
+@dataclass(frozen=True)
+class Point:
+    """An equilibrium on the curve of parameter over work.
+
+    Attributes
+    ----------
+    x
+        Displacements, (N,).
+    states
+        Accepted states of the forms.
+    parameter
+        Factor of safety or load multiplier.
+    work
+        Work of the reference load since the curve's first point.
+    residuals
+        History of the residual.
+    """
+
+    x: ndarray
+    states: Mapping[str, Any]
+    parameter: float
+    work: float = 0.0
+    residuals: tuple[float, ...] = (0.0,)
+
+    @property
+    def iterations(self) -> int:
+        """Number of tangents factored on the way from the last point to this one."""
+        return len(self.residuals) - 1
+
+
+class Report(Protocol):
+    """Is told of every step."""
+
+    def accept(self, point: Point) -> None:
+        """An equilibrium."""
+
+    def reject(self, parameter: float, error: NotConverged, work: float) -> None:
+        """A step that failed, after the last parameter."""
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Points of the curve, and why it ends.
+
+    Attributes
+    ----------
+    points
+        Equilibria in the order they were found.
+    criterion
+        What stopped the continuation.
+    """
+
+    points: tuple[Point, ...]
+    criterion: str
+
+    @property
+    def limit(self) -> tuple[float, float]:
+        """Largest parameter on the curve, and what the last slope leaves room for.
+
+        Close to the limit the curve runs like a hyperbola, ``limit - a / work``, whose slope times the work
+        is what is left.
+        """
+        best = max(point.parameter for point in self.points)
+        return best, best + max(remainder(self.points), 0.0)
+
+
+def starting_point(system: System, last: StageResult | None) -> Point:
+    """Where a search starts: at the end of a stage, or with unstrained bodies."""
+    if last is None:
+        return Point(np.zeros(system.size), {name: form.initial_state() for name, form in system.forms.items()}, 0.0)
+    missing = sorted(set(system.forms) - set(last.states))
+    if missing:
+        raise ValueError(f"the start knows nothing of the forms {missing}; it holds {sorted(last.states)}")
+    return Point(last.x, last.states, 0.0)
+
+
+def remainder(points: list[Point] | tuple[Point, ...]) -> float:
+    """How far the parameter may still rise, by the last slope of the curve."""
+    if len(points) < 2:
+        return np.inf
+    first, before, last = points[0], points[-2], points[-1]
+    if last.work <= before.work:
+        return np.inf
+    return (last.parameter - before.parameter) / (last.work - before.work) * (last.work - first.work)
+
+
+def follow(branch: Branch, control: ndarray, points: list[Point], newton: Newton, tolerance: float,
+           report: Report, relative: bool = False) -> Curve:
+    """Follow the curve until it has levelled off.
+
+    Parameters
+    ----------
+    branch
+        The problem.
+    control
+        Reference load whose work is prescribed, (N,).
+    points
+        Two points to start from, or more.
+    newton
+        Settings of Newton's method.
+    tolerance
+        The curve ends when its last slope lets the parameter rise by no more than this.
+    relative
+        Whether the tolerance is a share of the parameter.
+    report
+        Told of every new point and of every step that failed.
+    """
+    points, length, cuts = list(points), points[-1].work - points[-2].work, 0
+    while len(points) < _MOST_STEPS:
+        try:
+            point = correct(branch, control, points, points[-1].work + length, newton)
+        except NotConverged as error:
+            report.reject(points[-1].parameter, error, points[-1].work + length)
+            cuts += 1
+            if cuts > _CUTS:
+                return Curve(tuple(points), f"stall: {error}")
+            length *= 0.5
+            continue
+        points.append(point)
+        report.accept(point)
+        left = remainder(points)
+        if left < tolerance * (abs(point.parameter) if relative else 1.0):
+            return Curve(tuple(points), f"plateau: the curve may rise by {max(left, 0.0):.2g} more")
+        cuts, length = 0, _GROWTH * length
+    return Curve(tuple(points), f"{_MOST_STEPS} steps without a plateau")
+
+
+def correct(branch: Branch, control: ndarray, points: list[Point], work: float, newton: Newton) -> Point:
+    """The equilibrium at which the reference load has done some work, starting from an extrapolation.
+
+    Raises
+    ------
+    NotConverged
+        Newton's method found none.
+    """
+    before, last = points[-2:]
+    share = (work - last.work) / (last.work - before.work)
+    # the curve bends: the parameter's extrapolation is a cautious one
+    guess = np.append(last.x + share * (last.x - before.x), last.parameter + 0.5 * (last.parameter - before.parameter))
+    system = branch.at(last.parameter)[0]
+    target = system.work(control, points[0].x) + work
+
+    def evaluate(z: ndarray) -> Trial:
+        if not z[-1] > branch.lowest:
+            return Trial(z, {}, np.zeros_like(control), np.inf)
+        forms, load = branch.at(float(z[-1]))
+        trial = forms.evaluate(z[:-1], last.states, load)
+        return Trial(z, trial.responses, trial.residual, trial.norm)
+
+    def direction(now: Trial, damped: bool) -> ndarray:
+        """Newton step of residual and work together, by two solutions with one factor."""
+        delta = _DIFFERENCE * max(abs(now.z[-1]), _DIFFERENCE)
+        beside = now.z.copy()
+        beside[-1] += delta
+        by_parameter = (evaluate(beside).residual - now.residual) / delta
+        solve = system.solver.factor(now.tangent(damped))
+        balance, drift = solve(now.residual), solve(by_parameter)
+        lag = target - system.work(control, now.z[:-1] + balance)
+        change = lag / system.work(control, drift)
+        return np.append(balance + change * drift, change)
+
+    try:
+        now, norms = iterate(evaluate(guess), evaluate, direction, newton, at_least=1, damp=True)
+    except NotConverged as error:
+        error.x = None if error.x is None else error.x[:-1]
+        raise
+    return Point(now.z[:-1], now.states, float(now.z[-1]), work, norms)
