@@ -138,10 +138,9 @@ class _Base:
         dense = lu_factor(self._schur + delta, overwrite_a=True, check_finite=False)
 
         def once(b: ndarray) -> ndarray:
-            rhs = b[order]
+            rhs, x = b[order], np.zeros_like(b)
             x_interface = lu_solve(dense, self._schur @ self._lu.solve(rhs)[-m:])
             rhs[-m:] -= delta @ x_interface
-            x = np.zeros_like(b)
             x[order] = self._lu.solve(rhs)
             return x
 

@@ -17,6 +17,7 @@ from .newton import Form, Newton, NotConverged, System
 from .result import Result, StageResult
 from .settling import settled
 from .supports import check_supports
+from .threads import single_threaded
 
 logger = logging.getLogger("skfem_contact")
 
@@ -58,6 +59,7 @@ class Stage:
     increments: int = 1
 
 
+@single_threaded
 def run(forms: Mapping[str, Form], stages: Sequence[Stage], fixed: ndarray, start: Result | None = None,
         newton: Newton | None = None, solver: Any = None, progress: bool | None = None) -> Result:
     """Run stages one after the other.

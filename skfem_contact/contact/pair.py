@@ -22,8 +22,8 @@ from .smoothing import smoothed
 from .state import ContactState, transferred
 from .surface import Surface
 
-#: Round-off of a gap, as a share of the slave segment: bodies that touch exactly are in contact.
-_TOUCHING = 1e-9
+#: Gaps of the mesh below this share of the slave segment are round-off: such bodies touch.
+_TOUCHING = 1e-8
 #: Penetration, as a share of the slave segment, from which the user is told.
 _PENETRATION = 0.01
 #: The rule "segments" is cut anew when a cut has moved by more than this share of a segment.
@@ -165,13 +165,12 @@ class ContactPair:
         found = self._project(points, master, points.positions(slave))
         arc = self._arc(found)
         zero, nodal = np.zeros(len(arc)), np.zeros(len(slave))
-        offset = zero
-        if self.initial == "adjusted" or self.law.bonds:
-            offset = np.where(np.abs(found.gap) <= 0.5 * points.size, found.gap, 0.0)
-        elif self.initial == "ramped":
-            offset = np.minimum(found.gap, 0.0)
-        touching = found.gap - offset <= _TOUCHING * points.size
-        status = np.where(touching, int(Status.STICK), int(Status.OPEN))
+        adjusted = self.initial == "adjusted" or self.law.bonds
+        nothing = (0.5 if adjusted else _TOUCHING) * points.size
+        offset = np.where(np.abs(found.gap) <= nothing, found.gap, 0.0)
+        if self.initial == "ramped":
+            offset = np.minimum(found.gap, offset)
+        status = np.where(found.gap <= offset, int(Status.STICK), int(Status.OPEN))
         return ContactState(arc, arc, _segments(found), found.gap, zero, zero, zero, status, nodal, nodal, np.ones(1),
                             offset, cuts)
 
@@ -194,7 +193,6 @@ class ContactPair:
         arc = self._arc(found)
         normal_penalty, tangential_penalty = self.penalties(state)
         gap = found.gap - state.offset + points.at(state.normal_multiplier) / normal_penalty
-        gap = np.where(np.abs(gap) <= _TOUCHING * points.size, 0.0, gap)
         bonded = state.status != Status.OPEN
         at = np.flatnonzero(found.found & self.law.reaches(gap, normal_penalty, bonded))
 
