@@ -254,8 +254,9 @@ def test_point_dragged_over_an_arc(smooth):
     exact = (
         mu * weight * radius * (np.sin(np.radians(60)) - np.sin(np.radians(0.25)) / 2)
     )  # it starts from rest
+    # the first of the steps starts from rest: what it does is known to 0.25 % of the work only;
     # the facets' normals lean by up to 2 degrees: 3.5 % of N to and fro, which cancels over whole facets
-    assert work == pytest.approx(exact, rel=1e-3 if smooth else 2e-2)
+    assert work == pytest.approx(exact, rel=2.5e-3 if smooth else 2e-2)
 
 
 def _facet_radius(radius: float, n: int, t: float) -> float:

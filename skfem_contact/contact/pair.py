@@ -24,6 +24,8 @@ from .surface import Surface
 
 #: Gaps of the mesh below this share of the slave segment are round-off: such bodies touch.
 _TOUCHING = 1e-8
+#: A gap below this share of the coordinates is nothing: bodies that touch unloaded go on touching when they move.
+_ROUND_OFF = 8 * np.finfo(float).eps
 #: Penetration, as a share of the slave segment, from which the user is told.
 _PENETRATION = 0.01
 #: The rule "segments" is cut anew when a cut has moved by more than this share of a segment.
@@ -193,6 +195,7 @@ class ContactPair:
         arc = self._arc(found)
         normal_penalty, tangential_penalty = self.penalties(state)
         gap = found.gap - state.offset + points.at(state.normal_multiplier) / normal_penalty
+        gap = np.where(np.abs(gap) <= _ROUND_OFF * np.abs(nodes).max(), 0.0, gap)
         bonded = state.status != Status.OPEN
         at = np.flatnonzero(found.found & self.law.reaches(gap, normal_penalty, bonded))
 
