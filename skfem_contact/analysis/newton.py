@@ -61,13 +61,16 @@ class NotConverged(RuntimeError):
         The displacements that were reached, (N,).
     residuals
         History of the residual.
+    unknown
+        Where the largest unbalanced force acts, or the first unknown that can move freely.
     """
 
     result: Any = None
 
-    def __init__(self, message: str, x: ndarray | None = None, residuals: Sequence[float] = ()) -> None:
+    def __init__(self, message: str, x: ndarray | None = None, residuals: Sequence[float] = (),
+                 unknown: int | None = None) -> None:
         super().__init__(message)
-        self.x, self.residuals = x, tuple(residuals)
+        self.x, self.residuals, self.unknown = x, tuple(residuals), unknown
 
 
 class Collapse(NotConverged):
@@ -158,6 +161,11 @@ class Trial:
         for matrix in matrices[1:]:
             total = total + matrix
         return total
+
+    @property
+    def worst(self) -> int:
+        """Unknown with the largest unbalanced force."""
+        return int(np.argmax(np.abs(self.residual)))
 
     @property
     def states(self) -> dict[str, Any]:
@@ -311,17 +319,18 @@ def iterate(now: Trial, evaluate: Callable[[ndarray], Trial], direction: Callabl
     while len(norms) <= at_least or not (now.norm <= settings.tolerance and now.lag == 0.0):
         if len(norms) > settings.max_iterations or not now.norm < 1e8:
             raise NotConverged(f"no equilibrium after {len(norms) - 1} iterations; {_why(now, norms)}",
-                               now.z, norms)
+                               now.z, norms, now.worst)
         try:
             step = direction(now, damped)
         except SingularSystem as error:
-            raise NotConverged(f"the stiffness is singular: {error}", now.z, norms) from error
+            raise NotConverged(f"the stiffness is singular: {error}", now.z, norms,
+                               int(error.unknowns[0])) from error
         now = _along_energy(now, step, evaluate) if search == "energy" else _search(now, step, norms, evaluate)
         norms.append(now.norm)
         logger.debug("iteration %d: residual %.3e", len(norms) - 1, now.norm)
         if search == "energy" and now.norm > settings.tolerance and far(now):
             raise Collapse(f"collapse: after {len(norms) - 1} iterations the displacements exceed {_FAR:g} times the "
-                           f"elastic ones; {_why(now, norms)}", now.z, norms)
+                           f"elastic ones; {_why(now, norms)}", now.z, norms, now.worst)
         stagnates = len(norms) > _PATIENCE and now.norm > 0.5 * norms[-1 - _PATIENCE]
         damped = damp or stagnates
     return now, tuple(norms)
@@ -360,7 +369,7 @@ def _search(now: Trial, step: ndarray, norms: list[float], evaluate: Callable[[n
 
 
 def _why(now: Trial, norms: list[float]) -> str:
-    worst = int(np.argmax(np.abs(now.residual)))
+    worst = now.worst
     names = [k for k, r in now.responses.items() if r.force[worst] != 0.0]
     history = ", ".join(f"{v:.1e}" for v in norms[-5:])
     return (f"the residual went {history}; the largest unbalanced force, {now.residual[worst]:.3g}, acts on "

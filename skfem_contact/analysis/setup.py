@@ -10,7 +10,7 @@ from numpy import ndarray
 from ..contact.penalty import choose_penalties
 from .interface import linear_solver
 from .newton import Form, System
-from .supports import check_supports
+from .supports import as_unknowns, check_supports
 
 
 def build_system(forms: Mapping[str, Form], fixed: ndarray, solver: Any = None) -> System:
@@ -30,9 +30,9 @@ def build_system(forms: Mapping[str, Form], fixed: ndarray, solver: Any = None) 
     ValueError
         See :func:`~skfem_contact.analysis.supports.check_supports`.
     """
-    fixed = np.unique(np.asarray(fixed))
-    forms = choose_penalties(forms)
+    fixed = as_unknowns(fixed)
     locations = check_supports(forms, fixed)
+    forms = choose_penalties(forms)
     free = np.setdiff1d(np.arange(locations.shape[1]), fixed)
     return System(forms, fixed, free, linear_solver(forms, solver, locations, free))
 

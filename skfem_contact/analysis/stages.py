@@ -11,12 +11,11 @@ import numpy as np
 from numpy import ndarray
 from tqdm import tqdm
 
-from ..contact.penalty import choose_penalties
-from .interface import linear_solver
+from ..solid import SolidForm
 from .newton import Form, Newton, NotConverged, System
 from .result import Result, StageResult
 from .settling import settled
-from .supports import check_supports
+from .setup import build_system
 from .threads import single_threaded
 
 logger = logging.getLogger("skfem_contact")
@@ -107,16 +106,13 @@ def run(forms: Mapping[str, Form], stages: Sequence[Stage], fixed: ndarray, star
     stage            increments  iterations  residual  load    what the bodies carry
     gravity                   1           1   ...  100%
     """
-    fixed = np.unique(np.asarray(fixed))
-    forms = choose_penalties(forms)
-    locations = _check(forms, stages, fixed)
-    free = np.setdiff1d(np.arange(locations.shape[1]), fixed)
-    linear = linear_solver(forms, solver, locations, free)
-    system = System(forms, fixed, free, linear)
+    system = build_system(forms, fixed, solver)
+    _check_stages(stages, system.size)
     done = list(start) if start else []
     last = done[-1] if done else StageResult(
-        "start", np.zeros(locations.shape[1]), np.zeros(locations.shape[1]),
-        {name: form.initial_state() for name, form in forms.items()}, (), 0.0)
+        "start", np.zeros(system.size), np.zeros(system.size),
+        {name: form.initial_state() for name, form in system.forms.items()}, (), 0.0)
+    _check_start(last, system)
     for stage in stages:
         last = replace(last, name=stage.name, iterations=(), fraction=0.0)
         try:
@@ -130,7 +126,7 @@ def run(forms: Mapping[str, Form], stages: Sequence[Stage], fixed: ndarray, star
             error.result = Result((*done, last))
             raise
         done.append(last)
-        for name, form in forms.items():
+        for name, form in system.forms.items():
             for remark in form.remarks(last.states[name]):
                 warnings.warn(f"stage '{stage.name}', {name}: {remark}", AnalysisWarning, stacklevel=2)
     return Result(tuple(done))
@@ -139,7 +135,7 @@ def run(forms: Mapping[str, Form], stages: Sequence[Stage], fixed: ndarray, star
 def _increments(system: System, stage: Stage, last: StageResult, newton: Newton) -> Iterator[StageResult]:
     """Accepted increments of a stage, one after the other."""
     first_load, first = last.load, last.x[system.fixed]
-    target = first if stage.prescribed is None else stage.prescribed[system.fixed]
+    target = first if stage.prescribed is None else np.asarray(stage.prescribed)[system.fixed]
     size = 1.0 / stage.increments
     while last.fraction < 1.0:
         fraction = min(1.0, last.fraction + size)
@@ -154,7 +150,7 @@ def _increments(system: System, stage: Stage, last: StageResult, newton: Newton)
             logger.info("stage '%s': increment to %.4f failed, cut to %.4f", stage.name, fraction, size)
             if size < _SMALLEST:
                 reached = f"stage '{stage.name}' stopped at {last.fraction:.2%} of its load"
-                raise NotConverged(f"{reached}: {error}") from error
+                raise NotConverged(f"{reached}: {error}{_place(system, error.unknown)}") from error
             continue
         logger.info("stage '%s': %.2f%% in %d iterations", stage.name, 100 * fraction, new.iterations)
         if new.iterations <= _EASY:
@@ -165,20 +161,36 @@ def _increments(system: System, stage: Stage, last: StageResult, newton: Newton)
         yield last
 
 
-def _check(forms: Mapping[str, Form], stages: Sequence[Stage], fixed: ndarray) -> ndarray:
-    """One clear error before the analysis starts; the places of the unknowns."""
+def _place(system: System, unknown: int | None) -> str:
+    """Where an unknown is, for a message."""
+    if unknown is None:
+        return ""
+    x, y = next(f.basis.doflocs[:, unknown] for f in system.forms.values() if isinstance(f, SolidForm))
+    return f", at ({x:.4g}, {y:.4g})"
+
+
+def _check_start(last: StageResult, system: System) -> None:
+    if set(last.states) != set(system.forms):
+        raise ValueError(f"start holds the forms {list(last.states)}, not {list(system.forms)}")
+    if len(last.x) != system.size:
+        raise ValueError(f"start has {len(last.x)} unknowns, not {system.size}")
+
+
+def _check_stages(stages: Sequence[Stage], n: int) -> None:
+    """One clear error before the analysis starts."""
     if not stages:
         raise ValueError("there is no stage to run")
-    locations = check_supports(forms, fixed)
-    n = locations.shape[1]
+    names = [stage.name for stage in stages]
     for stage in stages:
-        for what, values in (("load", stage.load), ("prescribed displacement", stage.prescribed)):
-            if values is None:
-                continue
+        if names.count(stage.name) > 1:
+            raise ValueError(f"two stages are named '{stage.name}'")
+        given = [("load", stage.load)]
+        if stage.prescribed is not None:
+            given.append(("prescribed displacement", stage.prescribed))
+        for what, values in given:
             if np.shape(values) != (n,):
                 raise ValueError(f"stage '{stage.name}': the {what} has shape {np.shape(values)}, not ({n},)")
             if not np.isfinite(values).all():
                 raise ValueError(f"stage '{stage.name}': the {what} holds NaN or infinite values")
         if stage.increments < 1:
             raise ValueError(f"stage '{stage.name}': increments must be at least 1")
-    return locations

@@ -14,6 +14,14 @@ from ..mesh_check import check_mesh
 from ..solid import SolidForm
 
 
+def as_unknowns(fixed: Any) -> ndarray:
+    """Numbers of unknowns, sorted and each once, or a ``ValueError`` where they are no integers."""
+    numbers = np.unique(np.asarray(fixed))
+    if len(numbers) and numbers.dtype.kind not in "iu":
+        raise ValueError("fixed must be numbers of unknowns, integers such as basis.get_dofs('bottom').all()")
+    return numbers.astype(int)
+
+
 def check_supports(forms: Mapping[str, Any], fixed: ndarray) -> ndarray:
     """Refuse bodies that nothing holds; return the places of the unknowns.
 
@@ -47,8 +55,6 @@ def check_supports(forms: Mapping[str, Any], fixed: ndarray) -> ndarray:
     first, basis = next((name, solid.basis) for name, solid in solids.items())
     check_mesh(basis.mesh)
     _check_places(forms, first, basis)
-    if len(fixed) and fixed.dtype.kind not in "iu":
-        raise ValueError("fixed must be numbers of unknowns, integers such as basis.get_dofs('bottom').all()")
     if len(fixed) and (fixed.min() < 0 or fixed.max() >= basis.N):
         raise ValueError(f"fixed unknowns must lie between 0 and {basis.N - 1}")
     count = np.bincount(np.concatenate([_elements(f.basis) for f in solids.values()]))
