@@ -48,7 +48,7 @@ def check_supports(forms: Mapping[str, Any], fixed: ndarray) -> ndarray:
     solids = {k: f for k, f in forms.items() if isinstance(f, SolidForm)}
     if not solids:
         raise ValueError("there is no SolidForm among the forms: nothing carries load")
-    sizes = {k: f.basis.N if isinstance(f, SolidForm) else f.n for k, f in forms.items()
+    sizes = {k: int(f.basis.N) if isinstance(f, SolidForm) else int(f.n) for k, f in forms.items()
              if isinstance(f, (SolidForm, ContactPair))}
     if len(set(sizes.values())) > 1:
         raise ValueError(f"the forms belong to different bases; their numbers of unknowns are {sizes}")
