@@ -211,7 +211,7 @@ class System:
 
     def equilibrium(self, x: ndarray, states: Mapping[str, Any], load: ndarray, prescribed: ndarray,
                     settings: Newton, searches: Sequence[Search] = ("residual", "energy"),
-                    elastic: float = 0.0, at_least: int = 0) -> Equilibrium:
+                    elastic: float = 0.0, at_least: int = 0, damp: bool = False) -> Equilibrium:
         """Find the displacements at which load and internal forces balance.
 
         Parameters
@@ -231,6 +231,8 @@ class System:
             `x` if it is larger.
         at_least
             Number of iterations even if the residual is small from the start.
+        damp
+            Damp the tangent from the start, not only where the iterations make no progress.
 
         Raises
         ------
@@ -260,7 +262,7 @@ class System:
         spent: tuple[float, ...] = ()
         for search in searches:
             try:
-                now, norms = iterate(evaluate(x), evaluate, direction, settings, search, far, at_least)
+                now, norms = iterate(evaluate(x), evaluate, direction, settings, search, far, at_least, damp)
             except NotConverged as error:
                 error.residuals = spent = spent + error.residuals[1 if spent else 0:]
                 if isinstance(error, Collapse) or search == searches[-1]:

@@ -125,7 +125,7 @@ class _Strength:
         """Equilibrium at a factor from another point."""
         system, load = self.at(factor)
         found = system.equilibrium(start.x, start.states, load, start.x[system.fixed], newton,
-                                   ("energy", "residual"), elastic, at_least=1)
+                                   ("energy", "residual"), elastic, at_least=1, damp=True)
         return Point(found.x, found.states, factor, start.work + system.work(load, found.x - start.x),
                      found.residuals)
 
