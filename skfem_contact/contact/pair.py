@@ -161,7 +161,7 @@ class ContactPair:
 
     def initial_state(self) -> ContactState:
         """Nothing has moved: each point sticks to its initial closest point (eq. 7, ``xi_0 = xi_c``)."""
-        slave, master = self.slave.nodes, self.master.nodes
+        slave, master = self._places(np.zeros(self.n))
         cuts = self._cuts(slave, master) if self.quadrature == "segments" else np.zeros(0)
         points = self._points_between(cuts)
         found = self._project(points, master, points.positions(slave))
@@ -188,7 +188,7 @@ class ContactPair:
         state
             The last accepted state.
         """
-        slave, nodes = self.slave.positions(x), self.master.positions(x)
+        slave, nodes = self._places(x)
         points = self.points(state)
         positions = points.positions(slave)
         found = self._project(points, nodes, positions, state.segment)
@@ -222,6 +222,11 @@ class ContactPair:
                              "`penalty=`, or call choose_penalties(forms), which `run` does for you")
         factor = float(state.stiffening[0])
         return self.penalty[0] * factor, self.penalty[1] * factor
+
+    def _places(self, x: ndarray) -> tuple[ndarray, ndarray]:
+        """Nodes of both surfaces, seen from the middle of the slave: large coordinates would cost digits."""
+        origin = self.slave.nodes.mean(axis=0)
+        return self.slave.positions(x, origin), self.master.positions(x, origin)
 
     def _project(self, points: rules.SlavePoints, nodes: ndarray, positions: ndarray,
                  previous: ndarray | None = None) -> Projection:
@@ -292,7 +297,7 @@ class ContactPair:
             again = self.enforcement.augment(accepted, candidate, self.points(accepted), self.penalties(accepted),
                                              stiffness)
         if self.quadrature == "segments":
-            cuts = self._cuts(self.slave.positions(x), self.master.positions(x))
+            cuts = self._cuts(*self._places(x))
             if rules.moved(accepted.cuts, cuts) > _MOVED:
                 base = again or accepted
                 again = transferred(base, self.points(base), self.points(replace(base, cuts=cuts)), cuts)

@@ -107,7 +107,7 @@ class Surface:
            closed: bool) -> Surface:
         """A surface from its chain of segments; arc positions are computed."""
         xi, weights = _GAUSS
-        tangent = np.einsum("mkp,qp,mkc->mqc", coefficients, powers(xi)[1], nodes[segments])
+        tangent = np.einsum("mkp,qp,mkc->mqc", coefficients, powers(xi)[1], (nodes - nodes[0])[segments])
         length = np.linalg.norm(tangent, axis=-1) @ weights
         start = np.concatenate(([0.0], np.cumsum(length)[:-1]))
         return cls(name, dofs, nodes, segments, coefficients, closed, start, length)
@@ -117,9 +117,9 @@ class Surface:
         """Length of the whole chain in the reference configuration."""
         return float(self.length.sum())
 
-    def positions(self, x: ndarray) -> ndarray:
-        """Current coordinates of the nodes at the displacements x, (n_nodes, 2)."""
-        return self.nodes + np.where(self.dofs >= 0, x[self.dofs], 0.0)
+    def positions(self, x: ndarray, origin: ndarray | float = 0.0) -> ndarray:
+        """Current coordinates of the nodes at the displacements x, seen from an origin, (n_nodes, 2)."""
+        return self.nodes - origin + np.where(self.dofs >= 0, x[self.dofs], 0.0)
 
     def curve(self, segment: ndarray, xi: ndarray, nodes: ndarray) -> tuple[ndarray, ndarray]:
         """Shape functions and curve with three derivatives at points given by segment and xi.
@@ -145,12 +145,13 @@ class Surface:
         The slip is measured in this coordinate: it belongs to the master's material, runs on across
         the segments and is not changed by rigid motion.
         """
-        rho = self.curve(segment, xi, self.nodes)[1]
+        nodes = self.nodes - self.nodes[0]  # large coordinates would cost digits
+        rho = self.curve(segment, xi, nodes)[1]
         metric = np.linalg.norm(rho[1], axis=-1)
         t, w = _GAUSS
         half = 0.5 * (xi + 1.0)
         inner = -1.0 + half[:, None] * (t + 1.0)  # five Gauss points on [-1, xi]
-        tangent = self.curve(np.repeat(segment, 5), inner.ravel(), self.nodes)[1][1]
+        tangent = self.curve(np.repeat(segment, 5), inner.ravel(), nodes)[1][1]
         arc = self.start[segment] + half * (np.linalg.norm(tangent, axis=-1).reshape(-1, 5) @ w)
         return arc, metric, np.einsum("nc,nc->n", rho[1], rho[2]) / metric
 
