@@ -103,13 +103,16 @@ class ContactPair:
         _one_of("initial", initial, ("as meshed", "adjusted", "ramped"))
         if not 0.0 < share <= 1.0:
             raise ValueError(f"share must lie in (0, 1], not {share!r}")
+        if isinstance(law, type) or not hasattr(law, "reaches"):
+            raise ValueError(f"law must be an interface law such as Coulomb(mu=.3), not {law!r}")
         self.law, self.quadrature, self.tangent = law, quadrature, tangent
         self.enforcement, self.initial, self.share = enforcement, initial, share
         self.n = basis.N
         self.penalty: tuple[float, float] | None = None
         self.stiffness: float | None = None
         if penalty is not None:
-            self.penalty = self.with_penalty(*(penalty if isinstance(penalty, tuple) else (penalty, penalty))).penalty
+            both = penalty if isinstance(penalty, tuple) and len(penalty) == 2 else (penalty, penalty)
+            self.penalty = self.with_penalty(*both).penalty
 
     def __repr__(self) -> str:
         return (f"<ContactPair {self.slave.name} on {self.master.name}, {len(self.slave.segments)} segments, "
@@ -134,8 +137,9 @@ class ContactPair:
             Traction per displacement of the bodies' surfaces, about E/h: what the augmented method measures a
             penetration by.
         """
-        if not normal > 0 or not tangential > 0:
-            raise ValueError(f"penalties must be positive, not {(normal, tangential)!r}")
+        for value in (normal, tangential):
+            if not isinstance(value, (int, float, np.number)) or not 0 < value < np.inf:
+                raise ValueError(f"penalties must be positive numbers, not {value!r}")
         new = copy(self)
         new.penalty, new.stiffness = (float(normal), float(tangential)), stiffness
         return new
@@ -328,7 +332,8 @@ def _segments(found: Projection) -> ndarray:
 
 
 def _one_of(name: str, value: object, allowed: tuple[str, ...]) -> None:
-    if value in allowed or (name == "quadrature" and type(value) is int and value > 0):
+    is_number = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
+    if (name == "quadrature" and is_number and value > 0) or (isinstance(value, str) and value in allowed):  # type: ignore[operator]
         return
     raise ValueError(f"{name} must be one of {allowed}, not {value!r}")
 
