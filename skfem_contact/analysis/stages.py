@@ -128,7 +128,7 @@ def run(forms: Mapping[str, Form], stages: Sequence[Stage], fixed: ndarray, star
         done.append(last)
         for name, form in system.forms.items():
             for remark in form.remarks(last.states[name]):
-                warnings.warn(f"stage '{stage.name}', {name}: {remark}", AnalysisWarning, stacklevel=2)
+                warnings.warn(f"stage '{stage.name}', {name}: {remark}", AnalysisWarning, stacklevel=3)
     return Result(tuple(done))
 
 
