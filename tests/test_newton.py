@@ -266,6 +266,7 @@ def test_ten_lines_of_the_user_guide():
     assert result.states["blocks"].internal.max() > 0
 
 
+@pytest.mark.filterwarnings("ignore::skfem_contact.AnalysisWarning")  # the penalty is a soft one
 @pytest.mark.parametrize("solver", [solver_direct_scipy(), spsolve])
 def test_solver_of_the_user(solver):
     """[X] A scikit-fem solver, or any function (A, b) -> x."""
@@ -431,3 +432,17 @@ def test_symmetric_problem_has_a_symmetric_result():
         order, mirrored = np.lexsort((x, y)), np.lexsort((-x, y))
         u, v = result.x[dofs[order]], result.x[dofs[mirrored]]
         np.testing.assert_allclose(u, v * [-1, 1], atol=1e-10 * np.abs(result.x).max())
+
+
+def test_far_from_the_origin():
+    """[X] Coordinates of a national grid: the same problem 500 km away converges as well, to the same result."""
+    _, _, here = pushed_blocks()
+
+    def moved(mesh):
+        return mesh.translated((2.0**19, -(2.0**19)))
+
+    _, _, there = pushed_blocks((moved, np.eye(2)))
+    for a, b in zip(here, there, strict=True):
+        # the mesh itself is rounded to 1e-10
+        np.testing.assert_allclose(b.x, a.x, atol=1e-8 * np.abs(a.x).max())
+        assert a.iterations == b.iterations

@@ -1,0 +1,154 @@
+"""Results: access, the printed table, saving and loading."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from helpers import grid, vector_basis
+from skfem import FacetBasis, LinearForm
+
+import skfem_contact as sc
+
+
+def blocks(quadrature="nodal", element: str = "Q1", n: int = 3):
+    """Two blocks and a result of two stages."""
+    mesh = sc.join_bodies(
+        {
+            "lower": grid(element, np.linspace(-0.5, 1.5, 2 * n + 2), np.linspace(-0.5, 0, 3)),
+            "upper": grid(element, np.linspace(0, 1, n + 2), np.linspace(0, 0.5, 3)),
+        }
+    )
+    basis = vector_basis(mesh, element)
+    materials = {
+        "lower": sc.MohrCoulomb(E=1e4, nu=0.3, c=3.0, phi=20.0),
+        "upper": sc.LinearElastic(E=1e4, nu=0.2),
+    }
+    forms = {
+        "blocks": sc.SolidForm(basis, materials),
+        "joint": sc.ContactPair(basis, "upper:bottom", "lower:top", sc.Coulomb(0.4), quadrature, penalty=1e6),
+    }
+    top = LinearForm(lambda v, w: -20.0 * v[1] + v[0]).assemble(FacetBasis(mesh, basis.elem, facets="upper:top"))
+    return (
+        basis,
+        forms,
+        basis.get_dofs("lower:bottom").all(),
+        [sc.Stage("half", 0.5 * top), sc.Stage("full", top, None, 3)],
+    )
+
+
+@pytest.fixture(scope="module")
+def example():
+    basis, forms, fixed, stages = blocks()
+    return basis, forms, sc.run(forms, stages, fixed, progress=False)
+
+
+def test_access(example):
+    """[X] By name, by number, in order."""
+    *_, result = example
+    assert len(result) == 2 and [s.name for s in result] == ["half", "full"]
+    assert result["half"] is result[0] and result["full"] is result[1] and result[-1] is result[1]
+    with pytest.raises(KeyError, match=r"no stage 'quarter'; existing: \['half', 'full'\]"):
+        result["quarter"]
+
+
+def test_contents(example):
+    """[X] Displacements, loads and states hold what the forms answer at them."""
+    basis, forms, result = example
+    full = result["full"]
+    assert full.x.shape == (basis.N,) and set(full.states) == {"blocks", "joint"}
+    np.testing.assert_allclose(result["half"].load * 2, full.load)
+    assert full.fraction == 1.0 and len(full.iterations) == 3 and full.residual <= 1e-8
+    again = forms["joint"].assemble(full.x, full.states["joint"]).state
+    np.testing.assert_allclose(again.normal, full.states["joint"].normal, atol=1e-9)
+
+
+def test_table(example):
+    """[X] One line a stage: increments, iterations, residual, share of the load, and every form in a few words."""
+    *_, result = example
+    lines = str(result).splitlines()
+    assert len(lines) == 3 and lines[0].split()[:4] == ["stage", "increments", "iterations", "residual"]
+    words = lines[2].split()
+    assert words[0] == "full" and words[1] == "3" and int(words[2]) == sum(result["full"].iterations)
+    assert "100%" in words and "joint:" in words and "stick," in words and "open" in words
+    state = result["full"].states["joint"]
+    assert f"{(state.status == sc.Status.STICK).sum()} stick" in lines[2]
+    share = (result["full"].states["blocks"].internal[0] > 0).mean()
+    assert share > 0 and f"blocks: {share:.1%} yielded" in lines[2]
+
+
+@pytest.mark.parametrize("quadrature", ["nodal", 2, "segments"])
+@pytest.mark.parametrize("element", ["Q1", "P2"])
+def test_save_and_load(tmp_path, quadrature, element):
+    """[X] Case S25: everything comes back bit by bit, with its types."""
+    _, forms, fixed, stages = blocks(quadrature, element)
+    result = sc.run(forms, stages, fixed, progress=False)
+    file = tmp_path / "result.npz"
+    result.save(file)
+    loaded = sc.load_result(file, forms)
+    assert str(loaded) == str(result)
+    for a, b in zip(result, loaded, strict=True):
+        assert (a.name, a.iterations, a.residual, a.fraction) == (b.name, b.iterations, b.residual, b.fraction)
+        assert np.array_equal(a.x, b.x) and np.array_equal(a.load, b.load)
+        for name, state in a.states.items():
+            assert type(b.states[name]) is type(state)
+            for key, value in vars(state).items():
+                other = getattr(b.states[name], key)
+                assert other.dtype == value.dtype and np.array_equal(other, value, equal_nan=True)
+
+
+def test_load_for_other_forms(example, tmp_path):
+    """One error that names what differs."""
+    _, forms, result = example
+    file = tmp_path / "result.npz"
+    result.save(file)
+    with pytest.raises(ValueError, match=r"the file holds the forms \['blocks', 'joint'\], not \['blocks'\]"):
+        sc.load_result(file, {"blocks": forms["blocks"]})
+    finer = blocks(n=4)[1]
+    with pytest.raises(ValueError, match="in the file has another size: the mesh or the element differs"):
+        sc.load_result(file, finer)
+    other = blocks(quadrature="segments")[1]
+    with pytest.raises(ValueError, match="'joint' in the file has another size"):
+        sc.load_result(file, other)
+
+
+def test_partial_result_can_be_saved(tmp_path):
+    """[X] What NotConverged carries is a result like any other."""
+    _, forms, fixed, stages = blocks()
+    with pytest.raises(sc.NotConverged) as error:
+        newton = sc.Newton(max_iterations=6)
+        sc.run(forms, [stages[0], sc.Stage("too much", 40 * stages[1].load)], fixed, newton=newton, progress=False)
+    partial = error.value.result
+    partial.save(tmp_path / "partial.npz")
+    loaded = sc.load_result(tmp_path / "partial.npz", forms)
+    assert loaded["too much"].fraction == partial["too much"].fraction < 1
+    assert np.array_equal(loaded["too much"].x, partial["too much"].x)
+    assert f"{partial['too much'].fraction:4.0%}" in str(loaded)
+
+
+def test_empty_result(tmp_path):
+    """[X] A table without lines, and a file of it."""
+    assert len(sc.Result(())) == 0 and len(str(sc.Result(())).splitlines()) == 1
+    sc.Result(()).save(tmp_path / "empty.npz")
+    assert len(sc.load_result(tmp_path / "empty.npz", {})) == 0
+
+
+def test_save_and_load_after_sliding(tmp_path):
+    """[X] The rule "segments" has other points after a slide: they come back, and the analysis goes on."""
+    basis, forms, fixed, _ = blocks("segments")
+    forms["blocks"] = sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.2))
+    fixed = np.concatenate((fixed, basis.get_dofs("upper:top").all()))
+    stages = []
+    for k in range(1, 5):
+        place = basis.zeros()
+        place[basis.get_dofs("upper:top").all("u^1")] = 0.07 * k
+        place[basis.get_dofs("upper:top").all("u^2")] = -1e-2
+        stages.append(sc.Stage(f"{k}", basis.zeros(), place))
+    whole = sc.run(forms, stages, fixed, progress=False)
+    numbers = [len(s.states["joint"].gap) for s in whole]
+    assert len(set(numbers)) > 1
+    sc.run(forms, stages[:3], fixed, progress=False).save(tmp_path / "three.npz")
+    start = sc.load_result(tmp_path / "three.npz", forms)
+    resumed = sc.run(forms, stages[3:], fixed, start=start, progress=False)
+    np.testing.assert_allclose(resumed["4"].x, whole["4"].x, atol=1e-12)
+    # forces of the order of one; a new factor of the same matrix rounds in another way
+    np.testing.assert_allclose(resumed["4"].states["joint"].normal, whole["4"].states["joint"].normal, atol=1e-9)
