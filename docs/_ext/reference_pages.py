@@ -9,9 +9,10 @@ import importlib
 import inspect
 from pathlib import Path
 
+from sphinx.errors import ConfigError
+
 import skfem_contact
 import skfem_contact.plot as plot
-from sphinx.errors import ConfigError
 
 #: Titles of the pages, in their order, and the modules of each; the first one's docstring opens the page.
 ROOMS = {

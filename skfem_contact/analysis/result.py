@@ -92,7 +92,7 @@ class Result:
             for name, state in stage.states.items():
                 for f in fields(state):
                     arrays[f"{i}/{name}/{f.name}"] = getattr(state, f.name)
-        np.savez_compressed(file, head=np.array(json.dumps(head)), **arrays)
+        np.savez_compressed(file, head=np.array(json.dumps(head)), **arrays)  # type: ignore[arg-type]  # in the stubs
 
 
 def _fits(form: Form, state: Any, initial: Any) -> bool:

@@ -25,7 +25,7 @@ def single_threaded(function: Callable[P, R]) -> Callable[P, R]:
     Examples
     --------
     >>> import numpy as np
-    >>> single_threaded(np.linalg.norm)(np.array([3., 4.]))
+    >>> float(single_threaded(np.linalg.norm)(np.array([3., 4.])))
     5.0
     """
 

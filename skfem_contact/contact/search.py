@@ -107,7 +107,7 @@ def _candidates(surface: Surface, nodes: ndarray, points: ndarray) -> tuple[ndar
     tree = cKDTree(samples)
     nearest = tree.query(points)[0]
     stretch = max(1.0, float((np.linalg.norm(np.diff(samples, axis=0), axis=1)[np.diff(segment) == 0]).max()) / spacing)
-    hits = tree.query_ball_point(points, nearest + 0.75 * spacing * stretch)
+    hits: list[list[int]] = list(tree.query_ball_point(points, nearest + 0.75 * spacing * stretch))  # type: ignore[arg-type]
     row = np.repeat(np.arange(len(points)), np.array([len(h) for h in hits]))
     pairs = np.unique(np.stack((row, segment[np.concatenate(hits).astype(int)])), axis=1)
     return pairs[0], pairs[1]
