@@ -5,6 +5,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy import ndarray
+from scipy.sparse import coo_matrix, csc_matrix
+from scipy.sparse.linalg import spsolve
 
 from ..materials.coulomb import Status
 from .quadrature import SlavePoints
@@ -12,7 +14,8 @@ from .state import ContactState
 
 #: Penalty over the stiffness of the surfaces that the method goes to from whatever it was given.
 _WANTED = 10.0
-_LARGEST_FACTOR = 1e3
+#: ... and the softest one that it starts from: with less, bodies might sink into each other by more than an element.
+_SOFTEST = 0.1
 
 
 @dataclass(frozen=True)
@@ -24,9 +27,12 @@ class AugmentedLagrangian:
     penetration shrinks by the factor :math:`1 / (1 + \epsilon_N / k)`, where k is the stiffness of the bodies'
     surfaces.  What is left of gap and elastic slip, times k, is the error of the tractions.
 
-    The multipliers live at the slave's nodes and gaps enter as their weighted means there: multipliers at every
-    Gauss point would constrain more than the nodes can follow.  A penalty that was chosen badly is replaced after
-    the first solution.
+    The multipliers live at the slave's nodes and are interpolated between them: multipliers at every Gauss point
+    would constrain more than the nodes can follow.  Where the nodes are closed they become the projection of the
+    tractions onto these functions, which exerts the same nodal forces.
+
+    A given penalty is only the start.  It is brought between k/10 and 10 k before the first solution, where neither
+    the bodies sink into each other nor Newton's method chatters, and to 10 k after it.
 
     Parameters
     ----------
@@ -51,6 +57,10 @@ class AugmentedLagrangian:
         if not 0 < self.tolerance < 1:
             raise ValueError(f"AugmentedLagrangian: tolerance must lie in (0, 1), not {self.tolerance!r}")
 
+    def start(self, penalties: tuple[float, float], stiffness: float) -> ndarray:
+        """Factors, (2,), that bring the penalties into the range from which the first solution succeeds."""
+        return np.clip(penalties, _SOFTEST * stiffness, _WANTED * stiffness) / penalties
+
     def augment(self, accepted: ContactState, candidate: ContactState, points: SlavePoints,
                 penalties: tuple[float, float], stiffness: float) -> ContactState | None:
         """The accepted state with improved multipliers, or None where they are good enough.
@@ -66,8 +76,11 @@ class AugmentedLagrangian:
         stiffness
             Traction per displacement of the bodies' surfaces.
         """
-        normal = np.minimum(_improved(points, candidate.normal, accepted.normal_multiplier), 0.0)
-        tangential = _improved(points, candidate.tangential, accepted.tangential_multiplier)
+        largest = candidate.normal.max(initial=0.0)  # a mean of tractions is no larger; zero where nothing pulls
+        means = accepted.normal_multiplier + _excess(points, candidate.normal, accepted.normal_multiplier)
+        closed = means < largest
+        normal = np.minimum(_improved(points, candidate.normal, accepted.normal_multiplier, closed), largest)
+        tangential = _improved(points, candidate.tangential, accepted.tangential_multiplier, closed)
         # a sliding point's traction follows from the normal one; only where it sticks is its elastic slip an error
         sticks = _nodal_mean(points, candidate.status == Status.STICK) > 0.99
         error = stiffness * max(
@@ -75,15 +88,34 @@ class AugmentedLagrangian:
             np.abs(tangential - accepted.tangential_multiplier)[sticks].max(initial=0.0) / penalties[1])
         if error <= self.tolerance * np.abs(candidate.normal).max(initial=0.0):
             return None
-        factor = float(np.clip(_WANTED * stiffness / penalties[0], 1.0 / _LARGEST_FACTOR, _LARGEST_FACTOR))
+        factors = _WANTED * stiffness / np.array(penalties)
         return replace(accepted, normal_multiplier=normal, tangential_multiplier=tangential,
-                       stiffening=accepted.stiffening * factor,
-                       stick_point=accepted.arc - (accepted.arc - accepted.stick_point) / factor)
+                       stiffening=accepted.stiffening * factors,
+                       stick_point=accepted.arc - (accepted.arc - accepted.stick_point) / factors[1])
 
 
-def _improved(points: SlavePoints, traction: ndarray, multiplier: ndarray) -> ndarray:
-    """Multipliers raised by the weighted means of what the tractions exceed them by."""
-    return multiplier + _nodal_mean(points, traction - points.at(multiplier))
+def _improved(points: SlavePoints, traction: ndarray, multiplier: ndarray, closed: ndarray) -> ndarray:
+    """Multipliers that exert the tractions' forces at the closed nodes, and are their means at the others."""
+    excess = _excess(points, traction, multiplier)
+    at = np.flatnonzero(closed)
+    mass = _mass(points)
+    weight = np.asarray(mass.sum(axis=1)).ravel()
+    excess[at] = spsolve(mass[at][:, at].tocsc(), (weight * excess)[at])
+    return multiplier + excess
+
+
+def _excess(points: SlavePoints, traction: ndarray, multiplier: ndarray) -> ndarray:
+    """Means at the nodes of what the tractions exceed the multipliers by."""
+    return _nodal_mean(points, traction - points.at(multiplier))
+
+
+def _mass(points: SlavePoints) -> csc_matrix:
+    """Integrals of the products of the slave's shape functions, (n_nodes, n_nodes)."""
+    N = points.values
+    n, k = points.nodes.max() + 1, N.shape[1]
+    products = points.weight[:, None, None] * N[:, :, None] * N[:, None, :]
+    rows, columns = np.repeat(points.nodes, k, axis=1), np.tile(points.nodes, (1, k))
+    return coo_matrix((products.ravel(), (rows.ravel(), columns.ravel())), shape=(n, n)).tocsc()
 
 
 def _nodal_mean(points: SlavePoints, values: ndarray) -> ndarray:

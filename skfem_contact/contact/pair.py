@@ -177,8 +177,11 @@ class ContactPair:
         if self.initial == "ramped":
             offset = np.minimum(found.gap, offset)
         status = np.where(found.gap <= offset, int(Status.STICK), int(Status.OPEN))
-        return ContactState(arc, arc, _segments(found), found.gap, zero, zero, zero, status, nodal, nodal, np.ones(1),
-                            offset, cuts)
+        stiffening = np.ones(2)
+        if self.enforcement is not None and self.penalty is not None and self.stiffness is not None:
+            stiffening = self.enforcement.start(self.penalty, self.stiffness)
+        return ContactState(arc, arc, _segments(found), found.gap, zero, zero, zero, status, nodal, nodal,
+                            stiffening, offset, cuts)
 
     # -- the form -------------------------------------------------------------------------------------------
 
@@ -224,8 +227,8 @@ class ContactPair:
         if self.penalty is None:
             raise ValueError(f"contact of '{self.slave.name}' on '{self.master.name}' has no penalty yet: give "
                              "`penalty=`, or call choose_penalties(forms), which `run` does for you")
-        factor = float(state.stiffening[0])
-        return self.penalty[0] * factor, self.penalty[1] * factor
+        normal, tangential = self.penalty * state.stiffening
+        return float(normal), float(tangential)
 
     def _places(self, x: ndarray) -> tuple[ndarray, ndarray]:
         """Nodes of both surfaces, seen from the middle of the slave: large coordinates would cost digits."""

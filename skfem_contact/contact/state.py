@@ -30,7 +30,7 @@ class ContactState:
     normal_multiplier, tangential_multiplier
         Lagrange multipliers of the augmented method at the slave's nodes, (n_nodes,); zero in the penalty method.
     stiffening
-        Factor by which the augmented method has changed the penalty, (1,).
+        Factors by which the augmented method has changed the normal and the tangential penalty, (2,).
     offset
         Gap that counts as touching: the initial one where it was adjusted.
     cuts
