@@ -133,10 +133,20 @@ class SolidForm:
                 new.__dict__.pop(name, None)
         return new
 
-    def initial_state(self) -> SolidState:
-        """Unstrained and stress-free."""
+    def initial_state(self, x: ndarray | None = None) -> SolidState:
+        """Stress-free: undeformed or, when the body is built after others have deformed, at the displacements `x`.
+
+        Parameters
+        ----------
+        x
+            Displacements, (N,), that count as unstrained from now on.
+        """
         shape = self.weight.shape
-        return SolidState(np.zeros((4, *shape)), np.zeros((4, *shape)), np.zeros((self._n_internal, *shape)))
+        strain = np.zeros((4, *shape)) if x is None else self._strains(x)
+        return SolidState(strain, np.zeros((4, *shape)), np.zeros((self._n_internal, *shape)))
+
+    def _strains(self, x: ndarray) -> ndarray:
+        return np.asarray(self._strain_matrix @ x).reshape(4, *self.weight.shape)
 
     @property
     def _n_internal(self) -> int:
@@ -157,7 +167,7 @@ class SolidForm:
         state
             The last accepted state.
         """
-        strain = (self._strain_matrix @ x).reshape(state.strain.shape)
+        strain = self._strains(x)
         increment = strain - state.strain
         stress, before = np.empty_like(state.stress), self._remembered(state)
         internal = before

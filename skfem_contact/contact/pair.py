@@ -163,17 +163,25 @@ class ContactPair:
             return self._fixed_points
         return rules.between(self.slave, cuts, self.slave.segments.shape[1] + 1)
 
-    def initial_state(self) -> ContactState:
-        """Nothing has moved: each point sticks to its initial closest point (eq. 7, ``xi_0 = xi_c``)."""
-        slave, master = self._places(np.zeros(self.n))
+    def initial_state(self, x: ndarray | None = None) -> ContactState:
+        """Nothing has moved: each point sticks to its initial closest point (eq. 7, ``xi_0 = xi_c``).
+
+        Parameters
+        ----------
+        x
+            Displacements, (N,), that the bodies have when the pair becomes active. Gaps are still those of the mesh,
+            or as adjusted: bodies are built to fit into displaced surfaces, and touch them without traction.
+        """
+        slave, master = self._places(np.zeros(self.n) if x is None else x)
         cuts = self._cuts(slave, master) if self.quadrature == "segments" else np.zeros(0)
         points = self._points_between(cuts)
         found = self._project(points, master, points.positions(slave))
         arc = self._arc(found)
+        moved = np.zeros(len(arc)) if x is None or self.initial == "ramped" else self._moved(points, found.gap)
         zero, nodal = np.zeros(len(arc)), np.zeros(len(slave))
         adjusted = self.initial == "adjusted" or self.law.bonds
         nothing = (0.5 if adjusted else _TOUCHING) * points.size
-        offset = np.where(np.abs(found.gap) <= nothing, found.gap, 0.0)
+        offset = np.where(np.abs(found.gap - moved) <= nothing, found.gap, moved)
         if self.initial == "ramped":
             offset = np.minimum(found.gap, offset)
         status = np.where(found.gap <= offset, int(Status.STICK), int(Status.OPEN))
@@ -182,6 +190,13 @@ class ContactPair:
             stiffening = self.enforcement.start(self.penalty, self.stiffness)
         return ContactState(arc, arc, _segments(found), found.gap, zero, zero, zero, status, nodal, nodal,
                             stiffening, offset, cuts)
+
+    def _moved(self, points: rules.SlavePoints, gap: ndarray) -> ndarray:
+        """What gaps have changed by since the mesh, zero where other surfaces have come to face each other."""
+        slave, master = self._places(np.zeros(self.n))
+        meshed = self._project(points, master, points.positions(slave)).gap
+        with np.errstate(invalid="ignore"):  # nothing near, neither then nor now: inf - inf
+            return np.where(np.abs(gap - meshed) <= 0.5 * points.size, gap - meshed, 0.0)
 
     # -- the form -------------------------------------------------------------------------------------------
 
