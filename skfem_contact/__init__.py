@@ -39,16 +39,18 @@ from .post import (
     tractions,
 )
 from .solid import SolidForm, SolidState
+from .testing import CheckFailed, check_form, check_interface_law, check_material
 
 __version__ = "0.1.0"
 
 __all__ = [
-    "AnalysisWarning", "AugmentedLagrangian", "Collapse", "ContactPair", "ContactReport", "ContactState",
-    "Coulomb", "DruckerPrager", "LimitLoad", "LinearElastic", "MohrCoulomb", "Newton", "NotConverged",
-    "Response", "Result", "SectionForces", "Sections", "SolidForm", "SolidState", "Stage", "StageResult",
-    "Status", "StrainOperator", "StrengthReduction", "Surface", "Tied", "Traction", "Tractions", "Tresca",
-    "VonMises", "b_bar", "bodies", "check_mesh", "choose_penalties", "contact_report", "export_vtu",
-    "join_bodies", "limit_load", "line_sections", "load_mesh", "load_result", "nodal_field", "plane_strain",
-    "reduced_strength", "rigid_circle", "rigid_level_set", "rigid_line", "rigid_polyline", "ring_sections",
-    "run", "section_forces", "strength_reduction", "tractions", "two_pass", "weight",
+    "AnalysisWarning", "AugmentedLagrangian", "CheckFailed", "Collapse", "ContactPair", "ContactReport",
+    "ContactState", "Coulomb", "DruckerPrager", "LimitLoad", "LinearElastic", "MohrCoulomb", "Newton",
+    "NotConverged", "Response", "Result", "SectionForces", "Sections", "SolidForm", "SolidState", "Stage",
+    "StageResult", "Status", "StrainOperator", "StrengthReduction", "Surface", "Tied", "Traction", "Tractions",
+    "Tresca", "VonMises", "b_bar", "bodies", "check_form", "check_interface_law", "check_material",
+    "check_mesh", "choose_penalties", "contact_report", "export_vtu", "join_bodies", "limit_load",
+    "line_sections", "load_mesh", "load_result", "nodal_field", "plane_strain", "reduced_strength",
+    "rigid_circle", "rigid_level_set", "rigid_line", "rigid_polyline", "ring_sections", "run", "section_forces",
+    "strength_reduction", "tractions", "two_pass", "weight",
 ]

@@ -25,6 +25,7 @@ ROOMS = {
     "Results": ("post",),
     "Pictures": ("plot",),
     "Assembly": ("assembly",),
+    "Checks of own laws and forms": ("testing",),
 }
 
 

@@ -1,0 +1,127 @@
+"""Check of a form."""
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import fields, is_dataclass
+from typing import Any
+
+import numpy as np
+from numpy import ndarray
+from scipy.sparse import issparse
+
+from ..analysis.newton import Form
+from ..assembly import Response
+from .tools import STEP, differences, largest_error, require, same_twice
+
+
+def check_form(form: Form, x: ndarray, state: Any, locations: ndarray | None = None, tolerance: float = 1e-6,
+               directions: int = 5, seed: int = 0) -> float:
+    """Check a form at some displacements from an accepted state.
+
+    Its answer is the same twice and leaves the arguments alone; state and tangent are not computed before they are
+    asked for; the tangent is that of central differences; the candidate state at the same displacements gives the
+    same force; ``settle``, ``summary`` and ``remarks`` answer as they should. For forms between bodies that
+    stand on nothing else, forces and moments balance and rigid motions meet no resistance.
+
+    Parameters
+    ----------
+    form
+        The form.
+    x
+        Displacements, (N,), best random ones: the check shows nothing where nothing happens.
+    state
+        An accepted state, such as ``form.initial_state()``.
+    locations
+        Places of the unknowns, ``basis.doflocs``, if action and reaction are both forces of this form: not for
+        rigid obstacles and other supports. Forms of small strains balance in the undeformed configuration,
+        others in the displaced one: either will do.
+    tolerance
+        Error of the tangent, relative to the largest difference.
+    directions
+        Number of random directions in which the tangent is tried.
+    seed
+        Of the random numbers.
+
+    Returns
+    -------
+    float
+        Largest error of the tangent.
+
+    Raises
+    ------
+    CheckFailed
+        With what is violated.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+    >>> import skfem_contact as sc
+    >>> basis = Basis(MeshQuad().refined(2), ElementVector(ElementQuad1()), intorder=2)
+    >>> form = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=.3))
+    >>> x = 1e-3 * np.random.default_rng(0).standard_normal(basis.N)
+    >>> sc.check_form(form, x, form.initial_state(), basis.doflocs) < 1e-8
+    True
+    """
+    rng = np.random.default_rng(seed)
+    first = form.assemble(x, state)
+    for name in ("state", "stiffness"):
+        eager = isinstance(first, Response) and name in vars(first)
+        require(not eager, f"the {name} is computed before it is asked for")
+    out = same_twice(lambda: _answers(form.assemble(x, state)), (x, *_arrays(state)), "form.assemble")
+    force, K = np.asarray(out[0]), first.stiffness
+    require(issparse(K) and K.format == "csr" and K.shape == (len(x), len(x)), "the stiffness is no csr_matrix (N, N)")
+    require(force.shape == x.shape and np.isfinite(force).all() and np.isfinite(K.data).all(),
+             "the force is no (N,), or not finite")
+    scale = max(float(np.abs(force).max()), 1e-300)
+    accepted = form.assemble(x, first.state)
+    require(np.abs(accepted.force - force).max() <= 1e-7 * scale, "the accepted candidate gives another force")
+    again = form.settle(x, state, first.state)
+    require(again is None or isinstance(again, type(state)), "`settle` returns neither a state nor None")
+    require(isinstance(form.summary(first.state), str), "`summary` returns no text")
+    require(all(isinstance(remark, str) for remark in form.remarks(first.state)), "`remarks` returns no texts")
+    error = _form_tangent(form, x, state, K, rng.standard_normal((directions, len(x))), tolerance)
+    if locations is not None:
+        _check_balance(force, K, x, np.asarray(locations))
+    return error
+
+
+def _answers(response: Response) -> tuple[ndarray, ...]:
+    return (response.force, response.stiffness.data, *_arrays(response.state))
+
+
+def _check_balance(force: ndarray, K: Any, x: ndarray, locations: ndarray) -> None:
+    """No resultant, no moment, and no resistance to rigid motions."""
+    f, places = force.reshape(-1, 2), locations[:, ::2].T
+    arms = max(float(np.ptp(places)), 1e-300)
+    require(np.abs(f.sum(axis=0)).max() <= 1e-8 * np.abs(f).sum(), "the forces do not balance")
+    shift = np.tile(np.eye(2), len(f))
+    stiffness = max(float(abs(K).max()), 1e-300)
+    require(np.abs(K @ shift.T).max() <= 1e-8 * stiffness, "a rigid shift meets resistance")
+    moments, resistances = [], []
+    turned = np.stack((-f[:, 1], f[:, 0]), axis=1).ravel()
+    for configuration, follows in ((places, 0.0), (places + x.reshape(-1, 2), 1.0)):
+        p = configuration - configuration.mean(axis=0)
+        moments.append(abs((p[:, 0] * f[:, 1] - p[:, 1] * f[:, 0]).sum()) / (np.abs(f).sum() * arms + 1e-300))
+        spin = np.stack((-p[:, 1], p[:, 0]), axis=1).ravel()
+        resistances.append(np.abs(K @ spin - follows * turned).max() / (stiffness * arms))
+    require(min(moments) <= 1e-8, "the moments of the forces do not balance")
+    require(min(resistances) <= 1e-8, "a rigid rotation changes more than the directions of the forces")
+
+
+def _form_tangent(form: Form, x: ndarray, state: Any, K: Any, directions: ndarray, tolerance: float) -> float:
+    size = max(float(np.abs(x).max()), 1e-6)
+    errors, kinks = [], []
+    for d in directions:
+        slope, kink = differences(lambda h, d=d: form.assemble(x + h * d, state).force, STEP * size)  # type: ignore[misc]
+        largest = max(float(np.abs(K @ d).max()), float(np.abs(slope).max()), 1e-300)
+        errors.append(np.abs(slope - K @ d) / largest)
+        kinks.append(kink / largest)
+    return largest_error(np.max(errors, axis=0), np.max(kinks, axis=0), tolerance,
+                          "the tangent differs from the differences of the force")
+
+
+def _arrays(state: Any) -> Iterator[ndarray]:
+    """Arrays of a state, in their order."""
+    values = [getattr(state, f.name) for f in fields(state)] if is_dataclass(state) else [state]
+    return (value for value in values if isinstance(value, ndarray))
