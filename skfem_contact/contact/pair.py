@@ -311,8 +311,9 @@ class ContactPair:
         and overlaps are resolved in steps.
         """
         if self.initial == "ramped" and accepted.offset.any():
-            left = accepted.offset * 0.5
-            return replace(accepted, offset=np.where(np.abs(left) < 0.05 * np.abs(left).max(initial=0.0), 0.0, left))
+            left = 0.5 * accepted.offset
+            small = np.abs(left) < _PENETRATION * self.points(accepted).size
+            return replace(accepted, offset=np.where(small, 0.0, left))
         again = None
         if self.enforcement is not None:
             stiffness = self.penalty[0] if self.stiffness is None else self.stiffness  # type: ignore[index]
