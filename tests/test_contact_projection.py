@@ -256,9 +256,7 @@ def test_smoothing_keeps_a_straight_chain(alpha):
 def test_far_points_are_not_projected():
     """[X] Beyond the reach of the bounding box: not found, an infinite gap, and no friction history."""
     surface = sc.rigid_polyline([(-1.0, 0.0), (1.0, 0.0)])
-    where = found(
-        surface, [[0.0, 0.4], [0.0, 0.6], [0.0, -0.6], [1.6, 0.0], [50.0, 3.0]], depth=1.0, reach=0.5
-    )
+    where = found(surface, [[0.0, 0.4], [0.0, 0.6], [0.0, -0.6], [1.6, 0.0], [50.0, 3.0]], depth=1.0, reach=0.5)
     assert where.found.tolist() == [True, False, False, False, False]
     assert np.isinf(where.gap[1:]).all()
     basis = vector_basis(body_along(np.array([[0.5, 9.0], [-0.5, 9.0]]), "Q1"), "Q1")
@@ -266,6 +264,27 @@ def test_far_points_are_not_projected():
     out = pair.assemble(basis.zeros(), pair.initial_state())
     assert np.isnan(out.state.stick_point).all() and not out.force.any() and out.stiffness.nnz == 0
     assert (out.state.status == sc.Status.OPEN).all()
+
+
+def test_depth_limits_the_penetration():
+    """[X] A point deeper than its own limit is not found, not even at another place of the chain."""
+    groove = sc.rigid_polyline([(-1.0, 1.0), (0.0, 0.0), (1.0, 1.0)])
+    points = np.array([[0.0, -0.2], [0.0, -0.4], [0.5, 0.2], [0.5, -0.2]])
+    where = project(groove, groove.nodes, points, np.array([0.3, 0.3, 0.3, 0.3]), np.inf)
+    assert where.found.tolist() == [True, False, True, False]
+    assert np.isinf(where.gap[~where.found]).all()
+    assert project(groove, groove.nodes, points, np.full(4, 0.6), np.inf).found.all()
+
+
+def test_long_segment_beside_short_ones():
+    """[X] The closest segment was stretched so far that points of another arm are closer than its ends."""
+    s = np.linspace(0, 1, 33)
+    surface = sc.rigid_polyline(np.stack((s, 0 * s), axis=1))
+    nodes = np.stack((s, 0 * s), axis=1)
+    nodes[-3:] = [[1.3, 0.0], [1.3, 0.4], [-0.2, 0.4]]  # there and back in one segment
+    where = project(surface, nodes, np.array([[0.5, 0.3], [0.2, 0.25]]), np.full(2, np.inf), np.inf)
+    assert where.segment.tolist() == [31, 31]
+    np.testing.assert_allclose(where.gap, [0.1, 0.15], atol=1e-15)
 
 
 def test_deep_points_belong_to_the_other_side():
@@ -330,9 +349,7 @@ def test_chain_runs_with_the_body_on_its_right(element, clockwise, rng):
     np.testing.assert_allclose(ends[:, 0], line[:-1], atol=1e-15)
     np.testing.assert_allclose(ends[:, 1], line[1:], atol=1e-15)
     np.testing.assert_allclose(surface.length, np.linalg.norm(np.diff(line, axis=0), axis=1), rtol=1e-14)
-    np.testing.assert_allclose(
-        surface.start, np.concatenate(([0], np.cumsum(surface.length)[:-1])), rtol=1e-14
-    )
+    np.testing.assert_allclose(surface.start, np.concatenate(([0], np.cumsum(surface.length)[:-1])), rtol=1e-14)
     x = rng.standard_normal(2 * len(surface.dofs) + 2 * mesh.nelements + surface.dofs.max() + 2)
     np.testing.assert_array_equal(surface.positions(x), surface.nodes + x[surface.dofs])
 
@@ -348,7 +365,9 @@ def test_weights_of_the_points(element):
         place = points.positions(surface.nodes)
         np.testing.assert_allclose(place[:, 0], points.arc, atol=1e-14)
         assert (np.diff(points.arc) > 0).all()
-        order = 1 if points.values.shape[1] == 1 else 2 * len(points.weight) // 4 - 1
+        # the nodal rule is the trapezoidal one, or Simpson's
+        at_nodes = 1 if surface.segments.shape[1] == 2 else 3
+        order = at_nodes if points.values.shape[1] == 1 else 2 * len(points.weight) // 4 - 1
         for k in range(order + 1):
             assert (points.weight * points.arc**k).sum() == pytest.approx(2 ** (k + 1) / (k + 1), rel=1e-13)
     cuts = np.array([0, 0.25, 1, 1.5, 1.9, 2, 3, 4])

@@ -361,3 +361,31 @@ def test_matching_blocks_under_their_weight():
     assert internal[fixed][1::2].sum() - load[fixed][1::2].sum() == pytest.approx(20 * (0.5 + 1.0), rel=1e-9)
     pushed = forms["joint"].assemble(result.x, result.states["joint"]).force
     assert pushed[unknowns_of(basis, "block")[:, 1]].sum() == pytest.approx(-20 * 0.5, rel=1e-9)
+
+
+@pytest.mark.parametrize("overlap", [1e-4, 0.02, 0.1])
+@pytest.mark.parametrize("quadrature", ["nodal", 2])
+def test_overlap_at_once_or_ramped(quadrature, overlap):
+    """[X] Case S11: bodies meshed into each other, 0.1 to 60 % of an element: pushed apart, by either way the same."""
+    results = []
+    for initial in ("as meshed", "ramped"):
+        mesh = sc.join_bodies(
+            {
+                "lower": grid("Q1", np.linspace(0, 1, 6), np.linspace(-0.5, overlap / 2, 4)),
+                "upper": grid("Q1", np.linspace(0, 1, 6), np.linspace(-overlap / 2, 0.5, 4)),
+            }
+        )
+        basis = vector_basis(mesh, "Q1", intorder=2)
+        forms = {
+            "solid": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.0)),
+            "joint": sc.ContactPair(
+                basis, "upper:bottom", "lower:top", sc.Coulomb(), quadrature, penalty=1e6, initial=initial
+            ),
+        }
+        smooth = basis.get_dofs({"lower:left", "lower:right", "upper:left", "upper:right"}).all("u^1")
+        fixed = np.concatenate((basis.get_dofs({"lower:bottom", "upper:top"}).all(), smooth))
+        results.append(sc.run(forms, [sc.Stage("fit", basis.zeros())], fixed, newton=sc.Newton(1e-11), **QUIET)["fit"])
+        # two columns of the length 0.5 + overlap / 2 and the penalty in series
+        pressure = overlap / (2 * (0.5 + overlap / 2) / 1e4 + 1e-6)
+        np.testing.assert_allclose(results[-1].states["joint"].normal, -pressure, rtol=1e-6)
+    np.testing.assert_allclose(results[1].x, results[0].x, atol=1e-9 * overlap)
