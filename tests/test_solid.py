@@ -59,9 +59,7 @@ def test_parameter_arrays_follow_the_elements_of_their_region(rng):
     basis = vector_basis(mesh.with_subdomains(single), "Q1")
     E = rng.uniform(1, 9, mesh.nelements)
     by_array = sc.SolidForm(basis, {n: sc.LinearElastic(E=E[mesh.subdomains[n]], nu=0.3) for n in "cab"})
-    by_region = sc.SolidForm(
-        basis, {f"e{k}": sc.LinearElastic(E=E[k], nu=0.3) for k in range(mesh.nelements)}
-    )
+    by_region = sc.SolidForm(basis, {f"e{k}": sc.LinearElastic(E=E[k], nu=0.3) for k in range(mesh.nelements)})
     difference = abs(by_array.elastic_stiffness - by_region.elastic_stiffness).max()
     assert difference <= ROUND_OFF * abs(by_region.elastic_stiffness).max()
 
@@ -250,10 +248,7 @@ def test_own_weight(element, rng):
     mesh = layered(element, rng)
     basis = vector_basis(mesh, element)
     load = sc.weight(basis, {"a": 20.0, "c": 5.0})
-    parts = [
-        LinearForm(lambda v, w, g=g: -g * v[1]).assemble(basis.with_elements(n))
-        for n, g in (("a", 20), ("c", 5))
-    ]
+    parts = [LinearForm(lambda v, w, g=g: -g * v[1]).assemble(basis.with_elements(n)) for n, g in (("a", 20), ("c", 5))]
     np.testing.assert_allclose(load, sum(parts), atol=ROUND_OFF)
     area = {n: basis.with_elements(n).dx.sum() for n in "ac"}
     assert load[1::2].sum() == pytest.approx(-20 * area["a"] - 5 * area["c"], rel=1e-13)
@@ -263,3 +258,34 @@ def test_own_weight(element, rng):
     assert sideways[::2].sum() == pytest.approx(0.6 * 3 * basis.dx.sum(), rel=1e-13)
     only = sc.weight(basis.with_elements("b"), 7.0)
     assert only[1::2].sum() == pytest.approx(-7 * basis.with_elements("b").dx.sum(), rel=1e-13)
+
+
+def test_built_in_a_displaced_place(rng):
+    """[X] A body that is built at some displacements is stress-free there, and answers to what comes after."""
+    basis = vector_basis(layered("Q2", rng), "Q2")
+    form = sc.SolidForm(basis, sc.LinearElastic(E=100.0, nu=0.3))
+    x, y = 0.1 * rng.standard_normal((2, basis.N))
+    state = form.initial_state(x)
+    assert np.abs(form.assemble(x, state).force).max() < 1e-12  # E times strains of order 1 with round-off
+    later = form.assemble(x + y, state).force
+    expected = form.elastic_stiffness @ y
+    np.testing.assert_allclose(later, expected, atol=1e-12 * np.abs(expected).max())
+
+
+def test_damped_tangent(rng):
+    """[X] The tangent itself where flow is associated; else less skew, and with the same force."""
+    basis = vector_basis(layered("Q1", rng), "Q1")
+    x = 0.01 * rng.standard_normal(basis.N)
+    skewness = {}
+    for psi in (30.0, 0.0):
+        form = sc.SolidForm(basis, sc.MohrCoulomb(E=100.0, nu=0.3, c=0.5, phi=30.0, psi=psi))
+        out = form.assemble(x, form.initial_state())
+        exact, damped = out.stiffness, out.damped
+        skewness[psi] = [abs(K - K.T).max() / abs(K).max() for K in (exact, damped)]
+        if psi == 30.0:
+            assert abs(exact - damped).max() <= 1e-9 * abs(exact).max()
+    assert skewness[30.0][0] < 1e-9
+    assert 0 < skewness[0.0][1] < skewness[0.0][0]
+    elastic = sc.SolidForm(basis, sc.LinearElastic(E=1.0, nu=0.3))
+    out = elastic.assemble(x, elastic.initial_state())
+    assert abs(out.damped - out.stiffness).max() == 0
