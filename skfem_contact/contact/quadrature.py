@@ -83,7 +83,7 @@ def between(surface: Surface, cuts: ndarray, n: int) -> SlavePoints:
     coordinate = ((cuts[:-1] + half)[:, None] + half[:, None] * t).ravel()
     segment = np.repeat(np.floor(cuts[:-1] + half).astype(int), n)
     xi = 2.0 * (coordinate - segment) - 1.0
-    M, rho = surface.curve(segment, xi, surface.nodes)
+    M, rho = surface.curve(segment, xi, surface.nodes, 1)
     weight = np.linalg.norm(rho[1], axis=-1) * (2.0 * half[:, None] * w).ravel()
     return SlavePoints(surface.segments[segment], M[0], weight, surface.arc(segment, xi)[0], surface.length[segment])
 
@@ -94,10 +94,10 @@ def common_cuts(slave: Surface, slave_nodes: ndarray, master: Surface, master_no
     Between the cuts gap and shape functions are smooth on both sides, so that Gauss points on the pieces integrate
     the contact work exactly on flat interfaces: the patch test is passed.
     """
-    ends = master.curve(np.arange(len(master.segments)), -np.ones(len(master.segments)), master_nodes)[1][0]
+    ends = master.curve(np.arange(len(master.segments)), -np.ones(len(master.segments)), master_nodes, 0)[1][0]
     if not master.closed:
         last = np.array([len(master.segments) - 1])
-        ends = np.concatenate((ends, master.curve(last, np.ones(1), master_nodes)[1][0]))
+        ends = np.concatenate((ends, master.curve(last, np.ones(1), master_nodes, 0)[1][0]))
     near = np.full(len(ends), float(np.median(slave.length)))
     found = project(slave, slave_nodes, ends, near, reach=float(near[0]))
     hit = found.found & ~found.vertex & (np.abs(found.xi) < 1.0) & (found.gap < near)

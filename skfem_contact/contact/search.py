@@ -18,6 +18,7 @@ HYSTERESIS = 0.01
 _STRAIGHT = np.cos(np.deg2rad(1.0))
 _ON_FACET = 1e-9  # round-off of xi at a joint
 _NEWTON_STEPS = 25
+_ROUND_OFF = 16 * np.finfo(float).eps  # ... of xi where the coordinates are as large as the segment
 
 
 class Projection(NamedTuple):
@@ -71,11 +72,12 @@ def project(surface: Surface, nodes: ndarray, points: ndarray, depth: ndarray, r
     outside = np.abs(foot) - 1.0 > np.where(off_end, 2.0 * EXTENSION, np.where(stays, 2.0 * HYSTERESIS, _ON_FACET))
     reached = np.where(off_end, 1.0 + 2.0 * EXTENSION, 1.0)
     xi = np.where(outside, np.clip(foot, -reached, reached), foot)
-    rho = surface.curve(segment, xi, nodes)[1]
+    rho = surface.curve(segment, xi, nodes, 1)[1]
     offset = points[near][row] - rho[0]
     distance = np.linalg.norm(offset, axis=1)
     vertex = outside & ~off_end
-    side = np.where(vertex, _outside_of_vertex(surface, nodes, segment, xi, offset), _left(rho[1], offset))
+    side, at = _left(rho[1], offset), np.flatnonzero(vertex)
+    side[at] = _outside_of_vertex(surface, nodes, segment[at], xi[at], offset[at])
     gap = np.where(side >= 0, distance, -distance)
     best = _first_minimum(row, distance - np.where(stays & ~outside, HYSTERESIS * surface.length[segment], 0.0))
     # what is closest decides: off the end of the chain, or too deep, there is no contact with anything farther
@@ -103,35 +105,42 @@ def _candidates(surface: Surface, nodes: ndarray, points: ndarray) -> tuple[ndar
     segment = np.repeat(np.arange(len(count)), count)
     within = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
     xi = -1.0 + 2.0 * within / np.repeat(count - 1, count)
-    samples = surface.curve(segment, xi, nodes)[1][0]
-    tree = cKDTree(samples)
-    nearest = tree.query(points)[0]
+    samples = surface.curve(segment, xi, nodes, 0)[1][0]
     stretch = max(1.0, float((np.linalg.norm(np.diff(samples, axis=0), axis=1)[np.diff(segment) == 0]).max()) / spacing)
-    hits: list[list[int]] = list(tree.query_ball_point(points, nearest + 0.75 * spacing * stretch))  # type: ignore[arg-type]
-    row = np.repeat(np.arange(len(points)), np.array([len(h) for h in hits]))
-    pairs = np.unique(np.stack((row, segment[np.concatenate(hits).astype(int)])), axis=1)
-    return pairs[0], pairs[1]
+    row, sample = _nearest(samples, points, 0.75 * spacing * stretch)
+    return np.divmod(np.unique(row * len(count) + segment[sample]), len(count))
+
+
+def _nearest(samples: ndarray, points: ndarray, margin: float) -> tuple[ndarray, ndarray]:
+    """Pairs (point, sample) of all samples that are at most a margin farther away than the nearest one."""
+    tree, k = cKDTree(samples), 4
+    while True:
+        k = min(2 * k, len(samples))
+        distance, sample = (np.atleast_2d(found) for found in tree.query(points, k))
+        near = distance <= distance[:, :1] + margin
+        if k == len(samples) or not near[:, -1].any():
+            return np.nonzero(near)[0], sample[near]
 
 
 def _foot(surface: Surface, nodes: ndarray, points: ndarray, segment: ndarray) -> ndarray:
     """Local coordinate of the orthogonal projection on every candidate: eq. 17 on the chord, then Newton."""
-    one = np.ones(len(surface.segments))
-    number = np.arange(len(surface.segments))
-    first, last = (surface.curve(number, end, nodes)[1][0][segment] for end in (-one, one))
+    number, one = np.arange(len(surface.segments)), np.ones(len(surface.segments))
+    first, last = (surface.curve(number, end, nodes, 0)[1][0][segment] for end in (-one, one))
     chord = last - first
     xi = np.einsum("nc,nc->n", 2 * points - first - last, chord) / np.einsum("nc,nc->n", chord, chord)
-    if not surface.coefficients[:, :, 2:].any():
+    if surface.straight:
         return xi
     xi = np.clip(xi, -1.2, 1.2)
+    exact = _ROUND_OFF * float(np.abs(nodes).max() / surface.length.min())
     for _ in range(_NEWTON_STEPS):
-        rho = surface.curve(segment, xi, nodes)[1]
+        rho = surface.curve(segment, xi, nodes, 2)[1]
         offset = points - rho[0]
         slope = np.einsum("nc,nc->n", rho[1], rho[1])
         curvature = np.einsum("nc,nc->n", offset, rho[2])
         # beyond the centre of curvature the full Newton step runs away: fall back to the safe Gauss-Newton step
         step = np.einsum("nc,nc->n", offset, rho[1]) / np.maximum(slope - curvature, 0.5 * slope)
         xi = np.clip(xi + np.clip(step, -0.5, 0.5), -1.2, 1.2)
-        if np.abs(step[np.abs(xi) < 1.2], ).max(initial=0.0) < 1e-14:
+        if np.abs(step[np.abs(xi) < 1.2]).max(initial=0.0) < exact:
             break
     return xi
 
@@ -165,7 +174,8 @@ def _tangents_at_joint(surface: Surface, nodes: ndarray, segment: ndarray, xi: n
     m = len(surface.segments)
     neighbour = np.where(xi > 0, segment + 1, segment - 1)
     neighbour = neighbour % m if surface.closed else np.clip(neighbour, 0, m - 1)
-    here, there = (surface.curve(s, end, nodes)[1][1] for s, end in ((segment, np.sign(xi)), (neighbour, -np.sign(xi))))
+    sides = ((segment, np.sign(xi)), (neighbour, -np.sign(xi)))
+    here, there = (surface.curve(s, end, nodes, 1)[1][1] for s, end in sides)
     return here / np.linalg.norm(here, axis=1)[:, None], there / np.linalg.norm(there, axis=1)[:, None]
 
 

@@ -7,6 +7,7 @@ body lies to the right; the outward normal is the tangent turned by +90 degrees.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy import ndarray
@@ -20,13 +21,14 @@ QUADRATIC = np.array([[0, -.5, .5, 0], [0, .5, .5, 0], [1, 0, -1, 0]])
 _GAUSS = np.polynomial.legendre.leggauss(5)
 
 
-def powers(xi: ndarray) -> ndarray:
-    """Powers 0 to 3 of the local coordinate and their first three derivatives, (4, n, 4)."""
-    one, zero = np.ones_like(xi), np.zeros_like(xi)
-    return np.stack((np.stack((one, xi, xi**2, xi**3), -1),
-                     np.stack((zero, one, 2 * xi, 3 * xi**2), -1),
-                     np.stack((zero, zero, 2 * one, 6 * xi), -1),
-                     np.stack((zero, zero, zero, 6 * one), -1)))
+def powers(xi: ndarray, derivatives: int = 3) -> ndarray:
+    """Powers 0 to 3 of the local coordinate and their first derivatives, (derivatives + 1, n, 4)."""
+    result = np.zeros((4, 4, len(xi)))
+    result[0, 0] = result[1, 1] = 1.0
+    result[0, 1], result[0, 2], result[0, 3] = xi, xi**2, xi**3
+    result[1, 2], result[1, 3] = 2 * xi, 3 * xi**2
+    result[2, 2], result[2, 3], result[3, 3] = 2.0, 6 * xi, 6.0
+    return result[:derivatives + 1].transpose(0, 2, 1)
 
 
 @dataclass(frozen=True)
@@ -121,8 +123,13 @@ class Surface:
         """Current coordinates of the nodes at the displacements x, seen from an origin, (n_nodes, 2)."""
         return self.nodes - origin + np.where(self.dofs >= 0, x[self.dofs], 0.0)
 
-    def curve(self, segment: ndarray, xi: ndarray, nodes: ndarray) -> tuple[ndarray, ndarray]:
-        """Shape functions and curve with three derivatives at points given by segment and xi.
+    @cached_property
+    def straight(self) -> bool:
+        """Whether all segments are straight."""
+        return not self.coefficients[:, :, 2:].any()
+
+    def curve(self, segment: ndarray, xi: ndarray, nodes: ndarray, derivatives: int = 3) -> tuple[ndarray, ndarray]:
+        """Shape functions and curve with their derivatives at points given by segment and xi.
 
         Parameters
         ----------
@@ -130,14 +137,24 @@ class Surface:
             Segment number and local coordinate of every point, (n,).
         nodes
             Coordinates of the nodes, (n_nodes, 2).
+        derivatives
+            Highest derivative that is asked for.
 
         Returns
         -------
         tuple
-            ``M`` (4, n, k) and ``rho`` (4, n, 2): values and first to third derivatives.
+            ``M`` (derivatives + 1, n, k) and ``rho`` (derivatives + 1, n, 2): values and derivatives.
         """
-        M = np.einsum("nkp,dnp->dnk", self.coefficients[segment], powers(xi))
-        return M, np.einsum("dnk,nkc->dnc", M, nodes[self.segments[segment]])
+        coefficients, power = self.coefficients[segment], powers(xi, derivatives)[..., None]
+        M = coefficients[:, :, 0] * power[:, :, 0] + coefficients[:, :, 1] * power[:, :, 1]
+        if not self.straight:
+            M += coefficients[:, :, 2] * power[:, :, 2]
+            M += coefficients[:, :, 3] * power[:, :, 3]
+        places = nodes[self.segments[segment]]
+        rho = M[:, :, 0, None] * places[:, 0]
+        for b in range(1, M.shape[2]):
+            rho += M[:, :, b, None] * places[:, b]
+        return M, rho
 
     def arc(self, segment: ndarray, xi: ndarray) -> tuple[ndarray, ndarray, ndarray]:
         """Reference arc position S along the chain, dS/dxi and d2S/dxi2 at points given by segment and xi.
@@ -145,13 +162,16 @@ class Surface:
         The slip is measured in this coordinate: it belongs to the master's material, runs on across
         the segments and is not changed by rigid motion.
         """
+        if self.straight:
+            metric = 0.5 * self.length[segment]
+            return self.start[segment] + (xi + 1.0) * metric, metric, np.zeros_like(metric)
         nodes = self.nodes - self.nodes[0]  # large coordinates would cost digits
-        rho = self.curve(segment, xi, nodes)[1]
+        rho = self.curve(segment, xi, nodes, 2)[1]
         metric = np.linalg.norm(rho[1], axis=-1)
         t, w = _GAUSS
         half = 0.5 * (xi + 1.0)
         inner = -1.0 + half[:, None] * (t + 1.0)  # five Gauss points on [-1, xi]
-        tangent = self.curve(np.repeat(segment, 5), inner.ravel(), nodes)[1][1]
+        tangent = self.curve(np.repeat(segment, 5), inner.ravel(), nodes, 1)[1][1]
         arc = self.start[segment] + half * (np.linalg.norm(tangent, axis=-1).reshape(-1, 5) @ w)
         return arc, metric, np.einsum("nc,nc->n", rho[1], rho[2]) / metric
 
