@@ -4,7 +4,7 @@ from __future__ import annotations
 import logging
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -12,10 +12,12 @@ from numpy import ndarray
 from tqdm import tqdm
 
 from ..solid import SolidForm
+from .construction import begin, check_start, plan
 from .newton import Form, Newton, NotConverged, System
 from .result import Result, StageResult
 from .settling import settled
 from .setup import build_system
+from .supports import as_unknowns
 from .threads import single_threaded
 
 logger = logging.getLogger("skfem_contact")
@@ -43,19 +45,52 @@ class Stage:
         stay where they are.
     increments
         Number of increments to begin with; they are cut where Newton fails and grow where it is easy.
+    activate
+        Names of forms that become active; they are inactive before. Solids start stress-free in the deformed ground:
+        nodes that they share with it are where it has brought them, the others follow. Contact starts without
+        traction, with the gaps of the mesh; but where it replaces a pair between the same surfaces that is
+        deactivated in this stage, it takes over its tractions.
+    deactivate
+        Names of forms that are taken away. What they carried is released in proportion over the stage.
+    change
+        Forms that are replaced from this stage on, with other materials (``form.with_materials``) or another law
+        (``pair.with_law``). They go on from what the old ones carry.
+    fixed
+        Supported unknowns from this stage on; by default those of the stage before. Reactions that are lost are
+        released in proportion over the stage.
+
+    Notes
+    -----
+    Nodes of bodies that are not there stay where they are, and no load may act on them.
 
     Examples
     --------
-    >>> import numpy as np
-    >>> from skfem_contact import Stage
-    >>> Stage("gravity", np.zeros(8)).increments
-    1
+    A column on which a layer is placed, and from which it is taken away again:
+
+    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+    >>> import skfem_contact as sc
+    >>> mesh = MeshQuad().refined(1).with_defaults().with_subdomains({
+    ...     "ground": lambda x: x[1] < .5, "fill": lambda x: x[1] > .5})
+    >>> basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+    >>> soil = sc.LinearElastic(E=1e3, nu=0.)
+    >>> forms = {name: sc.SolidForm(basis.with_elements(name), soil) for name in ("ground", "fill")}
+    >>> ground, both = sc.weight(basis, {"ground": 20.}), sc.weight(basis, 20.)
+    >>> stages = [sc.Stage("ground", ground), sc.Stage("filled", both, activate="fill"),
+    ...           sc.Stage("cleared", ground, deactivate="fill")]
+    >>> result = sc.run(forms, stages, fixed=basis.get_dofs("bottom").all())
+    >>> surface = basis.nodal_dofs[1, mesh.p[1] == .5]
+    >>> [float(f"{stage.x[surface][0]:.6f}") for stage in result]
+    [-0.0025, -0.0075, -0.0025]
     """
 
     name: str
     load: ndarray
     prescribed: ndarray | None = None
     increments: int = 1
+    activate: str | Sequence[str] = ()
+    deactivate: str | Sequence[str] = ()
+    change: Mapping[str, Form] = field(default_factory=dict)
+    fixed: ndarray | None = None
 
 
 @single_threaded
@@ -66,13 +101,14 @@ def run(forms: Mapping[str, Form], stages: Sequence[Stage], fixed: ndarray, star
     Parameters
     ----------
     forms
-        Solids and contact pairs by name.
+        Solids and contact pairs by name, those included that are there in some stages only.
     stages
         Stages in their order.
     fixed
         Unknowns that are held (or moved by ``Stage.prescribed``).
     start
-        Result to go on from; its last stage is where the first stage starts.
+        Result to go on from; its last stage is where the first stage starts. Forms that it does not hold are
+        inactive.
     newton
         Settings of Newton's method.
     solver
@@ -88,7 +124,8 @@ def run(forms: Mapping[str, Form], stages: Sequence[Stage], fixed: ndarray, star
     Raises
     ------
     ValueError
-        Bad input, before anything is computed: sizes, NaN, a body that nothing holds.
+        Bad input, before anything is computed: sizes, NaN, names that do not exist, and in any stage a body that
+        nothing holds.
     NotConverged
         With the partial result, whose last entry is the last increment that was accepted.
 
@@ -106,19 +143,24 @@ def run(forms: Mapping[str, Form], stages: Sequence[Stage], fixed: ndarray, star
     stage            increments  iterations  residual  load    what the bodies carry
     gravity                   1           1   ...  100%
     """
-    system = build_system(forms, fixed, solver)
-    _check_stages(stages, system.size)
+    _check_stages(stages)
     done = list(start) if start else []
-    last = done[-1] if done else StageResult(
-        "start", np.zeros(system.size), np.zeros(system.size),
-        {name: form.initial_state() for name, form in system.forms.items()}, (), 0.0)
-    _check_start(last, system)
-    for stage in stages:
+    phases = plan(forms, stages, as_unknowns(fixed), done[-1] if done else None)
+    last = done[-1] if done else _nothing(phases[0].forms, len(stages[0].load))
+    if done:
+        check_start(phases[0].before, last)
+    for stage, phase in zip(stages, phases, strict=True):
+        released = np.zeros(len(last.x))
+        if phase.changed:
+            x, states, released = begin(phase, last)
+            last = replace(last, x=x, states=states)
+        if phase.changed or stage is stages[0]:
+            system = build_system(phase.forms, phase.fixed, solver)
         last = replace(last, name=stage.name, iterations=(), fraction=0.0)
         try:
             with tqdm(total=1.0, desc=stage.name, disable=None if progress is None else not progress,
                       bar_format="{desc:16} {percentage:3.0f}% |{bar}|{postfix}") as bar:
-                for accepted in _increments(system, stage, last, newton or Newton()):
+                for accepted in _increments(system, stage, last, released, newton or Newton()):
                     last = accepted
                     bar.update(last.fraction - bar.n)
                     bar.set_postfix_str(f"{len(last.iterations)} increments, {sum(last.iterations)} iterations")
@@ -132,8 +174,9 @@ def run(forms: Mapping[str, Form], stages: Sequence[Stage], fixed: ndarray, star
     return Result(tuple(done))
 
 
-def _increments(system: System, stage: Stage, last: StageResult, newton: Newton) -> Iterator[StageResult]:
-    """Accepted increments of a stage, one after the other."""
+def _increments(system: System, stage: Stage, last: StageResult, released: ndarray, newton: Newton
+                ) -> Iterator[StageResult]:
+    """Accepted increments of a stage, one after the other; forces of what has gone are released in proportion."""
     first_load, first = last.load, last.x[system.fixed]
     target = first if stage.prescribed is None else np.asarray(stage.prescribed)[system.fixed]
     size = 1.0 / stage.increments
@@ -141,7 +184,7 @@ def _increments(system: System, stage: Stage, last: StageResult, newton: Newton)
         fraction = min(1.0, last.fraction + size)
         if 1.0 - fraction < 1e-9:
             fraction = 1.0
-        load = first_load + fraction * (stage.load - first_load)
+        load = first_load + fraction * (stage.load - first_load) - (1.0 - fraction) * released
         prescribed = first + fraction * (target - first)
         try:
             new = settled(system, last.x, last.states, load, prescribed, newton)
@@ -169,14 +212,13 @@ def _place(system: System, unknown: int | None) -> str:
     return f", at ({x:.4g}, {y:.4g})"
 
 
-def _check_start(last: StageResult, system: System) -> None:
-    if set(last.states) != set(system.forms):
-        raise ValueError(f"start holds the forms {list(last.states)}, not {list(system.forms)}")
-    if len(last.x) != system.size:
-        raise ValueError(f"start has {len(last.x)} unknowns, not {system.size}")
+def _nothing(forms: Mapping[str, Form], n: int) -> StageResult:
+    """What the first stage starts from: nothing has moved, nothing is loaded."""
+    states = {name: form.initial_state() for name, form in forms.items()}
+    return StageResult("start", np.zeros(n), np.zeros(n), states, (), 0.0)
 
 
-def _check_stages(stages: Sequence[Stage], n: int) -> None:
+def _check_stages(stages: Sequence[Stage]) -> None:
     """One clear error before the analysis starts."""
     if not stages:
         raise ValueError("there is no stage to run")
@@ -184,13 +226,5 @@ def _check_stages(stages: Sequence[Stage], n: int) -> None:
     for stage in stages:
         if names.count(stage.name) > 1:
             raise ValueError(f"two stages are named '{stage.name}'")
-        given = [("load", stage.load)]
-        if stage.prescribed is not None:
-            given.append(("prescribed displacement", stage.prescribed))
-        for what, values in given:
-            if np.shape(values) != (n,):
-                raise ValueError(f"stage '{stage.name}': the {what} has shape {np.shape(values)}, not ({n},)")
-            if not np.isfinite(values).all():
-                raise ValueError(f"stage '{stage.name}': the {what} holds NaN or infinite values")
         if stage.increments < 1:
             raise ValueError(f"stage '{stage.name}': increments must be at least 1")

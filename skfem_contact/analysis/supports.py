@@ -67,7 +67,8 @@ def check_supports(forms: Mapping[str, Any], fixed: ndarray) -> ndarray:
         raise ValueError(f"{len(loose)} unknowns belong to no solid among the forms and are not fixed; the "
                          f"first is at ({x:g}, {y:g})")
     if all(isinstance(f, (SolidForm, ContactPair)) for f in forms.values()):  # others may hold what they like
-        _check_bodies(basis, carried, [f for f in forms.values() if isinstance(f, ContactPair)], fixed)
+        elements = np.sort(np.concatenate([_elements(f.basis) for f in solids.values()]))
+        _check_bodies(basis, elements, [f for f in forms.values() if isinstance(f, ContactPair)], fixed)
     return np.asarray(basis.doflocs)
 
 
@@ -88,11 +89,16 @@ def _elements(basis: CellBasis) -> ndarray:
     return np.arange(basis.mesh.nelements) if basis.tind is None else np.asarray(basis.tind)
 
 
-def _check_bodies(basis: CellBasis, carried: ndarray, pairs: list[ContactPair], fixed: ndarray) -> None:
-    """Bodies that contact joins stand or fall together: a common rigid motion of theirs meets no force."""
-    dofs = {name: np.intersect1d(basis.dofs.element_dofs[:, elements], carried)
-            for name, elements in bodies(basis.mesh).items()}
-    groups = [{name} for name in dofs if len(dofs[name])]
+def _check_bodies(basis: CellBasis, elements: ndarray, pairs: list[ContactPair], fixed: ndarray) -> None:
+    """Bodies that contact joins stand or fall together: a common rigid motion of theirs meets no force.
+
+    What the elements of the solids leave of a body may fall apart into several.
+    """
+    mesh = basis.mesh
+    if len(elements) < mesh.nelements:
+        mesh = mesh.restrict(elements, skip_boundaries=True)
+    dofs = {name: np.unique(basis.dofs.element_dofs[:, elements[part]]) for name, part in bodies(mesh).items()}
+    groups = [{name} for name in dofs]
     obstacles = set()
     for pair in pairs:
         surfaces = np.concatenate((pair.slave.dofs.ravel(), pair.facets.dofs.ravel()))
