@@ -25,6 +25,8 @@ _GROWTH = 2.0
 #: Step lengths in a row that may fail before the curve ends.
 _CUTS = 6
 _MOST_STEPS = 100
+#: Share of the work at which the curve's last part begins.
+_CHORD = 0.7
 
 
 class Branch(Protocol):
@@ -114,13 +116,18 @@ def starting_point(system: System, last: StageResult | None) -> Point:
 
 
 def remainder(points: list[Point] | tuple[Point, ...]) -> float:
-    """How far the parameter may still rise, by the last slope of the curve."""
-    if len(points) < 2:
+    """How far the parameter may still rise, by the slope of the curve's last part.
+
+    That part begins where at most :data:`_CHORD` of the present work had been done: what shorter steps show may be
+    the solver's tolerance.
+    """
+    first, last = points[0], points[-1]
+    done = last.work - first.work
+    earlier = [point for point in points[:-1] if point.work - first.work <= _CHORD * done]
+    if len(points) < 3 or not earlier or not done > 0.0:
         return np.inf
-    first, before, last = points[0], points[-2], points[-1]
-    if last.work <= before.work:
-        return np.inf
-    return (last.parameter - before.parameter) / (last.work - before.work) * (last.work - first.work)
+    start = earlier[-1]
+    return (last.parameter - start.parameter) / (last.work - start.work) * done
 
 
 def follow(branch: Branch, control: ndarray, points: list[Point], newton: Newton, tolerance: float,
