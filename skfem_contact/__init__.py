@@ -1,12 +1,14 @@
 """Frictional contact, soil plasticity and staged analysis for scikit-fem."""
 
 from .analysis.davis import reduced_strength
+from .analysis.initial import given_state, gravity_state, k0_state, reset_displacements
 from .analysis.limit_load import LimitLoad, limit_load
 from .analysis.newton import Collapse, Newton, NotConverged
 from .analysis.result import Result, StageResult, load_result
-from .analysis.stages import AnalysisWarning, Stage, run
+from .analysis.stages import Stage, run
 from .analysis.strength import StrengthReduction, strength_reduction
-from .assembly import Response, StrainOperator, b_bar, plane_strain
+from .assembly import Response, StrainOperator, axisymmetric, b_bar, plane_strain
+from .checks import AnalysisWarning
 from .contact import (
     AugmentedLagrangian,
     ContactPair,
@@ -19,7 +21,7 @@ from .contact import (
     rigid_polyline,
     two_pass,
 )
-from .loads import weight
+from .loads import hydrostatic, water_load, weight
 from .materials import DruckerPrager, LinearElastic, MohrCoulomb, Tresca, VonMises
 from .materials.coulomb import Coulomb, Status, Tied, Traction
 from .mesh import bodies, join_bodies
@@ -47,10 +49,11 @@ __all__ = [
     "AnalysisWarning", "AugmentedLagrangian", "CheckFailed", "Collapse", "ContactPair", "ContactReport",
     "ContactState", "Coulomb", "DruckerPrager", "LimitLoad", "LinearElastic", "MohrCoulomb", "Newton",
     "NotConverged", "Response", "Result", "SectionForces", "Sections", "SolidForm", "SolidState", "Stage",
-    "StageResult", "Status", "StrainOperator", "StrengthReduction", "Surface", "Tied", "Traction", "Tractions",
-    "Tresca", "VonMises", "b_bar", "bodies", "check_form", "check_interface_law", "check_material",
-    "check_mesh", "choose_penalties", "contact_report", "export_vtu", "join_bodies", "limit_load",
-    "line_sections", "load_mesh", "load_result", "nodal_field", "plane_strain", "reduced_strength",
-    "rigid_circle", "rigid_level_set", "rigid_line", "rigid_polyline", "ring_sections", "run", "section_forces",
-    "strength_reduction", "tractions", "two_pass", "weight",
+    "StageResult", "Status", "StrainOperator", "StrengthReduction", "Surface", "Tied", "Traction",
+    "Tractions", "Tresca", "VonMises", "axisymmetric", "b_bar", "bodies", "check_form", "check_interface_law",
+    "check_material", "check_mesh", "choose_penalties", "contact_report", "export_vtu", "given_state",
+    "gravity_state", "hydrostatic", "join_bodies", "k0_state", "limit_load", "line_sections", "load_mesh",
+    "load_result", "nodal_field", "plane_strain", "reduced_strength", "reset_displacements", "rigid_circle",
+    "rigid_level_set", "rigid_line", "rigid_polyline", "ring_sections", "run", "section_forces",
+    "strength_reduction", "tractions", "two_pass", "water_load", "weight",
 ]

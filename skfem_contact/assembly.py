@@ -21,6 +21,17 @@ from skfem import CellBasis
 _CHUNK = 512  # elements a batch: B, DB and BᵀDB of a batch stay in the processor's cache
 
 
+class IncrementTooLarge(RuntimeError):
+    """What a form's ``settle`` raises where it cannot tell what happened during an increment: it must be cut.
+
+    Examples
+    --------
+    >>> from skfem_contact.assembly import IncrementTooLarge
+    >>> issubclass(IncrementTooLarge, RuntimeError)
+    True
+    """
+
+
 class Response:
     """What a form answers: the internal force and, when asked for, the candidate state and the tangent.
 
@@ -141,6 +152,39 @@ def b_bar(basis: CellBasis) -> StrainOperator:
     mean = np.einsum("eq,eqb->eb", weight, volumetric) / weight.sum(axis=1)[:, None]
     B[:, :, :3] += ((mean[:, None] - volumetric) / 3.0)[:, :, None]
     return StrainOperator(B, weight)
+
+
+def axisymmetric(basis: CellBasis) -> StrainOperator:
+    """Axial symmetry about x = 0: xx is radial, yy axial, and zz the hoop strain u_x / x; forces are per radian.
+
+    Loads must be per radian too: boundary forces with the radius as a factor, and
+    ``weight(..., axisymmetric=True)``. On the axis the radial displacement has to be fixed.
+
+    Parameters
+    ----------
+    basis
+        Basis of a two-dimensional vector element on a mesh with x >= 0.
+
+    Raises
+    ------
+    ValueError
+        Elements beyond the axis.
+
+    Examples
+    --------
+    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+    >>> import skfem_contact as sc
+    >>> operator = sc.axisymmetric(Basis(MeshQuad(), ElementVector(ElementQuad1()), intorder=2))
+    >>> round(float(operator.weight.sum()), 9)       # half a unit of area: volume per radian
+    0.5
+    """
+    radius = np.asarray(basis.global_coordinates())[0]
+    if not (radius > 0.0).all():
+        raise ValueError(f"axial symmetry needs x >= 0, but there are elements at x = {radius.min():.4g}")
+    B, weight = plane_strain(basis)
+    values = np.stack([np.asarray(basis.basis[j][0])[0] for j in range(0, basis.Nbfun, 2)])
+    B[:, :, 2, 0::2] = (values / radius).transpose(1, 2, 0)
+    return StrainOperator(B, weight * radius)
 
 
 def strain_matrix(B: ndarray, element_dofs: ndarray, n: int) -> csr_matrix:

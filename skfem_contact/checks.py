@@ -18,6 +18,10 @@ T = TypeVar("T")
 _SUPPORTED = (ElementTriP1, ElementTriP2, ElementQuad1, ElementQuad2, ElementQuadS2)
 
 
+class AnalysisWarning(UserWarning):
+    """Something that was done but should be looked at."""
+
+
 def look_up(name: str, existing: Mapping[str, T], kind: str) -> T:
     """The value of a name, or a ``ValueError`` that lists the names that exist."""
     if name not in existing:

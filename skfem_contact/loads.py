@@ -1,17 +1,25 @@
 """Loads: ordinary scikit-fem load vectors."""
 from __future__ import annotations
 
-from collections.abc import Mapping
+import warnings
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 from numpy import ndarray
-from skfem import CellBasis, LinearForm
+from numpy.typing import ArrayLike
+from skfem import CellBasis, ElementQuad1, ElementTriP1, FacetBasis, LinearForm
 
-from .checks import check_basis, look_up
+from .checks import AnalysisWarning, check_basis, look_up
+
+#: Pressure of water, positive: a function of places (2, ...), or values at the nodes of the mesh, (n_nodes,).
+Pressure = Callable[[ndarray], ndarray] | ndarray
+
+#: Facets that look up by more than this are a surface on which water can stand.
+_UPWARDS = 0.01
 
 
 def weight(basis: CellBasis, unit_weights: float | Mapping[str, float],
-           direction: tuple[float, float] = (0.0, -1.0)) -> ndarray:
+           direction: tuple[float, float] = (0.0, -1.0), axisymmetric: bool = False) -> ndarray:
     """Own weight of bodies as a load vector.
 
     Parameters
@@ -22,6 +30,8 @@ def weight(basis: CellBasis, unit_weights: float | Mapping[str, float],
         Weight per volume: one number, or by subdomain; subdomains that are not named are weightless.
     direction
         Unit vector of gravity.
+    axisymmetric
+        Weight per radian about the axis x = 0, for solids with ``strain=axisymmetric``.
 
     Returns
     -------
@@ -59,6 +69,136 @@ def weight(basis: CellBasis, unit_weights: float | Mapping[str, float],
 
     @LinearForm
     def body_force(v, w):  # type: ignore[no-untyped-def]
-        return w.gamma * (direction[0] * v[0] + direction[1] * v[1])
+        radius = w.x[0] if axisymmetric else 1.0
+        return radius * w.gamma * (direction[0] * v[0] + direction[1] * v[1])
 
     return np.asarray(body_force.assemble(basis, gamma=field))
+
+
+def hydrostatic(table: float | ArrayLike, unit_weight: float = 9.81) -> Callable[[ndarray], ndarray]:
+    """Pressure of water at rest below a water table.
+
+    Parameters
+    ----------
+    table
+        Height of the water table, or its points, (n, 2), from left to right; it goes on level at both ends.
+    unit_weight
+        Of water.
+
+    Returns
+    -------
+    callable
+        The pressure at places (2, ...): zero above the table, below it the depth times the unit weight.
+
+    Raises
+    ------
+    ValueError
+        A table that is no height and no points from left to right.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import skfem_contact as sc
+    >>> sc.hydrostatic(2., unit_weight=10.)(np.array([[0., 0.], [3., 1.]]))
+    array([ 0., 10.])
+    >>> float(sc.hydrostatic([(0, 2), (4, 0)], unit_weight=10.)(np.array([2., -1.])))
+    20.0
+    """
+    points = np.asarray(table, dtype=float)
+    if points.ndim == 0:
+        points = np.array([[0.0, float(points)]])
+    if points.ndim != 2 or points.shape[1] != 2 or not np.isfinite(points).all() or (np.diff(points[:, 0]) <= 0).any():
+        raise ValueError("a water table is a height, or points (n, 2) from left to right")
+    return lambda x: unit_weight * np.maximum(np.interp(x[0], *points.T) - x[1], 0.0)
+
+
+def water_load(basis: CellBasis, pressure: Pressure, boundaries: str | Sequence[str] = ()) -> ndarray:
+    """Load of water in the pores and on boundaries; with it solids carry the effective stress.
+
+    The total stress is the effective stress less the pore pressure in all directions. Soils below the water table
+    get their saturated unit weight.
+
+    Parameters
+    ----------
+    basis
+        Basis of what is porous: ``basis.with_elements({"sand", "gravel"})``, or the whole mesh.
+    pressure
+        Pressure of the water: a function of the place such as :func:`hydrostatic`, or values at the nodes of the
+        mesh, (n_nodes,), for example from a seepage analysis.
+    boundaries
+        Names of boundaries on which the water presses from outside: the surface of ground that is under water, and
+        both sides of contact with a body that is not porous.
+
+    Returns
+    -------
+    ndarray
+        Nodal forces, (N,).
+
+    Raises
+    ------
+    ValueError
+        Unknown boundary, or values that are not as many as the nodes.
+
+    Warns
+    -----
+    AnalysisWarning
+        There is water above a surface on which no pressure acts.
+
+    Examples
+    --------
+    Flooded ground: what is left of its weight of 20 is its weight in water.
+
+    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+    >>> import skfem_contact as sc
+    >>> basis = Basis(MeshQuad().refined(1).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+    >>> water = sc.water_load(basis, sc.hydrostatic(5., unit_weight=10.), ["top", "bottom", "left", "right"])
+    >>> round(float((sc.weight(basis, 20.) + water).sum()), 9)
+    -10.0
+    """
+    check_basis(basis)
+    named = (boundaries,) if isinstance(boundaries, str) else tuple(boundaries)
+    facets = [look_up(name, basis.mesh.boundaries or {}, "boundary") for name in named]
+    _warn_of_water(basis, pressure, np.concatenate([np.asarray(f) for f in facets]) if facets else np.zeros(0, int))
+
+    @LinearForm
+    def in_pores(v, w):  # type: ignore[no-untyped-def]
+        return w.p * (v.grad[0, 0] + v.grad[1, 1])
+
+    @LinearForm
+    def from_outside(v, w):  # type: ignore[no-untyped-def]
+        return -w.p * (v[0] * w.n[0] + v[1] * w.n[1])
+
+    load = np.asarray(in_pores.assemble(basis, p=_at_points(basis, pressure)))
+    for part in facets:
+        outside = FacetBasis(basis.mesh, basis.elem, facets=np.asarray(part))
+        load = load + np.asarray(from_outside.assemble(outside, p=_at_points(outside, pressure)))
+    return load
+
+
+def _at_points(basis: CellBasis | FacetBasis, pressure: Pressure) -> ndarray:
+    """The pressure at the integration points."""
+    if callable(pressure):
+        return np.asarray(pressure(np.asarray(basis.global_coordinates())))
+    n = basis.mesh.nvertices
+    if np.shape(pressure) != (n,):
+        raise ValueError(f"the pressure has shape {np.shape(pressure)}; the mesh has {n} nodes")
+    linear = ElementTriP1() if len(basis.mesh.t) == 3 else ElementQuad1()
+    return np.asarray(basis.with_element(linear).interpolate(np.asarray(pressure)))
+
+
+def _warn_of_water(basis: CellBasis, pressure: Pressure, pressed: ndarray) -> None:
+    """Tell of surfaces under water without pressure: facets with porous ground below and none above."""
+    mesh = basis.mesh
+    elements = np.arange(mesh.nelements) if basis.tind is None else np.asarray(basis.tind)
+    count = np.bincount(mesh.t2f[:, elements].ravel(), minlength=mesh.nfacets)
+    facets = np.setdiff1d(np.flatnonzero((count == 1) & (mesh.f2t[1] < 0)), pressed)
+    if len(facets) == 0:
+        return
+    surface = FacetBasis(mesh, basis.elem, facets=facets)
+    values = _at_points(surface, pressure)
+    wet = (np.asarray(surface.normals)[1] > _UPWARDS) & (values > 1e-9 * np.abs(values).max())
+    if wet.any():
+        x, y = np.asarray(surface.global_coordinates())[:, wet].T[0]
+        names = [k for k, f in (mesh.boundaries or {}).items() if np.isin(facets[wet.any(axis=1)], f).any()]
+        warnings.warn(f"there is water above the surface at ({x:.4g}, {y:.4g}) without pressure on it; pass its name "
+                      f"in boundaries= ({', '.join(names) or 'it has none yet'})", AnalysisWarning, stacklevel=3)

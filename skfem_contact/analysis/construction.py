@@ -102,7 +102,8 @@ def _with_penalties(phases: list[Phase], forms: Mapping[str, Form]) -> list[Phas
         if form is forms[name]:
             return chosen[name]
         if isinstance(form, ContactPair) and form.penalty is None:
-            return form.with_penalty(*chosen[name].penalty, stiffness=chosen[name].stiffness)
+            normal, tangential = chosen[name].penalty
+            return form.with_penalty(normal, tangential, chosen[name].stiffness)
         return form
 
     return [replace(phase, before={k: finished(k, f) for k, f in phase.before.items()},
@@ -196,19 +197,18 @@ def begin(phase: Phase, last: StageResult) -> tuple[ndarray, dict[str, Any], nda
     x = placed(last.x, new, _unknowns(phase.before), phase.fixed)
     states = {name: form.initial_state(x) if name in new else last.states[name] for name, form in phase.forms.items()}
     for name, form in new.items():
-        gone = {k: f for k, f in phase.before.items() if k not in phase.forms and _same_surfaces(f, form)}
-        if gone:
-            carried = sum(f.assemble(last.x, last.states[k]).force for k, f in gone.items())
-            states[name] = prestressed({name: form}, x, {name: states[name]}, carried)[name]
+        if isinstance(form, ContactPair):
+            gone = {k: f for k, f in phase.before.items() if k not in phase.forms and _same_surfaces(f, form)}
+            carried = sum((f.assemble(last.x, last.states[k]).force for k, f in gone.items()), start=np.zeros(len(x)))
+            if gone:
+                states[name] = prestressed({name: form}, x, {name: states[name]}, carried)[name]
     lost = last.load - sum(form.assemble(x, states[name]).force for name, form in phase.forms.items())
     lost[phase.fixed] = 0.0
     return x, states, lost
 
 
-def _same_surfaces(old: Form, new: Form) -> bool:
-    if not isinstance(old, ContactPair) or not isinstance(new, ContactPair):
-        return False
-    return {old.slave.name, old.facets.name} == {new.slave.name, new.facets.name}
+def _same_surfaces(old: Form, new: ContactPair) -> bool:
+    return isinstance(old, ContactPair) and {old.slave.name, old.facets.name} == {new.slave.name, new.facets.name}
 
 
 def placed(x: ndarray, new: Mapping[str, Form], known: ndarray, fixed: ndarray) -> ndarray:
@@ -229,7 +229,8 @@ def placed(x: ndarray, new: Mapping[str, Form], known: ndarray, fixed: ndarray) 
     own = np.setdiff1d(_unknowns(solids), np.union1d(known, fixed))
     if len(own) == 0 or not x.any():
         return x
-    K = csr_matrix(sum(form.elastic_stiffness for form in solids.values()))
+    first, *others = (form.elastic_stiffness for form in solids.values())
+    K = sum(others, start=first)
     K = csr_matrix(K + _LOOSE * diags_array(K.diagonal()))
     start = x.copy()
     start[own] = 0.0

@@ -34,8 +34,8 @@ Search = Literal["residual", "energy"]
 class Form(Protocol):
     """Whatever carries load: solids and contact pairs answer the same calls."""
 
-    def initial_state(self) -> Any:
-        """State of unstrained bodies."""
+    def initial_state(self, x: ndarray | None = None) -> Any:
+        """State of unstrained bodies, or of those that become active when the displacements are x already."""
 
     def assemble(self, x: ndarray, state: Any) -> Response:
         """Answer to displacements from an accepted state."""

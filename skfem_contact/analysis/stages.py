@@ -11,6 +11,7 @@ import numpy as np
 from numpy import ndarray
 from tqdm import tqdm
 
+from ..checks import AnalysisWarning
 from ..solid import SolidForm
 from .construction import begin, check_start, plan
 from .newton import Form, Newton, NotConverged, System
@@ -24,10 +25,6 @@ logger = logging.getLogger("skfem_contact")
 
 _SMALLEST = 1.0 / 1024.0  # an increment that fails at this share of the stage has failed for good
 _EASY = 8  # an increment with so few iterations may be followed by a larger one
-
-
-class AnalysisWarning(UserWarning):
-    """A result that was reached but should be looked at."""
 
 
 @dataclass(frozen=True)

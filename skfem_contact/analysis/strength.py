@@ -11,13 +11,13 @@ import numpy as np
 from numpy import ndarray
 from tqdm import tqdm
 
+from ..checks import AnalysisWarning
 from ..solid import SolidForm
 from .continuation import Point, follow, starting_point
 from .davis import FLOWS, Flow, reduced_strength
 from .newton import Collapse, Form, Newton, NotConverged, System
 from .result import Result, StageResult
 from .setup import build_system, check_load
-from .stages import AnalysisWarning
 from .trials import Trials, TrialStep, describe_mesh, shear_bands, table
 
 logger = logging.getLogger("skfem_contact")

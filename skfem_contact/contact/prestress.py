@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 from numpy import ndarray
-from scipy.sparse import block_diag, coo_matrix, csr_matrix, diags_array, hstack
+from scipy.sparse import coo_matrix, csr_matrix, diags_array, hstack
 from scipy.sparse.linalg import lsqr
 
 from ..materials.coulomb import Status
@@ -23,7 +23,7 @@ def prestressed(pairs: Mapping[str, ContactPair], x: ndarray, states: Mapping[st
     """States in which pairs carry given nodal forces.
 
     Of all tractions with these nodal forces those of least norm are taken, or those nearest to a guess. Gap and
-    slip then begin where the penalty answers with these tractions, or the multipliers are these: nothing moves.
+    slip then begin where the penalty answers with these tractions, less what multipliers carry: nothing moves.
     What the law does not allow, such as tension, is left out.
 
     Parameters
@@ -39,29 +39,29 @@ def prestressed(pairs: Mapping[str, ContactPair], x: ndarray, states: Mapping[st
     where
         Unknowns at which the forces count; by default all.
     guess
-        Normal and tangential tractions, (2, n_points), by pair.
+        Stresses (xx, yy, zz, xy) at the points whose tractions to be near to, (4, n_points), by pair.
     """
     where = np.arange(len(force)) if where is None else where
     acting = {name: _Tractions(pair, x, states[name]) for name, pair in pairs.items()}
-    near = {name: np.zeros(a.forces.shape[1]) if guess is None else guess[name].ravel() for name, a in acting.items()}
+    near = {name: np.zeros(a.forces.shape[1]) if guess is None else a.of_stress(guess[name])
+            for name, a in acting.items()}
     left = force - sum(acting[name].forces @ near[name] for name in pairs)
-    operator = csr_matrix(hstack([a.forces @ a.shapes for a in acting.values()]))[where]
+    operator = csr_matrix(hstack([a.forces @ diags_array(a.scale) for a in acting.values()]))[where]
     found = lsqr(operator, left[where], atol=_ACCURACY, btol=_ACCURACY, conlim=0.0, iter_lim=_MOST)[0]
-    ends = np.cumsum([0] + [a.shapes.shape[1] for a in acting.values()])
-    return {name: a.state_with(near[name] + a.shapes @ found[ends[k]:ends[k + 1]])
+    ends = np.cumsum([0] + [len(a.scale) for a in acting.values()])
+    return {name: a.state_with(near[name] + a.scale * found[ends[k]:ends[k + 1]])
             for k, (name, a) in enumerate(acting.items())}
 
 
 class _Tractions:
-    """Tractions at the points of a pair: their nodal forces, and the functions that they are made of.
+    """Tractions at the points of a pair, and their nodal forces.
 
     Attributes
     ----------
     forces
         Matrix from normal and tangential tractions at all points, (2 n_points,), to nodal forces (N,).
-    shapes
-        Matrix to these tractions from what is sought: themselves, weighted so that their norm is their mean
-        square, or values at the slave's nodes where multipliers take them.
+    scale
+        Tractions for each of which the integral of the square is one, (2 n_points,).
     """
 
     def __init__(self, pair: ContactPair, x: ndarray, state: ContactState) -> None:
@@ -74,6 +74,7 @@ class _Tractions:
         rho = pair.master.curve(found.segment[at], found.xi[at], nodes)[1]
         elastic = np.zeros(len(at))
         frame = variations(points, pair.slave, pair.master, at, found, positions[at] - rho[0], elastic, nodes)
+        self._at, self._normal, self._tangent = at, frame.normal, frame.tangent
         metric = pair.master.arc(found.segment[at], found.xi[at])[1]
         self._stretch = np.ones(len(points.weight))
         self._stretch[at] = np.linalg.norm(rho[1], axis=1) / metric
@@ -84,22 +85,28 @@ class _Tractions:
         columns = np.broadcast_to(np.concatenate((at, at + n))[:, None], rows.shape)
         moving = rows >= 0
         self.forces = coo_matrix((values[moving], (rows[moving], columns[moving])), shape=(pair.n, 2 * n)).tocsr()
+        self.scale = np.tile(1.0 / np.sqrt(points.weight), 2)
 
-        if pair.enforcement is None:
-            one = diags_array(1.0 / np.sqrt(points.weight))
-        else:
-            at_points = np.repeat(np.arange(n), points.nodes.shape[1])
-            one = coo_matrix((points.values.ravel(), (at_points, points.nodes.ravel())))
-        self.shapes = csr_matrix(block_diag((one, one)))
+    def of_stress(self, stress: ndarray) -> ndarray:
+        """Tractions of a field of stresses at the points."""
+        xx, yy, _, xy = stress[:, self._at]
+        nx, ny = self._normal.T
+        vector = np.stack((xx * nx + xy * ny, xy * nx + yy * ny), axis=1)
+        tractions = np.zeros((2, len(self._stretch)))
+        tractions[:, self._at] = (vector * self._normal).sum(axis=1), (vector * self._tangent).sum(axis=1)
+        return tractions.ravel()
 
     def state_with(self, tractions: ndarray) -> ContactState:
         """The state in which the pair carries them."""
-        pair, state = self._pair, self._state
-        if pair.enforcement is None:
-            normal, tangential = tractions.reshape(2, -1) / np.array(pair.penalties(state))[:, None]
-            offset = np.where(state.status != Status.OPEN, state.gap - normal, state.offset)
-            new = replace(state, offset=offset, stick_point=state.arc - tangential / self._stretch)
-        else:
-            nodal = lsqr(self.shapes, tractions, atol=_ACCURACY, btol=_ACCURACY)[0].reshape(2, -1)
-            new = replace(state, normal_multiplier=nodal[0], tangential_multiplier=nodal[1])
-        return pair.assemble(self._x, new).state
+        pair, state, points = self._pair, self._state, self._points
+        normal, tangential = tractions.reshape(2, -1)
+        if pair.enforcement is not None:
+            at_points = np.repeat(np.arange(len(normal)), points.nodes.shape[1])
+            shapes = csr_matrix((points.values.ravel(), (at_points, points.nodes.ravel())))
+            nodal = [lsqr(shapes, part, atol=_ACCURACY, btol=_ACCURACY)[0] for part in (normal, tangential)]
+            state = replace(state, normal_multiplier=nodal[0], tangential_multiplier=nodal[1])
+            normal, tangential = normal - shapes @ nodal[0], tangential - shapes @ nodal[1]
+        by_gap, by_slip = pair.penalties(state)
+        offset = np.where(state.status != Status.OPEN, state.gap - normal / by_gap, state.offset)
+        stick_point = state.arc - tangential / by_slip / self._stretch
+        return pair.assemble(self._x, replace(state, offset=offset, stick_point=stick_point)).state
