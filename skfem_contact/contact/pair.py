@@ -11,14 +11,16 @@ from numpy import ndarray
 from scipy.sparse import coo_matrix, csr_matrix
 from skfem import CellBasis
 
-from ..assembly import Response
+from ..assembly import IncrementTooLarge, Response
 from ..checks import check_basis
 from ..materials.coulomb import InterfaceLaw, Status, Traction
 from . import quadrature as rules
 from .augmented import AugmentedLagrangian
 from .kinematics import Kinematics, geometric_tangent, variations
+from .remarks import PENETRATION, penetration, remarks
 from .search import Projection, project
 from .smoothing import smoothed
+from .startup import Held, release, with_springs
 from .state import ContactState, transferred
 from .surface import Surface
 
@@ -26,8 +28,6 @@ from .surface import Surface
 _TOUCHING = 1e-8
 #: A gap below this share of the coordinates is nothing: bodies that touch unloaded go on touching when they move.
 _ROUND_OFF = 8 * np.finfo(float).eps
-#: Penetration, as a share of the slave segment, from which the user is told.
-_PENETRATION = 0.01
 #: The rule "segments" is cut anew when a cut has moved by more than this share of a segment.
 _MOVED = 1e-3
 
@@ -189,7 +189,7 @@ class ContactPair:
         if self.enforcement is not None and self.penalty is not None and self.stiffness is not None:
             stiffening = self.enforcement.start(self.penalty, self.stiffness)
         return ContactState(arc, arc, _segments(found), found.gap, zero, zero, zero, status, nodal, nodal,
-                            stiffening, offset, cuts)
+                            stiffening, offset, cuts, np.zeros(1))
 
     def _moved(self, points: rules.SlavePoints, gap: ndarray) -> ndarray:
         """What gaps have changed by since the mesh, zero where other surfaces have come to face each other."""
@@ -213,21 +213,24 @@ class ContactPair:
         slave, nodes = self._places(x)
         points = self.points(state)
         positions = points.positions(slave)
-        found = self._project(points, nodes, positions, state.segment)
+        held = state.springs[0] > 0.0
+        law = Held(self.law, float(state.springs[0])) if held else self.law
+        found = self._project(points, nodes, positions, state.segment, everywhere=held)
         arc = self._arc(found)
         normal_penalty, tangential_penalty = self.penalties(state)
         gap = found.gap - state.offset + points.at(state.normal_multiplier) / normal_penalty
         gap = np.where(np.abs(gap) <= _ROUND_OFF * np.abs(nodes).max(), 0.0, gap)
         bonded = state.status != Status.OPEN
-        at = np.flatnonzero(found.found & self.law.reaches(gap, normal_penalty, bonded))
+        at = np.flatnonzero(found.found & law.reaches(gap, normal_penalty, bonded))
 
-        rho = self.master.curve(found.segment[at], found.xi[at], nodes)[1]
-        stick_point = np.where(np.isnan(state.stick_point[at]), arc[at], state.stick_point[at])
-        elastic_arc = self._along(arc[at] - stick_point)
+        rho = self.master.curve(found.segment[at], found.xi[at], nodes, 1)[1]
+        stuck = ~np.isnan(state.stick_point[at])
+        elastic_arc = np.where(stuck, self._along(arc[at] - state.stick_point[at]), 0.0)
         kinematics = variations(points, self.slave, self.master, at, found, positions[at] - rho[0], elastic_arc, nodes)
+        kinematics.slip_gradient[~stuck] = 0.0  # what comes from beyond the ends sticks where it arrives
         stretch = np.linalg.norm(rho[1], axis=1) / self.master.arc(found.segment[at], found.xi[at])[1]
         shift = points.at(state.tangential_multiplier)[at] / tangential_penalty
-        traction = self.law.update(gap[at], stretch * elastic_arc + shift, normal_penalty, tangential_penalty)
+        traction = law.update(gap[at], stretch * elastic_arc + shift, normal_penalty, tangential_penalty)
 
         weight = self.share * points.weight[at]
         force = ((weight * traction.normal)[:, None] * kinematics.gap_gradient
@@ -251,14 +254,17 @@ class ContactPair:
         return self.slave.positions(x, origin), self.master.positions(x, origin)
 
     def _project(self, points: rules.SlavePoints, nodes: ndarray, positions: ndarray,
-                 previous: ndarray | None = None) -> Projection:
-        # what penetrates deeper than an element or so belongs to the other side of the body
-        depth = np.maximum(points.size, float(np.median(self.master.length)))
-        return project(self.master, nodes, positions, depth, reach=float(depth.max()), previous=previous)
+                 previous: ndarray | None = None, everywhere: bool = False) -> Projection:
+        depth = np.full(len(points.size), np.inf) if everywhere else self._depth(points)
+        return project(self.master, nodes, positions, depth, previous)
+
+    def _depth(self, points: rules.SlavePoints) -> ndarray:
+        """Largest penetration: what is deeper than an element or so belongs to the other side of the body."""
+        return np.maximum(points.size, float(np.median(self.master.length)))
 
     def _arc(self, found: Projection) -> ndarray:
-        arc = np.full(len(found.gap), np.nan)
-        arc[found.found] = self.master.arc(found.segment[found.found], found.xi[found.found])[0]
+        arc, at = np.full(len(found.gap), np.nan), np.isfinite(found.gap)
+        arc[at] = self.master.arc(found.segment[at], found.xi[at])[0]
         return arc
 
     def _along(self, difference: ndarray) -> ndarray:
@@ -308,11 +314,23 @@ class ContactPair:
         """State from which the same increment must be solved once more, or None where nothing is left to do.
 
         The cuts of ``quadrature="segments"`` follow the bodies here, the augmented method improves its multipliers,
-        and overlaps are resolved in steps.
+        overlaps are resolved in steps, and springs that held the bodies are taken away.
+
+        Raises
+        ------
+        IncrementTooLarge
+            Points have passed through the master.
         """
+        points = self.points(accepted)
+        passed = (candidate.gap < -self._depth(points)) & (accepted.gap >= -self._depth(points))
+        if (passed & np.isfinite(accepted.gap)).any():
+            raise IncrementTooLarge(f"{passed.sum()} of {len(passed)} points of '{self.slave.name}' have passed through "
+                                    f"'{self.master.name}'")
+        if accepted.springs.any():
+            return release(accepted, candidate, points.weight)
         if self.initial == "ramped" and accepted.offset.any():
             left = 0.5 * accepted.offset
-            small = np.abs(left) < _PENETRATION * self.points(accepted).size
+            small = np.abs(left) < PENETRATION * self.points(accepted).size
             return replace(accepted, offset=np.where(small, 0.0, left))
         again = None
         if self.enforcement is not None:
@@ -326,6 +344,10 @@ class ContactPair:
                 again = transferred(base, self.points(base), self.points(replace(base, cuts=cuts)), cuts)
         return again
 
+    def hold(self, state: ContactState) -> ContactState:
+        """The state with soft springs that close the gaps; :meth:`settle` takes them away again."""
+        return state if self.law.bonds else with_springs(state)
+
     def summary(self, state: ContactState) -> str:
         """Counts of open, sticking and slipping points, for the table of a result."""
         counts = np.bincount(state.status, minlength=3)
@@ -333,17 +355,12 @@ class ContactPair:
 
     def penetration(self, state: ContactState) -> float:
         """Largest penetration as a share of the slave segment there."""
-        closed = state.status != Status.OPEN
-        return float(np.max((state.offset - state.gap)[closed] / self.points(state).size[closed], initial=0.0))
+        return penetration(self.points(state), state)
 
     def remarks(self, state: ContactState) -> list[str]:
-        """What a user should know of an accepted state: a penetration of more than 1 % of the segment."""
-        share = self.penetration(state)
-        if share <= _PENETRATION:
-            return []
-        softest = self.penalties(state)[0]
-        return [f"the slave penetrates by {share:.1%} of its segment length: the penalty, {softest:.3g}, is "
-                "too soft for this load"]
+        """What a user should know of an accepted state: contact that is not there, or not where it should be."""
+        points = self.points(state)
+        return list(remarks(self.slave, self.master, points, self._depth(points), self.penalties(state)[0], state))
 
 
 def _segments(found: Projection) -> ndarray:

@@ -27,11 +27,11 @@ class Projection(NamedTuple):
     Attributes
     ----------
     found
-        Whether the point has a closest point on the surface, (n,).
+        Whether contact is possible, (n,): not off the ends of an open chain, and not deeper than an element or so.
     segment, xi
-        Where it lies.
+        Where the closest point lies.
     gap
-        Signed distance, positive outside the body.
+        Signed distance, positive outside the body; inf off the ends of an open chain.
     vertex
         Whether the closest point is a vertex without an orthogonal projection on either side of it.
     """
@@ -43,7 +43,7 @@ class Projection(NamedTuple):
     vertex: ndarray
 
 
-def project(surface: Surface, nodes: ndarray, points: ndarray, depth: ndarray, reach: float,
+def project(surface: Surface, nodes: ndarray, points: ndarray, depth: ndarray,
             previous: ndarray | None = None) -> Projection:
     """Closest points on the surface, among all of its segments.
 
@@ -55,25 +55,20 @@ def project(surface: Surface, nodes: ndarray, points: ndarray, depth: ndarray, r
         Points to project, (n, 2).
     depth
         Largest penetration that counts as contact, (n,): what lies deeper belongs to the body's other side.
-    reach
-        Points farther away from the surface's bounding box are not projected.
     previous
         Segments of the accepted state, (n,), -1 where there was none.
     """
     n = len(points)
     result = Projection(np.zeros(n, bool), np.zeros(n, int), np.zeros(n), np.full(n, np.inf), np.zeros(n, bool))
-    near = np.flatnonzero(((points > nodes.min(axis=0) - reach) & (points < nodes.max(axis=0) + reach)).all(axis=1))
-    if len(near) == 0:
-        return result
-    row, segment = _candidates(surface, nodes, points[near])
-    foot = _foot(surface, nodes, points[near][row], segment)
+    row, segment = _candidates(surface, nodes, points)
+    foot = _foot(surface, nodes, points[row], segment)
     off_end = _off_end(surface, segment, foot)
-    stays = _stays(surface, nodes, segment, foot, None if previous is None else previous[near][row])
+    stays = _stays(surface, nodes, segment, foot, None if previous is None else previous[row])
     outside = np.abs(foot) - 1.0 > np.where(off_end, 2.0 * EXTENSION, np.where(stays, 2.0 * HYSTERESIS, _ON_FACET))
     reached = np.where(off_end, 1.0 + 2.0 * EXTENSION, 1.0)
     xi = np.where(outside, np.clip(foot, -reached, reached), foot)
     rho = surface.curve(segment, xi, nodes, 1)[1]
-    offset = points[near][row] - rho[0]
+    offset = points[row] - rho[0]
     distance = np.linalg.norm(offset, axis=1)
     vertex = outside & ~off_end
     side, at = _left(rho[1], offset), np.flatnonzero(vertex)
@@ -81,11 +76,10 @@ def project(surface: Surface, nodes: ndarray, points: ndarray, depth: ndarray, r
     gap = np.where(side >= 0, distance, -distance)
     best = _first_minimum(row, distance - np.where(stays & ~outside, HYSTERESIS * surface.length[segment], 0.0))
     # what is closest decides: off the end of the chain, or too deep, there is no contact with anything farther
-    best = best[~(outside & off_end)[best] & (gap >= -depth[near][row])[best]]
-    at = near[row[best]]
-    result.found[at] = True
+    best = best[~(outside & off_end)[best]]
+    at = row[best]
     result.segment[at], result.xi[at], result.gap[at] = segment[best], xi[best], gap[best]
-    result.vertex[at] = vertex[best]
+    result.vertex[at], result.found[at] = vertex[best], gap[best] >= -depth[at]
     return result
 
 

@@ -22,7 +22,7 @@ class ContactState:
     segment
         Segment of the master with the closest point, -1 where there is none.
     gap, slip
-        Normal gap (negative: penetration, inf: nothing near) and slip since the point closed.
+        Normal gap (negative: penetration, inf: nothing opposite) and slip since the point closed.
     normal, tangential
         Tractions: normal negative in compression; the tangential one opposes the slip.
     status
@@ -35,6 +35,8 @@ class ContactState:
         Gap that counts as touching: the initial one where it was adjusted.
     cuts
         Chain coordinates at which ``quadrature="segments"`` cuts the slave; empty for other rules.
+    springs
+        Stiffness of the springs that hold open points until contact does, as a share of the penalty, (1,).
     """
 
     stick_point: ndarray
@@ -50,6 +52,7 @@ class ContactState:
     stiffening: ndarray
     offset: ndarray
     cuts: ndarray
+    springs: ndarray
 
 
 def transferred(state: ContactState, old: SlavePoints, new: SlavePoints, cuts: ndarray) -> ContactState:

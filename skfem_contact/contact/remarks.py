@@ -1,0 +1,58 @@
+"""What a user should know of a contact state: contact that is not there, or not where it should be."""
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy import ndarray
+
+from ..materials.coulomb import Status
+from .quadrature import SlavePoints
+from .state import ContactState
+from .surface import Surface
+
+#: Penetration, as a share of the slave segment, from which the user is told.
+PENETRATION = 0.01
+
+
+def penetration(points: SlavePoints, state: ContactState) -> float:
+    """Largest penetration as a share of the slave segment there."""
+    closed = state.status != Status.OPEN
+    return float(np.max((state.offset - state.gap)[closed] / points.size[closed], initial=0.0))
+
+
+def remarks(slave: Surface, master: Surface, points: SlavePoints, depth: ndarray, penalty: float, state: ContactState
+            ) -> Iterator[str]:
+    """Remarks on a state: penetration, points that lie too deep, no contact at all.
+
+    Parameters
+    ----------
+    slave, master
+        The surfaces.
+    points
+        The slave's points.
+    depth
+        Largest penetration that counts as contact, (n,).
+    penalty
+        Normal penalty.
+    state
+        Their state.
+    """
+    share = penetration(points, state)
+    if share > PENETRATION:
+        yield (f"the slave penetrates by {share:.1%} of its segment length: the penalty, {penalty:.3g}, is "
+               "too soft for this load")
+    deep = state.gap < -depth
+    if deep.any():
+        yield (f"{deep.sum()} of {len(deep)} points of '{slave.name}' lie deeper in '{master.name}' than an element, "
+               f"by up to {-state.gap.min():.3g}, and do not touch it; the deepest is at {_place(slave, points, state)}")
+    elif (state.status == Status.OPEN).all():
+        gap = float((state.gap - state.offset).min())
+        yield (f"no point of '{slave.name}' lies opposite '{master.name}'" if np.isinf(gap) else
+               f"no point of '{slave.name}' touches '{master.name}': the smallest gap is {gap:.3g}, at "
+               f"{_place(slave, points, state)}")
+
+
+def _place(slave: Surface, points: SlavePoints, state: ContactState) -> str:
+    x, y = points.positions(slave.nodes)[np.argmin(state.gap)]
+    return f"({x:g}, {y:g}) of the mesh"

@@ -1,0 +1,77 @@
+"""Start-up of bodies that nothing but contact holds: soft springs until it is closed."""
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy import ndarray
+
+from ..materials.coulomb import InterfaceLaw, Status, Traction
+from .state import ContactState
+
+#: Stiffness of the springs as a share of the penalty: at first, and when they are as good as gone.
+_FIRST, _LAST = 1e-2, 1e-6
+#: Factor by which the share falls from one solution to the next.
+_FALL = 0.1
+#: Springs that exert less than this share of the contact force need not be taken away little by little.
+_NEGLIGIBLE = 1e-3
+
+
+@dataclass(frozen=True)
+class Held:
+    """An interface law with soft springs at the points that are open.
+
+    The springs draw the points to the surface that they face.  Sideways they act only where the law resists slip under
+    pressure, for without friction nothing will hold the bodies there.
+
+    Parameters
+    ----------
+    law
+        The law.
+    share
+        Stiffness of the springs as a share of the penalty.
+    """
+
+    law: InterfaceLaw
+    share: float
+
+    @property
+    def bonds(self) -> bool:
+        """As the law."""
+        return self.law.bonds
+
+    def reaches(self, gap: ndarray, normal_penalty: float, closed: ndarray) -> ndarray:
+        """All points."""
+        return np.ones(len(gap), bool)
+
+    def update(self, gap: ndarray, slip: ndarray, normal_penalty: float, tangential_penalty: float) -> Traction:
+        """The law's tractions where the gap is closed, those of the springs elsewhere."""
+        closed = self.law.update(np.minimum(gap, 0.0), slip, normal_penalty, tangential_penalty)
+        pressed = self.law.update(-np.ones(1), np.zeros(1), normal_penalty, tangential_penalty)
+        along, normal = self.share * float(pressed.tangential_by_slip[0]), self.share * normal_penalty
+        zero = np.zeros_like(gap)
+        springs = Traction(normal * gap, along * slip, zero + normal, zero, zero + along, zero,
+                           np.full(len(gap), int(Status.OPEN)))
+        return Traction(*(np.where(gap > 0.0, s, c) for s, c in zip(springs, closed, strict=True)))
+
+
+def with_springs(state: ContactState) -> ContactState:
+    """The state with springs at its open points."""
+    return replace(state, springs=np.array([_FIRST]))
+
+
+def release(accepted: ContactState, candidate: ContactState, weight: ndarray) -> ContactState:
+    """The accepted state with softer springs, or with none where they exert next to nothing or are next to nothing.
+
+    Parameters
+    ----------
+    accepted, candidate
+        State at the start of the increment, and the one that has been found with springs.
+    weight
+        Lengths of surface that belong to the points.
+    """
+    force = weight * np.abs(candidate.normal)
+    springs = candidate.status == Status.OPEN
+    share = float(accepted.springs[0]) * _FALL
+    gone = share < _LAST or force[springs].sum() <= _NEGLIGIBLE * force[~springs].sum()
+    return replace(accepted, springs=np.array([0.0 if gone else share]))
