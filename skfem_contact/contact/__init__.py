@@ -1,10 +1,11 @@
 """Contact between bodies: surfaces, closest point projection, kinematics, and the pair form."""
 from .augmented import AugmentedLagrangian
-from .pair import ContactPair, two_pass
+from .pair import ContactPair
 from .penalty import choose_penalties
 from .rigid import rigid_circle, rigid_level_set, rigid_line, rigid_polyline
 from .state import ContactState
 from .surface import Surface
+from .two_pass import two_pass
 
 __all__ = ["AugmentedLagrangian", "ContactPair", "ContactState", "Surface", "choose_penalties", "rigid_circle",
            "rigid_level_set", "rigid_line", "rigid_polyline", "two_pass"]

@@ -17,7 +17,7 @@ from ..materials.coulomb import InterfaceLaw, Status, Traction
 from . import quadrature as rules
 from .augmented import AugmentedLagrangian
 from .kinematics import Kinematics, geometric_tangent, variations
-from .remarks import PENETRATION, penetration, remarks
+from .remarks import PENETRATION, passed_through, penetration, remarks
 from .search import Projection, project
 from .smoothing import smoothed
 from .startup import Held, release, with_springs
@@ -322,9 +322,8 @@ class ContactPair:
             Points have passed through the master.
         """
         points = self.points(accepted)
-        passed = (candidate.gap < -self._depth(points)) & (accepted.gap >= -self._depth(points))
-        if (passed & np.isfinite(accepted.gap)).any():
-            raise IncrementTooLarge(f"{passed.sum()} of {len(passed)} points of '{self.slave.name}' have passed through "
+        if passed := passed_through(self._depth(points), accepted, candidate):
+            raise IncrementTooLarge(f"{passed} of {len(points.arc)} points of '{self.slave.name}' have passed through "
                                     f"'{self.master.name}'")
         if accepted.springs.any():
             return release(accepted, candidate, points.weight)
@@ -372,34 +371,3 @@ def _one_of(name: str, value: object, allowed: tuple[str, ...]) -> None:
     if (name == "quadrature" and is_number and value > 0) or (isinstance(value, str) and value in allowed):  # type: ignore[operator]
         return
     raise ValueError(f"{name} must be one of {allowed}, not {value!r}")
-
-
-def two_pass(basis: CellBasis, a: str, b: str, law: InterfaceLaw, **options: object) -> dict[str, ContactPair]:
-    """Two pairs with the roles swapped, each with half of the contact work: node-to-segment without bias.
-
-    Parameters
-    ----------
-    basis, law
-        As for :class:`ContactPair`.
-    a, b
-        Names of the boundaries.
-    options
-        Further arguments of :class:`ContactPair`.
-
-    Returns
-    -------
-    dict
-        The two forms, named ``"a on b"``.
-
-    Examples
-    --------
-    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
-    >>> import skfem_contact as sc
-    >>> block = MeshQuad().refined(1).with_defaults()
-    >>> mesh = sc.join_bodies({"lower": block, "upper": block.translated((0., 1.))})
-    >>> basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
-    >>> list(sc.two_pass(basis, "upper:bottom", "lower:top", sc.Coulomb(mu=.3)))
-    ['upper:bottom on lower:top', 'lower:top on upper:bottom']
-    """
-    return {f"{slave} on {master}": ContactPair(basis, slave, master, law, share=0.5, **options)  # type: ignore[arg-type]
-            for slave, master in ((a, b), (b, a))}

@@ -21,6 +21,12 @@ def penetration(points: SlavePoints, state: ContactState) -> float:
     return float(np.max((state.offset - state.gap)[closed] / points.size[closed], initial=0.0))
 
 
+def passed_through(depth: ndarray, accepted: ContactState, candidate: ContactState) -> int:
+    """Number of points that were outside the master, or near its surface, and are deep inside now."""
+    was_outside = np.isfinite(accepted.gap) & (accepted.gap >= -depth)
+    return int((was_outside & (candidate.gap < -depth)).sum())
+
+
 def remarks(slave: Surface, master: Surface, points: SlavePoints, depth: ndarray, penalty: float, state: ContactState
             ) -> Iterator[str]:
     """Remarks on a state: penetration, points that lie too deep, no contact at all.
@@ -45,7 +51,7 @@ def remarks(slave: Surface, master: Surface, points: SlavePoints, depth: ndarray
     deep = state.gap < -depth
     if deep.any():
         yield (f"{deep.sum()} of {len(deep)} points of '{slave.name}' lie deeper in '{master.name}' than an element, "
-               f"by up to {-state.gap.min():.3g}, and do not touch it; the deepest is at {_place(slave, points, state)}")
+               f"up to {-state.gap.min():.3g}, and do not touch it; the deepest is at {_place(slave, points, state)}")
     elif (state.status == Status.OPEN).all():
         gap = float((state.gap - state.offset).min())
         yield (f"no point of '{slave.name}' lies opposite '{master.name}'" if np.isinf(gap) else
