@@ -131,7 +131,7 @@ def remainder(points: list[Point] | tuple[Point, ...]) -> float:
 
 
 def follow(branch: Branch, control: ndarray, points: list[Point], newton: Newton, tolerance: float,
-           report: Report, relative: bool = False) -> Curve:
+           report: Report, relative: bool = False, highest: float = np.inf) -> Curve:
     """Follow the curve until it has levelled off.
 
     Parameters
@@ -148,6 +148,8 @@ def follow(branch: Branch, control: ndarray, points: list[Point], newton: Newton
         The curve ends when its last slope lets the parameter rise by no more than this.
     relative
         Whether the tolerance is a share of the parameter.
+    highest
+        The curve ends when the parameter exceeds this.
     report
         Told of every new point and of every step that failed.
     """
@@ -167,6 +169,8 @@ def follow(branch: Branch, control: ndarray, points: list[Point], newton: Newton
         left = remainder(points)
         if left < tolerance * (abs(point.parameter) if relative else 1.0):
             return Curve(tuple(points), f"plateau: the curve may rise by {max(left, 0.0):.2g} more")
+        if point.parameter > highest:
+            return Curve(tuple(points), f"the parameter {highest:g}: there is no collapse below it")
         cuts, length = 0, _GROWTH * length
     return Curve(tuple(points), f"{_MOST_STEPS} steps without a plateau")
 

@@ -89,8 +89,8 @@ class _Load:
 
 
 def limit_load(forms: Mapping[str, Form], fixed: ndarray, load: ndarray, start: Result | StageResult | None = None,
-               tol: float = 0.005, step: float = 1.0, newton: Newton | None = None, solver: Any = None,
-               progress: bool | None = None) -> LimitLoad:
+               tol: float = 0.005, step: float = 1.0, highest: float = np.inf, newton: Newton | None = None,
+               solver: Any = None, progress: bool | None = None) -> LimitLoad:
     """Multiply a load until the structure collapses.
 
     The work of the reference load is prescribed and its multiplier follows, until the curve of the multiplier
@@ -111,6 +111,8 @@ def limit_load(forms: Mapping[str, Form], fixed: ndarray, load: ndarray, start: 
         The curve ends when its last slope lets the multiplier rise by no more than this share.
     step
         First multiplier; it is halved until there is an equilibrium.
+    highest
+        The curve ends when the multiplier exceeds this.
     newton
         Settings of Newton's method; by default the residual is at most 0.03 ``tol`` of the load.
     solver
@@ -153,7 +155,7 @@ def limit_load(forms: Mapping[str, Form], fixed: ndarray, load: ndarray, start: 
         origin = starting_point(system, last)
         trials.begin(origin)
         path = [origin, _first(branch, origin, step, newton, trials)]
-        curve = follow(branch, reference, path, newton, tol, trials, relative=True)
+        curve = follow(branch, reference, path, newton, tol, trials, relative=True, highest=highest)
     multiplier, above = curve.limit
     end = curve.points[-1]
     mechanism = end.x - curve.points[-2].x

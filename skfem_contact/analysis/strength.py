@@ -231,6 +231,7 @@ _Found = tuple[float, tuple[float, float], str, list[Point], ndarray]
 def _first(branch: _Strength, last: StageResult | None, newton: Newton, trials: Trials) -> Point:
     """The first equilibrium: at factor 1, or below where there is none."""
     nothing = starting_point(branch.whole, last)
+    trials.begin(nothing)
     error: NotConverged | None = None
     for factor in _FIRST:
         try:
@@ -240,7 +241,6 @@ def _first(branch: _Strength, last: StageResult | None, newton: Newton, trials: 
             trials.reject(factor, reason, 0.0)
             continue
         point = Point(point.x, point.states, factor, 0.0, point.residuals)
-        trials.begin(nothing)
         trials.accept(point)
         trials.begin(point)
         return point

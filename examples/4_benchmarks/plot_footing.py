@@ -1,0 +1,113 @@
+r"""
+Bearing capacity of a strip footing
+===================================
+
+A smooth strip footing of half width 1 on weightless soil (c = 1) carries :math:`N_c c` at collapse (Prandtl 1920):
+5.1416, 14.835 and 30.140 for :math:`\phi` = 0, 20 and 30°, if the flow is associated. The pressure under the footing
+is uniform, its work is prescribed, and the multiplier of the pressure follows.
+
+``--full`` adds the finest mesh, and :math:`\psi = 0`.
+"""
+import json
+import sys
+import time
+
+import matplotlib.pyplot as plt
+import numpy as np
+from skfem import Basis, ElementQuad1, ElementTriP2, ElementVector, FacetBasis, LinearForm, MeshQuad
+
+import skfem_contact as sc
+
+FULL = "--full" in sys.argv
+WIDTH, DEPTH = 12.0, 6.0
+EXACT = {0: 2 + np.pi, 20: 14.83471, 30: 30.13963}
+
+# %%
+# The ground
+# ----------
+# The collapse begins at the edge of the footing, where the stress is singular: the cells shrink towards it, each by
+# the same ratio.
+
+
+def graded(length: float, cells: int, first: float) -> np.ndarray:
+    """Coordinates from 0 to a length in geometric progression, given the first cell."""
+    low, high = 1.0 + 1e-9, 10.0
+    for _ in range(100):
+        ratio = 0.5 * (low + high)
+        low, high = (low, ratio) if first * (ratio**cells - 1) / (ratio - 1) > length else (ratio, high)
+    x = (ratio ** np.arange(cells + 1) - 1) / (ratio**cells - 1)
+    return length * x
+
+
+def ground(n: int, triangles: bool = True):
+    """Mesh of half the ground; the footing's edge is at x = 1."""
+    first = 0.24 / n
+    x = np.concatenate((1 - graded(1.0, n, first)[::-1], 1 + graded(WIDTH - 1, 2 * n, first)[1:]))
+    mesh = MeshQuad.init_tensor(x, -graded(DEPTH, 3 * n // 2, first)[::-1])
+    mesh = mesh.to_meshtri(style="x") if triangles else mesh
+    return mesh.with_boundaries({"footing": lambda p: (p[1] > -1e-9) & (p[0] < 1 + 1e-9),
+                                 "bottom": lambda p: p[1] < -DEPTH + 1e-9,
+                                 "sides": lambda p: (p[0] < 1e-9) | (p[0] > WIDTH - 1e-9)})
+
+
+def bearing(label, mesh, element, intorder, phi, psi, strain=sc.plane_strain, **settings):
+    """Limit load of the footing and its row of the table."""
+    began = time.process_time()
+    basis = Basis(mesh, ElementVector(element), intorder=intorder)
+    soil = sc.SolidForm(basis, sc.MohrCoulomb(E=1e4, nu=0.3, c=1.0, phi=phi, psi=psi), strain=strain)
+    fixed = np.hstack([basis.get_dofs("bottom").all(), basis.get_dofs("sides").all("u^1")])
+    facets = FacetBasis(mesh, basis.elem, facets="footing", intorder=4)
+    pressure = LinearForm(lambda v, w: -v[1]).assemble(facets)
+    result = sc.limit_load({"soil": soil}, fixed, pressure, progress=False, **settings)
+    rows.append({"method": label, "phi": phi, "psi": psi, "n": mesh.nelements, "unknowns": int(basis.N),
+                 "Nc": round(result.multiplier, 4), "error": round(abs(result.multiplier / EXACT[phi] - 1), 5),
+                 "above": bool(result.multiplier > EXACT[phi]), "cpu_s": round(time.process_time() - began, 2),
+                 "iterations": result.iterations, "stopped": result.criterion[:40]})
+    print(rows[-1])
+    return result
+
+
+# %%
+# Associated flow
+# ---------------
+
+rows, curves = [], {}
+for n in (4, 6, 9) if FULL else (4,):
+    for phi in EXACT:
+        curves[phi] = bearing("P2", ground(n), ElementTriP2(), 2, phi, phi)
+        assert rows[-1]["above"] and rows[-1]["unknowns"] <= 7000
+        if n == 9:
+            assert rows[-1]["error"] <= (0.010 if phi == 0 else 0.015) and rows[-1]["iterations"] <= 150
+
+# %%
+# Locking
+# -------
+# At constant volume, :math:`\phi` = 0, fully integrated four-node quadrilaterals do not collapse at all: the curve
+# goes on rising, and is followed to 20 times the exact capacity. With the averaged volume strain (B-bar) they do.
+
+quads = ground(8, triangles=False)
+good = bearing("Q1 B-bar", quads, ElementQuad1(), 3, 0, 0, sc.b_bar)
+locked = bearing("Q1 full integration", quads, ElementQuad1(), 3, 0, 0, highest=20 * EXACT[0])
+assert EXACT[0] < good.multiplier < 1.05 * EXACT[0] and locked.multiplier > 20 * EXACT[0]
+
+# %%
+# Flow at constant volume, :math:`\psi = 0`
+# -----------------------------------------
+# There is no theorem that bounds this load: the curve depends on the mesh and on the path, more so the larger
+# :math:`\phi` is, and Newton's method has to cut its steps. What comes out is reported.
+
+if FULL:
+    for phi in (20, 30):
+        bearing("P2", ground(4), ElementTriP2(), 4, phi, 0, newton=sc.Newton(1e-3, 30))
+        bearing("Q1 B-bar", ground(12, triangles=False), ElementQuad1(), 3, phi, 0, sc.b_bar,
+                newton=sc.Newton(3e-3, 30))
+
+figure, axes = plt.subplots(figsize=(6, 4))
+for phi, result in curves.items():
+    axes.plot(result.curve[:, 2], result.curve[:, 1] / EXACT[phi], ".-", label=f"P2, phi = {phi}")
+axes.plot(locked.curve[:, 2], locked.curve[:, 1] / EXACT[0], ":", label="Q1, phi = 0")
+axes.set(xlabel="largest displacement", ylabel="pressure / exact capacity", xscale="log", ylim=(0, 2))
+axes.legend()
+plt.show()
+
+print(json.dumps({"case": "footing", "rows": rows}))
