@@ -41,3 +41,15 @@ def check_basis(basis: CellBasis) -> None:
         if isinstance(elem, ElementVector):
             name = f"{name}({type(elem.elem).__name__}()) with {elem.dim} components"
         raise ValueError(f"unsupported element {name}; supported are {names}")
+
+
+def check_quadrature(basis: CellBasis) -> None:
+    """Refuse rules with so few points that elements can deform without strain (hourglass modes).
+
+    A point sees three strains; an element has all but three of its unknowns to strain.  One mode more is allowed:
+    that of the serendipity element with 2 x 2 points does not spread from element to element.
+    """
+    points = basis.X.shape[-1]
+    if 3 * points < basis.Nbfun - 4:
+        raise ValueError(f"{points} integration points are too few for {type(basis.elem.elem).__name__}: it would "
+                         f"deform without strain; pass a higher `intorder` to Basis")

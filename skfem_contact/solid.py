@@ -12,7 +12,7 @@ from scipy.sparse import csr_matrix
 from skfem import CellBasis
 
 from .assembly import Pattern, Response, StrainOperator, element_stiffness, plane_strain, strain_matrix
-from .checks import check_basis, look_up
+from .checks import check_basis, check_quadrature, look_up
 from .materials import Material, Update
 
 #: Share of the symmetric companion in a damped tangent: more of it makes Newton's method slow, less lets it stall.
@@ -93,6 +93,7 @@ class SolidForm:
     def __init__(self, basis: CellBasis, materials: Material | Mapping[str, Material],
                  strain: Callable[[CellBasis], StrainOperator] = plane_strain) -> None:
         check_basis(basis)
+        check_quadrature(basis)
         self.basis, self.regions = _by_region(basis, materials)
         _check_materials(self.regions, self.basis.nelems)
         self.strain = strain

@@ -13,9 +13,11 @@ from skfem import (
     ElementLineP1,
     ElementQuad0,
     ElementQuad1,
+    ElementQuad2,
     ElementTetP1,
     ElementTriCR,
     ElementTriP1,
+    ElementTriP2,
     ElementTriP3,
     ElementVector,
     FacetBasis,
@@ -469,3 +471,12 @@ def test_solver_that_is_none(solver):
 def test_bad_newton_settings(settings):
     with pytest.raises(ValueError, match=next(iter(settings))):
         sc.Newton(**settings)
+
+
+@pytest.mark.parametrize(("mesh", "element", "intorder"), [
+    (MeshQuad(), ElementQuad1(), 1), (MeshQuad(), ElementQuad2(), 3), (MeshTri(), ElementTriP2(), 1)])
+def test_too_few_integration_points(mesh, element, intorder):
+    """Elements with hourglass modes would give displacements of any size without a word."""
+    basis = Basis(mesh.refined(1), ElementVector(element), intorder=intorder)
+    with pytest.raises(ValueError, match="integration points are too few"):
+        sc.SolidForm(basis, sc.LinearElastic(E=1.0, nu=0.3))
