@@ -18,7 +18,7 @@ from scipy.linalg import lu_factor, lu_solve
 from scipy.sparse import csr_matrix
 from scipy.sparse.linalg import SuperLU, splu
 
-from .free_block import FreeBlock
+from .free_block import FreeBlock, same_pattern
 from .linear import LinearSolver, Solve, as_solver
 from .ordering import nested_dissection
 
@@ -92,14 +92,19 @@ class InterfaceSolver:
 
     def _change(self, K: csr_matrix, old: csr_matrix) -> csr_matrix | None:
         """K - old if it lies on the interface (as far as the unknowns are free)."""
-        change = (K - old).tocoo()
+        if same_pattern(K, old):
+            at = np.flatnonzero(K.data != old.data)
+            row, col, data = np.searchsorted(K.indptr, at, side="right") - 1, K.indices[at], K.data[at] - old.data[at]
+        else:
+            change = (K - old).tocoo()
+            row, col, data = change.row, change.col, change.data
         free = np.zeros(K.shape[0], bool)
         free[self._free] = True
-        keep = (change.data != 0.0) & free[change.row] & free[change.col]
-        row, col = change.row[keep], change.col[keep]
+        keep = (data != 0.0) & free[row] & free[col]
+        row, col = row[keep], col[keep]
         if not (self._on_interface[row].all() and self._on_interface[col].all()):
             return None
-        return csr_matrix((change.data[keep], (row, col)), shape=K.shape)
+        return csr_matrix((data[keep], (row, col)), shape=K.shape)
 
 
 class _Base:

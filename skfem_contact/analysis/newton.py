@@ -12,6 +12,7 @@ from scipy.sparse import csr_matrix
 
 from ..assembly import Response
 from .linear import SingularSystem, Solve
+from .total import Total
 
 logger = logging.getLogger("skfem_contact")
 
@@ -154,14 +155,6 @@ class Trial:
     norm: float
     lag: float = 0.0
 
-    def tangent(self, damped: bool) -> csr_matrix:
-        """Tangent of all forms together."""
-        matrices = [r.damped if damped else r.stiffness for r in self.responses.values()]
-        total = matrices[0]
-        for matrix in matrices[1:]:
-            total = total + matrix
-        return total
-
     @property
     def worst(self) -> int:
         """Unknown with the largest unbalanced force."""
@@ -190,6 +183,7 @@ class System:
         self.forms = dict(forms)
         self.fixed, self.free = fixed, free
         self.solver = solver
+        self._total = Total()
 
     @property
     def size(self) -> int:
@@ -208,6 +202,10 @@ class System:
         scale = max(np.linalg.norm(load), *(np.linalg.norm(r.force) for r in responses.values()))
         norm = float(np.linalg.norm(residual))
         return Trial(x, responses, residual, float(norm / scale) if scale > 0 else norm)
+
+    def tangent(self, now: Trial, damped: bool = False) -> csr_matrix:
+        """Tangent of all forms together."""
+        return self._total.of([r.damped if damped else r.stiffness for r in now.responses.values()])
 
     def equilibrium(self, x: ndarray, states: Mapping[str, Any], load: ndarray, prescribed: ndarray,
                     settings: Newton, searches: Sequence[Search] = ("residual", "energy"),
@@ -274,7 +272,7 @@ class System:
 
     def _direction(self, now: Trial, lag: ndarray, damped: bool, factors: list[Solve]) -> ndarray:
         """Newton step; where the tangent is singular, far out on a mechanism, with the last regular one."""
-        K = now.tangent(damped)
+        K = self.tangent(now, damped)
         right = now.residual
         step = np.zeros_like(now.z)
         if lag.any():

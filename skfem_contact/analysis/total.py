@@ -1,0 +1,106 @@
+"""Sum of the forms' tangents on a pattern that stays."""
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy import ndarray
+from scipy.sparse import csr_matrix
+
+from .free_block import same_pattern
+
+#: Entries that are kept for contacts that have opened, as a share of all.
+_SPARE = 0.05
+
+
+class Total:
+    """Sum of matrices on the union of their patterns.
+
+    scipy drops the entries that happen to add up to zero, and contacts open and close; here they keep their places,
+    so that an order of elimination and an index map serve for many iterations.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scipy.sparse import csr_matrix
+    >>> one = csr_matrix(np.eye(2))
+    >>> Total().of([one, -one]).data
+    array([0., 0.])
+    """
+
+    def __init__(self) -> None:
+        self._pattern: csr_matrix | None = None
+        self._parts: list[tuple[csr_matrix, ndarray]] = []
+
+    def of(self, matrices: Sequence[csr_matrix]) -> csr_matrix:
+        """The sum; its index arrays are those of the last one as long as they serve."""
+        if len(matrices) == 1:
+            return matrices[0]
+        matrices = [_canonical(matrix) for matrix in matrices]
+        places = self._places(matrices)
+        if places is None:
+            self._widen(matrices)
+            places = self._places(matrices)
+        pattern = self._pattern
+        assert pattern is not None and places is not None
+        data = np.zeros(pattern.nnz)
+        for matrix, place in zip(matrices, places, strict=True):
+            data[place] += matrix.data
+        total = csr_matrix(pattern.shape)
+        total.data, total.indices, total.indptr = data, pattern.indices, pattern.indptr
+        total.has_canonical_format = True
+        return total
+
+    def _places(self, matrices: Sequence[csr_matrix]) -> list[ndarray] | None:
+        """Where the entries of the matrices are in the pattern; None where it lacks some of them."""
+        if self._pattern is None:
+            return None
+        parts: list[tuple[csr_matrix, ndarray]] = []
+        for k, matrix in enumerate(matrices):
+            known = k < len(self._parts) and same_pattern(matrix, self._parts[k][0])
+            place = self._parts[k][1] if known else _find(matrix, self._pattern)
+            if place is None:
+                return None
+            parts.append((matrix, place))
+        self._parts = parts
+        return [place for _, place in parts]
+
+    def _widen(self, matrices: Sequence[csr_matrix]) -> None:
+        """Take up new entries, and drop old ones that have become many."""
+        needed = _union(matrices)
+        if self._pattern is not None:
+            both = _union([needed, self._pattern])
+            needed = both if both.nnz <= (1.0 + _SPARE) * needed.nnz else needed
+        self._pattern, self._parts = needed, []
+
+
+def _canonical(matrix: csr_matrix) -> csr_matrix:
+    if not matrix.has_canonical_format:
+        matrix = matrix.copy()
+        matrix.sum_duplicates()
+    return matrix
+
+
+def _union(matrices: Sequence[csr_matrix]) -> csr_matrix:
+    """The entries of any of the matrices."""
+    ones = [csr_matrix((np.ones(m.nnz, dtype=np.int8), m.indices, m.indptr), shape=m.shape) for m in matrices]
+    union = ones[0]
+    for one in ones[1:]:
+        union = union.maximum(one)
+    union.sort_indices()
+    return union
+
+
+def _find(matrix: csr_matrix, pattern: csr_matrix) -> ndarray | None:
+    """Positions of the entries of a matrix among those of a pattern, None if one is missing."""
+    rows = np.flatnonzero(np.diff(matrix.indptr))
+    if len(rows) == 0:
+        return np.zeros(0, dtype=int)
+    n = matrix.shape[1]
+    start, count = pattern.indptr[rows].astype(int), np.diff(pattern.indptr)[rows]
+    first = np.cumsum(count) - count
+    position = np.arange(count.sum()) - np.repeat(first - start, count)
+    keys = np.repeat(rows * n, count) + pattern.indices[position]
+    wanted = np.repeat(rows * n, np.diff(matrix.indptr)[rows]) + matrix.indices
+    at = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
+    return position[at] if np.array_equal(keys[at], wanted) else None
