@@ -11,6 +11,7 @@ import numpy as np
 from numpy import ndarray
 
 from ..contact.pair import ContactPair
+from ..solid import SolidForm
 from .newton import Form
 
 
@@ -96,9 +97,11 @@ class Result:
 
 
 def _fits(form: Form, state: Any, initial: Any) -> bool:
-    """Whether a state belongs to a form; where the slave is cut its points are others in every state."""
+    """Whether a state belongs to a form; cuts of the slave and internal variables may be others than at first."""
     if isinstance(form, ContactPair) and form.quadrature == "segments":
         return len(state.cuts) > 0 and state.cuts[-1] == len(form.slave.segments)
+    if isinstance(form, SolidForm):
+        return np.shape(state.stress) == np.shape(initial.stress)
     return all(np.shape(getattr(state, f.name)) == np.shape(getattr(initial, f.name)) for f in fields(initial))
 
 
@@ -110,7 +113,7 @@ def load_result(file: str | Path, forms: Mapping[str, Form]) -> Result:
     file
         What :meth:`Result.save` wrote.
     forms
-        The forms of the analysis, by the same names.
+        The forms of the analysis, by the same names; of those that were not active in a stage it holds no state.
 
     Raises
     ------
@@ -129,10 +132,11 @@ def load_result(file: str | Path, forms: Mapping[str, Form]) -> Result:
     stages = []
     with np.load(file, allow_pickle=False) as data:
         for i, head in enumerate(json.loads(str(data["head"]))):
-            if set(head["forms"]) != set(forms):
+            if not set(head["forms"]) <= set(forms):
                 raise ValueError(f"the file holds the forms {head['forms']}, not {list(forms)}")
             states = {}
-            for name, form in forms.items():
+            for name in head["forms"]:  # those that were active
+                form = forms[name]
                 initial = form.initial_state()
                 states[name] = type(initial)(**{f.name: data[f"{i}/{name}/{f.name}"] for f in fields(initial)})
                 if not _fits(form, states[name], initial):

@@ -1,0 +1,268 @@
+"""Initial states: K0 procedure, given stresses, gravity, reset of displacements, pre-stressed contact."""
+
+from __future__ import annotations
+
+import warnings
+
+import numpy as np
+import pytest
+from helpers import grid, vector_basis
+from skfem import FacetBasis, LinearForm
+
+import skfem_contact as sc
+
+QUIET = {"progress": False}
+SOIL = sc.MohrCoulomb(E=1e4, nu=0.3, c=2.0, phi=30.0)
+
+
+def smooth_sides(basis) -> np.ndarray:
+    return np.concatenate((basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1")))
+
+
+def layered(element: str = "Q1", material=SOIL):
+    """Two layers, 4 x 6, the upper one 2 m thick."""
+    tags = {"lower": lambda x: x[1] < 4, "upper": lambda x: x[1] > 4}
+    mesh = grid(element, np.linspace(0, 4, 5), np.linspace(0, 6, 7)).with_subdomains(tags)
+    basis = vector_basis(mesh, element, intorder=2 if element == "Q1" else 4)
+    return basis, {"ground": sc.SolidForm(basis, {"lower": material, "upper": material})}, smooth_sides(basis)
+
+
+@pytest.mark.parametrize("element", ["P1", "Q1", "P2", "Q2", "QuadS2"])
+def test_k0_procedure(element):
+    """[X] Case K2: layers of different weight and K0, surcharge: the null step moves nothing."""
+    basis, forms, fixed = layered(element)
+    gamma, K0 = {"lower": 20.0, "upper": 16.0}, {"lower": 0.5, "upper": 0.7}
+    top = basis.mesh.boundaries["top"]
+    surcharge = LinearForm(lambda v, w: -10.0 * v[1]).assemble(FacetBasis(basis.mesh, basis.elem, facets=top))
+    load = sc.weight(basis, gamma) + surcharge
+    start = sc.k0_state(forms, load, fixed, gamma, K0, surcharge=10.0)
+    stress = start[0].states["ground"].stress
+    y = np.asarray(forms["ground"].basis.global_coordinates())[1]
+    vertical = -10 - np.where(y > 4, 16 * (6 - y), 32 + 20 * (4 - y))
+    np.testing.assert_allclose(stress[1], vertical, rtol=1e-12)
+    np.testing.assert_allclose(stress[0], np.where(y > 4, 0.7, 0.5) * vertical, rtol=1e-12)
+    null = sc.run(forms, [sc.Stage("null", load)], fixed, start=start, **QUIET)["null"]
+    assert start[0].residual < 1e-12 and null.iterations == (0,) and not null.x.any()
+    assert start[0].summary == {"ground": ""}
+
+
+def test_inconsistent_k0_returns_to_the_yield_surface():
+    """[X] Case K2: K0 below the active ratio cannot be borne; the points are told as yielded."""
+    soil = sc.MohrCoulomb(E=1e4, nu=0.3, c=0.0, phi=30.0)
+    basis, forms, fixed = layered(material=soil)
+    load = sc.weight(basis, 20.0)
+    with pytest.warns(sc.AnalysisWarning, match=r"the initial stresses are out of balance by 0\.\d+ of the load"):
+        start = sc.k0_state(forms, load, fixed, 20.0, K0=0.2)
+    assert start[0].summary["ground"] == "100.0% yielded"
+    null = sc.run(forms, [sc.Stage("null", load)], fixed, start=start, **QUIET)["null"]
+    stress = null.states["ground"].stress
+    y = np.asarray(forms["ground"].basis.global_coordinates())[1]
+    np.testing.assert_allclose(stress[1].mean(axis=1), -20 * (6 - y).mean(axis=1), rtol=1e-6)
+    # the first return leaves some points a little inside the yield surface, none outside
+    assert (stress[0] / stress[1]).min() > 1 / 3 - 1e-9 and (stress[0] / stress[1]).max() < 0.37
+
+
+def test_k0_with_groundwater():
+    """[X] Effective stresses below a water table 2 m under the surface: submerged weight, K0 of the effective."""
+    basis, forms, fixed = layered()
+    gamma, water = {"lower": 20.0, "upper": 17.0}, sc.hydrostatic(4.0, unit_weight=10.0)
+    load = sc.weight(basis, gamma) + sc.water_load(basis, water)
+    start = sc.k0_state(forms, load, fixed, gamma, 0.5, water=water)
+    stress = start[0].states["ground"].stress
+    y = np.asarray(forms["ground"].basis.global_coordinates())[1]
+    np.testing.assert_allclose(stress[1], -np.where(y > 4, 17 * (6 - y), 34 + 10 * (4 - y)), rtol=1e-12)
+    np.testing.assert_allclose(stress[0], 0.5 * stress[1], rtol=1e-12)
+    assert start[0].residual < 1e-12
+
+
+def test_ground_under_water():
+    """[X] 3 m of water on the surface: the same effective stresses as at the water's edge."""
+    basis, forms, fixed = layered()
+    deep, edge = sc.hydrostatic(9.0, unit_weight=10.0), sc.hydrostatic(6.0, unit_weight=10.0)
+    stages = [sc.Stage("edge", sc.weight(basis, 20.0) + sc.water_load(basis, edge, "top")),
+              sc.Stage("deep", sc.weight(basis, 20.0) + sc.water_load(basis, deep, "top"))]  # fmt: skip
+    result = sc.run(forms, stages, fixed, **QUIET)
+    np.testing.assert_allclose(result["deep"].x, result["edge"].x, atol=1e-12)
+    with pytest.warns(sc.AnalysisWarning, match=r"water above the surface at \(.*, 6\) without pressure on it.*top"):
+        sc.water_load(basis, deep)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        sc.water_load(basis, sc.hydrostatic(5.9))
+
+
+def test_water_by_values_at_nodes():
+    """[X] A linear pressure given at the nodes is the hydrostatic one, also with quadratic elements."""
+    for element in ("P1", "Q1", "P2", "Q2"):
+        basis, *_ = layered(element)
+        field = 10.0 * (6.0 - basis.mesh.p[1, : basis.mesh.nvertices])
+        a = sc.water_load(basis, field, ["left", "top"])
+        b = sc.water_load(basis, sc.hydrostatic(6.0, unit_weight=10.0), ["left", "top"])
+        np.testing.assert_allclose(a, b, atol=1e-12 * np.abs(b).max())
+    with pytest.raises(ValueError, match="the pressure has shape"):
+        sc.water_load(basis, field[:-1])
+    with pytest.raises(ValueError, match="there is no boundary 'lake'"):
+        sc.water_load(basis, field, "lake")
+
+
+@pytest.mark.parametrize("table", [[[0, 1], [0, 2]], [1, 2], np.nan, [[0, np.inf]]])
+def test_bad_water_table(table):
+    with pytest.raises(ValueError, match="a water table is a height, or points"):
+        sc.hydrostatic(table)
+
+
+def test_level_ground_is_demanded():
+    """Different weights side by side: the heights and the weights are named; elements without K0 too."""
+    basis = layered()[0]
+    mesh = basis.mesh.with_subdomains({"wall": lambda x: x[0] > 3, "soil": lambda x: x[0] < 3})
+    basis = vector_basis(mesh, "Q1", intorder=2)
+    forms = {"all": sc.SolidForm(basis, SOIL)}
+    fixed = smooth_sides(basis)
+    with pytest.raises(ValueError, match=r"not level: from height 0 to 6 .*'wall': 25.*'soil': 20"):
+        sc.k0_state(forms, basis.zeros(), fixed, {"wall": 25.0, "soil": 20.0}, 0.5)
+    with pytest.raises(ValueError, match=r"6 elements have no K0; they lie in the subdomains \[.*'wall'.*\]"):
+        sc.k0_state(forms, basis.zeros(), fixed, 20.0, {"soil": 0.5})
+    with pytest.raises(ValueError, match="there is no subdomain 'clay'"):
+        sc.k0_state(forms, basis.zeros(), fixed, 20.0, {"clay": 0.5})
+    with pytest.raises(ValueError, match="the stress of 'all' must be finite and of shape"):
+        sc.given_state(forms, basis.zeros(), fixed, lambda x: np.zeros((3, *x.shape[1:])))
+
+
+def test_given_state_out_of_balance_finds_equilibrium():
+    """[X] A field without equilibrium is told; the null step ends where gravity alone would."""
+    elastic = sc.LinearElastic(E=1e4, nu=0.3)
+    basis, forms, fixed = layered("Q2", elastic)
+    load = sc.weight(basis, 20.0)
+    with pytest.warns(sc.AnalysisWarning, match="out of balance by 1 of the load"):
+        start = sc.given_state(forms, load, fixed, lambda x: np.zeros((4, *x.shape[1:])))
+    result = sc.run(forms, [sc.Stage("null", load)], fixed, start=start, **QUIET)
+    gravity = sc.run(forms, [sc.Stage("gravity", load)], fixed, **QUIET)
+    np.testing.assert_allclose(result["null"].x, gravity["gravity"].x, atol=1e-14)
+
+
+def slope():
+    """A slope of 1 in 2 under its own weight."""
+    x, y = np.linspace(0, 1, 13), np.linspace(0, 1, 5)
+    mesh = grid("Q2", x, y)
+    p = mesh.p
+    mesh = mesh.__class__(np.stack((12 * p[0], p[1] * (6 - 3 * np.clip((12 * p[0] - 3) / 6, 0, 1)))), mesh.t)
+    basis = vector_basis(mesh.with_defaults(), "Q2")
+    left = basis.nodal_dofs[0, basis.mesh.p[0] < 1e-9]
+    low = basis.get_dofs(lambda x: x[1] < 1e-9).all()
+    sides = basis.get_dofs(lambda x: (x[0] < 1e-9) | (x[0] > 12 - 1e-9)).all("u^1")
+    return basis, np.unique(np.concatenate((left, low, sides)))
+
+
+@pytest.mark.parametrize("K0", [None, 0.6, {"all": 0.6}])
+def test_gravity_in_sloping_ground(K0):
+    """[X] No displacements, equilibrium, and admissible stresses; far from the slope the ratio is K0."""
+    basis, fixed = slope()
+    soil = sc.MohrCoulomb(E=1e4, nu=0.3, c=5.0, phi=30.0)
+    forms = {"ground": sc.SolidForm(basis, soil)}
+    load = sc.weight(basis, 20.0)
+    start = sc.gravity_state(forms, load, fixed, K0=K0, increments=2)
+    assert len(start) == 1 and not start[0].x.any() and start[0].residual < 1e-8
+    null = sc.run(forms, [sc.Stage("null", load)], fixed, start=start, **QUIET)["null"]
+    assert null.iterations == (0,) and not null.x.any()
+    stress = null.states["ground"].stress
+    x, y = np.asarray(forms["ground"].basis.global_coordinates())
+    far = (x < 1.0) & (y < 0.3)
+    np.testing.assert_allclose((stress[0] / stress[1])[far], 3 / 7 if K0 is None else 0.6, atol=0.01)
+    shear = np.hypot((stress[0] - stress[1]) / 2, stress[3])
+    mean = (stress[0] + stress[1]) / 2
+    assert (shear + mean * 0.5 - 5 * np.cos(np.pi / 6)).max() < 1e-6
+    with pytest.raises(ValueError, match="K0 must lie between 0 and 1"):
+        sc.gravity_state(forms, load, fixed, K0=1.2)
+
+
+def pile(quadrature, element="Q1", strain=sc.plane_strain, law=None, **options):
+    """Ground with a pile that is meshed apart."""
+    x, y = np.array([0, 1, 2, 2.5, 3, 3.5, 4.5, 5.5]), np.linspace(0, 6, 13)
+    inside = {"pile": lambda p: (abs(p[0] - 2.75) < 0.25) & (p[1] > 2)}
+    mesh = grid(element, x, y).with_subdomains({**inside, "soil": lambda p: ~inside["pile"](p)})
+    mesh = sc.join_bodies(mesh, bodies={"soil": "soil", "pile": "pile"})
+    basis = vector_basis(mesh, element, intorder=2 if element == "Q1" else 4)
+    forms = {
+        "ground": sc.SolidForm(basis, {"soil": SOIL, "pile": sc.LinearElastic(E=3e7, nu=0.2)}, strain),
+        "skin": sc.ContactPair(basis, "soil|pile", "pile|soil", law or sc.Coulomb(mu=0.5), quadrature, **options),
+    }
+    return basis, forms, smooth_sides(basis)
+
+
+@pytest.mark.parametrize("quadrature", [2, "segments"])
+@pytest.mark.parametrize("element", ["Q1", "P2", "Q2"])
+@pytest.mark.parametrize("law", [sc.Coulomb(mu=0.5), sc.Tied()])
+def test_wished_in_place_pile(quadrature, element, law):
+    """[X] Case J10: contact carries K0 gamma z on the vertical faces from the start, and nothing moves."""
+    basis, forms, fixed = pile(quadrature, element, law=law)
+    load = sc.weight(basis, 20.0)
+    start = sc.k0_state(forms, load, fixed, 20.0, 0.5)
+    result = sc.run(forms, [sc.Stage("null", load)], fixed, start=start, **QUIET)
+    assert start[0].residual < 1e-12
+    assert np.abs(result["null"].x).max() < 1e-10
+    skin = sc.tractions(forms["skin"], result["null"].states["skin"])
+    face = skin.y > 2 + 1e-9
+    np.testing.assert_allclose(skin.pressure[face], 10 * (6 - skin.y[face]), atol=1e-9)
+    np.testing.assert_allclose(skin.pressure[~face], 20 * 4, atol=1e-9)
+    np.testing.assert_allclose(skin.shear, 0, atol=1e-9)
+
+
+def test_wished_in_place_pile_augmented():
+    """[X] Case J10 with multipliers: they take the tractions over; what moves is their tolerance of 1e-4."""
+    basis, forms, fixed = pile(2, "Q2", enforcement=sc.AugmentedLagrangian())
+    load = sc.weight(basis, 20.0)
+    start = sc.k0_state(forms, load, fixed, 20.0, 0.5)
+    result = sc.run(forms, [sc.Stage("null", load)], fixed, start=start, **QUIET)
+    assert start[0].residual < 1e-12
+    settlement = 20 * 36 / (2 * 1.35e4)
+    assert np.abs(result["null"].x).max() < 1e-4 * settlement
+
+
+def test_pile_tied_under_gravity_then_free():
+    """[X] Case J10 as it is done without K0: gravity with the tie, reset, then friction in its place."""
+    basis, forms, fixed = pile(2, law=sc.Tied())
+    # a weightless pile in ground without weight beside it: the tie carries the ground's settlement
+    load = sc.weight(basis, {"soil": 20.0})
+    start = sc.gravity_state({**forms}, load, fixed)
+    before = start[0].states["skin"]
+    change = {"skin": forms["skin"].with_law(sc.Coulomb(mu=0.5, adhesion=1e3, tension=1e3))}
+    result = sc.run(forms, [sc.Stage("free", load, change=change)], fixed, start=start, **QUIET)["free"]
+    # Newton's tolerance of 1e-8 of the load, in displacements
+    assert not start[0].x.any() and np.abs(result.x).max() < 1e-9
+    np.testing.assert_allclose(result.states["skin"].normal, before.normal, atol=1e-3)
+
+
+@pytest.mark.parametrize("quadrature", ["nodal", 2, "segments"])
+def test_reset_keeps_what_contact_carries(quadrature):
+    """[X] After the reset the same load needs no displacement, and unloading is undone to minus the first one."""
+    basis, forms, fixed = pile(quadrature)
+    forms["ground"] = forms["ground"].with_materials({"soil": sc.LinearElastic(E=1e4, nu=0.3)})
+    load = sc.weight(basis, {"soil": 20.0, "pile": 25.0})
+    first = sc.run(forms, [sc.Stage("gravity", load)], fixed, **QUIET)
+    start = sc.reset_displacements(forms, first)
+    assert first["gravity"].x.any() and not start["gravity"].x.any()
+    again = sc.run(forms, [sc.Stage("same", load)], fixed, start=start, **QUIET)["same"]
+    # the contact's frame turns back with the bodies: second order in the displacements
+    small = np.abs(first["gravity"].x).max() ** 2
+    assert np.abs(again.x).max() < small
+    pressed, before = (
+        forms["skin"].points(r.states["skin"]).weight @ r.states["skin"].normal for r in (again, first["gravity"])
+    )
+    # the nodal rule has one normal in the corners of the tip, and another one after the reset
+    assert pressed == pytest.approx(before, rel=0.05 if quadrature == "nodal" else 0.001)
+
+
+def test_axisymmetric_operator():
+    """[X] A homogeneous field u = (a r, b z): strains exact at all points, work the volume per radian."""
+    for element in ("P1", "Q1", "P2", "Q2"):
+        basis = vector_basis(grid(element, np.linspace(0, 2, 4), np.linspace(0, 1, 3)), element, intorder=4)
+        form = sc.SolidForm(basis, sc.LinearElastic(E=100.0, nu=0.2), sc.axisymmetric)
+        x = np.where(np.arange(basis.N) % 2 == 0, 0.03 * basis.doflocs[0], -0.01 * basis.doflocs[1])
+        out = form.assemble(x, form.initial_state())
+        expected = np.array([0.03, -0.01, 0.03, 0.0])
+        np.testing.assert_allclose(out.state.strain, np.broadcast_to(expected[:, None, None], out.state.strain.shape),
+                                   atol=1e-14)  # fmt: skip
+        stress = form.regions[0].material.elasticity(4) @ expected
+        assert x @ out.force == pytest.approx(stress @ expected * 2.0, rel=1e-12)  # r^2 / 2 times the height
+        assert sc.weight(basis, 20.0, axisymmetric=True).sum() == pytest.approx(-20.0 * 2.0)
+    with pytest.raises(ValueError, match="axial symmetry needs x >= 0"):
+        sc.axisymmetric(vector_basis(grid("Q1", np.linspace(-1, 1, 3), np.linspace(0, 1, 3)), "Q1"))

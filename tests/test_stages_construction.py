@@ -1,0 +1,291 @@
+"""Stages in which bodies, contacts, materials and supports come and go."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from helpers import grid, unknowns_of, vector_basis
+from skfem import FacetBasis, LinearForm
+
+import skfem_contact as sc
+
+QUIET = {"progress": False}
+E, NU = 3e4, 0.3
+MODULUS = E * (1 - NU) / ((1 + NU) * (1 - 2 * NU))
+LAYERS = ((0.0, 7.0), (7.0, 9.0), (9.0, 10.0))
+
+
+def column(element: str = "Q2", material=None):
+    """A column of three layers between smooth walls, one form a layer."""
+    tags = {f"layer {k}": lambda x, ends=ends: (x[1] > ends[0]) & (x[1] < ends[1]) for k, ends in enumerate(LAYERS)}
+    mesh = grid(element, np.linspace(0, 2, 3), np.linspace(0, 10, 11)).with_subdomains(tags)
+    basis = vector_basis(mesh, element)
+    material = material or sc.LinearElastic(E=E, nu=NU)
+    forms = {name: sc.SolidForm(basis.with_elements(name), material) for name in tags}
+    fixed = np.concatenate((basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1")))
+    return basis, forms, fixed
+
+
+def own_weight(basis, n_layers: int) -> np.ndarray:
+    """Weight of the lowest layers."""
+    return sc.weight(basis, {f"layer {k}": 20.0 for k in range(n_layers)})
+
+
+def at_height(basis, y: float) -> np.ndarray:
+    return basis.get_dofs(lambda x: np.isclose(x[1], y)).all("u^2")
+
+
+def test_excavation_and_fill():
+    """[X] Case K3: heave and settlement gamma h H / M; stresses drop by gamma h; fill starts without stress."""
+    basis, forms, fixed = column()
+    stages = [
+        sc.Stage("gravity", own_weight(basis, 3)),
+        sc.Stage("first lift", own_weight(basis, 2), deactivate="layer 2", increments=3),
+        sc.Stage("second lift", own_weight(basis, 1), deactivate=["layer 1"]),
+        sc.Stage("fill", own_weight(basis, 2), activate=["layer 1"]),
+        sc.Stage("fill again", own_weight(basis, 3), activate="layer 2", increments=2),
+    ]
+    result = sc.run(forms, stages, fixed, **QUIET)
+    surface = at_height(basis, 7.0)
+    move = 20 * 7 / MODULUS  # of the surface at 7 m by a layer of 1 m
+    heights = {"gravity": 3, "first lift": 2, "second lift": 0, "fill": 2, "fill again": 3}
+    for name, above in heights.items():
+        moved = result[name].x[surface] - result["gravity"].x[surface]
+        np.testing.assert_allclose(moved, move * (3 - above), rtol=1e-9, atol=1e-9 * move)
+        base = result[name].states["layer 0"].stress[1]
+        depth = 7 + above - np.asarray(forms["layer 0"].basis.global_coordinates())[1]
+        np.testing.assert_allclose(base, -20 * depth, atol=1e-9 * 200)
+    assert list(result["second lift"].states) == ["layer 0"]
+    # the fill carries its own weight alone, whatever the ground did before
+    y = np.asarray(forms["layer 1"].basis.global_coordinates())[1]
+    np.testing.assert_allclose(result["fill"].states["layer 1"].stress[1], -20 * (9 - y), atol=1e-9 * 200)
+    np.testing.assert_allclose(result["fill"].states["layer 1"].stress[0], -20 * (9 - y) * 3 / 7, atol=1e-9 * 200)
+
+
+def test_new_layer_is_carried_along_by_the_ground():
+    """[X] The nodes of a layer follow the settled surface below it as a rigid body, without stress."""
+    basis, forms, fixed = column("Q1")
+    stages = [
+        sc.Stage("gravity", 50 * own_weight(basis, 1)),
+        sc.Stage("placed", 50 * own_weight(basis, 1), activate=("layer 1", "layer 2")),
+    ]
+    result = sc.run(forms, stages, fixed, **QUIET)
+    assert result["placed"].iterations == (0,)
+    down = result["gravity"].x[at_height(basis, 7.0)][0]
+    assert down < -0.01
+    above = np.concatenate([at_height(basis, y) for y in (8.0, 9.0, 10.0)])
+    np.testing.assert_allclose(result["placed"].x[above], down, rtol=1e-6)  # springs of 1e-9 hold them
+    assert not result["placed"].states["layer 1"].stress.any()
+    assert not result["gravity"].x[above].any()
+
+
+def test_released_forces_go_in_proportion():
+    """[X] Half of an excavation: half of the heave; a failed stage can be gone on with."""
+    basis, forms, fixed = column()
+    soil = sc.MohrCoulomb(E=E, nu=NU, c=1e3, phi=30.0)
+    forms["layer 0"] = sc.SolidForm(forms["layer 0"].basis, soil)
+    gravity, low = own_weight(basis, 3), own_weight(basis, 1)
+    lifts = {"deactivate": ("layer 1", "layer 2")}
+    whole = sc.run(forms, [sc.Stage("g", gravity), sc.Stage("dug", low, increments=4, **lifts)], fixed, **QUIET)
+    assert len(whole["dug"].iterations) == 4
+    pull = sc.weight(basis, {"layer 0": -1e4})  # beyond its strength
+    with pytest.raises(sc.NotConverged) as error:
+        sc.run(forms, [sc.Stage("g", gravity), sc.Stage("dug", pull, increments=4, **lifts)], fixed, **QUIET)
+    partial = error.value.result
+    assert 0 < partial["dug"].fraction < 1 and set(partial["dug"].states) == {"layer 0"}
+    rest = sc.run(forms, [sc.Stage("rest", low)], fixed, start=partial, **QUIET)["rest"]
+    assert rest.residual < 1e-8 and set(rest.states) == {"layer 0"}
+
+
+def test_support_that_is_removed():
+    """[X] A propped cantilever: without the prop it is the one that never had it; its reaction goes gradually."""
+    basis = vector_basis(grid("Q2", np.linspace(0, 5, 11), np.linspace(0, 0.5, 2)), "Q2")
+    forms = {"beam": sc.SolidForm(basis, sc.LinearElastic(E=1e5, nu=0.2))}
+    wall, prop = basis.get_dofs("left").all(), basis.nodal_dofs[1, basis.mesh.p[0] == 5]
+    load = sc.weight(basis, 1.0)
+    stages = [sc.Stage("propped", load), sc.Stage("free", load, fixed=wall, increments=4)]
+    result = sc.run(forms, stages, np.append(wall, prop), **QUIET)
+    free = sc.run(forms, [sc.Stage("free", load)], wall, **QUIET)["free"]
+    assert result["free"].iterations == (1, 1, 1, 1)
+    np.testing.assert_allclose(result["free"].x, free.x, atol=1e-9 * np.abs(free.x).max())
+
+
+def two_blocks(law, quadrature=2):
+    """A block on a base, loaded downwards and aside."""
+    mesh = sc.join_bodies({
+        "base": grid("Q1", np.linspace(-0.5, 1.5, 9), np.linspace(-0.5, 0, 3)),
+        "block": grid("Q1", np.linspace(0, 1, 6), np.linspace(0, 0.5, 4)),
+    })  # fmt: skip
+    basis = vector_basis(mesh, "Q1", intorder=2)
+    forms = {
+        "base": sc.SolidForm(basis.with_elements("base"), sc.LinearElastic(E=1e4, nu=0.3)),
+        "block": sc.SolidForm(basis.with_elements("block"), sc.LinearElastic(E=1e4, nu=0.2)),
+        "joint": sc.ContactPair(basis, "block:bottom", "base:top", law, quadrature),
+    }
+    top = LinearForm(lambda v, w: -20.0 * v[1]).assemble(FacetBasis(mesh, basis.elem, facets="block:top"))
+    side = LinearForm(lambda v, w: 1.0 * v[0]).assemble(FacetBasis(mesh, basis.elem, facets="block:left"))
+    return basis, forms, basis.get_dofs("base:bottom").all(), top, side
+
+
+@pytest.mark.parametrize("quadrature", ["nodal", 2, "segments"])
+def test_tie_becomes_friction(quadrature):
+    """[X] The law of a pair changes and nothing moves, as long as friction bears what the tie carried."""
+    _, forms, fixed, top, side = two_blocks(sc.Tied(), quadrature)
+    # the edges of the block slip where shear is large under little pressure: friction as large as it may be
+    change = {"joint": forms["joint"].with_law(sc.Coulomb(mu=5.0))}
+    stages = [sc.Stage("tied", top + side), sc.Stage("friction", top + side, change=change)]
+    result = sc.run(forms, stages, fixed, newton=sc.Newton(1e-11), **QUIET)
+    assert result["friction"].iterations == (0,)
+    np.testing.assert_array_equal(result["friction"].x, result["tied"].x)
+    for name in ("normal", "tangential"):
+        tied, now = (getattr(result[s].states["joint"], name) for s in ("tied", "friction"))
+        np.testing.assert_allclose(now, tied, atol=1e-9 * 20)
+
+
+@pytest.mark.parametrize("quadrature", [2, "segments"])
+def test_contact_takes_the_place_of_a_tie(quadrature):
+    """[X] Another pair between the same surfaces takes over the nodal forces of the one that goes."""
+    basis, forms, fixed, top, side = two_blocks(sc.Tied(), 2)
+    forms["friction"] = sc.ContactPair(basis, "block:bottom", "base:top", sc.Coulomb(mu=5.0), quadrature)
+    stages = [sc.Stage("tied", top + side), sc.Stage("now", top + side, activate="friction", deactivate="joint")]
+    result = sc.run(forms, stages, fixed, **QUIET)
+    assert set(result["tied"].states) == {"base", "block", "joint"}
+    assert set(result["now"].states) == {"base", "block", "friction"}
+    moved = np.abs(result["now"].x - result["tied"].x).max()
+    # two Gauss points of the tie and those between the cuts pass the master's forces on a little differently
+    assert moved < (1e-12 if quadrature == 2 else 0.01) * np.abs(result["tied"].x).max()
+    force = forms_force(basis, forms, result["now"], "friction")
+    np.testing.assert_allclose(force[unknowns_of(basis, "block")[:, 1]].sum(), -20.0, rtol=1e-6)
+
+
+def forms_force(basis, forms, step, name: str) -> np.ndarray:
+    pair = sc.choose_penalties(forms)[name]
+    return pair.assemble(step.x, step.states[name]).force
+
+
+def test_body_placed_on_settled_ground():
+    """[X] Block and joint come later: no traction at first, then the block's weight, and no gap of the settlement."""
+    basis, forms, fixed, *_ = two_blocks(sc.Coulomb(mu=0.5))
+    ground = 1e3 * sc.weight(basis, {"base": 1.0})
+    stages = [
+        sc.Stage("settled", ground),
+        sc.Stage("placed", ground, activate=("block", "joint")),
+        sc.Stage("heavy", ground + sc.weight(basis, {"block": 24.0})),
+    ]
+    result = sc.run(forms, stages, fixed, **QUIET)
+    top = basis.get_dofs("base:top").all("u^2")
+    assert result["settled"].x[top].min() < -0.005
+    assert result["placed"].iterations == (0,)
+    assert not result["placed"].states["joint"].normal.any()
+    assert (result["placed"].states["joint"].status != sc.Status.OPEN).all()
+    joint = result["heavy"].states["joint"]
+    pressed = (sc.tractions(forms["joint"], joint).weight * joint.normal).sum()
+    assert pressed == pytest.approx(-12.0, rel=1e-4)  # the surface has become a little curved
+
+
+def test_body_lifted_away():
+    """[X] Load, contact and block go: the base springs back."""
+    basis, forms, fixed, top, _ = two_blocks(sc.Coulomb(mu=0.5))
+    own = sc.weight(basis, {"base": 10.0})
+    stages = [
+        sc.Stage("base", own),
+        sc.Stage("placed", own, activate=("block", "joint")),
+        sc.Stage("loaded", own + top),
+        sc.Stage("lifted", own, deactivate=("block", "joint"), increments=2),
+    ]
+    result = sc.run(forms, stages, fixed, newton=sc.Newton(1e-12), **QUIET)
+    base = unknowns_of(basis, "base").ravel()
+    np.testing.assert_allclose(result["lifted"].x[base], result["base"].x[base], atol=1e-12)
+
+
+def test_softer_material_sinks_further():
+    """[X] With half the modulus from now on only what is added counts double."""
+    basis, forms, fixed = column()
+    load = own_weight(basis, 3)
+    soft = {name: form.with_materials({"all": sc.LinearElastic(E=E / 2, nu=NU)}) for name, form in forms.items()}
+    stages = [sc.Stage("g", load), sc.Stage("same", load, change=soft), sc.Stage("double", 2 * load)]
+    result = sc.run(forms, stages, fixed, **QUIET)
+    assert result["same"].iterations == (0,)
+    np.testing.assert_allclose(result["double"].x, 3 * result["g"].x, atol=1e-12)
+
+
+def test_weaker_material_yields_gradually():
+    """[X] Strength that has gone is released over the stage: the Rankine ratio of the weaker soil in the end."""
+    strong, weak = (sc.MohrCoulomb(E=E, nu=NU, c=c, phi=phi) for c, phi in ((1e3, 30.0), (0.0, 20.0)))
+    basis, forms, _ = column("Q1", strong)
+    fixed = np.concatenate((basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1")))
+    load = own_weight(basis, 3)
+    change = {name: form.with_materials({"all": weak}) for name, form in forms.items()}
+    result = sc.run(forms, [sc.Stage("g", load), sc.Stage("weak", load, change=change, increments=3)], fixed, **QUIET)
+    stress = result["weak"].states["layer 0"].stress
+    ratio = (1 - np.sin(np.radians(20))) / (1 + np.sin(np.radians(20)))
+    np.testing.assert_allclose(stress[0] / stress[1], ratio, rtol=1e-6)
+
+
+def test_resumed_in_the_middle(tmp_path):
+    """[X] Case S25: saved with a layer away and gone on with: the same."""
+    basis, forms, fixed = column()
+    stages = [
+        sc.Stage("g", own_weight(basis, 3)),
+        sc.Stage("dug", own_weight(basis, 2), deactivate="layer 2"),
+        sc.Stage("filled", own_weight(basis, 3), activate="layer 2"),
+    ]
+    whole = sc.run(forms, stages, fixed, **QUIET)
+    sc.run(forms, stages[:2], fixed, **QUIET).save(tmp_path / "two.npz")
+    start = sc.load_result(tmp_path / "two.npz", forms)
+    resumed = sc.run(forms, stages[2:], fixed, start=start, **QUIET)
+    np.testing.assert_allclose(resumed["filled"].x, whole["filled"].x, atol=1e-15)
+
+
+def test_names_are_checked():
+    """One error before anything is computed, with the stage and what exists."""
+    basis, forms, fixed = column()
+    load = own_weight(basis, 3)
+
+    def error(match, *stages, **options):
+        with pytest.raises(ValueError, match=match):
+            sc.run(forms, stages, fixed, **QUIET, **options)
+
+    error(r"stage 's': there is no form 'layer 3'; existing: layer 0, layer 1, layer 2",
+          sc.Stage("s", load, deactivate="layer 3"))  # fmt: skip
+    error("there is no form 'pile'", sc.Stage("s", load, activate="pile"))
+    error("there is no form 'pile'", sc.Stage("s", load, change={"pile": forms["layer 0"]}))
+    error("stage 't': 'layer 2' is activated, but it is active already",
+          sc.Stage("r", own_weight(basis, 2), deactivate="layer 2"), sc.Stage("s", load, activate="layer 2"),
+          sc.Stage("t", load, activate="layer 2"))  # fmt: skip
+    error("stage 't': 'layer 2' is deactivated, but it is not active",
+          sc.Stage("s", own_weight(basis, 2), deactivate="layer 2"),
+          sc.Stage("t", own_weight(basis, 2), deactivate="layer 2"))  # fmt: skip
+    error(r"stage 's': a part of the load acts on bodies that are not there; \['layer 2'\] are not active",
+          sc.Stage("s", load, deactivate="layer 2"))  # fmt: skip
+    error("stage 's': 'layer 0' can only be changed to another material",
+          sc.Stage("s", load, change={"layer 0": forms["layer 1"]}))  # fmt: skip
+    error("stage 's': fixed must be numbers of unknowns", sc.Stage("s", load, fixed=np.array([0.5])))
+    error("there is no SolidForm", sc.Stage("s", 0 * load, deactivate=list(forms)))
+
+
+def test_what_is_left_must_be_held():
+    """A hanging layer is named, and the stage."""
+    basis, forms, _ = column()
+    load = sc.weight(basis, {"layer 0": 20.0, "layer 2": 20.0})
+    free = np.concatenate((basis.get_dofs("bottom").all(), basis.get_dofs("left").all("u^1")))
+    with pytest.raises(ValueError, match="stage 'dig': body 'layer 2' is not held: .* leaves 1 of 3 rigid motions free"):
+        stages = [sc.Stage("g", own_weight(basis, 3)), sc.Stage("dig", load, deactivate="layer 1")]
+        sc.run(forms, stages, free, **QUIET)
+
+
+def test_contact_with_what_is_not_there():
+    """A pair whose body has gone is named, and so is the surface."""
+    basis, forms, fixed, *_ = two_blocks(sc.Coulomb(mu=0.5))
+    own = sc.weight(basis, {"base": 10.0})
+    with pytest.raises(ValueError, match="stage 'away': contact 'joint' is active, but a part of 'block:bottom'"):
+        sc.run(forms, [sc.Stage("g", own), sc.Stage("away", own, deactivate="block")], fixed, **QUIET)
+
+
+def test_start_with_another_penalty():
+    """Tractions would change with the penalty: refused, with the way out."""
+    _, forms, fixed, top, _ = two_blocks(sc.Coulomb(mu=0.5))
+    first = sc.run(forms, [sc.Stage("g", top)], fixed, **QUIET)
+    harder = {**forms, "joint": forms["joint"].with_penalty(1e7, 1e7)}
+    with pytest.raises(ValueError, match="contact 'joint' has another penalty than in the start"):
+        sc.run(harder, [sc.Stage("more", 2 * top)], fixed, start=first, **QUIET)
