@@ -8,6 +8,7 @@ import numpy as np
 from numpy import ndarray
 from skfem import CellBasis
 
+from ..assembly import axisymmetric
 from ..contact.pair import ContactPair
 from ..mesh import bodies
 from ..mesh_check import check_mesh
@@ -68,7 +69,8 @@ def check_supports(forms: Mapping[str, Any], fixed: ndarray) -> ndarray:
                          f"first is at ({x:g}, {y:g})")
     if all(isinstance(f, (SolidForm, ContactPair)) for f in forms.values()):  # others may hold what they like
         elements = np.sort(np.concatenate([_elements(f.basis) for f in solids.values()]))
-        _check_bodies(basis, elements, [f for f in forms.values() if isinstance(f, ContactPair)], fixed)
+        axial = all(f.strain is axisymmetric for f in solids.values())
+        _check_bodies(basis, elements, [f for f in forms.values() if isinstance(f, ContactPair)], fixed, axial)
     return np.asarray(basis.doflocs)
 
 
@@ -89,10 +91,12 @@ def _elements(basis: CellBasis) -> ndarray:
     return np.arange(basis.mesh.nelements) if basis.tind is None else np.asarray(basis.tind)
 
 
-def _check_bodies(basis: CellBasis, elements: ndarray, pairs: list[ContactPair], fixed: ndarray) -> None:
+def _check_bodies(basis: CellBasis, elements: ndarray, pairs: list[ContactPair], fixed: ndarray,
+                  axial: bool) -> None:
     """Bodies that contact joins stand or fall together: a common rigid motion of theirs meets no force.
 
-    What the elements of the solids leave of a body may fall apart into several.
+    What the elements of the solids leave of a body may fall apart into several. In axial symmetry the one rigid
+    motion is that along the axis.
     """
     mesh = basis.mesh
     if len(elements) < mesh.nelements:
@@ -107,13 +111,13 @@ def _check_bodies(basis: CellBasis, elements: ndarray, pairs: list[ContactPair],
         obstacles |= met if (pair.facets.dofs < 0).any() else set()
     for group in filter(len, groups):
         held = np.intersect1d(np.concatenate([dofs[name] for name in group]), fixed)
-        free = _rigid_motions(basis.doflocs, held)
+        free = int(not (held % 2 == 1).any()) if axial else _rigid_motions(basis.doflocs, held)
         if free and not group & obstacles:
             listed = " and ".join(f"'{name}'" for name in sorted(group))
             alone = len(group) == 1
             who = f"body {listed} is not held" if alone else f"the bodies {listed} hold only each other"
-            raise ValueError(f"{who}: {len(held)} of the unknowns are fixed, which leaves {free} of 3 rigid "
-                             "motions free")
+            raise ValueError(f"{who}: {len(held)} of the unknowns are fixed, which leaves {free} of "
+                             f"{1 if axial else 3} rigid motions free")
 
 
 def _rigid_motions(locations: ndarray, held: ndarray) -> int:
