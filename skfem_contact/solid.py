@@ -146,6 +146,12 @@ class SolidForm:
         strain = np.zeros((4, *shape)) if x is None else self._strains(x)
         return SolidState(strain, np.zeros((4, *shape)), np.zeros((self._n_internal, *shape)))
 
+    @cached_property
+    def _force_matrix(self) -> csr_matrix:
+        """Sparse matrix that maps stresses to the forces that do the same work."""
+        weight = np.broadcast_to(self.weight, (4, *self.weight.shape)).ravel()
+        return self._strain_matrix.multiply(weight[:, None]).T.tocsr()
+
     def _strains(self, x: ndarray) -> ndarray:
         return np.asarray(self._strain_matrix @ x).reshape(4, *self.weight.shape)
 
@@ -181,7 +187,7 @@ class SolidForm:
                 internal = internal.copy() if internal is before else internal
                 internal[:n, e] = update.internal
             updates.append(update)
-        force = self._strain_matrix.T @ (stress * self.weight).ravel()
+        force = self._force_matrix @ stress.ravel()
         return Response(force, lambda: SolidState(strain, stress, internal), lambda: self._tangent(updates),
                         lambda: self._tangent(updates, damped=True))
 
@@ -208,7 +214,11 @@ class SolidForm:
         moduli = np.empty((self.basis.nelems, 4, 4))
         for region in self.regions:
             moduli[region.elements] = region.material.elasticity(4)
-        return moduli[:, self._rows[:, None], self._rows]
+        return self._acting(moduli)
+
+    def _acting(self, moduli: ndarray) -> ndarray:
+        """The part of some moduli, (n, 4, 4), in the rows of B that act."""
+        return moduli if len(self._rows) == 4 else moduli[:, self._rows[:, None], self._rows]
 
     @cached_property
     def elastic_stiffness(self) -> csr_matrix:
@@ -233,8 +243,9 @@ class SolidForm:
             return self.elastic_stiffness
         point = np.concatenate(points)
         element, q = np.divmod(point, n_points)
-        elements, position = np.unique(element, return_inverse=True)
-        D = np.concatenate(tangents)[:, self._rows[:, None], self._rows] - self._elasticity[element]
+        first = np.diff(element, prepend=-1) > 0  # the points of an element follow each other
+        elements, position = element[first], np.cumsum(first) - 1
+        D = self._acting(np.concatenate(tangents)) - self._elasticity[element]
         change = np.zeros((len(elements), n_points, len(self._rows), len(self._rows)))
         change[position, q] = D * self.weight[element, q][:, None, None]
         correction = self._pattern.scatter(element_stiffness(self._B[elements], change), elements)

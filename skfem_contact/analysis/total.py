@@ -93,14 +93,20 @@ def _union(matrices: Sequence[csr_matrix]) -> csr_matrix:
 
 def _find(matrix: csr_matrix, pattern: csr_matrix) -> ndarray | None:
     """Positions of the entries of a matrix among those of a pattern, None if one is missing."""
-    rows = np.flatnonzero(np.diff(matrix.indptr))
-    if len(rows) == 0:
-        return np.zeros(0, dtype=int)
-    n = matrix.shape[1]
-    start, count = pattern.indptr[rows].astype(int), np.diff(pattern.indptr)[rows]
-    first = np.cumsum(count) - count
-    position = np.arange(count.sum()) - np.repeat(first - start, count)
-    keys = np.repeat(rows * n, count) + pattern.indices[position]
-    wanted = np.repeat(rows * n, np.diff(matrix.indptr)[rows]) + matrix.indices
-    at = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
-    return position[at] if np.array_equal(keys[at], wanted) else None
+    counts, have = np.diff(matrix.indptr), np.diff(pattern.indptr)
+    position = np.arange(matrix.nnz) + np.repeat(pattern.indptr[:-1] - matrix.indptr[:-1], counts)
+    rows = np.flatnonzero((counts > 0) & (counts < have))  # the others are as in the pattern, or not within it
+    if len(rows):
+        n, entry, within = matrix.shape[1], _entries(matrix, rows), _entries(pattern, rows)
+        keys = np.repeat(rows * n, have[rows]) + pattern.indices[within]
+        wanted = np.repeat(rows * n, counts[rows]) + matrix.indices[entry]
+        position[entry] = within[np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)]
+    position = np.minimum(position, pattern.nnz - 1)
+    fits = (counts <= have).all() and np.array_equal(pattern.indices[position], matrix.indices)
+    return position if fits else None
+
+
+def _entries(matrix: csr_matrix, rows: ndarray) -> ndarray:
+    """Positions of all entries of some rows."""
+    start, count = matrix.indptr[rows].astype(int), np.diff(matrix.indptr)[rows]
+    return np.arange(count.sum()) + np.repeat(start - np.cumsum(count) + count, count)
