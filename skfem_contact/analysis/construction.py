@@ -16,8 +16,8 @@ from ..contact.prestress import prestressed
 from ..materials.coulomb import Status
 from ..solid import SolidForm
 from .linear import as_solver
-from .newton import Form
 from .supports import as_unknowns, check_supports
+from .system import Form
 
 if TYPE_CHECKING:
     from .result import StageResult

@@ -16,8 +16,9 @@ from typing import Any, Protocol
 import numpy as np
 from numpy import ndarray
 
-from .newton import Newton, NotConverged, System, Trial, iterate
+from .newton import Newton, NotConverged, Trial, iterate
 from .result import StageResult
+from .system import System
 
 #: Relative step of the difference quotient by the parameter.
 _DIFFERENCE = 1e-6

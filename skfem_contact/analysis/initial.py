@@ -17,10 +17,10 @@ from ..contact.prestress import prestressed
 from ..contact.state import ContactState, transferred
 from ..materials.elastic import LinearElastic
 from ..solid import SolidForm
-from .newton import Form
 from .result import Result, StageResult
 from .setup import build_system
 from .stages import Stage, run
+from .system import Form
 
 #: Forces out of balance, as a share of the load, of which the user is told.
 _BALANCED = 1e-6

@@ -10,9 +10,10 @@ from numpy import ndarray
 from tqdm import tqdm
 
 from .continuation import Point, follow, starting_point
-from .newton import Form, Newton, NotConverged, System
+from .newton import Newton, NotConverged
 from .result import Result, StageResult
 from .setup import build_system, check_load
+from .system import Form, System
 from .trials import Trials, TrialStep, describe_mesh, shear_bands, table
 
 _CUTS = 10

@@ -12,7 +12,7 @@ from numpy import ndarray
 
 from ..contact.pair import ContactPair
 from ..solid import SolidForm
-from .newton import Form
+from .system import Form
 
 
 @dataclass(frozen=True)

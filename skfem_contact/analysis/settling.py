@@ -10,7 +10,8 @@ from numpy import ndarray
 
 from ..assembly import IncrementTooLarge
 from .linear import SingularSystem
-from .newton import Equilibrium, Newton, NotConverged, System
+from .newton import Newton, NotConverged
+from .system import Equilibrium, System
 
 logger = logging.getLogger("skfem_contact")
 

@@ -9,8 +9,8 @@ from numpy import ndarray
 
 from ..contact.penalty import choose_penalties
 from .interface import linear_solver
-from .newton import Form, System
 from .supports import as_unknowns, check_supports
+from .system import Form, System
 
 
 def build_system(forms: Mapping[str, Form], fixed: ndarray, solver: Any = None) -> System:

@@ -14,11 +14,12 @@ from tqdm import tqdm
 from ..checks import AnalysisWarning
 from ..solid import SolidForm
 from .construction import begin, check_start, plan
-from .newton import Form, Newton, NotConverged, System
+from .newton import Newton, NotConverged
 from .result import Result, StageResult
 from .settling import settled
 from .setup import build_system
 from .supports import as_unknowns
+from .system import Form, System
 from .threads import single_threaded
 
 logger = logging.getLogger("skfem_contact")

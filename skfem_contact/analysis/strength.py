@@ -15,9 +15,10 @@ from ..checks import AnalysisWarning
 from ..solid import SolidForm
 from .continuation import Point, follow, starting_point
 from .davis import FLOWS, Flow, reduced_strength
-from .newton import Collapse, Form, Newton, NotConverged, System
+from .newton import Collapse, Newton, NotConverged
 from .result import Result, StageResult
 from .setup import build_system, check_load
+from .system import Form, System
 from .trials import Trials, TrialStep, describe_mesh, shear_bands, table
 
 logger = logging.getLogger("skfem_contact")

@@ -9,7 +9,7 @@ import numpy as np
 from numpy import ndarray
 from scipy.sparse import issparse
 
-from ..analysis.newton import Form
+from ..analysis.system import Form
 from ..assembly import Response
 from .tools import STEP, differences, largest_error, require, same_twice
 

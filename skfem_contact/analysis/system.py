@@ -1,0 +1,171 @@
+"""Forms, supports and a linear solver: the system whose equilibrium is sought."""
+from __future__ import annotations
+
+import logging
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Protocol
+
+import numpy as np
+from numpy import ndarray
+from scipy.sparse import csr_matrix
+
+from ..assembly import Response
+from .linear import SingularSystem, Solve
+from .newton import FAR, Collapse, Newton, NotConverged, Search, Trial, iterate
+from .total import Total
+
+logger = logging.getLogger("skfem_contact")
+
+
+class Form(Protocol):
+    """Whatever carries load: solids and contact pairs answer the same calls."""
+
+    def initial_state(self, x: ndarray | None = None) -> Any:
+        """State of unstrained bodies, or of those that become active when the displacements are x already."""
+
+    def assemble(self, x: ndarray, state: Any) -> Response:
+        """Answer to displacements from an accepted state."""
+
+    def settle(self, x: ndarray, accepted: Any, candidate: Any) -> Any | None:
+        """An improved accepted state to solve again from, or None."""
+
+    def summary(self, state: Any) -> str:
+        """One line for the table of a result."""
+
+    def remarks(self, state: Any) -> list[str]:
+        """What a user should know of a state."""
+
+
+@dataclass(frozen=True)
+class Equilibrium:
+    """A converged increment: displacements, candidate states and the history of the residual."""
+
+    x: ndarray
+    states: dict[str, Any]
+    residuals: tuple[float, ...]
+
+    @property
+    def iterations(self) -> int:
+        """Number of linear systems solved."""
+        return len(self.residuals) - 1
+
+
+class System:
+    """Forms, supports and a linear solver.
+
+    Parameters
+    ----------
+    forms
+        Forms by name.
+    fixed
+        Unknowns whose values are prescribed.
+    solver
+        Linear solver: ``factor(K) -> solve``.
+    """
+
+    def __init__(self, forms: Mapping[str, Form], fixed: ndarray, free: ndarray, solver: Any) -> None:
+        self.forms = dict(forms)
+        self.fixed, self.free = fixed, free
+        self.solver = solver
+        self._total = Total()
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns."""
+        return len(self.fixed) + len(self.free)
+
+    def work(self, load: ndarray, displacements: ndarray) -> float:
+        """Work of a load on the free unknowns."""
+        return float(load[self.free] @ displacements[self.free])
+
+    def evaluate(self, x: ndarray, states: Mapping[str, Any], load: ndarray) -> Trial:
+        """Answers of all forms at some displacements."""
+        responses = {name: form.assemble(x, states[name]) for name, form in self.forms.items()}
+        residual = load - sum(r.force for r in responses.values())
+        residual[self.fixed] = 0.0
+        scale = max(np.linalg.norm(load), *(np.linalg.norm(r.force) for r in responses.values()))
+        norm = float(np.linalg.norm(residual))
+        return Trial(x, responses, residual, float(norm / scale) if scale > 0 else norm)
+
+    def tangent(self, now: Trial, damped: bool = False) -> csr_matrix:
+        """Tangent of all forms together."""
+        return self._total.of([r.damped if damped else r.stiffness for r in now.responses.values()])
+
+    def equilibrium(self, x: ndarray, states: Mapping[str, Any], load: ndarray, prescribed: ndarray,
+                    settings: Newton, searches: Sequence[Search] = ("residual", "energy"),
+                    elastic: float = 0.0, at_least: int = 0, damp: bool = False) -> Equilibrium:
+        """Find the displacements at which load and internal forces balance.
+
+        Parameters
+        ----------
+        x, states
+            The last accepted displacements and states.
+        load
+            External forces, (N,).
+        prescribed
+            Values of the fixed unknowns.
+        settings
+            Tolerance and number of iterations.
+        searches
+            Line searches to try, one after the other.
+        elastic
+            Norm of the displacements that the load causes by elasticity; by default the first step's, or that of
+            `x` if it is larger.
+        at_least
+            Number of iterations even if the residual is small from the start.
+        damp
+            Damp the tangent from the start, not only where the iterations make no progress.
+
+        Raises
+        ------
+        Collapse
+            There is no equilibrium.
+        NotConverged
+            None was found.  The message names the place and the size of the largest unbalanced force.
+        """
+        first: list[float] = [elastic] if elastic > 0.0 else []
+        factors: list[Solve] = []
+
+        def evaluate(z: ndarray) -> Trial:
+            trial = self.evaluate(z, states, load)
+            return replace(trial, lag=float(np.abs(prescribed - z[self.fixed]).max(initial=0.0)))
+
+        def direction(now: Trial, damped: bool) -> ndarray:
+            step = self._direction(now, prescribed - now.z[self.fixed], damped, factors)
+            if not first:
+                first.append(max(float(np.linalg.norm(step)), float(np.linalg.norm(x))))
+            return step
+
+        def far(now: Trial) -> bool:
+            moved = now.z - x
+            times = np.linalg.norm(moved) / first[0]
+            return bool((times > FAR and now.residual @ moved > 0.0) or times > FAR**2)
+
+        spent: tuple[float, ...] = ()
+        for search in searches:
+            try:
+                now, norms = iterate(evaluate(x), evaluate, direction, settings, search, far, at_least, damp)
+            except NotConverged as error:
+                error.residuals = spent = spent + error.residuals[1 if spent else 0:]
+                if isinstance(error, Collapse) or search == searches[-1]:
+                    raise
+                logger.info("no equilibrium by the %s: %s", search, error)
+            else:
+                return Equilibrium(now.z, now.states, spent + norms[1 if spent else 0:])
+        raise ValueError("there is no line search to try")
+
+    def _direction(self, now: Trial, lag: ndarray, damped: bool, factors: list[Solve]) -> ndarray:
+        """Newton step; where the tangent is singular, far out on a mechanism, with the last regular one."""
+        K = self.tangent(now, damped)
+        right = now.residual
+        step = np.zeros_like(now.z)
+        if lag.any():
+            step[self.fixed] = lag
+            right = right - K @ step
+        try:
+            factors[:] = [self.solver.factor(K)]
+        except SingularSystem:
+            if not factors:
+                raise
+        return step + factors[0](right)
