@@ -103,7 +103,7 @@ class SolidForm:
         self._strain_matrix = strain_matrix(self.B, self.basis.element_dofs, self.basis.N)
         # rows of B that never act (zz in plane strain) need not be multiplied
         self._rows = np.flatnonzero(self.B.any(axis=(0, 1, 3)))
-        self._B = np.ascontiguousarray(self.B[:, :, self._rows])
+        self._B = self.B if len(self._rows) == 4 else np.ascontiguousarray(self.B[:, :, self._rows])
 
     def __repr__(self) -> str:
         regions = ", ".join(f"{r.name}: {r.material!r}" for r in self.regions)

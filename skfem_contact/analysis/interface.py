@@ -37,15 +37,21 @@ def linear_solver(forms: Mapping[str, Any], solver: Any, locations: ndarray, fre
     Parameters
     ----------
     forms
-        Forms by name; those with an attribute `unknowns` act on these alone.
+        Forms by name; those with an attribute `unknowns` act on these alone, those with `materials` yield where one
+        of these has internal variables.
     solver, locations, free
         As for :func:`as_solver`.  A user's own function is used for everything.
     """
     inner = as_solver(solver, locations, free)
     touched = [form.unknowns for form in forms.values() if hasattr(form, "unknowns")]
-    if callable(solver) or not touched:
+    if callable(solver) or not touched or any(_may_yield(form) for form in forms.values()):
         return inner
     return InterfaceSolver(inner, locations, free, np.concatenate(touched))
+
+
+def _may_yield(form: Any) -> bool:
+    """Whether a form's tangent may change inside the bodies: then factors that are made to be kept do not pay."""
+    return any(material.n_internal > 0 for material in getattr(form, "materials", {}).values())
 
 
 class InterfaceSolver:

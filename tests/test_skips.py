@@ -1,0 +1,176 @@
+"""What a scene does not need is skipped, and the result is the same as without the skip."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from helpers import grid, vector_basis
+
+import skfem_contact as sc
+from skfem_contact import solid
+from skfem_contact.analysis import interface, linear, setup, superlu
+from skfem_contact.analysis.interface import InterfaceSolver
+from skfem_contact.analysis.linear import as_solver
+
+#: Displacements of two analyses whose residuals are below 1e-12 of the load, relative: conditioning times that.
+SAME = 1e-9
+NEWTON = sc.Newton(tolerance=1e-12)
+
+
+def pressed(material: sc.MohrCoulomb | sc.LinearElastic, load: float = 40.0):
+    """A rigid-like block pressed and pushed onto a layer, analysed in three increments."""
+    layer = grid("Q1", np.linspace(-3, 3, 25), np.linspace(-2, 0, 9))
+    block = grid("Q1", np.linspace(-1, 1, 10), np.linspace(0, 1, 5))
+    basis = vector_basis(sc.join_bodies({"layer": layer, "block": block}), "Q1", intorder=2)
+    forms = {
+        "layer": sc.SolidForm(basis.with_elements("layer"), material),
+        "block": sc.SolidForm(basis.with_elements("block"), sc.LinearElastic(E=1e6, nu=0.2)),
+        "joint": sc.ContactPair(basis, "layer:top", "block:bottom", sc.Coulomb(mu=0.3), quadrature=2),
+    }
+    fixed = np.concatenate((basis.get_dofs("layer:bottom").all(), basis.get_dofs("block:top").all()))
+    x = basis.zeros()
+    x[basis.get_dofs("block:top").all("u^2")] = -1e-4 * load
+    x[basis.get_dofs("block:top").all("u^1")] = 0.5e-4 * load
+    return forms, [sc.Stage("pressed", basis.zeros(), prescribed=x, increments=3)], fixed
+
+
+def analysed(*scene) -> sc.Result:
+    return sc.run(*scene, newton=NEWTON)
+
+
+def assert_same(one: sc.Result, other: sc.Result) -> None:
+    a, b = one[-1], other[-1]
+    assert a.iterations == b.iterations
+    np.testing.assert_allclose(a.x, b.x, rtol=0, atol=SAME * np.abs(b.x).max())
+    np.testing.assert_allclose(
+        a.states["joint"].normal, b.states["joint"].normal, rtol=0, atol=SAME * np.abs(b.states["joint"].normal).max()
+    )
+
+
+def counted(monkeypatch: pytest.MonkeyPatch, owner: object, name: str) -> list[int]:
+    """Count the calls of a function: the length of the list."""
+    calls: list[int] = []
+    function: Callable = getattr(owner, name)
+
+    def call(*args, **kwargs):
+        calls.append(1)
+        return function(*args, **kwargs)
+
+    monkeypatch.setattr(owner, name, call)
+    return calls
+
+
+soil = sc.MohrCoulomb(E=1e4, nu=0.3, c=10.0, phi=25.0, psi=5.0)
+rock = sc.LinearElastic(E=1e4, nu=0.3)
+
+
+def test_elastic_stiffness_is_assembled_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One batch of element matrices a body in the whole analysis; afresh for every tangent gives the same."""
+    calls = counted(monkeypatch, solid, "element_stiffness")
+    once = analysed(*pressed(rock))
+    assert len(calls) == 2
+    monkeypatch.setattr(sc.SolidForm, "elastic_stiffness", property(sc.SolidForm.elastic_stiffness.func))
+    assert_same(once, analysed(*pressed(rock)))
+    assert len(calls) > 2 + 2 * sum(once[-1].iterations)
+
+
+@dataclass(frozen=True, eq=False)
+class Everywhere(sc.MohrCoulomb):
+    """Soil that hands out its tangent at every point."""
+
+    def update(self, strain_increment, stress, internal):
+        answer = super().update(strain_increment, stress, internal)
+        moduli = np.tile(self.elasticity(4), (stress[0].size, 1, 1))
+        moduli[answer.plastic] = answer.tangent()
+        return answer._replace(plastic=np.arange(stress[0].size), tangent=lambda: moduli)
+
+
+def test_only_elements_that_yield_are_assembled(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The tangent of all elements is that of the elastic body with those corrected that hold a plastic point."""
+    sizes: list[int] = []
+    stiffness = solid.element_stiffness
+    monkeypatch.setattr(solid, "element_stiffness", lambda B, D: (sizes.append(len(B)), stiffness(B, D))[1])
+    part = analysed(*pressed(soil))
+    assert 0 < max(sizes[2:]) < 0.5 * max(sizes)
+    assert_same(part, analysed(*pressed(Everywhere(E=1e4, nu=0.3, c=10.0, phi=25.0, psi=5.0))))
+
+
+def test_factors_are_kept_while_only_the_interface_changes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Elastic bodies in contact: two factorisations, one of them with the interface last, instead of one each."""
+    kept, each = counted(monkeypatch, interface, "splu"), counted(monkeypatch, superlu, "splu")
+    scene = pressed(rock)
+    result = sc.run(*scene, newton=NEWTON, solver="superlu")
+    assert (len(kept), len(each)) == (1, 1)
+    monkeypatch.setattr(setup, "linear_solver", lambda forms, *args: as_solver(*args))
+    assert_same(result, sc.run(*scene, newton=NEWTON, solver="superlu"))
+    assert len(each) > 10
+
+
+def test_factors_are_not_kept_where_bodies_yield(monkeypatch: pytest.MonkeyPatch) -> None:
+    """There they would be of no use."""
+    kept = counted(monkeypatch, interface, "splu")
+    analysed(*pressed(soil))
+    assert not kept
+
+
+def test_interface_solver_solves_as_a_new_factor_does() -> None:
+    """Solutions with kept factors have small residuals, whatever has changed on the interface."""
+    forms, _, fixed = pressed(rock)
+    forms = sc.choose_penalties(forms)
+    basis = forms["block"].basis
+    free = np.setdiff1d(np.arange(basis.N), fixed)
+    joint, rng = forms["joint"], np.random.default_rng(3)
+    solver = InterfaceSolver(as_solver(None, basis.doflocs, free), basis.doflocs, free, joint.unknowns)
+    bodies = forms["layer"].elastic_stiffness + forms["block"].elastic_stiffness
+    for depth in (1e-3, 2e-3, 3e-3, 1e-2):
+        x = basis.zeros()
+        x[basis.get_dofs(elements="block").all("u^2")] = -depth
+        K = bodies + joint.assemble(x + 1e-4 * rng.standard_normal(basis.N), joint.initial_state()).stiffness
+        b = rng.standard_normal(basis.N)
+        residual = (K @ solver.factor(K)(b) - b)[free]
+        assert np.linalg.norm(residual) < 1e-9 * np.linalg.norm(b)  # refined from 1e-10 on
+    assert solver._base is not None
+
+
+def test_an_unchanged_matrix_is_not_factored_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Three increments of an elastic body without contact: one factorisation, and the same result with three."""
+    forms, _, fixed = pressed(rock)
+    forms = {"block": forms["block"]}
+    N = forms["block"].basis.N
+    fixed = np.union1d(fixed, np.setdiff1d(np.arange(N), forms["block"].basis.get_dofs(elements="block").all()))
+    load = np.zeros(N)
+    load[np.setdiff1d(np.arange(N), fixed)] = 1.0
+    calls = counted(monkeypatch, superlu, "splu")
+
+    def displacements() -> np.ndarray:
+        return sc.run(forms, [sc.Stage("load", load, increments=3)], fixed, solver="superlu")[-1].x
+
+    once = displacements()
+    assert len(calls) == 1
+    monkeypatch.setattr(linear, "_equal", lambda A, B: False)
+    np.testing.assert_array_equal(displacements(), once)
+    assert len(calls) > 3
+
+
+def test_a_line_search_pays_for_no_tangent(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As many tangents as linear systems, however often the force was asked for."""
+    tangents = counted(monkeypatch, sc.SolidForm, "_tangent")
+    forces = counted(monkeypatch, sc.SolidForm, "assemble")
+    result = analysed(*pressed(soil, load=100.0))
+    assert len(tangents) == 2 * sum(result[-1].iterations)  # two solids
+    assert len(forces) > len(tangents)
+
+
+def test_an_order_of_elimination_serves_for_the_whole_analysis(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Bodies that yield are ordered once; ordered anew for every tangent they give the same."""
+    orders = counted(monkeypatch, superlu, "nested_dissection")
+    once = sc.run(*pressed(soil), newton=NEWTON, solver="superlu")
+    assert len(orders) == 1
+    monkeypatch.setattr(superlu.SuperLU, "outdated", lambda self: True)
+    assert_same(once, sc.run(*pressed(soil), newton=NEWTON, solver="superlu"))
+    assert len(orders) > sum(once[-1].iterations)
+
+
