@@ -172,5 +172,3 @@ def test_an_order_of_elimination_serves_for_the_whole_analysis(monkeypatch: pyte
     monkeypatch.setattr(superlu.SuperLU, "outdated", lambda self: True)
     assert_same(once, sc.run(*pressed(soil), newton=NEWTON, solver="superlu"))
     assert len(orders) > sum(once[-1].iterations)
-
-
