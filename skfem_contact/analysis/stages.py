@@ -25,7 +25,7 @@ from .threads import single_threaded
 logger = logging.getLogger("skfem_contact")
 
 _SMALLEST = 1.0 / 1024.0  # an increment that fails at this share of the stage has failed for good
-_EASY = 8  # an increment with so few iterations may be followed by a larger one
+_EASY = 8  # an increment with so few iterations to an equilibrium may be followed by a larger one
 
 
 @dataclass(frozen=True)
@@ -194,7 +194,7 @@ def _increments(system: System, stage: Stage, last: StageResult, released: ndarr
                 raise NotConverged(f"{reached}: {error}{_place(system, error.unknown)}") from error
             continue
         logger.info("stage '%s': %.2f%% in %d iterations", stage.name, 100 * fraction, new.iterations)
-        if new.iterations <= _EASY:
+        if new.iterations <= _EASY * new.equilibria:
             size = max(size, min(2.0 * size, 1.0 / stage.increments))
         summary = {name: form.summary(new.states[name]) for name, form in system.forms.items()}
         last = StageResult(stage.name, new.x, load, new.states, (*last.iterations, new.iterations),

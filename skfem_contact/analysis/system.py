@@ -39,11 +39,12 @@ class Form(Protocol):
 
 @dataclass(frozen=True)
 class Equilibrium:
-    """A converged increment: displacements, candidate states and the history of the residual."""
+    """A converged increment: displacements, candidate states, history of the residual, number of equilibria it took."""
 
     x: ndarray
     states: dict[str, Any]
     residuals: tuple[float, ...]
+    equilibria: int = 1
 
     @property
     def iterations(self) -> int:
