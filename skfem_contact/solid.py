@@ -146,12 +146,6 @@ class SolidForm:
         strain = np.zeros((4, *shape)) if x is None else self._strains(x)
         return SolidState(strain, np.zeros((4, *shape)), np.zeros((self._n_internal, *shape)))
 
-    @cached_property
-    def _force_matrix(self) -> csr_matrix:
-        """Sparse matrix that maps stresses to the forces that do the same work."""
-        weight = np.broadcast_to(self.weight, (4, *self.weight.shape)).ravel()
-        return self._strain_matrix.multiply(weight[:, None]).T.tocsr()
-
     def _strains(self, x: ndarray) -> ndarray:
         return np.asarray(self._strain_matrix @ x).reshape(4, *self.weight.shape)
 
@@ -187,7 +181,7 @@ class SolidForm:
                 internal = internal.copy() if internal is before else internal
                 internal[:n, e] = update.internal
             updates.append(update)
-        force = self._force_matrix @ stress.ravel()
+        force = self._strain_matrix.T @ (stress * self.weight).ravel()
         return Response(force, lambda: SolidState(strain, stress, internal), lambda: self._tangent(updates),
                         lambda: self._tangent(updates, damped=True))
 

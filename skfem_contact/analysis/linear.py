@@ -197,7 +197,7 @@ class _Factor:
         self._scale = self._row_norms()
         for careful in (False, True):
             try:
-                self._solve = engine.factor(A, symmetric, careful)
+                self._factor(careful)
             except RuntimeError:  # an exact zero among the pivots
                 continue
             if self._stiffness() > SINGULAR:
@@ -214,11 +214,19 @@ class _Factor:
             x[self._order] = self._checked(rhs, size)
         return x
 
+    def _factor(self, careful: bool) -> None:
+        self._forget()
+        self._solve = self._engine.factor(self.A, self.symmetric, careful)
+
+    def _forget(self) -> None:
+        """Free the memory of the factors for the next ones."""
+        vars(self).pop("_solve", None)
+
     def _checked(self, rhs: ndarray, size: float) -> ndarray:
         """Solution of small residual."""
         x, error = self._refined(rhs, size)
         if error > WRONG:
-            self._solve = self._engine.factor(self.A, self.symmetric, careful=True)
+            self._factor(careful=True)
             x, error = self._refined(rhs, size)
         if error > WRONG:
             raise self._singular()
@@ -262,6 +270,7 @@ class _Factor:
 
     def _singular(self) -> SingularSystem:
         """The error that names the unknowns of the softest motion, found with a little stiffness added."""
+        self._forget()
         solve = self._engine.factor((self.A + diags(HOLD * self._scale)).tocsr(), self.symmetric)
         motion = _any_motion(len(self._scale))
         for _ in range(2):

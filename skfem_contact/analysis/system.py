@@ -11,7 +11,7 @@ from numpy import ndarray
 from scipy.sparse import csr_matrix
 
 from ..assembly import Response
-from .linear import SingularSystem, Solve
+from .linear import SingularSystem
 from .newton import FAR, Collapse, Newton, NotConverged, Search, Trial, iterate
 from .total import Total
 
@@ -126,14 +126,14 @@ class System:
             None was found.  The message names the place and the size of the largest unbalanced force.
         """
         first: list[float] = [elastic] if elastic > 0.0 else []
-        factors: list[Solve] = []
+        regular: list[csr_matrix] = []
 
         def evaluate(z: ndarray) -> Trial:
             trial = self.evaluate(z, states, load)
             return replace(trial, lag=float(np.abs(prescribed - z[self.fixed]).max(initial=0.0)))
 
         def direction(now: Trial, damped: bool) -> ndarray:
-            step = self._direction(now, prescribed - now.z[self.fixed], damped, factors)
+            step = self._direction(now, prescribed - now.z[self.fixed], damped, regular)
             if not first:
                 first.append(max(float(np.linalg.norm(step)), float(np.linalg.norm(x))))
             return step
@@ -156,7 +156,7 @@ class System:
                 return Equilibrium(now.z, now.states, spent + norms[1 if spent else 0:])
         raise ValueError("there is no line search to try")
 
-    def _direction(self, now: Trial, lag: ndarray, damped: bool, factors: list[Solve]) -> ndarray:
+    def _direction(self, now: Trial, lag: ndarray, damped: bool, regular: list[csr_matrix]) -> ndarray:
         """Newton step; where the tangent is singular, far out on a mechanism, with the last regular one."""
         K = self.tangent(now, damped)
         right = now.residual
@@ -165,8 +165,10 @@ class System:
             step[self.fixed] = lag
             right = right - K @ step
         try:
-            factors[:] = [self.solver.factor(K)]
+            solve = self.solver.factor(K)
+            regular[:] = [K]  # not its factors, which would be in memory beside the next ones
         except SingularSystem:
-            if not factors:
+            if not regular:
                 raise
-        return step + factors[0](right)
+            solve = self.solver.factor(regular[0])
+        return step + solve(right)
