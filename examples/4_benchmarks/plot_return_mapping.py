@@ -146,8 +146,9 @@ def solution(law, trial, internal):
 # Errors
 # ------
 # A stress error is relative to the largest component of the trial stress. The internal variable, on which the strength
-# of the softening law depends, must be the equivalent plastic shear strain of the return. A tangent error is relative to E; points
-# where the quotients to both sides differ lie on a kink or have nearly equal principal stresses, and are left out.
+# of the softening law depends, must be the equivalent plastic shear strain of the return. A tangent error is
+# relative to E; points where the quotients to both sides differ lie on a kink or have nearly equal principal stresses,
+# and are left out.
 
 
 def stress_error(stress: np.ndarray, law, trial: np.ndarray, internal: np.ndarray) -> float:
@@ -261,8 +262,8 @@ fig, ax = plt.subplots(figsize=(8, 4.2), layout="constrained")
 for i, (share, color) in enumerate(zip(("nothing", "a sixth", "everything"), ("C2", "C0", "C3"), strict=True)):
     rates = [[r["points_per_s"] for r in rows if r["method"] == name][i] / 1e6 for name in names]
     bars = ax.barh(np.arange(len(names)) + 0.27 * (i - 1), rates, 0.25, color=color, label=f"{share} yields")
-    ax.bar_label(bars, fmt="%.2g", fontsize=7, padding=2)
-ax.set(xscale="log", yticks=np.arange(len(names)), yticklabels=names,
+    ax.bar_label(bars, fmt=lambda rate: f"{rate:.0f}" if rate >= 10 else f"{rate:.2g}", fontsize=7, padding=2)
+ax.set(xscale="log", xticks=[1, 10, 100], xticklabels=["1", "10", "100"], xlim=(0.1, 300), yticks=np.arange(len(names)), yticklabels=names,
        xlabel="million points a second, stress and tangent")
 ax.invert_yaxis()
 ax.legend(frameon=False, loc="upper center", bbox_to_anchor=(0.4, 1.12), ncols=3)
