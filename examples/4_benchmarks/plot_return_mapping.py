@@ -263,8 +263,8 @@ for i, (share, color) in enumerate(zip(("nothing", "a sixth", "everything"), ("C
     rates = [[r["points_per_s"] for r in rows if r["method"] == name][i] / 1e6 for name in names]
     bars = ax.barh(np.arange(len(names)) + 0.27 * (i - 1), rates, 0.25, color=color, label=f"{share} yields")
     ax.bar_label(bars, fmt=lambda rate: f"{rate:.0f}" if rate >= 10 else f"{rate:.2g}", fontsize=7, padding=2)
-ax.set(xscale="log", xticks=[1, 10, 100], xticklabels=["1", "10", "100"], xlim=(0.1, 300), yticks=np.arange(len(names)), yticklabels=names,
-       xlabel="million points a second, stress and tangent")
+ax.set(xscale="log", xticks=[1, 10, 100], xticklabels=["1", "10", "100"], xlim=(0.1, 300),
+       yticks=np.arange(len(names)), yticklabels=names, xlabel="million points a second, stress and tangent")
 ax.invert_yaxis()
 ax.legend(frameon=False, loc="upper center", bbox_to_anchor=(0.4, 1.12), ncols=3)
 plt.show()
