@@ -32,17 +32,6 @@ class IncrementTooLarge(RuntimeError):
     """
 
 
-class IncrementTooLarge(RuntimeError):
-    """What a form's ``settle`` raises where it cannot tell what happened during an increment: it must be cut.
-
-    Examples
-    --------
-    >>> from skfem_contact.assembly import IncrementTooLarge
-    >>> issubclass(IncrementTooLarge, RuntimeError)
-    True
-    """
-
-
 class Response:
     """What a form answers: the internal force and, when asked for, the candidate state and the tangent.
 
