@@ -264,7 +264,7 @@ class Pattern:
         within = np.arange(indptr[-1]) - np.repeat(indptr[:-1], np.repeat(2 * degree, 2))
         indices = pairs[np.repeat(starts, np.repeat(2 * degree, 2)) + within]
         return cls(indptr.astype(np.int32), indices.astype(np.int32),
-                   np.ascontiguousarray(slots).reshape(n_elements, 2 * n_local, 2 * n_local))
+                   slots.astype(np.int32, order="C").reshape(n_elements, 2 * n_local, 2 * n_local))
 
     def scatter(self, matrices: ndarray, elements: ndarray | slice = slice(None)) -> ndarray:
         """Sum of element matrices as CSR data."""

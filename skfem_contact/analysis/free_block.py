@@ -48,7 +48,7 @@ class FreeBlock:
         numbers = csr_matrix((np.arange(K.nnz), K.indices, K.indptr), shape=K.shape)
         block = numbers[self.order][:, self.order]
         block.sort_indices()
-        self._entries, self._indices, self._indptr = block.data, block.indices, block.indptr
+        self._entries, self._indices, self._indptr = block.data.astype(np.int32), block.indices, block.indptr
 
 
 def same_pattern(A: csr_matrix, B: csr_matrix) -> bool:

@@ -103,7 +103,7 @@ def _find(matrix: csr_matrix, pattern: csr_matrix) -> ndarray | None:
         position[entry] = within[np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)]
     position = np.minimum(position, pattern.nnz - 1)
     fits = (counts <= have).all() and np.array_equal(pattern.indices[position], matrix.indices)
-    return position if fits else None
+    return position.astype(np.int32) if fits else None
 
 
 def _entries(matrix: csr_matrix, rows: ndarray) -> ndarray:
