@@ -15,6 +15,7 @@ copyright = author
 release = version = skfem_contact.__version__
 
 extensions = [
+    "benchmark_tables",
     "myst_parser",
     "numpydoc",
     "reference_pages",
@@ -41,7 +42,7 @@ html_theme_options = {
     "footer_start": ["copyright"],
     "footer_end": ["sphinx-version"],
 }
-html_sidebars = {"installation": [], "changelog": [], "contributing": []}
+html_sidebars = {"installation": [], "changelog": [], "contributing": [], "benchmarks": []}
 
 myst_enable_extensions = ["amsmath", "colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 3

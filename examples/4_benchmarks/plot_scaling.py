@@ -1,0 +1,149 @@
+r"""
+Time and memory against size
+============================
+
+Two analyses on finer and finer meshes: the buried culvert, with contact and both stages, and a slope of which
+gravity makes a part yield. What do they cost, and how does the cost grow?
+
+A two-dimensional mesh of :math:`N` unknowns has factors of :math:`O(N \log N)` entries that take
+:math:`O(N^{3/2})` operations; everything else is linear. An exponent below 1.5 is what a direct solver can reach.
+"""
+
+# %%
+# The scenes
+# ----------
+# The culvert is that of the tutorial, its elements divided by four again and again, in soils that dilate as their
+# flow rule says when it is associated. (Without dilatancy Newton's method needs 20 to 40 iterations instead of 8 at
+# 66,000 unknowns.) The slope is that of Griffiths and Lane, 1:2, on triangles of second order.
+
+import json
+import resource
+import sys
+from importlib.resources import files
+from time import process_time
+
+import matplotlib.pyplot as plt
+import numpy as np
+from skfem import Basis, ElementQuad1, ElementTriP2, ElementVector, FacetBasis, LinearForm, MeshTri
+
+import skfem_contact as sc
+from skfem_contact.analysis.linear import DirectSolver
+
+
+def culvert(refinements):
+    """Forms, stages and supports of the buried culvert."""
+    welded = sc.load_mesh(files("skfem_contact") / "data" / "culvert.msh").refined(refinements)
+    mesh = sc.join_bodies(welded, bodies={"ground": ["soft", "stiff"], "culvert": "culvert"})
+    basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+    soils = {"soft": sc.MohrCoulomb(E=1e4, nu=0.40, c=5.0, phi=25.0, psi=25.0),
+             "stiff": sc.MohrCoulomb(E=5e4, nu=0.35, c=10.0, phi=35.0, psi=35.0)}  # fmt: skip
+    concrete = sc.LinearElastic(E=2.8e7, nu=0.2)
+    forms = {
+        "ground": sc.SolidForm(basis.with_elements("ground"), soils, strain=sc.b_bar),
+        "culvert": sc.SolidForm(basis.with_elements("culvert"), concrete, strain=sc.b_bar),
+        "skin": sc.ContactPair(basis, slave="ground|culvert", master="culvert|ground", law=sc.Coulomb(mu=0.6),
+                               smoothing=0.5, initial="adjusted"),
+    }  # fmt: skip
+    gravity = sc.weight(basis, {"soft": 18.0, "stiff": 20.0, "culvert": 25.0})
+    surface = FacetBasis(mesh, basis.elem, facets="surface")
+    strip = LinearForm(lambda v, w: -35.0 * v[1] * (w.x[0] > 0.0) * (w.x[0] < 1.8)).assemble(surface)
+    fixed = np.concatenate((basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1")))
+    return basis, forms, [sc.Stage("gravity", gravity), sc.Stage("surcharge", gravity + strip)], fixed
+
+
+def slope(n):
+    """Forms, stage and supports of the slope, n cells high."""
+    s = np.linspace(0, 1, n + 1)
+    mesh = MeshTri.init_tensor(np.linspace(0, 1, 2 * n + 1), s).with_defaults()
+    y = 10.0 * mesh.p[1]
+    mesh = MeshTri(np.array([mesh.p[0] * (12.0 + 2.0 * (10.0 - y)), y]), mesh.t).with_boundaries(mesh.boundaries)
+    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
+    soil = sc.MohrCoulomb(E=1e5, nu=0.3, c=10.0, phi=20.0, psi=20.0)
+    fixed = np.concatenate((basis.get_dofs("bottom").all(), basis.get_dofs("left").all("u^1")))
+    return basis, {"slope": sc.SolidForm(basis, soil)}, [sc.Stage("gravity", sc.weight(basis, 20.0))], fixed
+
+
+# %%
+# Measurements
+# ------------
+# The unit of time is one factorisation of the last tangent. The peak memory is that of the process, so the runs
+# come in the order of their size.
+
+
+def peak():
+    """Peak memory of the process, MB."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024 / (1024 if sys.platform == "darwin" else 1)
+
+
+def factorisation(basis, forms, result, fixed):
+    """Processor time of one factorisation of the last tangent."""
+    forms, last = sc.choose_penalties(forms), result[-1]
+    K = sum(form.assemble(last.x, last.states[name]).stiffness for name, form in forms.items())
+    solver = DirectSolver(basis.doflocs, np.setdiff1d(np.arange(basis.N), fixed), "superlu")
+    solver.factor(K)
+    begin = process_time()
+    solver.factor(1.0001 * K)
+    return process_time() - begin
+
+
+def analyse(name, scene, n):
+    """Figures of an analysis."""
+    begin = process_time()
+    basis, forms, stages, fixed = scene(n)
+    set_up = process_time() - begin
+    result = sc.run(forms, stages, fixed)
+    cost, memory = process_time() - begin, peak() - before
+    one = factorisation(basis, forms, result, fixed)
+    return {"method": name, "n": n, "unknowns": int(basis.N), "error": max(stage.residual for stage in result),
+            "cpu_s": cost, "set_up_s": set_up, "iterations": sum(sum(stage.iterations) for stage in result),
+            "factorisations": cost / one, "peak_MB": memory, "KB_per_unknown": 1024 * memory / basis.N}  # fmt: skip
+
+
+full = "--full" in sys.argv
+runs = [("culvert", culvert, n) for n in range(4 if full else 1)]
+runs += [("slope", slope, n) for n in ((17, 34, 68, 136) if full else (8, 12))]
+before = peak()
+rows = []
+for name, scene, n in sorted(runs, key=lambda run: (run[2] if run[1] is culvert else np.log2(run[2] / 17))):
+    rows.append(row := analyse(name, scene, n))
+    print(f"{name:8} {row['unknowns']:7} unknowns {row['cpu_s']:8.2f} s = {row['factorisations']:5.1f} factorisations, "
+          f"{row['iterations']:3} iterations, {row['KB_per_unknown']:.1f} KB per unknown", flush=True)  # fmt: skip
+
+# %%
+# Exponents, fitted to all sizes of a scene. An iteration more or less on the way is part of the scatter, so the time
+# of an iteration is fitted as well.
+
+
+def exponent(name, quantity):
+    """Slope of a quantity in double logarithmic scales."""
+    own = [row for row in rows if row["method"] == name]
+    return float(np.polyfit(np.log([row["unknowns"] for row in own]), np.log([quantity(row) for row in own]), 1)[0])
+
+
+if full:
+    for name in ("culvert", "slope"):
+        whole = exponent(name, lambda row: row["cpu_s"])
+        single = exponent(name, lambda row: row["cpu_s"] / row["iterations"])
+        print(f"{name}: time ~ N^{whole:.2f}, time of an iteration ~ N^{single:.2f}")
+        assert single < 1.4
+    for row in rows:
+        if row["unknowns"] > 60_000:
+            assert row["KB_per_unknown"] < 8.0
+            assert row["method"] == "slope" or row["factorisations"] < 60.0
+
+fig, axes = plt.subplots(1, 2, figsize=(9, 4), layout="constrained")
+for name, color in zip(("culvert", "slope"), ("#1f4e8c", "#d55e00")):
+    own = [row for row in rows if row["method"] == name]
+    for ax, quantity in zip(axes, ("cpu_s", "peak_MB")):
+        ax.loglog([row["unknowns"] for row in own], [row[quantity] for row in own], "o-", color=color, label=name)
+for ax, title in zip(axes, ("processor time [s]", "peak memory [MB]")):
+    ax.set(xlabel="unknowns", title=title)
+    ax.grid(color="#dddddd", linewidth=0.6)
+axes[0].legend(frameon=False)
+plt.show()
+
+# %%
+# Figures
+# -------
+
+print(json.dumps({"case": "scaling", "rows": rows}))
