@@ -16,6 +16,7 @@ from ..checks import check_basis
 from ..materials.coulomb import InterfaceLaw, Status, Traction
 from . import quadrature as rules
 from .augmented import AugmentedLagrangian
+from .freezing import frozen
 from .kinematics import Kinematics, geometric_tangent, variations
 from .remarks import PENETRATION, passed_through, penetration, remarks
 from .search import Projection, project
@@ -30,6 +31,8 @@ _TOUCHING = 1e-8
 _ROUND_OFF = 8 * np.finfo(float).eps
 #: The rule "segments" is cut anew when a cut has moved by more than this share of a segment.
 _MOVED = 1e-3
+#: ... but not more often than this in an increment: cuts may go to and fro.
+_RECUTS = 8
 
 
 class ContactPair:
@@ -189,7 +192,7 @@ class ContactPair:
         if self.enforcement is not None and self.penalty is not None and self.stiffness is not None:
             stiffening = self.enforcement.start(self.penalty, self.stiffness)
         return ContactState(arc, arc, _segments(found), found.gap, zero, zero, zero, status, nodal, nodal,
-                            stiffening, offset, cuts, np.zeros(1))
+                            stiffening, offset, cuts, np.zeros(1), np.zeros(len(arc), bool), np.zeros(1))
 
     def _moved(self, points: rules.SlavePoints, gap: ndarray) -> ndarray:
         """What gaps have changed by since the mesh, zero where other surfaces have come to face each other."""
@@ -215,7 +218,8 @@ class ContactPair:
         positions = points.positions(slave)
         held = state.springs[0] > 0.0
         law = Held(self.law, float(state.springs[0])) if held else self.law
-        found = self._project(points, nodes, positions, state.segment, everywhere=held)
+        depth = np.full(len(points.arc), np.inf) if held else self._depth(points)
+        found = project(self.master, nodes, positions, depth, state.segment, state.frozen)
         arc = self._arc(found)
         normal_penalty, tangential_penalty = self.penalties(state)
         gap = found.gap - state.offset + points.at(state.normal_multiplier) / normal_penalty
@@ -254,9 +258,8 @@ class ContactPair:
         return self.slave.positions(x, origin), self.master.positions(x, origin)
 
     def _project(self, points: rules.SlavePoints, nodes: ndarray, positions: ndarray,
-                 previous: ndarray | None = None, everywhere: bool = False) -> Projection:
-        depth = np.full(len(points.size), np.inf) if everywhere else self._depth(points)
-        return project(self.master, nodes, positions, depth, previous)
+                 previous: ndarray | None = None) -> Projection:
+        return project(self.master, nodes, positions, self._depth(points), previous)
 
     def _depth(self, points: rules.SlavePoints) -> ndarray:
         """Largest penetration: what is deeper than an element or so belongs to the other side of the body."""
@@ -288,7 +291,8 @@ class ContactPair:
         moved = self._along(arc - state.arc)
         slip = np.where(status == Status.OPEN, 0.0, state.slip + np.where(np.isnan(moved), 0.0, moved))
         return replace(state, stick_point=stick_point, arc=arc, segment=_segments(found), gap=found.gap, slip=slip,
-                       normal=normal, tangential=tangential, status=status)
+                       normal=normal, tangential=tangential, status=status, frozen=np.zeros(len(arc), bool),
+                       recuts=np.zeros(1))
 
     def _gather(self, kinematics: Kinematics, force: ndarray) -> ndarray:
         moving = kinematics.dofs >= 0  # rigid obstacles have no unknowns
@@ -338,7 +342,7 @@ class ContactPair:
                                              stiffness)
         if self.quadrature == "segments":
             cuts = self._cuts(*self._places(x))
-            if rules.moved(accepted.cuts, cuts) > _MOVED:
+            if rules.moved(accepted.cuts, cuts) > _MOVED and accepted.recuts[0] < _RECUTS:
                 base = again or accepted
                 again = transferred(base, self.points(base), self.points(replace(base, cuts=cuts)), cuts)
         return again
@@ -346,6 +350,10 @@ class ContactPair:
     def hold(self, state: ContactState) -> ContactState:
         """The state with soft springs that close the gaps; :meth:`settle` takes them away again."""
         return state if self.law.bonds else with_springs(state)
+
+    def freeze(self, state: ContactState, *candidates: ContactState) -> ContactState:
+        """The state with those closed points frozen to their segment that candidates put on different ones."""
+        return frozen(state, candidates, self.slave.name)
 
     def summary(self, state: ContactState) -> str:
         """Counts of open, sticking and slipping points, for the table of a result."""

@@ -15,6 +15,8 @@ EXTENSION = 0.05
 #: Hysteresis: at a joint that turns by less than a degree, a point leaves the segment that it had in the accepted
 #: state only beyond this share of its length, lest nodes that face each other chatter between two segments.
 HYSTERESIS = 0.01
+#: ... and one that is frozen, whatever the angle, beyond this share.
+FROZEN = 0.25
 _STRAIGHT = np.cos(np.deg2rad(1.0))
 _ON_FACET = 1e-9  # round-off of xi at a joint
 _NEWTON_STEPS = 25
@@ -44,7 +46,7 @@ class Projection(NamedTuple):
 
 
 def project(surface: Surface, nodes: ndarray, points: ndarray, depth: ndarray,
-            previous: ndarray | None = None) -> Projection:
+            previous: ndarray | None = None, frozen: ndarray | None = None) -> Projection:
     """Closest points on the surface, among all of its segments.
 
     Parameters
@@ -57,14 +59,18 @@ def project(surface: Surface, nodes: ndarray, points: ndarray, depth: ndarray,
         Largest penetration that counts as contact, (n,): what lies deeper belongs to the body's other side.
     previous
         Segments of the accepted state, (n,), -1 where there was none.
+    frozen
+        Whether points are to stay on these segments, or without any, (n,).
     """
     n = len(points)
     result = Projection(np.zeros(n, bool), np.zeros(n, int), np.zeros(n), np.full(n, np.inf), np.zeros(n, bool))
     row, segment = _candidates(surface, nodes, points)
     foot = _foot(surface, nodes, points[row], segment)
     off_end = _off_end(surface, segment, foot)
-    stays = _stays(surface, nodes, segment, foot, None if previous is None else previous[row])
-    outside = np.abs(foot) - 1.0 > np.where(off_end, 2.0 * EXTENSION, np.where(stays, 2.0 * HYSTERESIS, _ON_FACET))
+    accepted = np.full(n, -1) if previous is None else previous
+    held = np.zeros(n, bool) if frozen is None else frozen
+    stays = _stays(surface, nodes, segment, foot, segment == accepted[row], held[row])
+    outside = np.abs(foot) - 1.0 > np.where(off_end, 2.0 * EXTENSION, np.maximum(2.0 * stays, _ON_FACET))
     reached = np.where(off_end, 1.0 + 2.0 * EXTENSION, 1.0)
     xi = np.where(outside, np.clip(foot, -reached, reached), foot)
     rho = surface.curve(segment, xi, nodes, 1)[1]
@@ -74,12 +80,12 @@ def project(surface: Surface, nodes: ndarray, points: ndarray, depth: ndarray,
     side, at = _left(rho[1], offset), np.flatnonzero(vertex)
     side[at] = _outside_of_vertex(surface, nodes, segment[at], xi[at], offset[at])
     gap = np.where(side >= 0, distance, -distance)
-    best = _first_minimum(row, distance - np.where(stays & ~outside, HYSTERESIS * surface.length[segment], 0.0))
+    best = _first_minimum(row, distance - np.where(outside, 0.0, stays * surface.length[segment]))
     # what is closest decides: off the end of the chain, or too deep, there is no contact with anything farther
     best = best[~(outside & off_end)[best]]
     at = row[best]
     result.segment[at], result.xi[at], result.gap[at] = segment[best], xi[best], gap[best]
-    result.vertex[at], result.found[at] = vertex[best], gap[best] >= -depth[at]
+    result.vertex[at], result.found[at] = vertex[best], (gap[best] >= -depth[at]) & ~(held & (accepted == -1))[at]
     return result
 
 
@@ -147,14 +153,16 @@ def _off_end(surface: Surface, segment: ndarray, foot: ndarray) -> ndarray:
     return ((segment == 0) & (foot < -1.0)) | ((segment == last) & (foot > 1.0))
 
 
-def _stays(surface: Surface, nodes: ndarray, segment: ndarray, foot: ndarray, previous: ndarray | None) -> ndarray:
-    """Candidates that are the point's accepted segment, with the foot at a joint that is almost straight."""
-    stays = np.zeros(len(foot), bool)
-    if previous is not None:
-        at_joint = np.flatnonzero((segment == previous) & (np.abs(np.abs(foot) - 1.0) <= 2.0 * HYSTERESIS))
-        here, there = _tangents_at_joint(surface, nodes, segment[at_joint], foot[at_joint])
-        stays[at_joint] = np.einsum("nc,nc->n", here, there) > _STRAIGHT
-    return stays
+def _stays(surface: Surface, nodes: ndarray, segment: ndarray, foot: ndarray, accepted: ndarray, frozen: ndarray
+           ) -> ndarray:
+    """Share of the segment's length by which candidates that are a point's accepted segment are preferred."""
+    share = np.where(frozen, FROZEN, HYSTERESIS)
+    at_joint = np.flatnonzero(accepted & (np.abs(np.abs(foot) - 1.0) <= 2.0 * share))
+    here, there = _tangents_at_joint(surface, nodes, segment[at_joint], foot[at_joint])
+    stays = (np.einsum("nc,nc->n", here, there) > _STRAIGHT) | frozen[at_joint]
+    preferred = np.zeros(len(foot))
+    preferred[at_joint[stays]] = share[at_joint[stays]]
+    return preferred
 
 
 def _outside_of_vertex(surface: Surface, nodes: ndarray, segment: ndarray, xi: ndarray, offset: ndarray) -> ndarray:

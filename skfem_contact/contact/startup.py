@@ -19,10 +19,10 @@ _NEGLIGIBLE = 1e-3
 
 @dataclass(frozen=True)
 class Held:
-    """An interface law with soft springs at the points that are open.
+    """An interface law with soft springs: normal ones draw open points to the surface that they face.
 
-    The springs draw the points to the surface that they face.  Sideways they act only where the law resists slip under
-    pressure, for without friction nothing will hold the bodies there.
+    Sideways springs act only where the law resists slip under pressure, for without friction nothing will hold the
+    bodies there.  They act at closed points too: not all of these may slide at once.
 
     Parameters
     ----------
@@ -45,14 +45,20 @@ class Held:
         return np.ones(len(gap), bool)
 
     def update(self, gap: ndarray, slip: ndarray, normal_penalty: float, tangential_penalty: float) -> Traction:
-        """The law's tractions where the gap is closed, those of the springs elsewhere."""
-        closed = self.law.update(np.minimum(gap, 0.0), slip, normal_penalty, tangential_penalty)
+        """The law's tractions where the gap is closed, and those of the springs."""
+        law = self.law.update(np.minimum(gap, 0.0), slip, normal_penalty, tangential_penalty)
         pressed = self.law.update(-np.ones(1), np.zeros(1), normal_penalty, tangential_penalty)
-        along, normal = self.share * float(pressed.tangential_by_slip[0]), self.share * normal_penalty
-        zero = np.zeros_like(gap)
-        springs = Traction(normal * gap, along * slip, zero + normal, zero, zero + along, zero,
-                           np.full(len(gap), int(Status.OPEN)))
-        return Traction(*(np.where(gap > 0.0, s, c) for s, c in zip(springs, closed, strict=True)))
+        normal, along = self.share * normal_penalty, self.share * float(pressed.tangential_by_slip[0])
+        is_open = gap > 0.0
+        return Traction(
+            normal=np.where(is_open, normal * gap, law.normal),
+            tangential=np.where(is_open, 0.0, law.tangential) + along * slip,
+            normal_by_gap=np.where(is_open, normal, law.normal_by_gap),
+            tangential_by_gap=np.where(is_open, 0.0, law.tangential_by_gap),
+            tangential_by_slip=np.where(is_open, 0.0, law.tangential_by_slip) + along,
+            elastic_slip=np.where(is_open, 0.0, law.elastic_slip),
+            status=np.where(is_open, int(Status.OPEN), law.status),
+        )
 
 
 def with_springs(state: ContactState) -> ContactState:
@@ -61,7 +67,7 @@ def with_springs(state: ContactState) -> ContactState:
 
 
 def release(accepted: ContactState, candidate: ContactState, weight: ndarray) -> ContactState:
-    """The accepted state with softer springs, or with none where they exert next to nothing or are next to nothing.
+    """The accepted state with softer springs, or with none where they are next to nothing or exert next to nothing.
 
     Parameters
     ----------
@@ -71,7 +77,7 @@ def release(accepted: ContactState, candidate: ContactState, weight: ndarray) ->
         Lengths of surface that belong to the points.
     """
     force = weight * np.abs(candidate.normal)
-    springs = candidate.status == Status.OPEN
+    is_open, slides = candidate.status == Status.OPEN, (candidate.status == Status.SLIP).any()
     share = float(accepted.springs[0]) * _FALL
-    gone = share < _LAST or force[springs].sum() <= _NEGLIGIBLE * force[~springs].sum()
+    gone = share < _LAST or (not slides and force[is_open].sum() <= _NEGLIGIBLE * force[~is_open].sum())
     return replace(accepted, springs=np.array([0.0 if gone else share]))

@@ -37,6 +37,10 @@ class ContactState:
         Chain coordinates at which ``quadrature="segments"`` cuts the slave; empty for other rules.
     springs
         Stiffness of the springs that hold open points until contact does, as a share of the penalty, (1,).
+    frozen
+        Whether the point stays on its segment in the increment that begins here.
+    recuts
+        Number of times that the slave has been cut anew in this increment, (1,).
     """
 
     stick_point: ndarray
@@ -53,6 +57,8 @@ class ContactState:
     offset: ndarray
     cuts: ndarray
     springs: ndarray
+    frozen: ndarray
+    recuts: ndarray
 
 
 def transferred(state: ContactState, old: SlavePoints, new: SlavePoints, cuts: ndarray) -> ContactState:
@@ -67,4 +73,5 @@ def transferred(state: ContactState, old: SlavePoints, new: SlavePoints, cuts: n
     # master and slave run in opposite directions: what lies on along the slave lies back along the master
     arc = state.arc[nearest] - (new.arc - old.arc[nearest])
     return replace(state, arc=arc, stick_point=arc - elastic, segment=state.segment[nearest], gap=state.gap[nearest],
-                   status=state.status[nearest], cuts=cuts, **smooth)
+                   status=state.status[nearest], frozen=state.frozen[nearest], cuts=cuts, recuts=state.recuts + 1,
+                   **smooth)
