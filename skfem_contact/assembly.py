@@ -46,6 +46,8 @@ class Response:
     damped
         Function that computes a matrix near the tangent with which Newton's method is less prone to stall; by
         default the tangent itself.
+    round_off
+        Norm of the forces that round-off may leave: equilibrium is not asked to be better.
 
     Notes
     -----
@@ -62,8 +64,8 @@ class Response:
     """
 
     def __init__(self, force: ndarray, state: Callable[[], Any], stiffness: Callable[[], csr_matrix],
-                 damped: Callable[[], csr_matrix] | None = None) -> None:
-        self.force = force
+                 damped: Callable[[], csr_matrix] | None = None, round_off: float = 0.0) -> None:
+        self.force, self.round_off = force, round_off
         self._state = state
         self._stiffness = stiffness
         self._damped = damped

@@ -17,6 +17,8 @@ from .materials import Material, Update
 
 #: Share of the symmetric companion in a damped tangent: more of it makes Newton's method slow, less lets it stall.
 _DAMPING = 0.2
+#: Round-off of the forces of a displaced body, relative to those of its displacements taken one by one.
+_ROUND_OFF = 8 * np.finfo(float).eps
 
 
 @dataclass(frozen=True)
@@ -130,7 +132,7 @@ class SolidForm:
         same = all(np.array_equal(a.material.elasticity(4), b.material.elasticity(4))
                    for a, b in zip(self.regions, new.regions, strict=True))
         if not same:
-            for name in ("_elasticity", "elastic_stiffness"):
+            for name in ("_elasticity", "elastic_stiffness", "_diagonal"):
                 new.__dict__.pop(name, None)
         return new
 
@@ -183,7 +185,8 @@ class SolidForm:
             updates.append(update)
         force = self._strain_matrix.T @ (stress * self.weight).ravel()
         return Response(force, lambda: SolidState(strain, stress, internal), lambda: self._tangent(updates),
-                        lambda: self._tangent(updates, damped=True))
+                        lambda: self._tangent(updates, damped=True),
+                        _ROUND_OFF * float(np.linalg.norm(self._diagonal * x)))
 
     def summary(self, state: SolidState) -> str:
         """Share of the points that have yielded, for the table of a result; nothing where nothing has."""
@@ -219,6 +222,10 @@ class SolidForm:
         """Stiffness of the unyielded body, a ``csr_matrix`` of shape (N, N): assembled once."""
         D = self._elasticity[:, None] * self.weight[..., None, None]
         return self._pattern.matrix(self._pattern.scatter(element_stiffness(self._B, D)))
+
+    @cached_property
+    def _diagonal(self) -> ndarray:
+        return self.elastic_stiffness.diagonal()
 
     def _tangent(self, updates: list[Update], damped: bool = False) -> csr_matrix:
         """Elastic stiffness corrected in the elements that hold a plastic point."""

@@ -86,7 +86,7 @@ class System:
         residual = load - sum(r.force for r in responses.values())
         residual[self.fixed] = 0.0
         scale = max(np.linalg.norm(load), *(np.linalg.norm(r.force) for r in responses.values()))
-        norm = float(np.linalg.norm(residual))
+        norm = max(float(np.linalg.norm(residual)) - sum(r.round_off for r in responses.values()), 0.0)
         return Trial(x, responses, residual, float(norm / scale) if scale > 0 else norm)
 
     def tangent(self, now: Trial, damped: bool = False) -> csr_matrix:

@@ -223,7 +223,8 @@ class ContactPair:
         arc = self._arc(found)
         normal_penalty, tangential_penalty = self.penalties(state)
         gap = found.gap - state.offset + points.at(state.normal_multiplier) / normal_penalty
-        gap = np.where(np.abs(gap) <= _ROUND_OFF * np.abs(nodes).max(), 0.0, gap)
+        exact = _ROUND_OFF * float(np.abs(nodes).max())
+        gap = np.where(np.abs(gap) <= exact, 0.0, gap)
         bonded = state.status != Status.OPEN
         at = np.flatnonzero(found.found & law.reaches(gap, normal_penalty, bonded))
 
@@ -242,7 +243,8 @@ class ContactPair:
         elastic = (traction.elastic_slip - shift) / stretch
         return Response(self._gather(kinematics, force),
                         lambda: self._candidate(state, found, arc, at, traction, elastic),
-                        lambda: self._stiffness(kinematics, traction, weight))
+                        lambda: self._stiffness(kinematics, traction, weight),
+                        round_off=max(normal_penalty, tangential_penalty) * exact * float(np.linalg.norm(weight)))
 
     def penalties(self, state: ContactState) -> tuple[float, float]:
         """Normal and tangential penalty in a state."""
