@@ -21,7 +21,7 @@ ROOMS = {
     "Materials": ("materials",),
     "Contact": ("contact",),
     "Loads": ("loads",),
-    "Analysis": ("analysis",),
+    "Analysis": ("analysis", "checks"),
     "Results": ("post",),
     "Pictures": ("plot",),
     "Assembly": ("assembly",),
