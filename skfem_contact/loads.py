@@ -127,7 +127,7 @@ def water_load(basis: CellBasis, pressure: Pressure, boundaries: str | Sequence[
         mesh, (n_nodes,), for example from a seepage analysis.
     boundaries
         Names of boundaries on which the water presses from outside: the surface of ground that is under water, and
-        both sides of contact with a body that is not porous.
+        both sides of a contact, which then carries the effective stress.
 
     Returns
     -------

@@ -158,7 +158,7 @@ class DirectSolver:
         block = self._block = self._block or self._ordered(K)
         A = block.gather(K)
         last = self._last
-        if last is not None and last.symmetric == symmetric and _equal(A, last.A):
+        if last is not None and last.usable and last.symmetric == symmetric and _equal(A, last.A):
             return last
         if self._engine.outdated():
             block = self._block = self._ordered(K)
@@ -213,6 +213,11 @@ class _Factor:
         if size > 0.0:
             x[self._order] = self._checked(rhs, size)
         return x
+
+    @property
+    def usable(self) -> bool:
+        """Whether there are factors; not once they have turned out to be singular."""
+        return "_solve" in vars(self)
 
     def _factor(self, careful: bool) -> None:
         self._forget()

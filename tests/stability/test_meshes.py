@@ -1,0 +1,219 @@
+"""Meshes that fit badly: sizes, shapes, corners, few points and many."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import replace
+from time import process_time
+
+import numpy as np
+import pytest
+from helpers import distorted, grid, vector_basis
+from setups import blocks, displaced, force_on, in_contact, run, traction
+from skfem import MeshQuad
+
+import skfem_contact as sc
+from skfem_contact.contact.search import project
+
+QUADRATURES = ["nodal", 2, "segments"]
+
+
+@pytest.mark.parametrize("quadrature", QUADRATURES)
+@pytest.mark.parametrize("sizes", [(2, 40), (40, 2), (2, 100), (100, 2)], ids=str)
+def test_sizes_across_the_interface(sizes, quadrature):
+    """[X] Case S7: elements 20 and 50 times larger on either side: resultant and its lever are those of the load."""
+    basis = blocks(*sizes, overhang=0.0)
+    forms = in_contact(basis, sc.Coulomb(0.3), quadrature)
+    load = traction(basis, "upper:top", (0.5, -5.0))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", sc.AnalysisWarning)  # the small segments are shorter than the penetration
+        stage = run(forms, [sc.Stage("press", load)], basis.get_dofs("lower:bottom").all())["press"]
+    np.testing.assert_allclose(force_on(forms, stage), [-0.5, 5.0], atol=1e-8)
+    joint = sc.tractions(forms["joint"], stage.states["joint"])
+    force = joint.weight * joint.pressure
+    # T acts at the height 1 above the interface; the settlement shifts the levers by some per cent
+    assert (force @ joint.x) / force.sum() == pytest.approx(0.5 + 0.5 / 5.0, abs=0.02)
+
+
+@pytest.mark.parametrize("sizes", [(2, 40), (40, 2), (3, 150), (150, 3)], ids=str)
+def test_patch_test_at_any_ratio(sizes):
+    """[X] Cases A9, S7: integration over common segments passes the patch test from 1:50 to 50:1."""
+    basis = blocks(*sizes, overhang=0.0)
+    forms = in_contact(basis, sc.Coulomb(), "segments", nu=0.0, penalty=1e5)
+    guided = basis.get_dofs({"lower:left", "upper:left"}).all("u^1")
+    fixed = np.union1d(guided, basis.get_dofs("lower:bottom").all())
+    stage = run(forms, [sc.Stage("press", traction(basis, "upper:top", (0.0, -5.0)))], fixed)["press"]
+    stress = stage.states["blocks"].stress
+    np.testing.assert_allclose(stress[1], -5, rtol=1e-8)
+    assert np.abs(stress[[0, 2, 3]]).max() < 1e-7
+
+
+@pytest.mark.parametrize("quadrature", QUADRATURES)
+@pytest.mark.parametrize("element", ["Q1", "P1", "Q2"])
+def test_distorted_elements(element, quadrature, rng):
+    """[X] Case S8: nodes moved at random by a quarter of the size, interface included: forces balance."""
+    basis = blocks(element=element, mapped=lambda mesh: _jagged(mesh, rng))
+    forms = in_contact(basis, sc.Coulomb(0.5), quadrature)
+    fixed = basis.get_dofs({"lower:bottom", "upper:top"}).all()
+    target = displaced(basis, "upper:top", (0.01, -0.05))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", sc.AnalysisWarning)
+        stage = run(forms, [sc.Stage("press", basis.zeros(), target)], fixed)["press"]
+    upper, lower = force_on(forms, stage), force_on(forms, stage, "lower")
+    np.testing.assert_allclose(upper, -lower, atol=1e-10 * np.abs(upper).max())
+    internal = forms["blocks"].assemble(stage.x, stage.states["blocks"]).force
+    reaction = internal[basis.get_dofs("upper:top").all()].reshape(-1, 2).sum(axis=0)
+    np.testing.assert_allclose(reaction, -upper, atol=1e-8 * np.abs(upper).max())
+    assert upper[1] > 0
+
+
+def _jagged(mesh, rng):
+    """Inner nodes moved in both directions, those of the interface by a few per cent of their height."""
+    moved = distorted(mesh, rng, 0.05).doflocs
+    inner = ((mesh.p > mesh.p.min(axis=1)[:, None]) & (mesh.p < mesh.p.max(axis=1)[:, None])).all(axis=0)
+    interface = np.abs(mesh.p[1]) < 1e-9
+    p = np.where(inner, moved, mesh.p)
+    p[1, interface] = 0.2 * moved[1, interface]
+    return replace(mesh, doflocs=p)
+
+
+@pytest.mark.parametrize("quadrature", QUADRATURES)
+def test_needles(quadrature):
+    """[X] Case S8: elements a thousand times longer than high beside the interface carry a uniform pressure."""
+    heights = np.concatenate((np.linspace(0, 0.999, 4), [1.0]))
+    meshes = {}
+    for name, y in (("lower", heights - 1.0), ("upper", 1.0 - heights[::-1])):
+        ends = {"bottom": (1, y[0]), "top": (1, y[-1]), "left": (0, 0.0)}  # the default ones take 1e-3 for nothing
+        meshes[name] = MeshQuad.init_tensor(np.linspace(0, 1, 2), y).with_boundaries(
+            {side: lambda x, c=c, at=at: np.abs(x[c] - at) < 1e-9 for side, (c, at) in ends.items()}
+        )
+    basis = vector_basis(sc.join_bodies(meshes), "Q1", intorder=2)
+    forms = in_contact(basis, sc.Coulomb(), quadrature, nu=0.0)
+    fixed = np.union1d(basis.get_dofs("lower:bottom").all(), basis.get_dofs({"lower:left", "upper:left"}).all("u^1"))
+    stage = run(forms, [sc.Stage("press", traction(basis, "upper:top", (0.0, -5.0)))], fixed)["press"]
+    np.testing.assert_allclose(stage.states["joint"].normal, -5, rtol=1e-7)
+    np.testing.assert_allclose(stage.states["blocks"].stress[1], -5, rtol=1e-7)
+
+
+@pytest.mark.parametrize("shift", [-1e-16, 0.0, 1e-16, 1e-12, -1e-12])
+@pytest.mark.parametrize("quadrature", QUADRATURES)
+def test_nodes_at_joints(quadrature, shift):
+    """[X] Case S12: each slave node at a joint of the master, up to round-off: the same force, in balance to 1e-12."""
+    forces = []
+    for s in (0.0, shift):
+        meshes = {
+            "lower": grid("Q1", np.linspace(-1, 2, 13), np.linspace(-1, 0, 5)),
+            "upper": grid("Q1", np.linspace(0, 1, 5) + s, np.linspace(0, 1, 5)),
+        }
+        basis = vector_basis(sc.join_bodies(meshes), "Q1", intorder=2)
+        forms = in_contact(basis, quadrature=quadrature)
+        fixed = basis.get_dofs({"lower:bottom", "upper:top"}).all()
+        target = displaced(basis, "upper:top", (0.0, -0.01))
+        stage = run(forms, [sc.Stage("press", basis.zeros(), target)], fixed)["press"]
+        forces.append(force_on(forms, stage))
+        np.testing.assert_allclose(forces[-1], -force_on(forms, stage, "lower"), atol=1e-12 * forces[-1][1])
+    # which side of a joint a node falls to turns its force by the kink there
+    assert forces[1][1] == pytest.approx(forces[0][1], rel=1e-4)
+
+
+@pytest.mark.parametrize("quadrature", QUADRATURES)
+@pytest.mark.parametrize("overlap", [0.0, 1e-12, 0.05, 0.3])
+def test_corner_on_corner(overlap, quadrature):
+    """[X] Case S12: blocks that meet at a corner, or by a part of an element: the force is finite and balances."""
+    meshes = {
+        "lower": grid("Q1", np.linspace(-1, 0, 5), np.linspace(-1, 0, 5)),
+        "upper": grid("Q1", np.linspace(-overlap, 1 - overlap, 6), np.linspace(0, 1, 5)),
+    }
+    basis = vector_basis(sc.join_bodies(meshes), "Q1", intorder=2)
+    forms = in_contact(basis, quadrature=quadrature)
+    fixed = basis.get_dofs({"lower:bottom", "upper:top"}).all()
+    target = displaced(basis, "upper:top", (0.0, -0.005))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", sc.AnalysisWarning)  # Gauss points of a corner may see nothing, and say so
+        stage = run(forms, [sc.Stage("press", basis.zeros(), target)], fixed)["press"]
+    upper = force_on(forms, stage)
+    np.testing.assert_allclose(upper, -force_on(forms, stage, "lower"), atol=1e-12)
+    # two columns of unit width in series would carry 1e3 * 0.005 / 2 = 2.5, and the corner less than these
+    assert 0.0 <= upper[1] < 2.5
+    if overlap == 0.3:
+        assert upper[1] > 0.3
+
+
+@pytest.mark.parametrize("quadrature", [1, "nodal"])
+def test_one_segment(quadrature):
+    """[X] A slave of one element, with one Gauss point or with its two nodes, carries its load."""
+    basis = blocks(4, 1)
+    forms = in_contact(basis, quadrature=quadrature)
+    fixed = np.union1d(basis.get_dofs("lower:bottom").all(), basis.get_dofs("upper:left").all("u^1"))
+    stage = run(forms, [sc.Stage("press", traction(basis, "upper:top", (0.0, -5.0)))], fixed)["press"]
+    assert force_on(forms, stage)[1] == pytest.approx(5.0, rel=1e-8)
+    assert len(stage.states["joint"].gap) == (1 if quadrature == 1 else 2)
+
+
+def test_one_point_carries_a_body():
+    """[X] One Gauss point under a block that is guided upright: the pressure is the load over the length."""
+    basis = blocks(4, 1)
+    forms = in_contact(basis, sc.Coulomb(), 1)
+    guided = basis.get_dofs({"upper:left", "upper:right"}).all("u^1")
+    level = basis.get_dofs("upper:top").all("u^2")
+    target = basis.zeros()
+    target[level] = -0.01
+    fixed = np.concatenate((basis.get_dofs("lower:bottom").all(), guided, level))
+    stage = run(forms, [sc.Stage("press", basis.zeros(), target)], fixed)["press"]
+    internal = forms["blocks"].assemble(stage.x, stage.states["blocks"]).force
+    assert -stage.states["joint"].normal[0] == pytest.approx(-internal[level].sum(), rel=1e-9)
+
+
+def test_five_thousand_points():
+    """[X] Uniform pressure on 5,000 slave segments; the search does not grow with the square of their number."""
+    n = 5000
+    meshes = {
+        "lower": MeshQuad.init_tensor(np.linspace(0, 10, n // 2 + 1), np.array([-0.01, 0.0])).with_defaults(),
+        "upper": MeshQuad.init_tensor(np.linspace(0, 10, n + 1), np.array([0.0, 0.01])).with_defaults(),
+    }
+    basis = vector_basis(sc.join_bodies(meshes), "Q1", intorder=2)
+    forms = in_contact(basis, sc.Coulomb(), nu=0.0)
+    fixed = np.union1d(basis.get_dofs("lower:bottom").all(), basis.get_dofs({"lower:left", "upper:left"}).all("u^1"))
+    stage = run(forms, [sc.Stage("press", traction(basis, "upper:top", (0.0, -5.0)))], fixed)["press"]
+    normal = stage.states["joint"].normal
+    assert len(normal) == n + 1
+    assert (sc.choose_penalties(forms)["joint"].points(stage.states["joint"]).weight * normal).sum() == pytest.approx(-50)
+    np.testing.assert_allclose(normal[5:-5], -5, rtol=0.3)  # each second node faces the middle of a segment
+
+
+def test_search_grows_like_the_number_of_segments():
+    """[X] Case S20: ten times as many points and segments cost far less than a hundred times the time."""
+    times = []
+    for n in (2000, 20000):
+        t = np.linspace(0, 10, n + 1)
+        surface = sc.rigid_polyline(np.stack((t, 0.1 * np.sin(t)), axis=1))
+        points = np.stack((t[:-1] + 5.0 / n, 0.1 * np.sin(t[:-1]) + 0.01), axis=1)
+        best = np.inf
+        for _ in range(3):
+            begin = process_time()
+            found = project(surface, surface.nodes, points, np.full(n, 1.0))
+            best = min(best, process_time() - begin)
+        assert found.found.all()
+        times.append(best)
+    assert times[1] < 40 * times[0]  # 10 log n is 13
+
+
+@pytest.mark.parametrize("fault", ["duplicate", "hanging", "flat", "nan"])
+def test_faulty_meshes(fault):
+    """[X] Cases S8, S16: doubled nodes, a node that belongs to nothing, an element without area, NaN: named errors."""
+    mesh = grid("Q1", np.linspace(0, 1, 3), np.linspace(0, 1, 3))
+    p, t = mesh.p.copy(), mesh.t.copy()
+    if fault == "duplicate":  # an element hangs on copies of the nodes that it should share: a body of its own
+        copies = p[:, t[:, -1]]
+        t[:, -1] = p.shape[1] + np.arange(4)
+        p = np.hstack((p, copies))
+    if fault == "hanging":
+        p = np.hstack((p, [[3.0], [3.0]]))
+    if fault == "flat":
+        p[:, t[0, 0]] = p[:, t[1, 0]]
+    if fault == "nan":
+        p[0, 0] = np.nan
+    with pytest.raises(ValueError, match="held|no element|belong|flat|finite|NaN"):
+        basis = vector_basis(MeshQuad(p, t).with_boundaries({"low": lambda x: x[1] < 0.01}), "Q1", intorder=2)
+        forms = {"body": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.2))}
+        run(forms, [sc.Stage("weight", sc.weight(basis, 1.0))], basis.get_dofs("low").all())

@@ -1,0 +1,138 @@
+"""Penalties, stiffnesses, friction and units from one extreme to the other."""
+
+from __future__ import annotations
+
+import warnings
+
+import numpy as np
+import pytest
+from setups import blocks, displaced, force_on, in_contact, run, traction
+
+import skfem_contact as sc
+
+QUADRATURES = ["nodal", 2, "segments"]
+RATIOS = [1e-3, 1e-1, 1.0, 1e2, 1e4, 1e6]
+
+
+def column(quadrature, ratio: float, **options):
+    """Two columns of one width, guided at their sides and pressed together by 0.01; penalty and force."""
+    basis = blocks(overhang=0.0, n_lower=4, n_upper=5)
+    forms = in_contact(basis, sc.Coulomb(), quadrature, nu=0.0, penalty=ratio * 1e3 / 0.2, **options)
+    guided = basis.get_dofs({"lower:left", "lower:right", "upper:left", "upper:right"}).all("u^1")
+    fixed = np.union1d(guided, basis.get_dofs({"lower:bottom", "upper:top"}).all())
+    target = displaced(basis, "upper:top", (0.0, -0.01))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", sc.AnalysisWarning)  # soft penalties are told, which is tested elsewhere
+        stage = run(forms, [sc.Stage("press", basis.zeros(), target)], fixed)["press"]
+    return forms, stage
+
+
+@pytest.mark.parametrize("ratio", RATIOS)
+def test_columns_and_penalty_in_series(ratio):
+    """[X] Cases A1, S1: the force is that of three springs in series, for penalties of 1e-3 to 1e6 times E/h."""
+    forms, stage = column("segments", ratio)
+    exact = 0.01 / (1 / 1e3 + 1 / 1e3 + 1 / (ratio * 1e3 / 0.2))
+    # what is left of digits: the gap, 1e-16 of lengths of order one, over the penetration, 5 over the penalty
+    assert force_on(forms, stage)[1] == pytest.approx(exact, rel=1e-9 + 1e-15 * ratio * 1e3)
+    assert len(stage.iterations) == 1 and stage.iterations[0] <= 5
+
+
+@pytest.mark.parametrize("quadrature", QUADRATURES)
+def test_augmented_result_does_not_depend_on_the_penalty(quadrature):
+    """[X] From any start the force comes within the method's tolerance of the exact one, 5."""
+    for ratio in RATIOS:
+        forms, stage = column(quadrature, ratio, enforcement=sc.AugmentedLagrangian())
+        # nodes of one column against facets of another carry a uniform pressure to some per cent only
+        assert force_on(forms, stage)[1] == pytest.approx(5.0, rel=1e-3 if quadrature == "segments" else 0.02)
+
+
+@pytest.mark.parametrize("quadrature", QUADRATURES)
+@pytest.mark.parametrize("ratio", [1e-3, 1e-1, 1.0, 1e1, 1e2])
+def test_tangential_penalty(ratio, quadrature):
+    """[X] Case S2: from 1e-3 to 1e2 times the normal one, the block slides at T = mu N."""
+    basis = blocks()
+    forms = in_contact(basis, quadrature=quadrature)
+    normal = sc.choose_penalties(forms)["joint"].penalty[0]
+    forms["joint"] = forms["joint"].with_penalty(normal, ratio * normal)
+    fixed = basis.get_dofs({"lower:bottom", "upper:top"}).all()
+    # a stick of 1e-3 times the penalty gives way by mu p / eps_T, about 0.3: that far it must be dragged
+    path = [(0.0, -0.005), (0.02, -0.005), (0.05 if ratio > 1e-2 else 0.4, -0.005)]
+    stages = [sc.Stage(str(k), basis.zeros(), displaced(basis, "upper:top", at)) for k, at in enumerate(path)]
+    stage = run(forms, stages, fixed, newton=sc.Newton(max_iterations=40))[-1]
+    x, y = force_on(forms, stage)
+    assert -x / y == pytest.approx(0.3, rel=0.01)  # the surface is bent a little
+    closed = stage.states["joint"].status != sc.Status.OPEN
+    assert (stage.states["joint"].status[closed] == sc.Status.SLIP).all()
+
+
+@pytest.mark.parametrize("quadrature", QUADRATURES)
+@pytest.mark.parametrize("E", [(1e3, 1e9), (1e9, 1e3)], ids=["hard on soft", "soft on hard"])
+def test_stiffness_contrast(E, quadrature):
+    """[X] A million times stiffer is rigid: the soft body carries the load, the hard one moves as a whole."""
+    basis = blocks()
+    forms = in_contact(basis, quadrature=quadrature, E=E)
+    load = traction(basis, "upper:top", (0.0, -5.0))
+    stage = run(forms, [sc.Stage("press", load)], basis.get_dofs("lower:bottom").all())["press"]
+    np.testing.assert_allclose(force_on(forms, stage), [0, 5], atol=1e-8)
+    y = stage.x[basis.get_dofs("upper:bottom").all("u^2")]
+    if E[1] > E[0]:
+        assert np.ptp(y) < 1e-4 * np.abs(y).max()
+    else:  # nothing but the penalty yields under the soft block
+        bottom = stage.x[basis.get_dofs("lower:top").all("u^2")]
+        assert np.abs(bottom).max() < 1e-7
+
+
+@pytest.mark.parametrize("quadrature", QUADRATURES)
+@pytest.mark.parametrize("mu", [0.0, 1e-12, 0.05, 0.3, 1.0, 2.0])
+def test_friction(mu, quadrature):
+    """[X] Cases S23: dragged by 0.2, T = mu N where the block slides, and never more."""
+    basis = blocks(n_lower=7)
+    forms = in_contact(basis, sc.Coulomb(mu), quadrature)
+    fixed = basis.get_dofs({"lower:bottom", "upper:top"}).all()
+    path = [(0.0, -0.01), (0.1, -0.01), (0.2, -0.01)]
+    stages = [sc.Stage(str(k), basis.zeros(), displaced(basis, "upper:top", at)) for k, at in enumerate(path)]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", sc.AnalysisWarning)  # an edge that digs in penetrates by some per cent
+        stage = run(forms, stages, fixed, newton=sc.Newton(max_iterations=40))[-1]
+    x, y = force_on(forms, stage)
+    joint = stage.states["joint"]
+    assert (np.abs(joint.tangential) <= mu * np.abs(joint.normal) * (1 + 1e-8) + 1e-12).all()
+    assert y > 0
+    if mu <= 0.3:
+        # the force on bent facets has a part along the base, a thousandth of N
+        assert -x / y == pytest.approx(mu, abs=0.01)
+    else:
+        assert 0 < -x / y <= mu * 1.02
+
+
+def test_limits_of_friction():
+    """[X] Case S23: mu = 1e-12 is no friction; mu = 1e6 is a bond, as long as everything is pressed."""
+    results = {}
+    for law in (sc.Coulomb(), sc.Coulomb(1e-12), sc.Coulomb(1e6), sc.Tied()):
+        basis = blocks(n_lower=7)
+        forms = in_contact(basis, law, 2)
+        fixed = basis.get_dofs({"lower:bottom", "upper:top"}).all()
+        target = displaced(basis, "upper:top", (0.001, -0.02))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", sc.AnalysisWarning)
+            results[law] = run(forms, [sc.Stage("press", basis.zeros(), target)], fixed)["press"]
+    none, tiny, huge, tied = (stage.x for stage in results.values())
+    np.testing.assert_allclose(tiny, none, atol=1e-10)
+    np.testing.assert_allclose(huge, tied, atol=1e-10)
+    assert np.abs(none - tied).max() > 1e-4
+
+
+@pytest.mark.parametrize("stress", [1.0, 1e6], ids=["MPa", "Pa"])
+@pytest.mark.parametrize("length", [1.0, 1e3], ids=["m", "mm"])
+def test_units_of_a_body_that_contact_alone_holds(stress, length):
+    """[X] Case S3: the start-up with springs too has no absolute measure; 1e-8 in other units."""
+    results = []
+    for s, m in ((1.0, 1.0), (stress, length)):
+        basis = blocks(gap=0.3, mapped=lambda mesh, m=m: mesh.scaled(m))
+        forms = in_contact(basis, quadrature=2, E=(s * 1e3, s * 1e3))
+        load = traction(basis, "upper:top", (0.3 * s, -5.0 * s))
+        stage = run(forms, [sc.Stage("press", load)], basis.get_dofs("lower:bottom").all())["press"]
+        results.append((stage.x / m, stage.states["joint"].normal / s, stage.states["joint"].status))
+    np.testing.assert_allclose(results[1][0], results[0][0], atol=1e-8 * np.abs(results[0][0]).max())
+    np.testing.assert_allclose(results[1][1], results[0][1], atol=1e-8 * np.abs(results[0][1]).max())
+    assert np.array_equal(results[1][2], results[0][2])
