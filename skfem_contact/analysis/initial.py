@@ -345,7 +345,7 @@ def _moved_back(pair: ContactPair, state: ContactState) -> ContactState:
     old, new = pair.points(state), pair.points(home)
     if pair.quadrature == "segments":
         excess = np.interp(new.arc, old.arc, np.where(np.isfinite(state.gap), state.gap - state.offset, 0.0))
-        state = replace(transferred(state, old, new, home.cuts), offset=np.zeros(len(excess)), gap=excess)
+        state = replace(transferred(state, old, new), cuts=home.cuts, offset=np.zeros(len(excess)), gap=excess)
     elastic = np.nan_to_num(pair._along(state.arc - state.stick_point))
     near = np.isfinite(home.gap) & np.isfinite(state.gap)
     offset = np.where(near, home.gap - (state.gap - state.offset), 0.0)

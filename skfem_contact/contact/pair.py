@@ -3,8 +3,7 @@ from __future__ import annotations
 
 from copy import copy
 from dataclasses import replace
-from functools import cached_property
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from numpy import ndarray
@@ -14,25 +13,21 @@ from skfem import CellBasis
 from ..assembly import IncrementTooLarge, Response
 from ..checks import check_basis
 from ..materials.coulomb import InterfaceLaw, Status, Traction
-from . import quadrature as rules
 from .augmented import AugmentedLagrangian
+from .fit import Fit, less_overlap, touching
 from .freezing import frozen
 from .kinematics import Kinematics, geometric_tangent, variations
-from .remarks import PENETRATION, passed_through, penetration, remarks
+from .quadrature import SlavePoints
+from .remarks import passed_through, penetration, remarks
+from .sampling import Sampling
 from .search import Projection, project
 from .smoothing import smoothed
 from .startup import Held, release, with_springs
-from .state import ContactState, transferred
+from .state import ContactState
 from .surface import Surface
 
-#: Gaps of the mesh below this share of the slave segment are round-off: such bodies touch.
-_TOUCHING = 1e-8
 #: A gap below this share of the coordinates is nothing: bodies that touch unloaded go on touching when they move.
 _ROUND_OFF = 8 * np.finfo(float).eps
-#: The rule "segments" is cut anew when a cut has moved by more than this share of a segment.
-_MOVED = 1e-3
-#: ... but not more often than this in an increment: cuts may go to and fro.
-_RECUTS = 8
 
 
 class ContactPair:
@@ -92,7 +87,7 @@ class ContactPair:
                  quadrature: Literal["nodal", "segments"] | int = "nodal",
                  penalty: float | tuple[float, float] | None = None,
                  smoothing: float | None = None, enforcement: AugmentedLagrangian | None = None,
-                 initial: Literal["as meshed", "adjusted", "ramped"] = "as meshed", share: float = 1.0,
+                 initial: Fit = "as meshed", share: float = 1.0,
                  tangent: Literal["exact", "primary"] = "exact") -> None:
         check_basis(basis)
         self.slave = Surface.from_boundary(basis, slave)
@@ -103,12 +98,13 @@ class ContactPair:
                              "itself there; separate the bodies with join_bodies")
         _one_of("quadrature", quadrature, ("nodal", "segments", "a positive number of Gauss points"))
         _one_of("tangent", tangent, ("exact", "primary"))
-        _one_of("initial", initial, ("as meshed", "adjusted", "ramped"))
+        _one_of("initial", initial, get_args(Fit))
         if not 0.0 < share <= 1.0:
             raise ValueError(f"share must lie in (0, 1], not {share!r}")
         if isinstance(law, type) or not hasattr(law, "reaches"):
             raise ValueError(f"law must be an interface law such as Coulomb(mu=.3), not {law!r}")
         self.law, self.quadrature, self.tangent = law, quadrature, tangent
+        self._sampling = Sampling(self.slave, self.master, quadrature)
         self.enforcement, self.initial, self.share = enforcement, initial, share
         self.n = basis.N
         self.penalty: tuple[float, float] | None = None
@@ -153,18 +149,9 @@ class ContactPair:
         new.law = law
         return new
 
-    @cached_property
-    def _fixed_points(self) -> rules.SlavePoints:
-        return rules.nodal(self.slave) if self.quadrature == "nodal" else rules.gauss(self.slave, int(self.quadrature))
-
-    def points(self, state: ContactState) -> rules.SlavePoints:
+    def points(self, state: ContactState) -> SlavePoints:
         """The slave's points at which a state holds."""
-        return self._points_between(state.cuts)
-
-    def _points_between(self, cuts: ndarray) -> rules.SlavePoints:
-        if self.quadrature != "segments":
-            return self._fixed_points
-        return rules.between(self.slave, cuts, self.slave.segments.shape[1] + 1)
+        return self._sampling.points(state.cuts)
 
     def initial_state(self, x: ndarray | None = None) -> ContactState:
         """Nothing has moved: each point sticks to its initial closest point (eq. 7, ``xi_0 = xi_c``).
@@ -175,31 +162,20 @@ class ContactPair:
             Displacements, (N,), that the bodies have when the pair becomes active. Gaps are still those of the mesh,
             or as adjusted: bodies are built to fit into displaced surfaces, and touch them without traction.
         """
-        slave, master = self._places(np.zeros(self.n) if x is None else x)
-        cuts = self._cuts(slave, master) if self.quadrature == "segments" else np.zeros(0)
-        points = self._points_between(cuts)
+        mesh = self._places(np.zeros(self.n))
+        slave, master = mesh if x is None else self._places(x)
+        cuts = self._sampling.cuts(slave, master)
+        points = self._sampling.points(cuts)
         found = self._project(points, master, points.positions(slave))
-        arc = self._arc(found)
-        moved = np.zeros(len(arc)) if x is None or self.initial == "ramped" else self._moved(points, found.gap)
-        zero, nodal = np.zeros(len(arc)), np.zeros(len(slave))
-        adjusted = self.initial == "adjusted" or self.law.bonds
-        nothing = (0.5 if adjusted else _TOUCHING) * points.size
-        offset = np.where(np.abs(found.gap - moved) <= nothing, found.gap, moved)
-        if self.initial == "ramped":
-            offset = np.minimum(found.gap, offset)
+        meshed = found if x is None else self._project(points, mesh[1], points.positions(mesh[0]))
+        offset = touching(found.gap, meshed.gap, points.size, self.initial, self.law.bonds)
+        arc, zero, nodal = self._arc(found), np.zeros(len(found.gap)), np.zeros(len(slave))
         status = np.where(found.gap <= offset, int(Status.STICK), int(Status.OPEN))
         stiffening = np.ones(2)
         if self.enforcement is not None and self.penalty is not None and self.stiffness is not None:
             stiffening = self.enforcement.start(self.penalty, self.stiffness)
         return ContactState(arc, arc, _segments(found), found.gap, zero, zero, zero, status, nodal, nodal,
                             stiffening, offset, cuts, np.zeros(1), np.zeros(len(arc), bool), np.zeros(1))
-
-    def _moved(self, points: rules.SlavePoints, gap: ndarray) -> ndarray:
-        """What gaps have changed by since the mesh, zero where other surfaces have come to face each other."""
-        slave, master = self._places(np.zeros(self.n))
-        meshed = self._project(points, master, points.positions(slave)).gap
-        with np.errstate(invalid="ignore"):  # nothing near, neither then nor now: inf - inf
-            return np.where(np.abs(gap - meshed) <= 0.5 * points.size, gap - meshed, 0.0)
 
     # -- the form -------------------------------------------------------------------------------------------
 
@@ -259,11 +235,11 @@ class ContactPair:
         origin = self.slave.nodes.mean(axis=0)
         return self.slave.positions(x, origin), self.master.positions(x, origin)
 
-    def _project(self, points: rules.SlavePoints, nodes: ndarray, positions: ndarray,
+    def _project(self, points: SlavePoints, nodes: ndarray, positions: ndarray,
                  previous: ndarray | None = None) -> Projection:
         return project(self.master, nodes, positions, self._depth(points), previous)
 
-    def _depth(self, points: rules.SlavePoints) -> ndarray:
+    def _depth(self, points: SlavePoints) -> ndarray:
         """Largest penetration: what is deeper than an element or so belongs to the other side of the body."""
         return np.maximum(points.size, float(np.median(self.master.length)))
 
@@ -278,9 +254,6 @@ class ContactPair:
             return difference
         total = self.master.total_length
         return (difference + 0.5 * total) % total - 0.5 * total
-
-    def _cuts(self, slave: ndarray, master: ndarray) -> ndarray:
-        return rules.common_cuts(self.slave, slave, self.master, master)
 
     def _candidate(self, state: ContactState, found: Projection, arc: ndarray, at: ndarray, traction: Traction,
                    elastic_arc: ndarray) -> ContactState:
@@ -334,20 +307,12 @@ class ContactPair:
         if accepted.springs.any():
             return release(accepted, candidate, points.weight)
         if self.initial == "ramped" and accepted.offset.any():
-            left = 0.5 * accepted.offset
-            small = np.abs(left) < PENETRATION * self.points(accepted).size
-            return replace(accepted, offset=np.where(small, 0.0, left))
+            return replace(accepted, offset=less_overlap(accepted.offset, points.size))
         again = None
         if self.enforcement is not None:
             stiffness = self.penalty[0] if self.stiffness is None else self.stiffness  # type: ignore[index]
-            again = self.enforcement.augment(accepted, candidate, self.points(accepted), self.penalties(accepted),
-                                             stiffness)
-        if self.quadrature == "segments":
-            cuts = self._cuts(*self._places(x))
-            if rules.moved(accepted.cuts, cuts) > _MOVED and accepted.recuts[0] < _RECUTS:
-                base = again or accepted
-                again = transferred(base, self.points(base), self.points(replace(base, cuts=cuts)), cuts)
-        return again
+            again = self.enforcement.augment(accepted, candidate, points, self.penalties(accepted), stiffness)
+        return self._sampling.follow(again or accepted, *self._places(x)) or again
 
     def hold(self, state: ContactState) -> ContactState:
         """The state with soft springs that close the gaps; :meth:`settle` takes them away again."""

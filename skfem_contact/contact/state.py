@@ -61,7 +61,7 @@ class ContactState:
     recuts: ndarray
 
 
-def transferred(state: ContactState, old: SlavePoints, new: SlavePoints, cuts: ndarray) -> ContactState:
+def transferred(state: ContactState, old: SlavePoints, new: SlavePoints) -> ContactState:
     """Carry a state from the slave's old points over to new ones: by interpolation along the slave.
 
     Positions on the master, and what is no smooth field, come from the nearest old point.
@@ -73,5 +73,4 @@ def transferred(state: ContactState, old: SlavePoints, new: SlavePoints, cuts: n
     # master and slave run in opposite directions: what lies on along the slave lies back along the master
     arc = state.arc[nearest] - (new.arc - old.arc[nearest])
     return replace(state, arc=arc, stick_point=arc - elastic, segment=state.segment[nearest], gap=state.gap[nearest],
-                   status=state.status[nearest], frozen=state.frozen[nearest], cuts=cuts, recuts=state.recuts + 1,
-                   **smooth)
+                   status=state.status[nearest], frozen=state.frozen[nearest], **smooth)
