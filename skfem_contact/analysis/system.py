@@ -17,6 +17,9 @@ from .total import Total
 
 logger = logging.getLogger("skfem_contact")
 
+#: Share of the load that may be lost in round-off.
+_HIDDEN = 1e-6
+
 
 class Form(Protocol):
     """Whatever carries load: solids and contact pairs answer the same calls."""
@@ -86,7 +89,11 @@ class System:
         residual = load - sum(r.force for r in responses.values())
         residual[self.fixed] = 0.0
         scale = max(np.linalg.norm(load), *(np.linalg.norm(r.force) for r in responses.values()))
-        norm = max(float(np.linalg.norm(residual)) - sum(r.round_off for r in responses.values()), 0.0)
+        carried = float(np.linalg.norm(load))
+        round_off = sum(r.round_off for r in responses.values())
+        if carried > 0.0:  # displacements so large that their round-off hides the load are no equilibrium
+            round_off = min(round_off, _HIDDEN * carried)
+        norm = max(float(np.linalg.norm(residual)) - round_off, 0.0)
         return Trial(x, responses, residual, float(norm / scale) if scale > 0 else norm)
 
     def tangent(self, now: Trial, damped: bool = False) -> csr_matrix:
