@@ -230,7 +230,7 @@ class Pattern:
     Attributes
     ----------
     indptr, indices
-        The CSR pattern, sorted columns.
+        The CSR pattern, sorted columns; read-only, since all matrices share it.
     slots
         (n_elements, n_local_dofs, n_local_dofs) positions in the CSR data.
     """
@@ -265,8 +265,8 @@ class Pattern:
         starts = np.repeat(2 * ptr[:-1], 2)
         within = np.arange(indptr[-1]) - np.repeat(indptr[:-1], np.repeat(2 * degree, 2))
         indices = pairs[np.repeat(starts, np.repeat(2 * degree, 2)) + within]
-        return cls(indptr.astype(np.int32), indices.astype(np.int32),
-                   slots.astype(np.int32, order="C").reshape(n_elements, 2 * n_local, 2 * n_local))
+        return cls(_frozen(indptr), _frozen(indices), slots.astype(np.int32, order="C").reshape(
+            n_elements, 2 * n_local, 2 * n_local))
 
     def scatter(self, matrices: ndarray, elements: ndarray | slice = slice(None)) -> ndarray:
         """Sum of element matrices as CSR data."""
@@ -279,3 +279,9 @@ class Pattern:
         matrix.data, matrix.indices, matrix.indptr = data, self.indices, self.indptr
         matrix.has_sorted_indices = matrix.has_canonical_format = True
         return matrix
+
+
+def _frozen(numbers: ndarray) -> ndarray:
+    frozen = numbers.astype(np.int32)
+    frozen.flags.writeable = False
+    return frozen

@@ -30,7 +30,7 @@ class Total:
 
     def __init__(self) -> None:
         self._pattern: csr_matrix | None = None
-        self._parts: list[tuple[csr_matrix, ndarray]] = []
+        self._parts: list[tuple[csr_matrix, ndarray]] = []  # with masks: a sorted part fills its places in their order
 
     def of(self, matrices: Sequence[csr_matrix]) -> csr_matrix:
         """The sum; its index arrays are those of the last one as long as they serve."""
@@ -44,7 +44,8 @@ class Total:
         pattern = self._pattern
         assert pattern is not None and places is not None
         data = np.zeros(pattern.nnz)
-        for matrix, place in zip(matrices, places, strict=True):
+        data[places[0]] = matrices[0].data
+        for matrix, place in zip(matrices[1:], places[1:], strict=True):
             data[place] += matrix.data
         total = csr_matrix(pattern.shape)
         total.data, total.indices, total.indptr = data, pattern.indices, pattern.indptr
@@ -52,7 +53,7 @@ class Total:
         return total
 
     def _places(self, matrices: Sequence[csr_matrix]) -> list[ndarray] | None:
-        """Where the entries of the matrices are in the pattern; None where it lacks some of them."""
+        """Which entries of the pattern the matrices have; None where it lacks some of theirs."""
         if self._pattern is None:
             return None
         parts: list[tuple[csr_matrix, ndarray]] = []
@@ -92,7 +93,7 @@ def _union(matrices: Sequence[csr_matrix]) -> csr_matrix:
 
 
 def _find(matrix: csr_matrix, pattern: csr_matrix) -> ndarray | None:
-    """Positions of the entries of a matrix among those of a pattern, None if one is missing."""
+    """Which entries of a pattern a matrix has, (pattern.nnz,) of bool; None if one of the matrix is missing."""
     counts, have = np.diff(matrix.indptr), np.diff(pattern.indptr)
     position = np.arange(matrix.nnz) + np.repeat(pattern.indptr[:-1] - matrix.indptr[:-1], counts)
     rows = np.flatnonzero((counts > 0) & (counts < have))  # the others are as in the pattern, or not within it
@@ -103,7 +104,11 @@ def _find(matrix: csr_matrix, pattern: csr_matrix) -> ndarray | None:
         position[entry] = within[np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)]
     position = np.minimum(position, pattern.nnz - 1)
     fits = (counts <= have).all() and np.array_equal(pattern.indices[position], matrix.indices)
-    return position.astype(np.int32) if fits else None
+    if not fits:
+        return None
+    mask = np.zeros(pattern.nnz, bool)
+    mask[position] = True
+    return mask
 
 
 def _entries(matrix: csr_matrix, rows: ndarray) -> ndarray:
