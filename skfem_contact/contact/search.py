@@ -18,6 +18,7 @@ HYSTERESIS = 0.01
 #: ... and one that is frozen, whatever the angle, beyond this share.
 FROZEN = 0.25
 _STRAIGHT = np.cos(np.deg2rad(1.0))
+_SMOOTH = 1e-12  # sine of the angle at a joint without one
 _ON_FACET = 1e-9  # round-off of xi at a joint
 _NEWTON_STEPS = 25
 _ROUND_OFF = 16 * np.finfo(float).eps  # ... of xi where the coordinates are as large as the segment
@@ -80,7 +81,10 @@ def project(surface: Surface, nodes: ndarray, points: ndarray, depth: ndarray,
     side, at = _left(rho[1], offset), np.flatnonzero(vertex)
     side[at] = _outside_of_vertex(surface, nodes, segment[at], xi[at], offset[at])
     gap = np.where(side >= 0, distance, -distance)
-    best = _first_minimum(row, distance - np.where(outside, 0.0, stays * surface.length[segment]))
+    # neither round-off nor the order of the search decides at a joint: the segment before it does
+    ties = np.where(np.abs(foot - 1.0) <= _ON_FACET, _ON_FACET, 0.0)
+    preferred = np.where(outside, 0.0, np.maximum(stays, ties)) * surface.length[segment]
+    best = _first_minimum(row, distance - preferred)
     # what is closest decides: off the end of the chain, or too deep, there is no contact with anything farther
     best = best[~(outside & off_end)[best]]
     at = row[best]
@@ -159,7 +163,8 @@ def _stays(surface: Surface, nodes: ndarray, segment: ndarray, foot: ndarray, ac
     share = np.where(frozen, FROZEN, HYSTERESIS)
     at_joint = np.flatnonzero(accepted & (np.abs(np.abs(foot) - 1.0) <= 2.0 * share))
     here, there = _tangents_at_joint(surface, nodes, segment[at_joint], foot[at_joint])
-    stays = (np.einsum("nc,nc->n", here, there) > _STRAIGHT) | frozen[at_joint]
+    kinked = np.abs(_left(here, there)) > _SMOOTH
+    stays = ((np.einsum("nc,nc->n", here, there) > _STRAIGHT) & kinked) | frozen[at_joint]
     preferred = np.zeros(len(foot))
     preferred[at_joint[stays]] = share[at_joint[stays]]
     return preferred
