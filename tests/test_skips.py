@@ -135,6 +135,27 @@ def test_interface_solver_solves_as_a_new_factor_does() -> None:
     assert solver._base is not None
 
 
+def test_bodies_in_equilibrium_inside_take_one_solution(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is left to balance acts on the interface alone: one solution with the kept factors instead of two."""
+    solutions: list[int] = []
+
+    class Counted:
+        def __init__(self, factors) -> None:
+            self.factors = factors
+
+        def __getattr__(self, name: str):
+            if name == "solve":
+                solutions.append(1)
+            return getattr(self.factors, name)
+
+    monkeypatch.setattr(interface, "splu", lambda *args, splu=interface.splu, **kwargs: Counted(splu(*args, **kwargs)))
+    one = analysed(*pressed(rock))
+    few, iterations = len(solutions), sum(one[-1].iterations)
+    monkeypatch.setattr(interface, "_NOTHING", 0.0)
+    assert_same(one, analysed(*pressed(rock)))
+    assert few < 1.5 * iterations < len(solutions) - few
+
+
 def test_an_unchanged_matrix_is_not_factored_again(monkeypatch: pytest.MonkeyPatch) -> None:
     """Three increments of an elastic body without contact: one factorisation, and the same result with three."""
     forms, _, fixed = pressed(rock)
