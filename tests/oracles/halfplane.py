@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -74,12 +75,15 @@ def line_loads(t, force):
 
 
 def quadrature(pressure, *ends):
-    """Line loads, (n,) and (n,), that stand for a pressure which is singular at the given places."""
+    """Line loads, (n,) and (n,), that stand for a pressure which is singular at the given places.
+
+    At the surface itself, displacements are those of the pressure at these places only.
+    """
     t, w = np.polynomial.legendre.leggauss(8)
     t, w = 0.5 * (t + 1), 0.5 * w
     graded = np.concatenate(([0.0], 0.5 ** np.arange(40, 0, -1.0)))  # to 1e-12 of half of the length
     places, weights = [], []
-    for a, b in zip(ends, ends[1:]):
+    for a, b in pairwise(ends):
         for start, length in ((a, 0.5 * (b - a)), (b, 0.5 * (a - b))):
             cuts = start + 2 * length * graded
             places.append((cuts[:-1, None] + np.diff(cuts)[:, None] * t).ravel())
