@@ -1,0 +1,162 @@
+r"""
+A wedge driven under a load: statics, and self-locking
+======================================================
+
+A wedge is driven over a floor under a load, which a wall guides on its far side. Everything slides: the wedge on
+the floor (:math:`\mu_1`), the load on the wedge (:math:`\mu_2 = \tan\varphi_2`) and along the wall (:math:`\mu_3`).
+Statics alone give the force P that drives a wedge of angle :math:`\alpha` under a weight W, and the force that
+holds it when it is let out again:
+
+.. math::
+
+   \frac{P}{W} = \frac{\tan(\alpha + \varphi_2) + \mu_1}{1 - \mu_3 \tan(\alpha + \varphi_2)}, \qquad
+   \frac{P_{back}}{W} = \frac{\tan(\alpha - \varphi_2) - \mu_1}{1 + \mu_3 \tan(\alpha - \varphi_2)}.
+
+Where the second is negative the wedge locks itself: it stays under the load when nobody holds it, and must be
+pulled out.
+"""
+
+# %%
+# Model
+# -----
+# Floor and wall are rigid lines. Wedge and load are elastic, but so hard that statics need not know of it: their
+# strains are less than a thousandth. Three contact pairs act at once, each with a friction of its own, and nothing
+# but contact holds the load.
+
+import json
+from dataclasses import replace
+from time import process_time
+
+import matplotlib.pyplot as plt
+import numpy as np
+from skfem import Basis, ElementQuad1, ElementVector, FacetBasis, LinearForm, MeshQuad
+
+import skfem_contact as sc
+import skfem_contact.plot as plot
+
+weight, E, stroke, n_steps = 1.0, 2e3, 0.12, 6
+
+wedges = {  # angle in degrees, mu1, mu2, mu3
+    "friction everywhere": (10.0, 0.2, 0.2, 0.2),
+    "smooth wall": (15.0, 0.1, 0.1, 0.0),
+    "flat wedge": (8.0, 0.1, 0.1, 0.0),
+    "no friction": (20.0, 0.0, 0.0, 0.0),
+}
+
+
+def bodies(slope):
+    """Mesh of the wedge, and of the load from x = 0 to the wall at x = 1."""
+    wedge = MeshQuad.init_tensor(np.linspace(-1.0, 1.5, 26), np.linspace(0, 1, 5)).with_defaults()
+    load = MeshQuad.init_tensor(np.linspace(0, 1, 13), np.linspace(0, 1, 9)).with_defaults()
+    top = 0.1 + slope * (1.5 - wedge.p[0])
+    bottom = 0.1 + slope * (1.5 - load.p[0])
+    return sc.join_bodies({
+        "wedge": replace(wedge, doflocs=np.stack((wedge.p[0], wedge.p[1] * top))),
+        "load": replace(load, doflocs=np.stack((load.p[0], bottom + load.p[1] * (1.6 - bottom)))),
+    })
+
+
+@LinearForm
+def pressed(v, w):
+    """The weight, spread over the top of the load, whose width is 1."""
+    return -weight * v[1]
+
+
+# %%
+# The face of the wedge is pushed ahead by more than one of its segments, and then drawn back.
+
+there = np.linspace(0, stroke, n_steps + 1)[1:]
+path = np.concatenate((there, stroke - there))
+
+
+def driven(angle, mu1, mu2, mu3):
+    """Forms, result and the force that drives the wedge in every step of its way."""
+    mesh = bodies(np.tan(np.radians(angle)))
+    basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+    face = basis.get_dofs("wedge:left").all("u^1")
+    forms = {
+        "bodies": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=0.3)),
+        "floor": sc.ContactPair(basis, "wedge:bottom", sc.rigid_line((-3.0, 0.0), (3.0, 0.0)), sc.Coulomb(mu=mu1)),
+        "slope": sc.ContactPair(basis, "load:bottom", "wedge:top", sc.Coulomb(mu=mu2)),
+        "wall": sc.ContactPair(basis, "load:right", sc.rigid_line((1.0, 0.0), (1.0, 3.0)), sc.Coulomb(mu=mu3)),
+    }
+    load = pressed.assemble(FacetBasis(mesh, basis.elem, facets=mesh.boundaries["load:top"]))
+    stages = [sc.Stage("weight", load)]
+    leaves = angle < np.degrees(np.arctan(mu2))
+    for k, way in enumerate(there if leaves else path):
+        x = basis.zeros()
+        x[face] = way
+        stages.append(sc.Stage(f"step {k + 1}", load, prescribed=x))
+    result = sc.run(forms, stages, fixed=face)
+    return forms, result, np.array([forms["bodies"].assemble(s.x, s.states["bodies"]).force[face].sum() for s in result])
+
+
+def statics(angle, mu1, mu2, mu3, sign):
+    """P / W of a wedge that is driven in (+1) or let out (-1)."""
+    slope = np.tan(np.radians(angle) + sign * np.arctan(mu2))
+    return (slope + sign * mu1) / (1 - sign * mu3 * slope)
+
+
+# %%
+# Four wedges
+# -----------
+# The first one is driven in only. Its slope is flatter than the angle of friction on it: drawn back, it would take
+# the load along, away from the wall, and the formula holds for a load that slides down along the wall.
+
+runs = {}
+for name, wedge in wedges.items():
+    begin = process_time()
+    runs[name] = *driven(*wedge), process_time() - begin
+
+# %%
+# The wedge of 15 degrees, driven in. The force flows from the top of the load to the floor, and to the wall. The
+# outlines of the start are grey.
+
+forms, result, *_ = runs["smooth wall"]
+plot.contour({"bodies": forms["bodies"]}, result[n_steps], "syy", deformed=1.0)
+
+# %%
+# The force on the way
+# --------------------
+# It is constant while the wedge slides, over the joints of the mesh too. The flat wedge comes back only when it is
+# pulled.
+
+fig, ax = plt.subplots(figsize=(7, 4), layout="constrained")
+ax.axhline(0.0, color="k", lw=0.5)
+for k, (name, (_, _, force, _)) in enumerate(runs.items()):
+    ways = np.concatenate(([0.0], path))[: len(force)]
+    ax.plot(ways[: n_steps + 1], force[: n_steps + 1] / weight, f"C{k}>-", label=name)
+    ax.plot(ways[n_steps:], force[n_steps:] / weight, f"C{k}<:")
+    for sign in (1, -1)[: 2 if len(force) > n_steps + 1 else 1]:
+        ax.axhline(statics(*wedges[name], sign), color=f"C{k}", lw=0.5)
+ax.set(xlabel="way of the wedge (in: solid; out: dotted)", ylabel="P / W", ylim=(-0.15, 0.9))
+ax.legend(frameon=False, ncols=2, loc="upper center")
+
+# %%
+# Headline numbers
+# ----------------
+# All forces are those of statics to a thousandth.
+
+rows = []
+for name, (forms, result, force, cpu) in runs.items():
+    wedge = wedges[name]
+    driving = statics(*wedge, 1)
+    error = np.abs(force[1 : n_steps + 1] / weight - driving).max() / driving
+    out = force[n_steps + 1 :] / weight
+    print(f"{name:20} in: {force[n_steps] / weight:8.5f}, statics {driving:8.5f}", end="")
+    if len(out):
+        error = max(error, np.abs(out - statics(*wedge, -1)).max() / driving)
+        print(f"   out: {out[-1]:8.5f}, statics {statics(*wedge, -1):8.5f}", end="")
+    print()
+    assert error < 1e-3
+    rows.append({"method": name, "n": n_steps, "unknowns": int(forms["bodies"].basis.N), "error": float(error),
+                 "cpu_s": round(cpu, 2), "iterations": int(sum(sum(step.iterations) for step in result))})
+
+references = {"friction everywhere": 0.640015, "smooth wall": 0.478080, "no friction": 0.363970}
+for name, value in references.items():
+    assert abs(runs[name][2][n_steps] / weight - value) < 1e-3 * value
+assert (runs["flat wedge"][2][n_steps + 1 :] < 0).all()  # locks itself: 8 degrees < 2 arctan(0.1)
+assert (runs["smooth wall"][2] > 0).all()  # does not
+
+plt.show()
+print(json.dumps({"case": "sliding wedge", "rows": rows}))
