@@ -88,7 +88,8 @@ def driven(angle, mu1, mu2, mu3):
         x[face] = way
         stages.append(sc.Stage(f"step {k + 1}", load, prescribed=x))
     result = sc.run(forms, stages, fixed=face)
-    return forms, result, np.array([forms["bodies"].assemble(s.x, s.states["bodies"]).force[face].sum() for s in result])
+    force = np.array([forms["bodies"].assemble(s.x, s.states["bodies"]).force[face].sum() for s in result])
+    return forms, result, force
 
 
 def statics(angle, mu1, mu2, mu3, sign):
