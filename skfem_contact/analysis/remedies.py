@@ -1,4 +1,4 @@
-"""What can be done where Newton's method fails: hold loose bodies, and let points that go to and fro stay."""
+"""What can be done where Newton's method fails: hold loose bodies, and calm points that go to and fro."""
 from __future__ import annotations
 
 import logging
@@ -21,7 +21,7 @@ def remedy(system: System, states: Mapping[str, Any], load: ndarray, error: NotC
     """Accepted states from which the increment may succeed, or None; the log says what was done.
 
     Bodies that are loose because contact is open are held by soft springs (:meth:`ContactPair.hold`).  Points that
-    go to and fro between two facets stay on one (:meth:`ContactPair.freeze`).
+    go to and fro between facets, or between stick and slip, are calmed (:meth:`ContactPair.calm`).
 
     Parameters
     ----------
@@ -33,11 +33,13 @@ def remedy(system: System, states: Mapping[str, Any], load: ndarray, error: NotC
     if isinstance(error, Collapse) or isinstance(error.__cause__, SingularSystem):
         new = {name: getattr(form, "hold", _keep)(states[name]) for name, form in system.forms.items()}
         done = "bodies are loose while contact is open: soft springs in %s close it and are then taken away"
-    elif error.x is not None:
+    elif error.x is None:  # every equilibrium was found, but a form was never content
+        return None
+    else:
         seen = _candidates(system, error.x, states, load)
-        new = {name: getattr(form, "freeze", _keep)(states[name], *(candidates[name] for candidates in seen))
+        new = {name: getattr(form, "calm", _keep)(states[name], *(candidates[name] for candidates in seen))
                for name, form in system.forms.items()}
-        done = "points of %s go to and fro between two facets: they stay on one in this increment"
+        done = "points of %s go to and fro: they are calmed in this increment"
     changed = [name for name in new if new[name] is not states[name]]
     if not changed:
         return None
