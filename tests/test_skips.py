@@ -14,16 +14,17 @@ from skfem_contact import solid
 from skfem_contact.analysis import interface, linear, setup, superlu
 from skfem_contact.analysis.interface import InterfaceSolver
 from skfem_contact.analysis.linear import as_solver
+from skfem_contact.contact import neighbours, pair
 
 #: Displacements of two analyses whose residuals are below 1e-12 of the load, relative: conditioning times that.
 SAME = 1e-9
 NEWTON = sc.Newton(tolerance=1e-12)
 
 
-def pressed(material: sc.MohrCoulomb | sc.LinearElastic, load: float = 40.0):
-    """A rigid-like block pressed and pushed onto a layer, analysed in three increments."""
+def pressed(material: sc.MohrCoulomb | sc.LinearElastic, load: float = 40.0, above: float = 0.0):
+    """A rigid-like block pressed and pushed onto a layer from some way above, analysed in three increments."""
     layer = grid("Q1", np.linspace(-3, 3, 25), np.linspace(-2, 0, 9))
-    block = grid("Q1", np.linspace(-1, 1, 10), np.linspace(0, 1, 5))
+    block = grid("Q1", np.linspace(-1, 1, 10), np.linspace(above, above + 1, 5))
     basis = vector_basis(sc.join_bodies({"layer": layer, "block": block}), "Q1", intorder=2)
     forms = {
         "layer": sc.SolidForm(basis.with_elements("layer"), material),
@@ -32,7 +33,7 @@ def pressed(material: sc.MohrCoulomb | sc.LinearElastic, load: float = 40.0):
     }
     fixed = np.concatenate((basis.get_dofs("layer:bottom").all(), basis.get_dofs("block:top").all()))
     x = basis.zeros()
-    x[basis.get_dofs("block:top").all("u^2")] = -1e-4 * load
+    x[basis.get_dofs("block:top").all("u^2")] = -1e-4 * load - above
     x[basis.get_dofs("block:top").all("u^1")] = 0.5e-4 * load
     return forms, [sc.Stage("pressed", basis.zeros(), prescribed=x, increments=3)], fixed
 
@@ -48,6 +49,15 @@ def assert_same(one: sc.Result, other: sc.Result) -> None:
     np.testing.assert_allclose(
         a.states["joint"].normal, b.states["joint"].normal, rtol=0, atol=SAME * np.abs(b.states["joint"].normal).max()
     )
+
+
+def assert_identical(one: sc.Result, other: sc.Result) -> None:
+    """To the last bit, what open points remember included."""
+    a, b = one[-1], other[-1]
+    assert a.iterations == b.iterations
+    np.testing.assert_array_equal(a.x, b.x)
+    for name, values in vars(a.states["joint"]).items():
+        np.testing.assert_array_equal(values, getattr(b.states["joint"], name), err_msg=name)
 
 
 def counted(monkeypatch: pytest.MonkeyPatch, owner: object, name: str) -> list[int]:
@@ -154,6 +164,41 @@ def test_bodies_in_equilibrium_inside_take_one_solution(monkeypatch: pytest.Monk
     monkeypatch.setattr(interface, "_NOTHING", 0.0)
     assert_same(one, analysed(*pressed(rock)))
     assert few < 1.5 * iterations < len(solutions) - few
+
+
+@pytest.mark.parametrize("above", [0.0, 0.4])
+def test_far_points_are_never_projected(monkeypatch: pytest.MonkeyPatch, above: float) -> None:
+    """Two thirds of the layer's points face nothing: they are looked at when a step is accepted, and only then."""
+    projected: list[int] = []
+
+    def counting(*args, project=pair.project):
+        projected.append(len(np.unique(args[-1].point)) if len(args) > 6 else 0)
+        return project(*args)
+
+    monkeypatch.setattr(pair, "project", counting)
+    near = analysed(*pressed(rock, above=above))
+    few = sum(projected)
+    projected.clear()
+    at = neighbours.NeighbourList.at
+    monkeypatch.setattr(
+        neighbours.NeighbourList, "at", lambda *args: at(*args)._replace(clearance=np.full(len(args[2]), -np.inf))
+    )
+    everywhere = analysed(*pressed(rock, above=above))
+    assert_identical(near, everywhere)
+    assert few < 0.7 * sum(projected)
+    assert (near[-1].states["joint"].normal < 0).any()
+
+
+@pytest.mark.parametrize("above", [0.0, 0.4])
+def test_neighbours_are_searched_after_motion_only(monkeypatch: pytest.MonkeyPatch, above: float) -> None:
+    """One search while the block hardly moves, a few while it comes down; one for every force gives the same."""
+    searches = counted(monkeypatch, neighbours, "neighbours")
+    once = analysed(*pressed(rock, above=above))
+    few = len(searches)
+    assert few == 1 if above == 0.0 else 1 < few < sum(once[-1].iterations)
+    monkeypatch.setattr(neighbours, "_SLACK", 0.0)
+    assert_identical(once, analysed(*pressed(rock, above=above)))
+    assert len(searches) - few > sum(once[-1].iterations)
 
 
 def test_an_unchanged_matrix_is_not_factored_again(monkeypatch: pytest.MonkeyPatch) -> None:

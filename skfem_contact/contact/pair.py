@@ -16,12 +16,14 @@ from ..materials.coulomb import InterfaceLaw, Status, Traction
 from .augmented import AugmentedLagrangian
 from .fit import Fit, less_overlap, touching
 from .freezing import frozen
-from .kinematics import Kinematics, geometric_tangent, variations
+from .kinematics import Kinematics, tangents, variations
+from .neighbours import NeighbourList
 from .quadrature import SlavePoints
 from .remarks import passed_through, penetration, remarks
 from .sampling import Sampling
-from .search import Projection, project
+from .search import Projection, merged, project
 from .smoothing import smoothed
+from .softening import hardened, softened
 from .startup import Held, release, with_springs
 from .state import ContactState
 from .surface import Surface
@@ -106,6 +108,7 @@ class ContactPair:
             raise ValueError(f"law must be an interface law such as Coulomb(mu=.3), not {law!r}")
         self.law, self.quadrature, self.tangent = law, quadrature, tangent
         self._sampling = Sampling(self.slave, self.master, quadrature)
+        self._neighbours = NeighbourList(self.master)
         self.enforcement, self.initial, self.share = enforcement, initial, share
         self.n = basis.N
         self.penalty: tuple[float, float] | None = None
@@ -176,7 +179,7 @@ class ContactPair:
         if self.enforcement is not None and self.penalty is not None and self.stiffness is not None:
             stiffening = self.enforcement.start(self.penalty, self.stiffness)
         return ContactState(arc, arc, _segments(found), found.gap, zero, zero, zero, status, nodal, nodal,
-                            stiffening, offset, cuts, np.zeros(1), np.zeros(len(arc), bool), np.zeros(1))
+                            stiffening, offset, cuts, np.zeros(1), np.zeros(len(arc), bool), np.zeros(1), np.ones(1))
 
     # -- the form -------------------------------------------------------------------------------------------
 
@@ -196,21 +199,28 @@ class ContactPair:
         held = state.springs[0] > 0.0
         law = Held(self.law, float(state.springs[0])) if held else self.law
         depth = np.full(len(points.arc), np.inf) if held else self._depth(points)
-        found = project(self.master, nodes, positions, depth, state.segment, state.frozen)
-        arc = self._arc(found)
         normal_penalty, tangential_penalty = self.penalties(state)
-        gap = found.gap - state.offset + points.at(state.normal_multiplier) / normal_penalty
+        closing = state.offset - points.at(state.normal_multiplier) / normal_penalty
+        bonded = state.status != Status.OPEN
+        around = self._neighbours.at(nodes, positions)
+        near = bonded | (around.clearance <= np.maximum(depth, closing))  # the others need not be projected
+
+        def projected(chosen: ndarray) -> Projection:
+            return project(self.master, nodes, positions, depth, state.segment, state.frozen, around.of(chosen))
+
+        found = projected(near)
+        gap = found.gap - closing
         exact = _ROUND_OFF * float(np.abs(nodes).max())
         gap = np.where(np.abs(gap) <= exact, 0.0, gap)
-        bonded = state.status != Status.OPEN
         at = np.flatnonzero(found.found & law.reaches(gap, normal_penalty, bonded))
 
         rho = self.master.curve(found.segment[at], found.xi[at], nodes, 1)[1]
+        arc, metric, _ = self.master.arc(found.segment[at], found.xi[at])
         stuck = ~np.isnan(state.stick_point[at])
-        elastic_arc = np.where(stuck, self._along(arc[at] - state.stick_point[at]), 0.0)
+        elastic_arc = np.where(stuck, self.master.along(arc - state.stick_point[at]), 0.0)
         kinematics = variations(points, self.slave, self.master, at, found, positions[at] - rho[0], elastic_arc, nodes)
         kinematics.slip_gradient[~stuck] = 0.0  # what comes from beyond the ends sticks where it arrives
-        stretch = np.linalg.norm(rho[1], axis=1) / self.master.arc(found.segment[at], found.xi[at])[1]
+        stretch = np.linalg.norm(rho[1], axis=1) / metric
         shift = points.at(state.tangential_multiplier)[at] / tangential_penalty
         traction = law.update(gap[at], stretch * elastic_arc + shift, normal_penalty, tangential_penalty)
 
@@ -219,7 +229,7 @@ class ContactPair:
                  + (weight * traction.tangential)[:, None] * kinematics.tangential)
         elastic = (traction.elastic_slip - shift) / stretch
         return Response(self._gather(kinematics, force),
-                        lambda: self._candidate(state, found, arc, at, traction, elastic),
+                        lambda: self._candidate(state, merged(near, found, projected), at, traction, elastic),
                         lambda: self._stiffness(kinematics, traction, weight),
                         round_off=max(normal_penalty, tangential_penalty) * exact * float(np.linalg.norm(weight)))
 
@@ -229,7 +239,7 @@ class ContactPair:
             raise ValueError(f"contact of '{self.slave.name}' on '{self.master.name}' has no penalty yet: give "
                              "`penalty=`, or call choose_penalties(forms), which `run` does for you")
         normal, tangential = self.penalty * state.stiffening
-        return float(normal), float(tangential)
+        return float(normal), float(tangential * state.softness[0])
 
     def _places(self, x: ndarray) -> tuple[ndarray, ndarray]:
         """Nodes of both surfaces, seen from the middle of the slave: large coordinates would cost digits."""
@@ -249,22 +259,15 @@ class ContactPair:
         arc[at] = self.master.arc(found.segment[at], found.xi[at])[0]
         return arc
 
-    def _along(self, difference: ndarray) -> ndarray:
-        """Differences of arc positions; on a closed chain the short way round."""
-        if not self.master.closed:
-            return difference
-        total = self.master.total_length
-        return (difference + 0.5 * total) % total - 0.5 * total
-
-    def _candidate(self, state: ContactState, found: Projection, arc: ndarray, at: ndarray, traction: Traction,
+    def _candidate(self, state: ContactState, found: Projection, at: ndarray, traction: Traction,
                    elastic_arc: ndarray) -> ContactState:
         """Open points take their closest point along as stick point, sliding ones drag it behind (eq. 10)."""
-        zero = np.zeros(len(arc))
+        arc, zero = self._arc(found), np.zeros(len(found.gap))
         stick_point, normal, tangential = arc.copy(), zero.copy(), zero.copy()
         status = np.full(len(arc), int(Status.OPEN))
         stick_point[at] -= elastic_arc
         normal[at], tangential[at], status[at] = traction.normal, traction.tangential, traction.status
-        moved = self._along(arc - state.arc)
+        moved = self.master.along(arc - state.arc)
         slip = np.where(status == Status.OPEN, 0.0, state.slip + np.where(np.isnan(moved), 0.0, moved))
         return replace(state, stick_point=stick_point, arc=arc, segment=_segments(found), gap=found.gap, slip=slip,
                        normal=normal, tangential=tangential, status=status, frozen=np.zeros(len(arc), bool),
@@ -275,14 +278,7 @@ class ContactPair:
         return np.bincount(kinematics.dofs[moving], force[moving], minlength=self.n)
 
     def _stiffness(self, kinematics: Kinematics, traction: Traction, weight: ndarray) -> csr_matrix:
-        """Eqs 14 to 16, exact; the primary part alone is eqs 20 to 22."""
-        G, T, S = kinematics.gap_gradient, kinematics.tangential, kinematics.slip_gradient
-        dN = traction.normal_by_gap[:, None] * G
-        dT = traction.tangential_by_gap[:, None] * G + traction.tangential_by_slip[:, None] * S
-        K = G[:, :, None] * dN[:, None, :] + T[:, :, None] * dT[:, None, :]
-        if self.tangent == "exact":
-            K += geometric_tangent(kinematics, traction.normal, traction.tangential)
-        K *= weight[:, None, None]
+        K = tangents(kinematics, traction, self.tangent == "exact") * weight[:, None, None]
         m = K.shape[1]
         rows, columns = np.repeat(kinematics.dofs, m, axis=1).ravel(), np.tile(kinematics.dofs, (1, m)).ravel()
         moving = (rows >= 0) & (columns >= 0)
@@ -294,7 +290,7 @@ class ContactPair:
         """State from which the same increment must be solved once more, or None where nothing is left to do.
 
         The cuts of ``quadrature="segments"`` follow the bodies here, the augmented method improves its multipliers,
-        overlaps are resolved in steps, and springs that held the bodies are taken away.
+        overlaps are resolved in steps, springs that held the bodies are taken away, and a soft stick is hardened.
 
         Raises
         ------
@@ -307,6 +303,8 @@ class ContactPair:
                                     f"'{self.master.name}'")
         if accepted.springs.any():
             return release(accepted, candidate, points.weight)
+        if accepted.softness[0] < 1.0:
+            return hardened(accepted)
         if self.initial == "ramped" and accepted.offset.any():
             return replace(accepted, offset=less_overlap(accepted.offset, points.size))
         again = None
@@ -319,9 +317,11 @@ class ContactPair:
         """The state with soft springs that close the gaps; :meth:`settle` takes them away again."""
         return state if self.law.bonds else with_springs(state)
 
-    def freeze(self, state: ContactState, *candidates: ContactState) -> ContactState:
-        """The state with those closed points frozen to their segment that candidates put on different ones."""
-        return frozen(state, candidates, self.slave.name)
+    def calm(self, state: ContactState, *candidates: ContactState) -> ContactState:
+        """The state with points that go to and fro frozen to their facet or, if none does so, sticking softly."""
+        name = self.slave.name
+        new = frozen(state, candidates, name)
+        return softened(state, candidates, name) if new is state else new
 
     def summary(self, state: ContactState) -> str:
         """Counts of open, sticking and slipping points, for the table of a result."""

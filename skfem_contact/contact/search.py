@@ -1,17 +1,15 @@
 """Closest point projection of points onto a surface (eqs 2, 3 and 17 of the paper)."""
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 from numpy import ndarray
-from scipy.spatial import cKDTree
 
+from .neighbours import EXTENSION, Neighbours, neighbours
 from .surface import Surface
 
-#: An open chain goes on straight for this share of its last segment: a slave corner that starts flush with
-#: the master's end must not lose contact to the lateral strain of the bodies.
-EXTENSION = 0.05
 #: Hysteresis: at a joint that turns by less than a degree, a point leaves the segment that it had in the accepted
 #: state only beyond this share of its length, lest nodes that face each other chatter between two segments.
 HYSTERESIS = 0.01
@@ -47,7 +45,8 @@ class Projection(NamedTuple):
 
 
 def project(surface: Surface, nodes: ndarray, points: ndarray, depth: ndarray,
-            previous: ndarray | None = None, frozen: ndarray | None = None) -> Projection:
+            previous: ndarray | None = None, frozen: ndarray | None = None, among: Neighbours | None = None
+            ) -> Projection:
     """Closest points on the surface, among all of its segments.
 
     Parameters
@@ -62,10 +61,12 @@ def project(surface: Surface, nodes: ndarray, points: ndarray, depth: ndarray,
         Segments of the accepted state, (n,), -1 where there was none.
     frozen
         Whether points are to stay on these segments, or without any, (n,).
+    among
+        Neighbours of the points as far as they are known; points without any are not projected.
     """
     n = len(points)
     result = Projection(np.zeros(n, bool), np.zeros(n, int), np.zeros(n), np.full(n, np.inf), np.zeros(n, bool))
-    row, segment = _candidates(surface, nodes, points)
+    row, segment, _ = among or neighbours(surface, nodes, points)[0]
     foot = _foot(surface, nodes, points[row], segment)
     off_end = _off_end(surface, segment, foot)
     accepted = np.full(n, -1) if previous is None else previous
@@ -93,37 +94,15 @@ def project(surface: Surface, nodes: ndarray, points: ndarray, depth: ndarray,
     return result
 
 
+def merged(near: ndarray, found: Projection, projected: Callable[[ndarray], Projection]) -> Projection:
+    """What was found for the near points, and what is found now for all others, as `projected` finds it."""
+    if near.all():
+        return found
+    return Projection(*(np.where(near, *both) for both in zip(found, projected(~near), strict=True)))
+
+
 def _left(tangent: ndarray, offset: ndarray) -> ndarray:
     return tangent[:, 0] * offset[:, 1] - tangent[:, 1] * offset[:, 0]
-
-
-def _candidates(surface: Surface, nodes: ndarray, points: ndarray) -> tuple[ndarray, ndarray]:
-    """Pairs (point, segment) that contain the closest segment of every point.
-
-    The chain is sampled at a uniform spacing.  The sample next to the closest point is at most half a
-    spacing farther away than that, so all samples within half a spacing (and a margin for curved segments) of
-    the nearest one are looked at.
-    """
-    spacing = max(float(np.median(surface.length)), surface.total_length / (4 * len(surface.segments)))
-    count = np.ceil(surface.length / spacing).astype(int) + 1
-    segment = np.repeat(np.arange(len(count)), count)
-    within = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
-    xi = -1.0 + 2.0 * within / np.repeat(count - 1, count)
-    samples = surface.curve(segment, xi, nodes, 0)[1][0]
-    stretch = max(1.0, float((np.linalg.norm(np.diff(samples, axis=0), axis=1)[np.diff(segment) == 0]).max()) / spacing)
-    row, sample = _nearest(samples, points, 0.75 * spacing * stretch)
-    return np.divmod(np.unique(row * len(count) + segment[sample]), len(count))
-
-
-def _nearest(samples: ndarray, points: ndarray, margin: float) -> tuple[ndarray, ndarray]:
-    """Pairs (point, sample) of all samples that are at most a margin farther away than the nearest one."""
-    tree, k = cKDTree(samples), 4
-    while True:
-        k = min(2 * k, len(samples))
-        distance, sample = (np.atleast_2d(found) for found in tree.query(points, k))
-        near = distance <= distance[:, :1] + margin
-        if k == len(samples) or not near[:, -1].any():
-            return np.nonzero(near)[0], sample[near]
 
 
 def _foot(surface: Surface, nodes: ndarray, points: ndarray, segment: ndarray) -> ndarray:
@@ -189,4 +168,4 @@ def _tangents_at_joint(surface: Surface, nodes: ndarray, segment: ndarray, xi: n
 def _first_minimum(row: ndarray, value: ndarray) -> ndarray:
     """Position of the first smallest value of every row."""
     order = np.lexsort((value, row))
-    return order[np.concatenate(([True], np.diff(row[order]) > 0))]
+    return order[np.diff(row[order], prepend=-1) > 0]

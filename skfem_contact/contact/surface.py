@@ -156,6 +156,13 @@ class Surface:
             rho += M[:, :, b, None] * places[:, b]
         return M, rho
 
+    def along(self, difference: ndarray) -> ndarray:
+        """Differences of arc positions; on a closed chain the short way round."""
+        if not self.closed:
+            return difference
+        total = self.total_length
+        return (difference + 0.5 * total) % total - 0.5 * total
+
     def arc(self, segment: ndarray, xi: ndarray) -> tuple[ndarray, ndarray, ndarray]:
         """Reference arc position S along the chain, dS/dxi and d2S/dxi2 at points given by segment and xi.
 

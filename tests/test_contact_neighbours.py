@@ -1,0 +1,65 @@
+"""Lists of neighbours: what they promise holds until they are searched anew."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from helpers import body_along, vector_basis
+
+import skfem_contact as sc
+from skfem_contact.contact.neighbours import NeighbourList
+from skfem_contact.contact.search import project
+from skfem_contact.contact.smoothing import smoothed
+from skfem_contact.contact.surface import Surface
+
+
+def wavy(element: str, closed: bool) -> Surface:
+    """A chain of segments of very different lengths."""
+    s = np.linspace(0, 1, 25) ** 2
+    if closed:
+        angle = -2 * np.pi * s[:-1]
+        line = np.stack((np.cos(angle), 0.7 * np.sin(angle)), axis=1)
+    else:
+        line = np.stack((6 * s - 3, 0.4 * np.sin(5 * s)), axis=1)
+    mesh = body_along(line, element, 0.2, closed=closed)
+    return Surface.from_boundary(vector_basis(mesh, element), "face")
+
+
+@pytest.mark.parametrize(("element", "closed", "alpha"), [
+    ("P1", False, None), ("P1", True, None), ("Q2", False, None), ("P1", False, 0.3),
+])  # fmt: skip
+def test_kept_neighbours_serve_as_new_ones(element: str, closed: bool, alpha: float | None, rng) -> None:
+    """While points and surface move, projections among kept neighbours are those among all; clearances hold.
+
+    On curved segments the iterations for the foot end with the slowest of all candidates: 1e-12 of the coordinates.
+    """
+    surface = wavy(element, closed)
+    surface = surface if alpha is None else smoothed(surface, alpha)
+    nodes, points = surface.nodes, rng.uniform(-3.5, 3.5, (300, 2))
+    around, depth = NeighbourList(surface), np.full(300, np.inf)
+    drift, searches, last = np.array([0.3, 0.1]), 0, None
+    for _ in range(40):
+        nodes = nodes + drift + 4e-3 * rng.standard_normal(nodes.shape)
+        points = points + drift + 4e-3 * rng.standard_normal(points.shape)
+        found = around.at(nodes, points)
+        searches, last = searches + (found.point is not last), found.point
+        one = project(surface, nodes, points, depth, among=found)
+        other = project(surface, nodes, points, depth)
+        np.testing.assert_array_equal(one.found, other.found)
+        np.testing.assert_allclose(one.gap, other.gap, rtol=0, atol=1e-11)
+        near = other.found
+        np.testing.assert_array_equal(one.segment[near], other.segment[near])
+        assert (found.clearance <= np.abs(other.gap)).all()
+    assert 1 < searches < 30
+    assert np.mean(np.abs(other.gap[near]) - found.clearance[near]) < 1.0  # they tell something
+
+
+def test_points_without_neighbours_are_not_projected() -> None:
+    """What is not looked for is not found."""
+    line = sc.rigid_line((0.0, 0.0), (1.0, 0.0))
+    points = np.array([[0.25, 1.0], [0.75, 1.0]])
+    found = NeighbourList(line).at(line.nodes, points)
+    for chosen in ([True, False], [False, True], [False, False]):
+        where = project(line, line.nodes, points, np.ones(2), among=found.of(np.array(chosen)))
+        assert where.found.tolist() == chosen
+        assert np.isinf(where.gap).tolist() == [not c for c in chosen]
