@@ -22,6 +22,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy import ndarray
 
+from ..materials.coulomb import Traction
 from .quadrature import SlavePoints
 from .search import Projection
 from .surface import Surface
@@ -114,6 +115,17 @@ def variations(points: SlavePoints, slave: Surface, master: Surface, at: ndarray
         slip_gradient[vertex] = (elastic_arc / metric)[vertex, None] * _lift(beta, facet_tau)[vertex]
     second = (alpha, beta, gamma, rho, l, g, h, D, Xi, dl, vertex, facet_tau, facet_n)
     return Kinematics(dofs.reshape(G.shape), G, tangential, slip_gradient, n, tau, second)
+
+
+def tangents(kinematics: Kinematics, traction: Traction, exact: bool) -> ndarray:
+    """Tangents of the forces of points of unit weight, (n, m, m): eqs 14 to 16 or, unless exact, eqs 20 to 22."""
+    G, T, S = kinematics.gap_gradient, kinematics.tangential, kinematics.slip_gradient
+    dN = traction.normal_by_gap[:, None] * G
+    dT = traction.tangential_by_gap[:, None] * G + traction.tangential_by_slip[:, None] * S
+    primary = _outer(G, dN) + _outer(T, dT)
+    if not exact:
+        return primary
+    return primary + geometric_tangent(kinematics, traction.normal, traction.tangential)
 
 
 def geometric_tangent(kinematics: Kinematics, normal_traction: ndarray, tangential_traction: ndarray) -> ndarray:

@@ -41,6 +41,8 @@ class ContactState:
         Whether the point stays on its segment in the increment that begins here.
     recuts
         Number of times that the slave has been cut anew in this increment, (1,).
+    softness
+        Share of the tangential penalty with which points stick while they cycle between stick and slip, (1,).
     """
 
     stick_point: ndarray
@@ -59,6 +61,7 @@ class ContactState:
     springs: ndarray
     frozen: ndarray
     recuts: ndarray
+    softness: ndarray
 
 
 def transferred(state: ContactState, old: SlavePoints, new: SlavePoints) -> ContactState:
