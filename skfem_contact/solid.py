@@ -246,11 +246,14 @@ class SolidForm:
         element, q = np.divmod(point, n_points)
         first = np.diff(element, prepend=-1) > 0  # the points of an element follow each other
         elements, position = element[first], np.cumsum(first) - 1
-        D = self._acting(np.concatenate(tangents)) - self._elasticity[element]
+        D = self._acting(np.concatenate(tangents))
+        D -= self._elasticity[element]
+        D *= self.weight[element, q][:, None, None]
         change = np.zeros((len(elements), n_points, len(self._rows), len(self._rows)))
-        change[position, q] = D * self.weight[element, q][:, None, None]
+        change[position, q] = D
         correction = self._pattern.scatter(element_stiffness(self._B[elements], change), elements)
-        return self._pattern.matrix(self.elastic_stiffness.data + correction)
+        correction += self.elastic_stiffness.data
+        return self._pattern.matrix(correction)
 
 
 def _damped(tangent: ndarray, elasticity: ndarray) -> ndarray:

@@ -94,7 +94,7 @@ def neighbours(surface: Surface, nodes: ndarray, points: ndarray, slack: float =
     slack
         Share of the spacing that distances may change by.
     """
-    spacing = max(float(np.median(surface.length)), surface.total_length / (4 * len(surface.segments)))
+    spacing = max(surface.spacing, surface.total_length / (4 * len(surface.segments)))
     count = np.ceil(surface.length / spacing).astype(int) + 1
     segment = np.repeat(np.arange(len(count)), count)
     within = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)

@@ -252,7 +252,7 @@ class ContactPair:
 
     def _depth(self, points: SlavePoints) -> ndarray:
         """Largest penetration: what is deeper than an element or so belongs to the other side of the body."""
-        return np.maximum(points.size, float(np.median(self.master.length)))
+        return np.maximum(points.size, self.master.spacing)
 
     def _arc(self, found: Projection) -> ndarray:
         arc, at = np.full(len(found.gap), np.nan), np.isfinite(found.gap)

@@ -98,7 +98,7 @@ def common_cuts(slave: Surface, slave_nodes: ndarray, master: Surface, master_no
     if not master.closed:
         last = np.array([len(master.segments) - 1])
         ends = np.concatenate((ends, master.curve(last, np.ones(1), master_nodes, 0)[1][0]))
-    near = np.full(len(ends), float(np.median(slave.length)))
+    near = np.full(len(ends), slave.spacing)
     found = project(slave, slave_nodes, ends, near)
     hit = found.found & ~found.vertex & (np.abs(found.xi) < 1.0) & (found.gap < near)
     inner = found.segment[hit] + 0.5 * (1.0 + found.xi[hit])

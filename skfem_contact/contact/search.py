@@ -67,11 +67,12 @@ def project(surface: Surface, nodes: ndarray, points: ndarray, depth: ndarray,
     n = len(points)
     result = Projection(np.zeros(n, bool), np.zeros(n, int), np.zeros(n), np.full(n, np.inf), np.zeros(n, bool))
     row, segment, _ = among or neighbours(surface, nodes, points)[0]
-    foot = _foot(surface, nodes, points[row], segment)
+    ends = _Ends.of(surface, nodes)
+    foot = _foot(surface, nodes, ends, points[row], segment)
     off_end = _off_end(surface, segment, foot)
     accepted = np.full(n, -1) if previous is None else previous
     held = np.zeros(n, bool) if frozen is None else frozen
-    stays = _stays(surface, nodes, segment, foot, segment == accepted[row], held[row])
+    stays = _stays(surface, ends, segment, foot, segment == accepted[row], held[row])
     outside = np.abs(foot) - 1.0 > np.where(off_end, 2.0 * EXTENSION, np.maximum(2.0 * stays, _ON_FACET))
     reached = np.where(off_end, 1.0 + 2.0 * EXTENSION, 1.0)
     xi = np.where(outside, np.clip(foot, -reached, reached), foot)
@@ -80,7 +81,7 @@ def project(surface: Surface, nodes: ndarray, points: ndarray, depth: ndarray,
     distance = np.linalg.norm(offset, axis=1)
     vertex = outside & ~off_end
     side, at = _left(rho[1], offset), np.flatnonzero(vertex)
-    side[at] = _outside_of_vertex(surface, nodes, segment[at], xi[at], offset[at])
+    side[at] = _outside_of_vertex(surface, ends, segment[at], xi[at], offset[at])
     gap = np.where(side >= 0, distance, -distance)
     # neither round-off nor the order of the search decides at a joint: the segment before it does
     ties = np.where(np.abs(foot - 1.0) <= _ON_FACET, _ON_FACET, 0.0)
@@ -105,10 +106,29 @@ def _left(tangent: ndarray, offset: ndarray) -> ndarray:
     return tangent[:, 0] * offset[:, 1] - tangent[:, 1] * offset[:, 0]
 
 
-def _foot(surface: Surface, nodes: ndarray, points: ndarray, segment: ndarray) -> ndarray:
+class _Ends(NamedTuple):
+    """Ends of the segments, their places and unit tangents there, (2, n_segments, 2)."""
+
+    place: ndarray
+    tangent: ndarray
+
+    @classmethod
+    def of(cls, surface: Surface, nodes: ndarray) -> _Ends:
+        number, one = np.arange(len(surface.segments)), np.ones(len(surface.segments))
+        ends = np.stack([surface.curve(number, end, nodes, 1)[1] for end in (-one, one)])
+        return cls(ends[:, 0], ends[:, 1] / np.linalg.norm(ends[:, 1], axis=2)[..., None])
+
+    def at_joint(self, surface: Surface, segment: ndarray, xi: ndarray) -> tuple[ndarray, ndarray]:
+        """Tangents of a segment and its neighbour at the joint on the side of xi."""
+        m, side = len(surface.segments), (xi > 0).astype(int)
+        neighbour = np.where(xi > 0, segment + 1, segment - 1)
+        neighbour = neighbour % m if surface.closed else np.clip(neighbour, 0, m - 1)
+        return self.tangent[side, segment], self.tangent[1 - side, neighbour]
+
+
+def _foot(surface: Surface, nodes: ndarray, ends: _Ends, points: ndarray, segment: ndarray) -> ndarray:
     """Local coordinate of the orthogonal projection on every candidate: eq. 17 on the chord, then Newton."""
-    number, one = np.arange(len(surface.segments)), np.ones(len(surface.segments))
-    first, last = (surface.curve(number, end, nodes, 0)[1][0][segment] for end in (-one, one))
+    first, last = ends.place[:, segment]
     chord = last - first
     xi = np.einsum("nc,nc->n", 2 * points - first - last, chord) / np.einsum("nc,nc->n", chord, chord)
     if surface.straight:
@@ -136,33 +156,25 @@ def _off_end(surface: Surface, segment: ndarray, foot: ndarray) -> ndarray:
     return ((segment == 0) & (foot < -1.0)) | ((segment == last) & (foot > 1.0))
 
 
-def _stays(surface: Surface, nodes: ndarray, segment: ndarray, foot: ndarray, accepted: ndarray, frozen: ndarray
+def _stays(surface: Surface, ends: _Ends, segment: ndarray, foot: ndarray, accepted: ndarray, frozen: ndarray
            ) -> ndarray:
     """Share of the segment's length by which candidates that are a point's accepted segment are preferred."""
     share = np.where(frozen, FROZEN, HYSTERESIS)
+    preferred = np.zeros(len(foot))
     at_joint = np.flatnonzero(accepted & (np.abs(np.abs(foot) - 1.0) <= 2.0 * share))
-    here, there = _tangents_at_joint(surface, nodes, segment[at_joint], foot[at_joint])
+    if len(at_joint) == 0:
+        return preferred
+    here, there = ends.at_joint(surface, segment[at_joint], foot[at_joint])
     kinked = np.abs(_left(here, there)) > _SMOOTH
     stays = ((np.einsum("nc,nc->n", here, there) > _STRAIGHT) & kinked) | frozen[at_joint]
-    preferred = np.zeros(len(foot))
     preferred[at_joint[stays]] = share[at_joint[stays]]
     return preferred
 
 
-def _outside_of_vertex(surface: Surface, nodes: ndarray, segment: ndarray, xi: ndarray, offset: ndarray) -> ndarray:
+def _outside_of_vertex(surface: Surface, ends: _Ends, segment: ndarray, xi: ndarray, offset: ndarray) -> ndarray:
     """Positive where a point whose closest point is a vertex lies outside: seen from both segments there."""
-    here, there = _tangents_at_joint(surface, nodes, segment, xi)
+    here, there = ends.at_joint(surface, segment, xi)
     return _left(here + there, offset)
-
-
-def _tangents_at_joint(surface: Surface, nodes: ndarray, segment: ndarray, xi: ndarray) -> tuple[ndarray, ndarray]:
-    """Unit tangents of a segment and its neighbour at the joint on the side of xi."""
-    m = len(surface.segments)
-    neighbour = np.where(xi > 0, segment + 1, segment - 1)
-    neighbour = neighbour % m if surface.closed else np.clip(neighbour, 0, m - 1)
-    sides = ((segment, np.sign(xi)), (neighbour, -np.sign(xi)))
-    here, there = (surface.curve(s, end, nodes, 1)[1][1] for s, end in sides)
-    return here / np.linalg.norm(here, axis=1)[:, None], there / np.linalg.norm(there, axis=1)[:, None]
 
 
 def _first_minimum(row: ndarray, value: ndarray) -> ndarray:

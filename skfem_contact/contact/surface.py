@@ -23,12 +23,16 @@ _GAUSS = np.polynomial.legendre.leggauss(5)
 
 def powers(xi: ndarray, derivatives: int = 3) -> ndarray:
     """Powers 0 to 3 of the local coordinate and their first derivatives, (derivatives + 1, n, 4)."""
-    result = np.zeros((4, 4, len(xi)))
-    result[0, 0] = result[1, 1] = 1.0
-    result[0, 1], result[0, 2], result[0, 3] = xi, xi**2, xi**3
-    result[1, 2], result[1, 3] = 2 * xi, 3 * xi**2
-    result[2, 2], result[2, 3], result[3, 3] = 2.0, 6 * xi, 6.0
-    return result[:derivatives + 1].transpose(0, 2, 1)
+    result = np.zeros((derivatives + 1, 4, len(xi)))
+    square = xi**2
+    result[0, 0], result[0, 1], result[0, 2], result[0, 3] = 1.0, xi, square, xi**3
+    if derivatives > 0:
+        result[1, 1], result[1, 2], result[1, 3] = 1.0, 2 * xi, 3 * square
+    if derivatives > 1:
+        result[2, 2], result[2, 3] = 2.0, 6 * xi
+    if derivatives > 2:
+        result[3, 3] = 6.0
+    return result.transpose(0, 2, 1)
 
 
 @dataclass(frozen=True)
@@ -122,6 +126,11 @@ class Surface:
     def positions(self, x: ndarray, origin: ndarray | float = 0.0) -> ndarray:
         """Current coordinates of the nodes at the displacements x, seen from an origin, (n_nodes, 2)."""
         return self.nodes - origin + np.where(self.dofs >= 0, x[self.dofs], 0.0)
+
+    @cached_property
+    def spacing(self) -> float:
+        """Length of a typical segment, the median of all."""
+        return float(np.median(self.length))
 
     @cached_property
     def straight(self) -> bool:
