@@ -14,6 +14,7 @@ from .newton import Newton, NotConverged
 from .result import Result, StageResult
 from .setup import build_system, check_load
 from .system import Form, System
+from .threads import single_threaded
 from .trials import Trials, TrialStep, describe_mesh, shear_bands, table
 
 _CUTS = 10
@@ -89,6 +90,7 @@ class _Load:
         return self.system, self.dead + parameter * self.reference
 
 
+@single_threaded
 def limit_load(forms: Mapping[str, Form], fixed: ndarray, load: ndarray, start: Result | StageResult | None = None,
                tol: float = 0.005, step: float = 1.0, highest: float = np.inf, newton: Newton | None = None,
                solver: Any = None, progress: bool | None = None) -> LimitLoad:

@@ -19,6 +19,7 @@ from .newton import Collapse, Newton, NotConverged
 from .result import Result, StageResult
 from .setup import build_system, check_load
 from .system import Form, System
+from .threads import single_threaded
 from .trials import Trials, TrialStep, describe_mesh, shear_bands, table
 
 logger = logging.getLogger("skfem_contact")
@@ -131,6 +132,7 @@ class _Strength:
                      found.residuals)
 
 
+@single_threaded
 def strength_reduction(forms: Mapping[str, Form], fixed: ndarray, load: ndarray | None = None,
                        start: Result | StageResult | None = None, reduce: Collection[str] | None = None,
                        exclude: Collection[str] = (), method: Literal["continuation", "bracket"] = "continuation",
@@ -218,7 +220,7 @@ def strength_reduction(forms: Mapping[str, Form], fixed: ndarray, load: ndarray 
         factor, bracket, criterion, points, mechanism = search(branch, first, newton, tol, step, trials)
     if factor < 1.0:
         warnings.warn(f"the structure is unstable under its own load: its factor of safety is {factor:.3f}",
-                      AnalysisWarning, stacklevel=2)
+                      AnalysisWarning, stacklevel=3)
     best = max(points, key=lambda p: p.parameter)
     mechanism = mechanism / (np.abs(mechanism).max() or 1.0)
     return StrengthReduction(factor, bracket, criterion, method, flow, branch.names, describe_mesh(whole.forms),
