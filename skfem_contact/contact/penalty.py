@@ -1,12 +1,14 @@
 """Default penalties from the stiffness and the size of the elements on both sides."""
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from numpy import ndarray
 
+from ..checks import AnalysisWarning
 from .pair import ContactPair
 from .surface import Surface
 
@@ -14,7 +16,10 @@ from .surface import Surface
 #: the nodal forces of a Hertz contact are closest to the exact ones at 6 to 12 (surface-to-surface rules, 10 and 20
 #: elements in the half-width): softer ones blunt the contact, harder ones show more of the mesh and take more
 #: iterations.  The penetration is about a sixth of the compression of those layers.
+#: The tangential penalty is the same: half of it saves no iterations in partial slip, and blunts its reversal.
 _RATIO = 6.0
+#: A penalty that is larger than the stiffness by this factor leaves three digits of the penetration.
+_HARDEST = 1e9
 
 
 def choose_penalties(forms: Mapping[str, Any]) -> dict[str, Any]:
@@ -27,6 +32,11 @@ def choose_penalties(forms: Mapping[str, Any]) -> dict[str, Any]:
     ----------
     forms
         Forms by name; the solids among them supply the stiffness.
+
+    Warns
+    -----
+    AnalysisWarning
+        A penalty of the user's is so hard that the penetration is lost in round-off.
 
     Returns
     -------
@@ -54,6 +64,10 @@ def choose_penalties(forms: Mapping[str, Any]) -> dict[str, Any]:
     for name, pair in pairs.items():
         stiffness = _series(pair, np.sum(diagonals, axis=0))
         penalty = pair.penalty or (_RATIO * stiffness, _RATIO * stiffness)
+        if pair.enforcement is None and max(penalty) > _HARDEST * stiffness:
+            warnings.warn(f"contact '{name}': the penalty, {max(penalty):.3g}, is {max(penalty) / stiffness:.0e} times "
+                          "the stiffness of the surfaces: round-off hides the penetration; 1 to 1e3 times are enough",
+                          AnalysisWarning, stacklevel=2)
         new[name] = pair.with_penalty(*penalty, stiffness=stiffness)
     return new
 

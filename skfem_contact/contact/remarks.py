@@ -7,6 +7,7 @@ import numpy as np
 from numpy import ndarray
 
 from ..materials.coulomb import Status
+from .neighbours import EXTENSION
 from .quadrature import SlavePoints
 from .state import ContactState
 from .surface import Surface
@@ -29,7 +30,7 @@ def passed_through(depth: ndarray, accepted: ContactState, candidate: ContactSta
 
 def remarks(slave: Surface, master: Surface, points: SlavePoints, depth: ndarray, penalty: float, state: ContactState
             ) -> Iterator[str]:
-    """Remarks on a state: penetration, points that lie too deep, no contact at all.
+    """Remarks on a state: penetration, points held to a facet that they have left, or too deep, no contact at all.
 
     Parameters
     ----------
@@ -48,15 +49,28 @@ def remarks(slave: Surface, master: Surface, points: SlavePoints, depth: ndarray
     if share > PENETRATION:
         yield (f"the slave penetrates by {share:.1%} of its segment length: the penalty, {penalty:.3g}, is "
                "too soft for this load")
+    astray = _astray(master, depth, state)
+    if astray.any():
+        yield (f"points {np.flatnonzero(astray)} of '{slave.name}' went to and fro at ends of the facets of "
+               f"'{master.name}' and were held to the ones that they have left, or to none: smoothing the master would "
+               "take away the kinks there")
     deep = state.gap < -depth
     if deep.any():
         yield (f"{deep.sum()} of {len(deep)} points of '{slave.name}' lie deeper in '{master.name}' than an element, "
                f"up to {-state.gap.min():.3g}, and do not touch it; the deepest is at {_place(slave, points, state)}")
     elif (state.status == Status.OPEN).all():
         gap = float((state.gap - state.offset).min())
-        yield (f"no point of '{slave.name}' lies opposite '{master.name}'" if np.isinf(gap) else
-               f"no point of '{slave.name}' touches '{master.name}': the smallest gap is {gap:.3g}, at "
-               f"{_place(slave, points, state)}")
+        yield "no slave point found a master within reach: " + (
+            f"nothing of '{master.name}' lies opposite '{slave.name}'" if np.isinf(gap) else
+            f"gap is {gap:.3g} between '{slave.name}' and '{master.name}', smallest at {_place(slave, points, state)}")
+
+
+def _astray(master: Surface, depth: ndarray, state: ContactState) -> ndarray:
+    """Closed points beyond the ends of their facet by more than search lets pass, open ones that penetrate unseen."""
+    closed, none = state.status != Status.OPEN, state.segment == -1
+    start, length = master.start[state.segment], master.length[state.segment]
+    beyond = np.maximum(start - state.arc, state.arc - start - length) > EXTENSION * length
+    return (closed & ~none & beyond) | (none & (state.gap < 0.0) & (state.gap >= -depth))
 
 
 def _place(slave: Surface, points: SlavePoints, state: ContactState) -> str:

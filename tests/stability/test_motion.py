@@ -31,6 +31,11 @@ def quiet(forms, stages, fixed, **options):
         return run(forms, stages, fixed, **options)
 
 
+def waved(mesh, height, number):
+    """The mesh on a wave."""
+    return replace(mesh, doflocs=mesh.doflocs + np.stack((0 * mesh.doflocs[0], height * np.sin(number * mesh.p[0]))))
+
+
 def dissipation(forms, result):
     """Work of the friction on the way of the stick points, of every point in every step, (n_steps - 1, n)."""
     states = [stage.states["joint"] for stage in result]
@@ -101,7 +106,7 @@ def test_stress_free_carousel():
     """[X] Case S19: everything turned by 90 degrees in 90 steps: forces as before, and slip remains zero."""
     rng = np.random.default_rng(7)
     floor = np.stack((np.linspace(-1, 1, 6), np.zeros(6)), axis=1)
-    basis = facing(body_along(floor[1:-1][::-1] + [0.03, -1e-3]), body_along(floor))
+    basis = facing(body_along(floor[1:-1][::-1] + np.array([0.03, -1e-3])), body_along(floor))
     pair = sc.ContactPair(basis, "slave:face", "master:face", sc.Coulomb(0.3), 2, penalty=1e4)
     x0 = 1e-4 * rng.standard_normal(basis.N)
     first = pair.assemble(x0, pair.initial_state())
@@ -183,7 +188,7 @@ def kinked():
 
 @pytest.mark.parametrize("shape", [0, 1], ids=["roof", "groove"])
 def test_frozen_point_keeps_its_facet(shape):
-    """[X] Frozen, a point within a quarter of a facet from the joint stays on the one it had; else the nearest counts."""
+    """[X] Frozen, a point within a quarter of a facet from the joint stays on the one it had; else on the nearest."""
     surface = kinked()[shape]
     points = np.array([[0.05, -0.03], [-0.05, -0.03], [0.6, -0.3], [-0.6, -0.3]])
     depth = np.full(4, np.inf)
@@ -223,8 +228,7 @@ def test_point_that_goes_to_and_fro(caplog):
         "lower": grid("P2", np.linspace(0, 1, 9), np.linspace(-1, 0, 4)),
         "upper": grid("P2", np.linspace(0, 1, 4), np.linspace(0, 1, 4)),
     }
-    waves = {name: replace(m, doflocs=m.doflocs + [0 * m.p[0], 0.08 * np.sin(6 * m.p[0])]) for name, m in meshes.items()}
-    basis = vector_basis(sc.join_bodies(waves), "P2")
+    basis = vector_basis(sc.join_bodies({name: waved(mesh, 0.08, 6) for name, mesh in meshes.items()}), "P2")
     forms = in_contact(basis, sc.Coulomb(0.2), 2, E=(1e3, 4e4))
     fixed = basis.get_dofs({"lower:bottom", "upper:top"}).all()
     path = [(0.0, -0.005), (0.2, -0.01), (-0.2, -0.01)]
@@ -240,7 +244,7 @@ def test_point_that_goes_to_and_fro(caplog):
 
 def test_dissipation_over_facets():
     """[X] Case S14 with bodies: a block drawn over a wave dissipates at every point and in every step."""
-    basis = blocks(n_lower=9, mapped=lambda m: replace(m, doflocs=m.p + [0 * m.p[0], 0.02 * np.sin(4 * m.p[0])]))
+    basis = blocks(n_lower=9, mapped=lambda mesh: waved(mesh, 0.02, 4))
     forms = in_contact(basis, sc.Coulomb(0.3), 2)
     fixed = basis.get_dofs({"lower:bottom", "upper:top"}).all()
     way = 0.2 * np.sin(np.linspace(0, 2 * np.pi, 17))
