@@ -19,6 +19,8 @@ logger = logging.getLogger("skfem_contact")
 
 #: Share of the load that may be lost in round-off.
 _HIDDEN = 1e-6
+#: Displacements whose squares are no longer numbers are not far from here.
+_ENDLESS = 1e100
 
 
 class Form(Protocol):
@@ -84,7 +86,9 @@ class System:
         return float(load[self.free] @ displacements[self.free])
 
     def evaluate(self, x: ndarray, states: Mapping[str, Any], load: ndarray) -> Trial:
-        """Answers of all forms at some displacements."""
+        """Answers of all forms at some displacements, unless these have run away."""
+        if not np.abs(x).max(initial=0.0) < _ENDLESS:
+            raise NotConverged("the iterations run away: the displacements are no numbers any more")
         responses = {name: form.assemble(x, states[name]) for name, form in self.forms.items()}
         residual = load - sum(r.force for r in responses.values())
         residual[self.fixed] = 0.0
