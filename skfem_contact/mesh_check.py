@@ -23,12 +23,13 @@ def check_mesh(mesh: Mesh) -> None:
     """Raise an error if a mesh is not fit for an analysis.
 
     It is not if it has elements other than triangles or quadrilaterals of first or second order, elements on
-    top of each other, flat or inverted elements, coordinates that are not finite, nodes that belong to no
+    top of each other, flat, inverted or folded elements, coordinates that are not finite, nodes that belong to no
     element, or tags that name elements or facets that do not exist.
 
     An element is inverted if its Jacobian changes sign between its nodes. The sign itself means nothing,
     since scikit-fem's meshes run either way round. For first-order elements the test is sharp, for
-    second-order ones an inversion between the nodes remains unseen.
+    second-order ones an inversion between the nodes remains unseen. It is folded if a neighbour lies on the same side
+    of the facet between them, as that of a triangle whose corner has been moved across the opposite side.
 
     Parameters
     ----------
@@ -68,6 +69,9 @@ def check_mesh(mesh: Mesh) -> None:
     inverted = np.flatnonzero(jacobian.min(axis=1) * jacobian.max(axis=1) < 0)
     if len(inverted):
         raise _error("inverted elements", "element", inverted, corners.mean(axis=1))
+    folded = _folded(mesh)
+    if len(folded):
+        raise _error("elements folded over their neighbours", "element", folded, corners.mean(axis=1))
 
 
 def check_topology(mesh: Mesh) -> None:
@@ -103,6 +107,16 @@ def _jacobian_at_nodes(mesh: Mesh) -> NDArray[np.float64]:
     mapping = MappingIsoparametric(mesh, element)
     dx_dr, dx_ds, dy_dr, dy_ds = (mapping.J(i, j, element.doflocs.T) for i in (0, 1) for j in (0, 1))
     return dx_dr * dy_ds - dx_ds * dy_dr
+
+
+def _folded(mesh: Mesh) -> Indices:
+    """Elements that lie on the same side of a facet as their neighbour."""
+    inner = np.flatnonzero(mesh.f2t[1] >= 0)
+    start, end = mesh.p[:, mesh.facets[0, inner]], mesh.p[:, mesh.facets[1, inner]]
+    x, y = mesh.p[:, mesh.t].mean(axis=1)[:, mesh.f2t[:, inner]] - start[:, None]  # of the two neighbours
+    along = end - start
+    sides = along[0] * y - along[1] * x
+    return np.unique(mesh.f2t[:, inner[sides[0] * sides[1] > 0]])
 
 
 def _check_tags(tags: Mapping[str, Indices], kind: str, count: int) -> None:

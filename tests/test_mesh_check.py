@@ -80,6 +80,19 @@ def test_corner_inside_the_opposite_triangle():
         check_mesh(MeshQuad1(np.array([[0, 1, 0.3, 0], [0, 0, 0.3, 1]]), ONE))
 
 
+@pytest.mark.parametrize("kind", KINDS)
+def test_corner_moved_across_the_opposite_side(kind):
+    """Neither triangle is inverted, for they run either way round; but they cover each other."""
+    corners = np.array([[0, 1, 0.5, 0.5], [0, 0, -0.5, -1.0]])
+    folded = MeshTri1(corners, np.array([[0, 1, 2], [0, 3, 1]]).T)
+    if kind in (MeshQuad1, MeshQuad2):
+        p = np.array([[0, 1, 1, 0, 0, 1], [0, 0, 1, 1, 0.5, 0.5]])
+        folded = MeshQuad1(p, np.array([[0, 1, 2, 3], [0, 1, 5, 4]]).T)
+    mesh = folded if kind in (MeshTri1, MeshQuad1) else kind.from_mesh(folded)
+    with pytest.raises(ValueError, match=r"folded over their neighbours, 2 in all: element 0"):
+        check_mesh(mesh)
+
+
 @pytest.mark.parametrize("kind", [MeshQuad2, MeshTri2])
 def test_side_bent_through_the_element(kind):
     mesh = grid(kind)
