@@ -16,13 +16,14 @@ from typing import Any, Protocol
 import numpy as np
 from numpy import ndarray
 
-from .newton import Newton, NotConverged, Trial, iterate
+from .newton import Newton, NotConverged, Search, Trial, iterate
 from .result import StageResult
 from .system import System
 
 #: Relative step of the difference quotient by the parameter.
 _DIFFERENCE = 1e-6
-_GROWTH = 2.0
+#: Growth of the steps.
+GROWTH = 2.0
 #: Step lengths in a row that may fail before the curve ends.
 _CUTS = 6
 _MOST_STEPS = 100
@@ -35,6 +36,8 @@ class Branch(Protocol):
 
     #: The parameter must be larger than this.
     lowest: float
+    #: Line search: along the energy where the forms do not depend on the parameter.
+    search: Search
 
     def at(self, parameter: float) -> tuple[System, ndarray]:
         """Forms and load at a value of the parameter."""
@@ -132,7 +135,7 @@ def remainder(points: list[Point] | tuple[Point, ...]) -> float:
 
 
 def follow(branch: Branch, control: ndarray, points: list[Point], newton: Newton, tolerance: float,
-           report: Report, relative: bool = False, highest: float = np.inf) -> Curve:
+           report: Report, relative: bool = False, highest: float = np.inf, growth: float = GROWTH) -> Curve:
     """Follow the curve until it has levelled off.
 
     Parameters
@@ -153,8 +156,10 @@ def follow(branch: Branch, control: ndarray, points: list[Point], newton: Newton
         The curve ends when the parameter exceeds this.
     report
         Told of every new point and of every step that failed.
+    growth
+        Ratio of a step to the one before; the step after one that failed does not grow.
     """
-    points, length, cuts = list(points), points[-1].work - points[-2].work, 0
+    points, length, cuts, failed = list(points), points[-1].work - points[-2].work, 0, False
     while len(points) < _MOST_STEPS:
         try:
             point = correct(branch, control, points, points[-1].work + length, newton)
@@ -163,7 +168,7 @@ def follow(branch: Branch, control: ndarray, points: list[Point], newton: Newton
             cuts += 1
             if cuts > _CUTS:
                 return Curve(tuple(points), f"stall: {error}")
-            length *= 0.5
+            length, failed = 0.5 * length, True
             continue
         points.append(point)
         report.accept(point)
@@ -172,7 +177,7 @@ def follow(branch: Branch, control: ndarray, points: list[Point], newton: Newton
             return Curve(tuple(points), f"plateau: the curve may rise by {max(left, 0.0):.2g} more")
         if point.parameter > highest:
             return Curve(tuple(points), f"the parameter {highest:g}: there is no collapse below it")
-        cuts, length = 0, _GROWTH * length
+        cuts, length, failed = 0, length if failed else growth * length, False
     return Curve(tuple(points), f"{_MOST_STEPS} steps without a plateau")
 
 
@@ -211,7 +216,7 @@ def correct(branch: Branch, control: ndarray, points: list[Point], work: float, 
         return np.append(balance + change * drift, change)
 
     try:
-        now, norms = iterate(evaluate(guess), evaluate, direction, newton, at_least=1, damp=True)
+        now, norms = iterate(evaluate(guess), evaluate, direction, newton, branch.search, at_least=1, damp=True)
     except NotConverged as error:
         error.x = None if error.x is None else error.x[:-1]
         raise

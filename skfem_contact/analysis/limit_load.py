@@ -3,14 +3,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy import ndarray
 from tqdm import tqdm
 
-from .continuation import Point, follow, starting_point
-from .newton import Newton, NotConverged
+from ..materials.lagged import lagged
+from ..solid import SolidForm
+from .continuation import GROWTH, Point, follow, starting_point
+from .davis import Flow, reduced_strength
+from .newton import Newton, NotConverged, Search
 from .result import Result, StageResult
 from .setup import build_system, check_load
 from .system import Form, System
@@ -18,6 +21,8 @@ from .threads import single_threaded
 from .trials import Trials, TrialStep, describe_mesh, shear_bands, table
 
 _CUTS = 10
+#: Growth of the steps where friction lags behind by one of them.
+_SMALL_GROWTH = 1.5
 
 
 @dataclass(frozen=True)
@@ -81,6 +86,7 @@ class _Load:
     """A constant load and a multiple of another one: a :class:`~.continuation.Branch`."""
 
     lowest = -np.inf
+    search: Search = "energy"
 
     def __init__(self, system: System, dead: ndarray, reference: ndarray) -> None:
         self.system, self.dead, self.reference = system, dead, reference
@@ -92,8 +98,8 @@ class _Load:
 
 @single_threaded
 def limit_load(forms: Mapping[str, Form], fixed: ndarray, load: ndarray, start: Result | StageResult | None = None,
-               tol: float = 0.005, step: float = 1.0, highest: float = np.inf, newton: Newton | None = None,
-               solver: Any = None, progress: bool | None = None) -> LimitLoad:
+               tol: float = 0.005, step: float = 1.0, highest: float = np.inf, flow: Flow | Literal["lagged"] = "given",
+               newton: Newton | None = None, solver: Any = None, progress: bool | None = None) -> LimitLoad:
     """Multiply a load until the structure collapses.
 
     The work of the reference load is prescribed and its multiplier follows, until the curve of the multiplier
@@ -116,6 +122,10 @@ def limit_load(forms: Mapping[str, Form], fixed: ndarray, load: ndarray, start: 
         First multiplier; it is halved until there is an equilibrium.
     highest
         The curve ends when the multiplier exceeds this.
+    flow
+        Flow rule, see :func:`reduced_strength`, or ``"lagged"``: as given, with the friction of the pressure at the
+        start of each step (:class:`~.materials.lagged.LaggedFriction`). With psi < phi the given law takes hundreds
+        of iterations or stalls; the lagged one does not, but must start from equilibrium with its own friction.
     newton
         Settings of Newton's method; by default the residual is at most 0.03 ``tol`` of the load.
     solver
@@ -146,7 +156,7 @@ def limit_load(forms: Mapping[str, Form], fixed: ndarray, load: ndarray, start: 
     """
     if not tol > 0 or not step > 0:
         raise ValueError(f"tol and step must be positive, not {tol!r} and {step!r}")
-    system = build_system(forms, fixed, solver)
+    system = build_system(_flowing(forms, flow), fixed, solver)
     reference = check_load(load, system.size)
     last = start[-1] if isinstance(start, Result) else start
     branch = _Load(system, np.zeros(system.size) if last is None else last.load, reference)
@@ -158,7 +168,8 @@ def limit_load(forms: Mapping[str, Form], fixed: ndarray, load: ndarray, start: 
         origin = starting_point(system, last)
         trials.begin(origin)
         path = [origin, _first(branch, origin, step, newton, trials)]
-        curve = follow(branch, reference, path, newton, tol, trials, relative=True, highest=highest)
+        curve = follow(branch, reference, path, newton, tol, trials, relative=True, highest=highest,
+                       growth=_SMALL_GROWTH if flow == "lagged" else GROWTH)
     multiplier, above = curve.limit
     end = curve.points[-1]
     mechanism = end.x - curve.points[-2].x
@@ -166,6 +177,17 @@ def limit_load(forms: Mapping[str, Form], fixed: ndarray, load: ndarray, start: 
     return LimitLoad(multiplier, (multiplier, above), curve.criterion, describe_mesh(system.forms),
                      tuple(trials.steps), end.x, end.states, branch.at(end.parameter)[1], mechanism,
                      shear_bands(system.forms, mechanism), tuple((p.parameter, p.x) for p in curve.points))
+
+
+def _flowing(forms: Mapping[str, Form], flow: Flow | Literal["lagged"]) -> dict[str, Form]:
+    """The forms with their flow as it is assumed."""
+    new = dict(forms)
+    for name, form in forms.items():
+        if isinstance(form, SolidForm) and flow != "given":
+            soils = {region: soil for region, soil in form.materials.items() if hasattr(soil, "psi")}
+            new[name] = form.with_materials({region: lagged(soil) if flow == "lagged" else
+                                             reduced_strength(soil, 1.0, flow) for region, soil in soils.items()})
+    return new
 
 
 def _first(branch: _Load, origin: Point, step: float, newton: Newton, trials: Trials) -> Point:

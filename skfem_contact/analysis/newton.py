@@ -182,12 +182,16 @@ def iterate(now: Trial, evaluate: Callable[[ndarray], Trial], direction: Callabl
 
 
 def _along_energy(now: Trial, step: ndarray, evaluate: Callable[[ndarray], Trial]) -> Trial:
-    """Go along the step until the residual has lost half of its work along it, by doubling and bisection."""
-    slope = abs(now.residual @ step)
+    """Go along the step until the residual has lost half of its work along it, by doubling and bisection.
+
+    The displacements come first among the unknowns; what follows them does no work.
+    """
+    along = step[:len(now.residual)]
+    slope = abs(now.residual @ along)
     least, best, length, shortest, longest = np.inf, now, 1.0, 0.0, np.inf
     for _ in range(_PROBES):
         trial = evaluate(now.z + length * step)
-        work = float(trial.residual @ step)
+        work = float(trial.residual @ along)
         if abs(work) < least:
             least, best = abs(work), trial
         if abs(work) <= _SLOPE * slope or trial.norm <= _SLOPE * now.norm:

@@ -15,7 +15,7 @@ from ..checks import AnalysisWarning
 from ..solid import SolidForm
 from .continuation import Point, follow, starting_point
 from .davis import FLOWS, Flow, reduced_strength
-from .newton import Collapse, Newton, NotConverged
+from .newton import Collapse, Newton, NotConverged, Search
 from .result import Result, StageResult
 from .setup import build_system, check_load
 from .system import Form, System
@@ -99,6 +99,7 @@ class _Strength:
     """The structure with its strength divided by a factor: a :class:`~.continuation.Branch`."""
 
     lowest = 0.0
+    search: Search = "residual"
 
     def __init__(self, whole: System, load: ndarray, targets: dict[str, tuple[str, ...] | None],
                  flow: Flow) -> None:
