@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import warnings
 
 import numpy as np
@@ -44,6 +45,25 @@ def test_augmented_result_does_not_depend_on_the_penalty(quadrature):
         forms, stage = column(quadrature, ratio, enforcement=sc.AugmentedLagrangian())
         # nodes of one column against facets of another carry a uniform pressure to some per cent only
         assert force_on(forms, stage)[1] == pytest.approx(5.0, rel=1e-3 if quadrature == "segments" else 0.02)
+
+
+def test_stick_that_cycles(caplog):
+    """[X] Case S1 with friction: where Newton jumps over the stick, it begins softly; the answer is exact."""
+    forces = []
+    for ratio in (1e3, 1e4, 1e5, 1e6):
+        basis = blocks()
+        forms = in_contact(basis, quadrature="segments", penalty=ratio * 1e3 / 0.2)
+        fixed = basis.get_dofs({"lower:bottom", "upper:top"}).all()
+        stage = sc.Stage("press", basis.zeros(), displaced(basis, "upper:top", (0.0, -0.01)))
+        with caplog.at_level(logging.INFO, logger="skfem_contact"):
+            result = run(forms, [stage], fixed, newton=sc.Newton())["press"]
+        joint, fresh = result.states["joint"], forms["joint"].initial_state()
+        assert np.array_equal(joint.softness, fresh.softness)  # the whole penalty in the end
+        assert (np.abs(joint.tangential) <= 0.3 * np.abs(joint.normal) * (1 + 1e-8)).all()
+        forces.append(force_on(forms, result)[1])
+    assert "go to and fro between stick and slip: the stick begins with 0.1 of its penalty" in caplog.text
+    # the penalty gives way like a layer of 0.2 / ratio beside columns of 2; friction's memory changes less
+    np.testing.assert_allclose(forces, forces[-1], rtol=0.1 / 1e3 * 3)
 
 
 @pytest.mark.parametrize("quadrature", QUADRATURES)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import warnings
 
 import numpy as np
 import pytest
@@ -98,7 +99,8 @@ def test_what_contact_cannot_hold(gap, law, pull):
     forms = in_contact(basis, law)
     load = traction(basis, "upper:top", pull)
     with pytest.raises(sc.NotConverged, match=r"singular|collapse|no equilibrium") as error:
-        sc.run(forms, [sc.Stage("press", load)], basis.get_dofs("lower:bottom").all(), progress=False)
+        # no more iterations than any that succeeds needs: the increment is cut ten times
+        run(forms, [sc.Stage("press", load)], basis.get_dofs("lower:bottom").all(), newton=sc.Newton(max_iterations=8))
     assert error.value.result["press"].fraction < 1.0
 
 
@@ -115,7 +117,9 @@ def test_gap_closed_by_displacement(quadrature, elements):
             sc.Stage("almost", basis.zeros(), displaced(basis, "upper:top", (0.0, -0.999 * gap))),
             sc.Stage("press", basis.zeros(), displaced(basis, "upper:top", (0.0, -gap - 0.01))),
         ]
-        result = run(forms, stages, fixed)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", sc.AnalysisWarning)  # almost is not quite
+            result = run(forms, stages, fixed)
         if gap > 0:
             assert np.abs(result["almost"].states["blocks"].stress).max() < 1e-9
             assert result["almost"].iterations == (1,)
