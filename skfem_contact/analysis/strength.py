@@ -165,7 +165,7 @@ def strength_reduction(forms: Mapping[str, Form], fixed: ndarray, load: ndarray 
     tol
         Width of the bracket; the curve is followed until a quarter of it is left.
     step
-        First step of the factor.
+        First step of the factor, at least `tol`: over less than that no curve can be told from its plateau.
     newton
         Settings of Newton's method; by default the residual is at most 0.03 ``tol`` of the load.
     solver
@@ -213,6 +213,7 @@ def strength_reduction(forms: Mapping[str, Form], fixed: ndarray, load: ndarray 
     load = check_load(load if last is None or load is not None else last.load, whole.size)
     branch = _Strength(whole, load, _targets(whole.forms, reduce, exclude), flow)
     newton = newton or Newton(tolerance=0.03 * tol, max_iterations=30)
+    step = max(step, tol)
     with tqdm(desc="factor of safety", disable=None if progress is None else not progress,
               bar_format="{desc} {postfix} {elapsed}") as bar:
         trials = Trials(bar)
