@@ -12,8 +12,9 @@ from skfem import Basis, ElementQuad2, ElementVector, MeshQuad, MeshQuad2
 
 import skfem_contact as sc
 from skfem_contact.contact.quadrature import between, common_cuts, gauss, nodal
-from skfem_contact.contact.search import EXTENSION, project
+from skfem_contact.contact.search import project
 from skfem_contact.contact.smoothing import smoothed
+from skfem_contact.contact.surface import EXTENSION
 
 
 def found(surface: sc.Surface, points, depth: float = np.inf):

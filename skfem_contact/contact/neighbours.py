@@ -7,11 +7,8 @@ import numpy as np
 from numpy import ndarray
 from scipy.spatial import cKDTree
 
-from .surface import Surface
+from .surface import EXTENSION, Surface
 
-#: An open chain goes on straight for this share of its last segment: a slave corner that starts flush with
-#: the master's end must not lose contact to the lateral strain of the bodies.
-EXTENSION = 0.05
 #: Motion, as a share of the spacing of the samples, for which a list of neighbours lasts.
 _SLACK = 0.25
 

@@ -95,7 +95,7 @@ class ContactPair:
         check_basis(basis)
         self.slave = Surface.from_boundary(basis, slave)
         self.facets = master if isinstance(master, Surface) else Surface.from_boundary(basis, master)
-        self.master = self.facets if smoothing is None else smoothed(self.facets, smoothing)
+        self.master = (self.facets if smoothing is None else smoothed(self.facets, smoothing)).facing(self.slave)
         if np.isin(self.slave.dofs[:, 0], self.master.dofs[:, 0]).any():
             raise ValueError(f"slave '{slave}' and master '{self.master.name}' share nodes: a body cannot touch "
                              "itself there; separate the bodies with join_bodies")

@@ -7,10 +7,9 @@ import numpy as np
 from numpy import ndarray
 
 from ..materials.coulomb import Status
-from .neighbours import EXTENSION
 from .quadrature import SlavePoints
 from .state import ContactState
-from .surface import Surface
+from .surface import EXTENSION, Surface
 
 #: Penetration, as a share of the slave segment, from which the user is told.
 PENETRATION = 0.01

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy import ndarray
 
-from .neighbours import EXTENSION, Neighbours, neighbours
+from .neighbours import Neighbours, neighbours
 from .surface import Surface
 
 #: Hysteresis: at a joint that turns by less than a degree, a point leaves the segment that it had in the accepted
@@ -73,8 +73,8 @@ def project(surface: Surface, nodes: ndarray, points: ndarray, depth: ndarray,
     accepted = np.full(n, -1) if previous is None else previous
     held = np.zeros(n, bool) if frozen is None else frozen
     stays = _stays(surface, ends, segment, foot, segment == accepted[row], held[row])
-    outside = np.abs(foot) - 1.0 > np.where(off_end, 2.0 * EXTENSION, np.maximum(2.0 * stays, _ON_FACET))
-    reached = np.where(off_end, 1.0 + 2.0 * EXTENSION, 1.0)
+    outside = np.abs(foot) - 1.0 > np.where(off_end, 2.0 * surface.extension, np.maximum(2.0 * stays, _ON_FACET))
+    reached = np.where(off_end, 1.0 + 2.0 * surface.extension, 1.0)
     xi = np.where(outside, np.clip(foot, -reached, reached), foot)
     rho = surface.curve(segment, xi, nodes, 1)[1]
     offset = points[row] - rho[0]

@@ -6,7 +6,7 @@ body lies to the right; the outward normal is the tangent turned by +90 degrees.
 """
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -19,6 +19,9 @@ from ..checks import look_up
 LINEAR = np.array([[.5, -.5, 0, 0], [.5, .5, 0, 0]])
 QUADRATIC = np.array([[0, -.5, .5, 0], [0, .5, .5, 0], [1, 0, -1, 0]])
 _GAUSS = np.polynomial.legendre.leggauss(5)
+#: An open chain goes on straight for this share of its last segment: a slave corner that starts flush with
+#: the master's end must not lose contact to the lateral strain of the bodies.
+EXTENSION = 0.05
 
 
 def powers(xi: ndarray, derivatives: int = 3) -> ndarray:
@@ -55,6 +58,8 @@ class Surface:
         Whether the last segment ends where the first begins.
     start, length
         Arc position of the segments' first ends and their lengths in the reference configuration.
+    extension
+        Share of the last segments by which an open chain goes on beyond its ends.
 
     Examples
     --------
@@ -74,6 +79,7 @@ class Surface:
     closed: bool
     start: ndarray
     length: ndarray
+    extension: float = EXTENSION
 
     @classmethod
     def from_boundary(cls, basis: CellBasis, name: str) -> Surface:
@@ -122,6 +128,14 @@ class Surface:
     def total_length(self) -> float:
         """Length of the whole chain in the reference configuration."""
         return float(self.length.sum())
+
+    def facing(self, slave: Surface) -> Surface:
+        """The surface as a slave meets it: off an end it goes on for a share of the slave's segments, if shorter.
+
+        The table of a single line does not reach farther beyond its edge than one of many facets.
+        """
+        last = float(max(self.length[0], self.length[-1]))
+        return replace(self, extension=EXTENSION * min(1.0, slave.spacing / last))
 
     def positions(self, x: ndarray, origin: ndarray | float = 0.0) -> ndarray:
         """Current coordinates of the nodes at the displacements x, seen from an origin, (n_nodes, 2)."""
