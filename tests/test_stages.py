@@ -71,8 +71,8 @@ def test_gravity_column():
 
 
 @pytest.mark.parametrize("increments", [1, 2, 7, 16])
-def test_linear_problem_takes_one_iteration_an_increment(increments, rng):
-    """[X] Loads and prescribed displacements of all sizes; the path does not matter."""
+def test_linear_problem_takes_one_iteration(increments, rng):
+    """[X] Loads and prescribed displacements of all sizes; the path does not matter, more increments are free."""
     basis, forms, _ = column()
     fixed = basis.get_dofs({"top", "bottom"}).all()
     places = [rng.standard_normal(basis.N) * 10.0 ** rng.integers(-6, 0, basis.N) for _ in range(3)]
@@ -84,7 +84,7 @@ def test_linear_problem_takes_one_iteration_an_increment(increments, rng):
     K = forms["column"].elastic_stiffness
     free = np.setdiff1d(np.arange(basis.N), fixed)
     for stage, load, place in zip(result, loads, places, strict=True):
-        assert stage.iterations == (1,) * increments
+        assert stage.iterations == (1,) + (0,) * (increments - 1)
         # sums of increments: the round-off of the largest
         np.testing.assert_allclose(stage.x[fixed], place[fixed], atol=1e-15 * np.abs(places).max())
         assert np.abs((K @ stage.x - load)[free]).max() < 1e-9 * abs(K @ stage.x).max()

@@ -15,6 +15,7 @@ from ..checks import AnalysisWarning
 from ..solid import SolidForm
 from .construction import begin, check_start, plan
 from .newton import Newton, NotConverged
+from .predictor import Predictor
 from .result import Result, StageResult
 from .settling import settled
 from .setup import build_system
@@ -154,11 +155,13 @@ def run(forms: Mapping[str, Form], stages: Sequence[Stage], fixed: ndarray, star
             last = replace(last, x=x, states=states)
         if phase.changed or stage is stages[0]:
             system = build_system(phase.forms, phase.fixed, solver)
+            predictor = Predictor(system.fixed)
+            predictor.accept(last.x, last.load)
         last = replace(last, name=stage.name, iterations=(), fraction=0.0)
         try:
             with tqdm(total=1.0, desc=stage.name, disable=None if progress is None else not progress,
                       bar_format="{desc:16} {percentage:3.0f}% |{bar}|{postfix}") as bar:
-                for accepted in _increments(system, stage, last, released, newton or Newton()):
+                for accepted in _increments(system, predictor, stage, last, released, newton or Newton()):
                     last = accepted
                     bar.update(last.fraction - bar.n)
                     bar.set_postfix_str(f"{len(last.iterations)} increments, {sum(last.iterations)} iterations")
@@ -172,8 +175,8 @@ def run(forms: Mapping[str, Form], stages: Sequence[Stage], fixed: ndarray, star
     return Result(tuple(done))
 
 
-def _increments(system: System, stage: Stage, last: StageResult, released: ndarray, newton: Newton
-                ) -> Iterator[StageResult]:
+def _increments(system: System, predictor: Predictor, stage: Stage, last: StageResult, released: ndarray,
+                newton: Newton) -> Iterator[StageResult]:
     """Accepted increments of a stage, one after the other; forces of what has gone are released in proportion."""
     first_load, first = last.load, last.x[system.fixed]
     target = first if stage.prescribed is None else np.asarray(stage.prescribed)[system.fixed]
@@ -185,7 +188,8 @@ def _increments(system: System, stage: Stage, last: StageResult, released: ndarr
         load = first_load + fraction * (stage.load - first_load) - (1.0 - fraction) * released
         prescribed = first + fraction * (target - first)
         try:
-            new = settled(system, last.x, last.states, load, prescribed, newton)
+            start = predictor.start(load, prescribed)
+            new = settled(system, last.x, last.states, load, prescribed, newton, start)
         except NotConverged as error:
             size = 0.5 * (fraction - last.fraction)
             logger.info("stage '%s': increment to %.4f failed, cut to %.4f", stage.name, fraction, size)
@@ -199,6 +203,7 @@ def _increments(system: System, stage: Stage, last: StageResult, released: ndarr
         summary = {name: form.summary(new.states[name]) for name, form in system.forms.items()}
         last = StageResult(stage.name, new.x, load, new.states, (*last.iterations, new.iterations),
                            new.residuals[-1], fraction, summary)
+        predictor.accept(last.x, last.load)
         yield last
 
 

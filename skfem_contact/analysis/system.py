@@ -106,7 +106,8 @@ class System:
 
     def equilibrium(self, x: ndarray, states: Mapping[str, Any], load: ndarray, prescribed: ndarray,
                     settings: Newton, searches: Sequence[Search] = ("residual", "energy"),
-                    elastic: float = 0.0, at_least: int = 0, damp: bool = False) -> Equilibrium:
+                    elastic: float = 0.0, at_least: int = 0, damp: bool = False,
+                    start: ndarray | None = None) -> Equilibrium:
         """Find the displacements at which load and internal forces balance.
 
         Parameters
@@ -128,6 +129,8 @@ class System:
             Number of iterations even if the residual is small from the start.
         damp
             Damp the tangent from the start, not only where the iterations make no progress.
+        start
+            Displacements to start from; by default `x`.
 
         Raises
         ------
@@ -146,7 +149,7 @@ class System:
         def direction(now: Trial, damped: bool) -> ndarray:
             step = self._direction(now, prescribed - now.z[self.fixed], damped, regular)
             if not first:
-                first.append(max(float(np.linalg.norm(step)), float(np.linalg.norm(x))))
+                first.append(max(float(np.linalg.norm(now.z + step - x)), float(np.linalg.norm(x))))
             return step
 
         def far(now: Trial) -> bool:
@@ -157,7 +160,8 @@ class System:
         spent: tuple[float, ...] = ()
         for search in searches:
             try:
-                now, norms = iterate(evaluate(x), evaluate, direction, settings, search, far, at_least, damp)
+                begin = evaluate(x if start is None else start)
+                now, norms = iterate(begin, evaluate, direction, settings, search, far, at_least, damp)
             except NotConverged as error:
                 error.residuals = spent = spent + error.residuals[1 if spent else 0:]
                 if isinstance(error, Collapse) or search == searches[-1]:
