@@ -196,7 +196,8 @@ def _first(branch: _Load, origin: Point, step: float, newton: Newton, trials: Tr
         multiplier = step * 0.5**cut
         system, load = branch.at(multiplier)
         try:
-            found = system.equilibrium(origin.x, origin.states, load, origin.x[system.fixed], newton, ("energy",))
+            found = system.equilibrium(origin.x, origin.states, load, origin.x[system.fixed], newton, ("energy",),
+                                       at_least=1)
         except NotConverged as error:
             trials.reject(multiplier, error, 0.0)
             continue
