@@ -19,7 +19,7 @@ QUADRATURES = ["nodal", 2, "segments"]
 
 
 @pytest.mark.parametrize("quadrature", QUADRATURES)
-@pytest.mark.parametrize("sizes", [(2, 40), (40, 2), (2, 100), (100, 2)], ids=str)
+@pytest.mark.parametrize("sizes", [(2, 40), (40, 2), (1, 50), (100, 2)], ids=str)
 def test_sizes_across_the_interface(sizes, quadrature):
     """[X] Case S7: elements 20 and 50 times larger on either side: resultant and its lever are those of the load."""
     basis = blocks(*sizes, overhang=0.0)
@@ -35,7 +35,7 @@ def test_sizes_across_the_interface(sizes, quadrature):
     assert (force @ joint.x) / force.sum() == pytest.approx(0.5 + 0.5 / 5.0, abs=0.02)
 
 
-@pytest.mark.parametrize("sizes", [(2, 40), (40, 2), (3, 150), (150, 3)], ids=str)
+@pytest.mark.parametrize("sizes", [(2, 40), (40, 2), (1, 50), (50, 1)], ids=str)
 def test_patch_test_at_any_ratio(sizes):
     """[X] Cases A9, S7: integration over common segments passes the patch test from 1:50 to 50:1."""
     basis = blocks(*sizes, overhang=0.0)
@@ -142,7 +142,7 @@ def test_corner_on_corner(overlap, quadrature):
 @pytest.mark.parametrize("quadrature", [1, "nodal"])
 def test_one_segment(quadrature):
     """[X] A slave of one element, with one Gauss point or with its two nodes, carries its load."""
-    basis = blocks(4, 1)
+    basis = blocks(1, 1)
     forms = in_contact(basis, quadrature=quadrature)
     fixed = np.union1d(basis.get_dofs("lower:bottom").all(), basis.get_dofs("upper:left").all("u^1"))
     stage = run(forms, [sc.Stage("press", traction(basis, "upper:top", (0.0, -5.0)))], fixed)["press"]
@@ -152,7 +152,7 @@ def test_one_segment(quadrature):
 
 def test_one_point_carries_a_body():
     """[X] One Gauss point under a block that is guided upright: the pressure is the load over the length."""
-    basis = blocks(4, 1)
+    basis = blocks(1, 1)
     forms = in_contact(basis, sc.Coulomb(), 1)
     guided = basis.get_dofs({"upper:left", "upper:right"}).all("u^1")
     level = basis.get_dofs("upper:top").all("u^2")

@@ -50,7 +50,7 @@ def test_augmented_result_does_not_depend_on_the_penalty(quadrature):
 def test_stick_that_cycles(caplog):
     """[X] Case S1 with friction: where Newton jumps over the stick, it begins softly; the answer is exact."""
     forces = []
-    for ratio in (1e3, 1e4, 1e5, 1e6):
+    for ratio in (1e3, 1e4, 1e6):
         basis = blocks()
         forms = in_contact(basis, quadrature="segments", penalty=ratio * 1e3 / 0.2)
         fixed = basis.get_dofs({"lower:bottom", "upper:top"}).all()
