@@ -249,8 +249,11 @@ def _first(branch: _Strength, last: StageResult | None, newton: Newton, trials: 
         trials.accept(point)
         trials.begin(point)
         return point
-    raise NotConverged(f"the structure carries its load not even with {1 / _FIRST[-1]:g} times its strength: "
-                       f"{error}") from error
+    most = f"{1 / _FIRST[-1]:g} times its strength"
+    if isinstance(error, Collapse):
+        raise NotConverged(f"the structure carries its load not even with {most}: {error}") from error
+    raise NotConverged(f"no equilibrium to start from was found, with up to {most}, and no collapse either; put the "
+                       f"load on in stages and give their result as `start`: {error}") from error
 
 
 def _elastic(branch: _Strength, first: Point) -> ndarray:
