@@ -1,6 +1,7 @@
 """Augmented Lagrangian enforcement: an outer loop over the same contact forms (Uzawa)."""
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,10 +13,14 @@ from ..materials.coulomb import Status
 from .quadrature import SlavePoints
 from .state import ContactState
 
+logger = logging.getLogger("skfem_contact")
+
 #: Penalty over the stiffness of the surfaces that the method goes to from whatever it was given.
 _WANTED = 10.0
 #: ... and the softest one that it starts from: with less, bodies might sink into each other by more than an element.
 _SOFTEST = 0.1
+#: A correction that has not become less by this factor so many times in a row will not do so.
+_PROGRESS, _PATIENCE = 0.7, 2
 
 
 @dataclass(frozen=True)
@@ -30,6 +35,9 @@ class AugmentedLagrangian:
     The multipliers live at the slave's nodes and are interpolated between them: multipliers at every Gauss point
     would constrain more than the nodes can follow.  Where the nodes are closed they become the projection of the
     tractions onto these functions, which exerts the same nodal forces.
+
+    Where both bodies are held, as at the end of an interface on a fixed base, no multiplier closes what their meshes
+    leave open: a node whose correction does not become less is left to the penalty, and the log names it.
 
     A given penalty is only the start.  It is brought between k/10 and 10 k before the first solution, where neither
     the bodies sink into each other nor Newton's method chatters, and to 10 k after it.
@@ -76,22 +84,38 @@ class AugmentedLagrangian:
         stiffness
             Traction per displacement of the bodies' surfaces.
         """
+        before = np.stack((accepted.normal_multiplier, accepted.tangential_multiplier))
+        moves = accepted.stalls < _PATIENCE if accepted.stalls.size else np.ones(before.shape, bool)
         largest = candidate.normal.max(initial=0.0)  # a mean of tractions is no larger; zero where nothing pulls
-        means = accepted.normal_multiplier + _excess(points, candidate.normal, accepted.normal_multiplier)
-        closed = means < largest
-        normal = np.minimum(_improved(points, candidate.normal, accepted.normal_multiplier, closed), largest)
-        tangential = _improved(points, candidate.tangential, accepted.tangential_multiplier, closed)
+        closed = before[0] + _excess(points, candidate.normal, before[0]) < largest
+        after = np.stack((
+            np.minimum(_improved(points, candidate.normal, before[0], closed & moves[0]), largest),
+            _improved(points, candidate.tangential, before[1], closed & moves[1])))
+        correction = (after - before) / np.array(penalties)[:, None]
         # a sliding point's traction follows from the normal one; only where it sticks is its elastic slip an error
         sticks = _nodal_mean(points, candidate.status == Status.STICK) > 0.99
-        error = stiffness * max(
-            np.abs(normal - accepted.normal_multiplier).max() / penalties[0],
-            np.abs(tangential - accepted.tangential_multiplier)[sticks].max(initial=0.0) / penalties[1])
-        if error <= self.tolerance * np.abs(candidate.normal).max(initial=0.0):
+        error = stiffness * np.abs(correction) * np.stack((np.ones(len(sticks)), sticks))
+        unfinished = error > self.tolerance * np.abs(candidate.normal).max(initial=0.0)
+        if not (unfinished & moves).any():
             return None
         factors = _WANTED * stiffness / np.array(penalties)
-        return replace(accepted, normal_multiplier=normal, tangential_multiplier=tangential,
+        after = np.where(moves, after, before)
+        return replace(accepted, normal_multiplier=after[0], tangential_multiplier=after[1],
                        stiffening=accepted.stiffening * factors,
-                       stick_point=accepted.arc - (accepted.arc - accepted.stick_point) / factors[1])
+                       stick_point=accepted.arc - (accepted.arc - accepted.stick_point) / factors[1],
+                       correction=correction, stalls=_stalls(accepted, correction, unfinished))
+
+
+def _stalls(accepted: ContactState, correction: ndarray, unfinished: ndarray) -> ndarray:
+    """How many times in a row the corrections at the nodes, those that are large enough, have not become less."""
+    if not accepted.correction.size:
+        return np.zeros(correction.shape, int)
+    no_less = unfinished & (np.abs(correction) > _PROGRESS * np.abs(accepted.correction))
+    stalls = np.where(no_less, accepted.stalls + 1, 0)
+    if (held := (stalls == _PATIENCE).any(axis=0)).any():
+        logger.info("augmented method: corrections at the nodes %s of the slave do not become less; the penalty acts "
+                    "there", np.flatnonzero(held))
+    return stalls
 
 
 def _improved(points: SlavePoints, traction: ndarray, multiplier: ndarray, closed: ndarray) -> ndarray:

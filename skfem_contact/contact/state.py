@@ -1,7 +1,7 @@
 """What the points of a contact pair remember."""
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy import ndarray
@@ -43,6 +43,9 @@ class ContactState:
         Number of times that the slave has been cut anew in this increment, (1,).
     softness
         Share of the tangential penalty with which points stick while they cycle between stick and slip, (1,).
+    correction, stalls
+        What the augmented method corrected the normal and the tangential multipliers by the last time, over the
+        penalties, and how many times in a row that had not become less, (2, n_nodes); empty before the first time.
     """
 
     stick_point: ndarray
@@ -62,6 +65,8 @@ class ContactState:
     frozen: ndarray
     recuts: ndarray
     softness: ndarray
+    correction: ndarray = field(default_factory=lambda: np.zeros((2, 0)))
+    stalls: ndarray = field(default_factory=lambda: np.zeros((2, 0), int))
 
 
 def transferred(state: ContactState, old: SlavePoints, new: SlavePoints) -> ContactState:
