@@ -11,6 +11,8 @@ from .surface import Surface
 
 #: Pieces shorter than this share of a segment are left out.
 _SLIVER = 1e-9
+#: Meshes whose sizes differ by less than this share are as fine as each other.
+_EQUAL = 1e-6
 
 
 @dataclass(frozen=True)
@@ -64,9 +66,22 @@ def nodal(surface: Surface) -> SlavePoints:
     return SlavePoints(order[:, None], np.ones((len(order), 1)), weight[order], arc[order], size[order])
 
 
-def gauss(surface: Surface, n: int) -> SlavePoints:
-    """``n`` Gauss points on every slave segment: surface-to-surface contact."""
-    return between(surface, np.arange(len(surface.segments) + 1.0), n)
+def gauss(slave: Surface, master: Surface, n: int) -> SlavePoints:
+    """``n`` Gauss points on every slave segment: surface-to-surface contact.
+
+    The master's shape functions have kinks at its nodes, which Gauss points smear. Where these nodes lie closer than
+    the slave's segments are long, the segments are divided, so that no piece is longer than the nodes' distance.
+    """
+    pieces = max(1, int(np.ceil(slave.spacing / _node_distance(master) - _EQUAL)))
+    return between(slave, np.arange(len(slave.segments) * pieces + 1) / pieces, n)
+
+
+def _node_distance(master: Surface) -> float:
+    """Distance between the master's nodes; infinite if it is rigid, for then nothing is shared out to them."""
+    if (master.dofs < 0).all():
+        return np.inf
+    intervals = len(master.nodes) - (0 if master.closed else 1)
+    return master.spacing * len(master.segments) / intervals
 
 
 def between(surface: Surface, cuts: ndarray, n: int) -> SlavePoints:

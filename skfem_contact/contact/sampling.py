@@ -27,8 +27,8 @@ class Sampling:
     slave, master
         The surfaces.
     rule
-        ``"nodal"``, a number of Gauss points on each slave segment, or ``"segments"``, whose points lie between
-        the cuts that a state remembers.
+        ``"nodal"``, a number of Gauss points on each slave segment or piece of it, or ``"segments"``, whose points
+        lie between the cuts that a state remembers.
     """
 
     slave: Surface
@@ -47,7 +47,7 @@ class Sampling:
 
     @cached_property
     def _everywhere(self) -> SlavePoints:
-        return nodal(self.slave) if self.rule == "nodal" else gauss(self.slave, int(self.rule))
+        return nodal(self.slave) if self.rule == "nodal" else gauss(self.slave, self.master, int(self.rule))
 
     def follow(self, state: ContactState, slave: ndarray, master: ndarray) -> ContactState | None:
         """The state at points between cuts that follow the bodies, or None where they follow closely enough.
