@@ -116,6 +116,11 @@ class SolidForm:
         """Materials by the name of their subdomain (``"all"`` where one material was given)."""
         return {region.name: region.material for region in self.regions}
 
+    @property
+    def symmetric(self) -> bool:
+        """Whether the tangent is symmetric: all materials say so by an attribute `symmetric`."""
+        return all(getattr(material, "symmetric", False) for material in self.materials.values())
+
     def with_materials(self, materials: Mapping[str, Material]) -> SolidForm:
         """The same body with some materials replaced; what does not change is shared, not computed again.
 

@@ -209,7 +209,7 @@ def correct(branch: Branch, control: ndarray, points: list[Point], work: float, 
         beside = now.z.copy()
         beside[-1] += delta
         by_parameter = (evaluate(beside).residual - now.residual) / delta
-        solve = system.solver.factor(system.tangent(now, damped))
+        solve = system.solver.factor(system.tangent(now, damped), system.symmetric)
         balance, drift = solve(now.residual), solve(by_parameter)
         lag = target - system.work(control, now.z[:-1] + balance)
         change = lag / system.work(control, drift)

@@ -56,7 +56,7 @@ def _candidates(system: System, x: ndarray, states: Mapping[str, Any], load: nda
     """Candidate states where the method stopped, and at several places along its next step."""
     now = system.evaluate(x, states, load)
     try:
-        step = system.solver.factor(system.tangent(now))(now.residual)
+        step = system.solver.factor(system.tangent(now), system.symmetric)(now.residual)
     except SingularSystem:
         return [now.states]
     return [now.states, *(system.evaluate(x + length * step, states, load).states for length in _LENGTHS)]

@@ -259,7 +259,7 @@ def _first(branch: _Strength, last: StageResult | None, newton: Newton, trials: 
 def _elastic(branch: _Strength, first: Point) -> ndarray:
     """Displacements under the whole load with the stiffness of the first point."""
     system, load = branch.at(first.parameter)
-    return system.solver.factor(system.tangent(system.evaluate(first.x, first.states, load)))(load)
+    return system.solver.factor(system.tangent(system.evaluate(first.x, first.states, load)), system.symmetric)(load)
 
 
 def _continuation(branch: _Strength, first: Point, newton: Newton, tol: float, step: float,

@@ -4,6 +4,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
@@ -75,6 +76,11 @@ class System:
         self.fixed, self.free = fixed, free
         self.solver = solver
         self._total = Total()
+
+    @cached_property
+    def symmetric(self) -> bool:
+        """Whether the tangent is symmetric: all forms say so by an attribute `symmetric`."""
+        return all(getattr(form, "symmetric", False) for form in self.forms.values())
 
     @property
     def size(self) -> int:
@@ -180,10 +186,10 @@ class System:
             step[self.fixed] = lag
             right = right - K @ step
         try:
-            solve = self.solver.factor(K)
+            solve = self.solver.factor(K, self.symmetric)
             regular[:] = [K]  # not its factors, which would be in memory beside the next ones
         except SingularSystem:
             if not regular:
                 raise
-            solve = self.solver.factor(regular[0])
+            solve = self.solver.factor(regular[0], self.symmetric)
         return step + solve(right)

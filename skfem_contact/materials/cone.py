@@ -31,6 +31,12 @@ class ConeConstants(NamedTuple):
 class ConePlasticity(IsotropicPlasticity):
     """Base of the laws with a circular cone or cylinder; a law adds its parameters and constants."""
 
+    @property
+    def symmetric(self) -> bool:
+        """Whether the tangent is symmetric: the flow is associated."""
+        constants = self._constants()
+        return bool(np.all(constants.alpha == constants.beta))
+
     def _yield_bound(self, stress: Array, constants: ConeConstants) -> Array:
         return _excess(*mean_and_shear(stress), constants)
 

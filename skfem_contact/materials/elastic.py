@@ -138,6 +138,11 @@ class LinearElastic(Isotropic):
         """No internal variables."""
         return 0
 
+    @property
+    def symmetric(self) -> bool:
+        """The tangent is symmetric."""
+        return True
+
     def update(self, strain_increment: Array, stress: Array, internal: Array) -> Update:
         """Stress after a strain increment; no point is ever plastic.
 

@@ -46,6 +46,12 @@ class PyramidConstants(NamedTuple):
 class PyramidPlasticity(IsotropicPlasticity):
     """Base of the laws with a hexagonal pyramid or prism; a law adds its parameters and constants."""
 
+    @property
+    def symmetric(self) -> bool:
+        """Whether the tangent is symmetric: the flow is associated."""
+        constants = self._constants()
+        return bool(np.all(constants.sin_phi == constants.sin_psi))
+
     def _yield_bound(self, stress: Array, constants: PyramidConstants) -> Array:
         return _excess(*extremes(stress), constants)
 

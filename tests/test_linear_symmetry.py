@@ -1,0 +1,87 @@
+"""Where the tangent is symmetric, PARDISO factors half of it; the analysis knows where."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from helpers import grid, vector_basis
+
+import skfem_contact as sc
+from skfem_contact.analysis.system import System
+
+ASSOCIATED = {
+    "elastic": sc.LinearElastic(E=1e3, nu=0.3),
+    "Mohr-Coulomb": sc.MohrCoulomb(E=1e3, nu=0.3, c=1.0, phi=30.0, psi=30.0),
+    "with cut-off": sc.MohrCoulomb(E=1e3, nu=0.3, c=1.0, phi=30.0, psi=30.0, tension=0.3),
+    "Tresca": sc.Tresca(E=1e3, nu=0.3, c=1.0),
+    "von Mises": sc.VonMises(E=1e3, nu=0.3, strength=1.0),
+    "Drucker-Prager": sc.DruckerPrager.plane_strain(E=1e3, nu=0.3, c=1.0, phi=30.0, psi=30.0),
+}
+OTHERS = {
+    "Mohr-Coulomb": sc.MohrCoulomb(E=1e3, nu=0.3, c=1.0, phi=30.0, psi=10.0),
+    "Drucker-Prager": sc.DruckerPrager.plane_strain(E=1e3, nu=0.3, c=1.0, phi=30.0, psi=10.0),
+}
+
+
+def skewness(material, rng: np.random.Generator) -> float:
+    """Largest difference of a tangent and its transpose at random points, relative to Young's modulus."""
+    shape = (4, 2000, 1)
+    internal = np.zeros((material.n_internal, *shape[1:]))
+    tangent = material.update(3e-3 * rng.standard_normal(shape), np.zeros(shape), internal).tangent()
+    return float(np.abs(tangent - tangent.transpose(0, 2, 1)).max(initial=0.0)) / material.E
+
+
+@pytest.mark.parametrize("name", ASSOCIATED)
+def test_associated_flow_has_a_symmetric_tangent(name: str, rng: np.random.Generator) -> None:
+    """[X] On faces, edges, the apex and the cut-off (round-off of the principal directions: 1e-9)."""
+    assert ASSOCIATED[name].symmetric
+    assert skewness(ASSOCIATED[name], rng) < 1e-9
+
+
+@pytest.mark.parametrize("name", OTHERS)
+def test_other_flow_has_not(name: str, rng: np.random.Generator) -> None:
+    """[X] What is not symmetric does not say so."""
+    assert not OTHERS[name].symmetric
+    assert skewness(OTHERS[name], rng) > 1e-3
+
+
+def slope(material):
+    """A layer that yields under a strip load."""
+    basis = vector_basis(grid("Q1", np.linspace(-3, 3, 19), np.linspace(-2, 0, 7)), "Q1", intorder=2)
+    forms = {"layer": sc.SolidForm(basis, material, strain=sc.b_bar)}
+    load = basis.zeros()
+    top = basis.get_dofs("top").all("u^2")
+    load[top[np.abs(basis.doflocs[0, top]) < 1.0]] = -1.5
+    fixed = np.concatenate((basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1")))
+    return forms, [sc.Stage("load", load, increments=2)], fixed
+
+
+def test_forms_that_say_nothing_are_not_symmetric() -> None:
+    """Contact with friction has no symmetric tangent, whatever the bodies."""
+    forms, _, fixed = slope(ASSOCIATED["Mohr-Coulomb"])
+    free = np.setdiff1d(np.arange(forms["layer"].basis.N), fixed)
+    assert System(forms, fixed, free, None).symmetric
+    assert not System({**forms, "more": object()}, fixed, free, None).symmetric
+    assert not System(slope(OTHERS["Mohr-Coulomb"])[0], fixed, free, None).symmetric
+
+
+@pytest.mark.parametrize("name", ["elastic", "Mohr-Coulomb", "with cut-off"])
+def test_half_of_the_tangent_gives_the_same(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With the whole matrix PARDISO finds the same displacements (residuals of 1e-12 times the conditioning)."""
+    pytest.importorskip("pypardiso")
+    from skfem_contact.analysis import pardiso
+
+    kinds, analysis = [], pardiso._Analysis.__init__
+
+    def spy(self, library, pattern, A, symmetric):
+        kinds.append(symmetric)
+        analysis(self, library, pattern, A, symmetric)
+
+    monkeypatch.setattr(pardiso._Analysis, "__init__", spy)
+    scene, newton = slope(ASSOCIATED[name]), sc.Newton(tolerance=1e-12)
+    half = sc.run(*scene, newton=newton, solver="pardiso")[-1]
+    monkeypatch.setattr(System, "symmetric", False)
+    whole = sc.run(*scene, newton=newton, solver="pardiso")[-1]
+    assert kinds == [True, False]
+    assert half.iterations == whole.iterations
+    np.testing.assert_allclose(half.x, whole.x, rtol=0, atol=1e-9 * np.abs(whole.x).max())
