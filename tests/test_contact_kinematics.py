@@ -125,7 +125,7 @@ def test_printed_entries_of_the_tangent():
         ("stick", (0, 0), 709.04645477),
         ("slip", (0, 1), -1466.9926650),
     ):
-        assert tangent(X0, **CASES[case])[i, j] == pytest.approx(value, rel=1e-9)
+        assert tangent(X0, **CASES[case])[i, j] == pytest.approx(value, rel=1e-10)
 
 
 def test_friction_on_a_stretched_segment():
