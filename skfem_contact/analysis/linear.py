@@ -315,7 +315,8 @@ class FunctionSolver:
             x = np.zeros(K.shape[0])
             x[self._block.order] = self._function(A, b[self._block.order])
             if not np.all(np.isfinite(x)):
-                raise ValueError(f"the linear solver {self.name} returned values that are not finite")
+                raise SingularSystem(f"the linear solver {self.name} returned values that are not finite",
+                                     np.flatnonzero(~np.isfinite(x)))
             return x
 
         return solve
