@@ -144,18 +144,19 @@ PARTS = ("material", "kernels", "contact", "rest", "solve")
 sizes = (3, 8, 14, 26, 45) if "--full" in sys.argv else (3, 5)
 rows = []
 for m in sizes:
-    row, result = analyse(m)
+    runs = [analyse(m) for _ in range(3 if m < 20 else 1)]  # what else runs on a machine disturbs small ones
+    row, result = min(runs, key=lambda run: run[0]["cpu_s"])
     rows.append(row)
     print(f"{row['unknowns']:7} unknowns, {row['iterations']:2} iterations in {row['cpu_s']:6.2f} s:  ",
           ",  ".join(f"{part} {row[part]:.1%}" for part in PARTS))  # fmt: skip
 print(result)
 
 # %%
-# The factorisation grows faster than everything else: the other parts are a quarter of an iteration at 10,000
-# unknowns, and an eighth at 100,000.
+# The factorisation grows faster than everything else: the other parts are a sixth of an iteration at 10,000
+# unknowns, a tenth at 30,000, and a twentieth at 300,000.
 
 if "--full" in sys.argv:
-    assert all(row["solve"] > (0.85 if row["unknowns"] > 90_000 else 0.7) for row in rows[1:])
+    assert all(row["solve"] > (0.85 if row["unknowns"] > 20_000 else 0.78) for row in rows[1:])
 
 fig, ax = plt.subplots(figsize=(7, 4), layout="constrained")
 unknowns, floor = [row["unknowns"] for row in rows], np.zeros(len(rows))

@@ -166,8 +166,8 @@ class System:
         spent: tuple[float, ...] = ()
         for search in searches:
             try:
-                begin = evaluate(x if start is None else start)
-                now, norms = iterate(begin, evaluate, direction, settings, search, far, at_least, damp)
+                now, norms = iterate(evaluate(x if start is None else start), evaluate, direction, settings, search, far,
+                                     at_least, damp)  # no name for the first trial: its tangent would stay in memory
             except NotConverged as error:
                 error.residuals = spent = spent + error.residuals[1 if spent else 0:]
                 if isinstance(error, Collapse) or search == searches[-1]:
