@@ -166,8 +166,9 @@ class System:
         spent: tuple[float, ...] = ()
         for search in searches:
             try:
-                now, norms = iterate(evaluate(x if start is None else start), evaluate, direction, settings, search, far,
-                                     at_least, damp)  # no name for the first trial: its tangent would stay in memory
+                # no name for the first trial: its tangent would stay in memory
+                now, norms = iterate(evaluate(x if start is None else start), evaluate, direction, settings, search,
+                                     far, at_least, damp)
             except NotConverged as error:
                 error.residuals = spent = spent + error.residuals[1 if spent else 0:]
                 if isinstance(error, Collapse) or search == searches[-1]:
