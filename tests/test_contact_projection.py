@@ -380,6 +380,16 @@ def test_weights_of_the_points(element):
     assert (points.weight * points.arc**3).sum() == pytest.approx(4.0, rel=1e-13)
 
 
+@pytest.mark.parametrize(("n", "pieces"), [(1, 1), (2, 1), (3, 2), (4, 2), (5, 3)])
+def test_gauss_points_are_as_dense_as_the_masters_nodes(n, pieces):
+    """[X] Two slave segments before n of a master: pieces no longer than the master's. A rigid one does not matter."""
+    lines = [np.stack((np.linspace(0, 2, k + 1), np.zeros(k + 1)), axis=1) for k in (2, n)]
+    bases = [vector_basis(body_along(line, "Q1", 0.3), "Q1") for line in lines]
+    slave, master = (sc.Surface.from_boundary(basis, "face") for basis in bases)
+    assert len(gauss(slave, master, 3).weight) == 2 * 3 * pieces
+    assert len(gauss(slave, sc.rigid_polyline(lines[1]), 3).weight) == 2 * 3
+
+
 def test_cuts_by_both_meshes():
     """[X] The rule "segments" cuts the slave where a node of the master faces it, and nowhere else."""
     line = np.stack((np.array([0.0, 0.7, 1.4, 2.6, 3.0]), np.zeros(5)), axis=1)
