@@ -12,8 +12,8 @@ The results must be the same: to the last bit, or to round-off where sums are ta
 # %%
 # Three scenes
 # ------------
-# An elastic block under a load in ten increments; two elastic bodies that are pressed together and then shifted in
-# ten increments with friction; and an elastic footing on Mohr-Coulomb soil that yields under it.
+# An elastic block under ten loads one after the other; two elastic bodies that are pressed together and then shifted
+# in ten increments with friction; and an elastic footing on Mohr-Coulomb soil that yields under it.
 
 import json
 import sys
@@ -27,6 +27,7 @@ from skfem import Basis, ElementQuad1, ElementVector, FacetBasis, LinearForm, Me
 
 import skfem_contact as sc
 from skfem_contact.analysis import interface, linear, setup, superlu, system
+from skfem_contact.analysis.predictor import Predictor
 from skfem_contact.analysis.total import Total
 from skfem_contact.contact import neighbours
 from skfem_contact.materials.plastic import IsotropicPlasticity
@@ -37,12 +38,14 @@ NEWTON = sc.Newton(tolerance=1e-10)
 
 
 def elastic_block(m):
-    """An elastic block with m times m elements, loaded on its top in ten increments."""
+    """An elastic block with m times m elements; the load on its top turns."""
     t = np.linspace(0, 1, m + 1)
     basis = Basis(MeshQuad.init_tensor(t, t).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
-    load = LinearForm(lambda v, w: -v[1]).assemble(FacetBasis(basis.mesh, basis.elem, facets="top"))
+    top = FacetBasis(basis.mesh, basis.elem, facets="top")
+    down, along = (LinearForm(lambda v, w, k=k: -v[k]).assemble(top) for k in (1, 0))
+    stages = [sc.Stage(f"{k}", np.cos(0.3 * k) * down + np.sin(0.3 * k) * along) for k in range(10)]
     forms = {"block": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3))}
-    return forms, [sc.Stage("load", load, increments=10)], basis.get_dofs("bottom").all()
+    return forms, stages, basis.get_dofs("bottom").all()
 
 
 def elastic_contact(n):
@@ -120,6 +123,7 @@ SKIPS = {
     "factors of elastic bodies in contact kept": (
         elastic_contact, setup, "linear_solver", lambda forms, *args: linear.as_solver(*args)),
     "one solution with kept factors": (elastic_contact, interface, "_NOTHING", 0.0),
+    "increments start where the last one leads": (elastic_contact, Predictor, "start", lambda *args: None),
     "far points not projected": (elastic_contact, neighbours.NeighbourList, "at", nothing_is_far),
     "neighbours searched after motion only": (elastic_contact, neighbours, "_SLACK", 0.0),
 }  # fmt: skip
@@ -166,11 +170,12 @@ for name, (scene, owner, attribute, value) in SKIPS.items():
         without.append(time)
     x, y = result[-1].x, other[-1].x
     error = float(np.abs(x - y).max() / np.abs(x).max())
-    assert [stage.iterations for stage in result] == [stage.iterations for stage in other]
+    iterations = [sum(sum(stage.iterations) for stage in run) for run in (result, other)]
+    assert iterations[0] == iterations[1] or (owner is Predictor and iterations[0] < 0.8 * iterations[1])
     assert error < 1e-9
     rows.append({"method": name, "scene": scene.__name__, "n": size, "unknowns": len(x), "error": error,
                  "cpu_s": min(times), "without_s": min(without), "ratio": min(without) / min(times),
-                 "iterations": sum(sum(stage.iterations) for stage in result)})  # fmt: skip
+                 "iterations": iterations[0], "iterations_without": iterations[1]})  # fmt: skip
     print(f"{name:42} {scene.__name__:16} {len(x):6} unknowns  {min(times):6.2f} s, without {min(without):6.2f} s: "
           f"x {rows[-1]['ratio']:5.2f}, difference {error:.0e}")  # fmt: skip
 
