@@ -51,7 +51,7 @@ def belt(thickness):
     off = s - radius * angle  # beyond the ends of the arc
     r = radius + height
     return replace(strip, doflocs=np.stack((-r * np.cos(angle) + off * np.sin(angle),
-                                            r * np.sin(angle) - off * np.cos(angle))))
+                                            r * np.sin(angle) + off * np.cos(angle))))
 
 
 def growth(thickness):

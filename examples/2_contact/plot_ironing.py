@@ -35,7 +35,7 @@ import skfem_contact.plot as plot
 mu, radius, pressed, stroke, E = 0.3, 6.0, 0.02, 1.2, 1.0
 
 down = np.linspace(0, pressed, 4)[1:]
-aside = np.concatenate(([0.001, 0.003, 0.01], np.linspace(0, stroke, 27)[1:]))
+aside = np.concatenate(([0.001, 0.003, 0.01], np.linspace(0, stroke, 23)[1:]))
 path = np.concatenate((np.stack((0 * down, -down), axis=1), np.stack((aside, 0 * aside - pressed), axis=1)))
 
 
