@@ -87,9 +87,14 @@ def driven(angle, mu1, mu2, mu3):
         x = basis.zeros()
         x[face] = way
         stages.append(sc.Stage(f"step {k + 1}", load, prescribed=x))
+    forms = sc.choose_penalties(forms)
     result = sc.run(forms, stages, fixed=face)
-    force = np.array([forms["bodies"].assemble(s.x, s.states["bodies"]).force[face].sum() for s in result])
-    return forms, result, force
+    return forms, result, np.array([reaction(forms, step, face) for step in result])
+
+
+def reaction(forms, step, dofs):
+    """Sum of all forces at some unknowns: of the stresses, and of the friction on the corner that touches the floor."""
+    return sum(form.assemble(step.x, step.states[name]).force[dofs].sum() for name, form in forms.items())
 
 
 def statics(angle, mu1, mu2, mu3, sign):
