@@ -184,3 +184,18 @@ def test_two_bodies():
     assert joint.pressure[np.argmin(joint.x)] == pytest.approx(peak, rel=0.01)  # stated: 1 to 3 %
     assert joint.x[joint.pressure > 0.02 * peak].max() == pytest.approx(a, abs=a / n)  # an element
     assert np.sqrt(joint.weight @ (joint.pressure - exact) ** 2 / (joint.weight @ exact**2)) < 0.03
+
+
+def test_cylinder_that_the_load_alone_holds():
+    """[X] B1 (i), S10: pressed by the load from the start, which nothing but the contact to come can bear.
+
+    The gap beside the contact grows to 28 mm, many times what the bodies approach each other by.
+    """
+    basis, forms, load, _, peak = cylinder_on_block(4)
+    symmetry = basis.get_dofs({"cylinder:left", "block:left"}).all("u^1")
+    fixed = np.union1d(symmetry, basis.get_dofs("block:bottom").all("u^2"))
+    result = sc.run(forms, [sc.Stage("press", load)], fixed, progress=False)["press"]
+    assert len(result.iterations) == 1  # nothing was cut
+    joint = sc.tractions(forms["contact"], result.states["contact"])
+    assert joint.weight @ joint.pressure == pytest.approx(17500.0, rel=0.005)
+    assert joint.pressure[np.argmin(joint.x)] == pytest.approx(peak, rel=0.01)  # measured 0.07 %

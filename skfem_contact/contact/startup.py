@@ -9,8 +9,9 @@ from numpy import ndarray
 from ..materials.coulomb import InterfaceLaw, Status, Traction
 from .state import ContactState
 
-#: Stiffness of the springs as a share of the penalty: at first, and when they are as good as gone.
-_FIRST, _LAST = 1e-2, 1e-6
+#: Stiffness of the springs as a share of the penalty: at first, and when they are as good as gone.  Stiffer ones draw
+#: wide gaps, as beside a cylinder on a plane, with many times the load.
+_FIRST, _LAST = 1e-4, 1e-6
 #: Factor by which the share falls from one solution to the next.
 _FALL = 0.1
 #: Springs that exert less than this share of the contact force need not be taken away little by little.
