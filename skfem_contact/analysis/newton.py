@@ -23,6 +23,10 @@ _SLOPE = 0.5
 _PROBES = 8
 #: The tangent is damped when so many iterations have not halved the residual.
 _PATIENCE = 6
+#: So many iterations, all of them with twice the smallest residual that has been reached, lead nowhere; neither do
+#: so many with forces that have lost any relation to the load.
+_ASTRAY, _LOST = 10, 3
+_TIMES, _NOTHING, _HALF = 2.0, 0.95, 0.5
 #: Displacements of so many times the elastic ones are those of a collapse.
 FAR = 100.0
 
@@ -162,7 +166,8 @@ def iterate(now: Trial, evaluate: Callable[[ndarray], Trial], direction: Callabl
     """
     norms, damped = [now.norm], damp
     while len(norms) <= at_least or not (now.norm <= settings.tolerance and now.lag == 0.0):
-        if len(norms) > settings.max_iterations or not now.norm < 1e8:
+        if len(norms) > settings.max_iterations or not now.norm < 1e8 \
+                or (search == "residual" and _hopeless(norms)):
             raise NotConverged(f"no equilibrium after {len(norms) - 1} iterations; {_why(now, norms)}",
                                now.z, norms, now.worst)
         try:
@@ -179,6 +184,16 @@ def iterate(now: Trial, evaluate: Callable[[ndarray], Trial], direction: Callabl
         stagnates = len(norms) > _PATIENCE and now.norm > 0.5 * norms[-1 - _PATIENCE]
         damped = damp or stagnates
     return now, tuple(norms)
+
+
+def _hopeless(norms: list[float]) -> bool:
+    """Whether the iterations have run away; the first residual is that of the increment and says nothing of them.
+
+    Along the energy this is not asked: there it may be the way to a collapse.
+    """
+    least = min(norms[1:], default=np.inf)
+    astray = len(norms) > _ASTRAY and min(norms[-_ASTRAY:]) > _TIMES * least
+    return astray or (len(norms) > _LOST and min(norms[-_LOST:]) > _NOTHING and least < _HALF)
 
 
 def _along_energy(now: Trial, step: ndarray, evaluate: Callable[[ndarray], Trial]) -> Trial:
