@@ -6,7 +6,8 @@ A smooth strip footing of half width 1 on weightless soil (c = 1) carries :math:
 5.1416, 14.835 and 30.140 for :math:`\phi` = 0, 20 and 30°, if the flow is associated. The pressure under the footing
 is uniform, its work is prescribed, and the multiplier of the pressure follows.
 
-``--full`` adds the finest mesh, and :math:`\psi = 0`.
+With :math:`\psi = 0` there is no exact value; the same capacities serve for comparison. ``--full`` adds the finer
+meshes.
 """
 import json
 import sys
@@ -93,14 +94,26 @@ assert EXACT[0] < good.multiplier < 1.05 * EXACT[0] and locked.multiplier > 20 *
 # %%
 # Flow at constant volume, :math:`\psi = 0`
 # -----------------------------------------
-# There is no theorem that bounds this load: the curve depends on the mesh and on the path, more so the larger
-# :math:`\phi` is, and Newton's method has to cut its steps. What comes out is reported.
+# No theorem bounds this load, and Prandtl's is a yardstick, not its exact value. Step by step, with the friction of
+# the pressure at the start of each step (``flow="lagged"``), every increment has a solution; the law as it is takes
+# hundreds of iterations or stalls.
+#
+# For :math:`\phi = 20°` B-bar comes to Prandtl's capacity from above. For 30° the capacities fall through it
+# on finer meshes, with B-bar as with P2: without dilatancy the ground carries a few percent less.
 
+soft = {"flow": "lagged", "tol": 0.02, "newton": sc.Newton(3e-3, 30)}
+for phi, sizes in {0: (12, 20), 20: (12, 16, 20, 24), 30: (8, 10, 12, 16)}.items():
+    for n in sizes if FULL else sizes[:1]:
+        bearing("Q1 B-bar, lagged", ground(n, triangles=False), ElementQuad1(), 3, phi, 0, sc.b_bar, **soft)
+        assert phi == 30 or (rows[-1]["above"] and rows[-1]["iterations"] <= 150)
 if FULL:
+    finest = {phi: [row for row in rows if row["phi"] == phi and row["method"].endswith("lagged")] for phi in EXACT}
+    assert finest[0][-1]["error"] <= 0.010 and finest[20][-1]["error"] <= 0.015
+    assert all(row["error"] <= 0.06 for row in finest[30]) and finest[30][2]["error"] <= 0.015
     for phi in (20, 30):
-        bearing("P2", ground(4), ElementTriP2(), 4, phi, 0, newton=sc.Newton(1e-3, 30))
-        bearing("Q1 B-bar", ground(12, triangles=False), ElementQuad1(), 3, phi, 0, sc.b_bar,
-                newton=sc.Newton(3e-3, 30))
+        bearing("P2, 6 points, lagged", ground(4), ElementTriP2(), 4, phi, 0, **soft)
+        assert rows[-1]["error"] <= 0.05 and rows[-1]["iterations"] <= 180
+    bearing("P2, 6 points, as given", ground(4), ElementTriP2(), 4, 20, 0, tol=0.02, newton=sc.Newton(1e-3, 30))
 
 figure, axes = plt.subplots(figsize=(6, 4))
 for phi, result in curves.items():
