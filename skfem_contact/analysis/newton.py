@@ -172,10 +172,15 @@ def iterate(now: Trial, evaluate: Callable[[ndarray], Trial], direction: Callabl
                                now.z, norms, now.worst)
         try:
             step = direction(now, damped)
+            new = _along_energy(now, step, evaluate) if search == "energy" else _search(now, step, norms, evaluate)
         except SingularSystem as error:
             raise NotConverged(f"the stiffness is singular: {error}", now.z, norms,
                                int(error.unknowns[0])) from error
-        now = _along_energy(now, step, evaluate) if search == "energy" else _search(now, step, norms, evaluate)
+        except NotConverged as error:  # no answer at the trial: say where the last one was
+            raise NotConverged(str(error), now.z, norms, now.worst) from error
+        if not np.isfinite(new.norm):
+            raise NotConverged(f"the iterations run away; {_why(now, norms)}", now.z, norms, now.worst)
+        now = new
         norms.append(now.norm)
         logger.debug("iteration %d: residual %.3e", len(norms) - 1, now.norm)
         if search == "energy" and now.norm > settings.tolerance and far(now):
@@ -227,7 +232,7 @@ def _search(now: Trial, step: ndarray, norms: list[float], evaluate: Callable[[n
     while not trial.norm <= bound and length > _SHORTEST:
         length *= 0.5
         trial = evaluate(now.z + length * step)
-        if not best.norm <= trial.norm:
+        if trial.norm < best.norm or np.isnan(best.norm):
             best = trial
     return best
 

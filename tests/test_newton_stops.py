@@ -1,0 +1,40 @@
+"""Newton's iterations that lead nowhere end with numbers, and early."""
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from skfem_contact.analysis.newton import Newton, NotConverged, Trial, iterate
+
+
+def scalar(residual):
+    """Trials of a scalar equation, relative to a load of 1."""
+    def evaluate(z):
+        value = residual(z)
+        return Trial(z, {}, value, float(np.linalg.norm(value) / max(1.0, np.linalg.norm(1.0 - value))))
+    return evaluate
+
+
+@pytest.mark.parametrize("search", ["residual", "energy"])
+def test_no_trial_is_a_number(search):
+    """[X] Beyond z = 2 there is no answer, and every step leads there: the last answer is what is told."""
+    evaluate = scalar(lambda z: np.where(z < 2.0, 1.0, np.nan))
+    with pytest.raises(NotConverged) as failed:
+        iterate(evaluate(np.zeros(1)), evaluate, lambda now, damped: np.full(1, 100.0), Newton(), search)
+    assert np.isfinite(failed.value.x).all() and np.isfinite(failed.value.residuals).all()
+
+
+def test_a_shorter_step_has_an_answer():
+    """[X] A step of which only the first part leads to an answer is shortened: z = 1, from 0 by steps of 8."""
+    evaluate = scalar(lambda z: np.where(z < 2.0, 1.0 - z, np.nan))
+    found, _ = iterate(evaluate(np.zeros(1)), evaluate, lambda now, damped: 8.0 * now.residual, Newton())
+    assert found.z == pytest.approx(1.0)
+
+
+def test_runaway_ends_early():
+    """[X] After a good beginning the residual goes up for good: 14 of 100 iterations are made."""
+    start = iter((0.5, 0.01))
+    evaluate = scalar(lambda z: np.full(1, next(start, 0.3)))
+    with pytest.raises(NotConverged) as failed:
+        iterate(evaluate(np.zeros(1)), evaluate, lambda now, damped: np.ones(1), Newton(max_iterations=100))
+    assert len(failed.value.residuals) - 1 <= 14
