@@ -114,7 +114,7 @@ def test_cattaneo_mindlin(cycle) -> None:
     ratio, joints = cycle
     for joint, exact in zip(joints[1:5], WAY, strict=True):
         # the kinks at c and a lie inside of elements, whose length is a / 20
-        assert shear_error(joint, exact) < (0.03 if ratio == 1.0 else 0.045)
+        assert shear_error(joint, exact) < (0.03 if ratio == 1.0 else 0.05)
     joint = joints[4]
     assert joint.pressure @ joint.weight == pytest.approx(FORCE, rel=5e-3)  # order h^1.5: 0.2 %
     assert joint.shear @ joint.weight == pytest.approx(SHEAR, rel=5e-3)

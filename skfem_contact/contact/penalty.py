@@ -2,11 +2,11 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy import ndarray
+from scipy.sparse import csr_matrix
 
 from ..checks import AnalysisWarning
 from .pair import ContactPair
@@ -25,8 +25,8 @@ _HARDEST = 1e9
 def choose_penalties(forms: Mapping[str, Any]) -> dict[str, Any]:
     """Give every contact pair without a penalty one that suits the bodies it joins.
 
-    The stiffness of a surface is taken from the diagonal of the elastic stiffness at its nodes, per length of
-    surface: about E/h.  Slave and master act in series, so the softer one decides.
+    The stiffness of a surface is that of its nodes, each by itself, against pressure, per length of surface: about
+    E/h.  Slave and master act in series, so the softer one decides.
 
     Parameters
     ----------
@@ -57,12 +57,12 @@ def choose_penalties(forms: Mapping[str, Any]) -> dict[str, Any]:
     True
     """
     pairs = {k: f for k, f in forms.items() if isinstance(f, ContactPair) and f.stiffness is None}
-    diagonals = [f.elastic_stiffness.diagonal() for f in forms.values() if hasattr(f, "elastic_stiffness")]
-    if pairs and not diagonals:
+    solids = [f.elastic_stiffness for f in forms.values() if hasattr(f, "elastic_stiffness")]
+    if pairs and not solids:
         raise ValueError("no solid among the forms: the contact pairs need `penalty=`")
     new = dict(forms)
     for name, pair in pairs.items():
-        stiffness = _series(pair, np.sum(diagonals, axis=0))
+        stiffness = _series(pair, solids)
         penalty = pair.penalty or (_RATIO * stiffness, _RATIO * stiffness)
         if pair.enforcement is None and max(penalty) > _HARDEST * stiffness:
             warnings.warn(f"contact '{name}': the penalty, {max(penalty):.3g}, is {max(penalty) / stiffness:.0e} times "
@@ -72,21 +72,29 @@ def choose_penalties(forms: Mapping[str, Any]) -> dict[str, Any]:
     return new
 
 
-def _series(pair: ContactPair, diagonal: ndarray) -> float:
+def _series(pair: ContactPair, solids: Sequence[csr_matrix]) -> float:
     """Stiffness per length of both surfaces in series.
 
     One value for the whole surface: a pressure that is uniform stays so, whatever the sizes of the elements.
     """
-    slave = _per_length(pair.slave, diagonal)
+    slave = _per_length(pair.slave, solids)
     if (pair.facets.dofs < 0).all():  # rigid
         return slave
-    return 1.0 / (1.0 / slave + 1.0 / _per_length(pair.facets, diagonal))
+    return 1.0 / (1.0 / slave + 1.0 / _per_length(pair.facets, solids))
 
 
-def _per_length(surface: Surface, diagonal: ndarray) -> float:
-    """Largest diagonal stiffness per length among the segments of a surface: about E/h."""
+def _per_length(surface: Surface, solids: Sequence[csr_matrix]) -> float:
+    """Largest stiffness against pressure per length among the segments of a surface: about E/h.
+
+    That along the surface does not count: in thin elements it is larger by the square of their shape.
+    """
+    chord = surface.nodes[surface.segments[:, 1]] - surface.nodes[surface.segments[:, 0]]
+    normal = np.stack((-chord[:, 1], chord[:, 0]), axis=1) / np.linalg.norm(chord, axis=1)[:, None]
+    blocks = np.array([[sum(K[surface.dofs[:, i], surface.dofs[:, j]] for K in solids) for j in (0, 1)]
+                       for i in (0, 1)]).reshape(2, 2, -1)  # fmt: skip
+    at_nodes = np.einsum("si,ijsk,sj->sk", normal, blocks[:, :, surface.segments], normal)
     k = surface.segments.shape[1]
-    stiffness = diagonal[surface.dofs].mean(axis=1)[surface.segments].mean(axis=1) * (k - 1) / surface.length
+    stiffness = at_nodes.mean(axis=1) * (k - 1) / surface.length
     if not (stiffness > 0).all():
         raise ValueError(f"boundary '{surface.name}' belongs to no solid among the forms")
     return float(stiffness.max())

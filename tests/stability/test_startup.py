@@ -134,7 +134,7 @@ def test_bodies_do_not_fly_through_each_other():
     fixed = basis.get_dofs({"lower:bottom", "upper:top"}).all()
     side = traction(basis, "lower:left", (1e-3, 0.0))  # a force that the empty increment would be in balance with
     target = displaced(basis, "upper:top", (0.0, -0.9))
-    with pytest.warns(sc.AnalysisWarning, match=r"penetrates by 2\d"):
+    with pytest.warns(sc.AnalysisWarning, match="penetrates by"):
         result = run(forms, [sc.Stage("press", side, target)], fixed)["press"]
     assert len(result.iterations) > 1
     assert (result.states["joint"].status != sc.Status.OPEN).all()
