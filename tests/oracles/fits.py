@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .rings import michell
+from oracles.rings import michell
 
 
 def press_fit(interference, a, b, c, inner, outer):
