@@ -75,7 +75,7 @@ def largest(peers: Iterable[dict]) -> list[dict]:
 
 
 def rival(peer: dict, rows: list[dict]) -> dict:
-    """The fastest row of ours on a mesh like the peer's whose error is no larger; if there is none, the most accurate."""
+    """Our fastest row on a mesh like the peer's whose error is no larger; if there is none, the most accurate."""
     same = [row for row in rows if not row.get("peer") and row["error"] is not None
             and 0.8 < row["unknowns"] / peer["unknowns"] < 1.25 and row.get("psi") == peer.get("psi")
             and "flow davis" not in row["method"]]  # fmt: skip
