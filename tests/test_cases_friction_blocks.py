@@ -68,16 +68,31 @@ def test_push_off_the_base(quadrature, height: float) -> None:
         assert (stages[-1].states["floor"].status == sc.Status.OPEN).any()
 
 
-@pytest.mark.parametrize("height", [0.25, 0.5])
+@pytest.mark.parametrize("height", [0.0, 0.25, 0.5, 0.75, 1.0])
 @pytest.mark.parametrize("quadrature", QUADRATURES)
+@pytest.mark.filterwarnings("ignore:.*opened with their bond")
 def test_adhesion_where_it_touches(quadrature, height: float) -> None:
-    """[X] C6: what has lifted off adheres no more."""
+    """[X] C6: what has lifted off adheres no more, nor what would lift off and close in turn."""
     forms, stages = pushed(quadrature, sc.Coulomb(PHI, adhesion=2.5), height)
-    joint = sc.tractions(forms["floor"], stages[-1].states["floor"])
-    touching = joint.weight[joint.status != sc.Status.OPEN].sum()
-    force = support(forms, stages[-1])[0].sum(axis=0)
-    np.testing.assert_allclose(force, [-100 * PHI - 2.5 * touching, 100.0], rtol=1e-6)
-    assert touching < 4
+    state = stages[-1].states["floor"]
+    joint = sc.tractions(forms["floor"], state)
+    bonded = (joint.status != sc.Status.OPEN) & ~state.broken
+    force, place = support(forms, stages[-1])
+    horizontal = 100 * PHI + 2.5 * joint.weight[bonded].sum()
+    np.testing.assert_allclose(force.sum(axis=0), [-horizontal, 100.0], rtol=1e-6)
+    assert force[:, 1] @ place[:, 0] == pytest.approx(200 + horizontal * height, rel=1e-6)
+    assert state.broken.sum() <= 1
+    assert height == 0 or joint.weight[bonded].sum() < 4
+
+
+def test_broken_bond_is_told() -> None:
+    """C6: without equilibrium with the adhesion of a point or without the point, it loses its bond, and is named."""
+    with pytest.warns(sc.AnalysisWarning, match=r"points \[12\] of 'bottom' opened with their bond and closed without"):
+        _, stages = pushed("nodal", sc.Coulomb(PHI, adhesion=2.5), 1.0)
+    state = stages[-1].states["floor"]
+    assert state.broken.nonzero()[0].tolist() == [12]
+    assert state.status[12] == sc.Status.SLIP
+    assert state.tangential[12] == pytest.approx(-PHI * state.normal[12], rel=1e-9)  # no adhesion
 
 
 @pytest.mark.parametrize("quadrature", ["nodal", "segments"])

@@ -14,8 +14,9 @@ from ..assembly import IncrementTooLarge, Response
 from ..checks import check_basis
 from ..materials.coulomb import InterfaceLaw, Status, Traction
 from .augmented import AugmentedLagrangian
+from .bonds import tractions
+from .calming import calmed
 from .fit import Fit, less_overlap, touching
-from .freezing import frozen
 from .kinematics import Kinematics, tangents, variations
 from .neighbours import NeighbourList
 from .quadrature import SlavePoints
@@ -23,7 +24,7 @@ from .remarks import passed_through, penetration, remarks
 from .sampling import Sampling
 from .search import Projection, merged, project
 from .smoothing import smoothed
-from .softening import hardened, softened
+from .softening import hardened
 from .startup import Held, release, with_springs
 from .state import ContactState
 from .surface import Surface
@@ -179,7 +180,8 @@ class ContactPair:
         if self.enforcement is not None and self.penalty is not None and self.stiffness is not None:
             stiffening = self.enforcement.start(self.penalty, self.stiffness)
         return ContactState(arc, arc, _segments(found), found.gap, zero, zero, zero, status, nodal, nodal,
-                            stiffening, offset, cuts, np.zeros(1), np.zeros(len(arc), bool), np.zeros(1), np.ones(1))
+                            stiffening, offset, cuts, np.zeros(1), np.zeros(len(arc), bool), np.zeros(1), np.ones(1),
+                            np.zeros(len(arc), bool))
 
     # -- the form -------------------------------------------------------------------------------------------
 
@@ -212,7 +214,7 @@ class ContactPair:
         gap = found.gap - closing
         exact = _ROUND_OFF * float(np.abs(nodes).max())
         gap = np.where(np.abs(gap) <= exact, 0.0, gap)
-        at = np.flatnonzero(found.found & law.reaches(gap, normal_penalty, bonded))
+        at = np.flatnonzero(found.found & law.reaches(gap, normal_penalty, bonded & ~state.broken))
 
         rho = self.master.curve(found.segment[at], found.xi[at], nodes, 1)[1]
         arc, metric, _ = self.master.arc(found.segment[at], found.xi[at])
@@ -222,7 +224,7 @@ class ContactPair:
         kinematics.slip_gradient[~stuck] = 0.0  # what comes from beyond the ends sticks where it arrives
         stretch = np.linalg.norm(rho[1], axis=1) / metric
         shift = points.at(state.tangential_multiplier)[at] / tangential_penalty
-        traction = law.update(gap[at], stretch * elastic_arc + shift, normal_penalty, tangential_penalty)
+        traction = tractions(law, state.broken[at], gap[at], stretch * elastic_arc + shift, self.penalties(state))
 
         weight = self.share * points.weight[at]
         force = ((weight * traction.normal)[:, None] * kinematics.gap_gradient
@@ -318,10 +320,8 @@ class ContactPair:
         return state if self.law.bonds else with_springs(state)
 
     def calm(self, state: ContactState, *candidates: ContactState) -> ContactState:
-        """The state with points that go to and fro frozen to their facet or, if none does so, sticking softly."""
-        name = self.slave.name
-        new = frozen(state, candidates, name)
-        return softened(state, candidates, name) if new is state else new
+        """The state with points that go to and fro frozen to their facet, sticking softly or without a bond."""
+        return calmed(state, candidates, self.slave.name, self.law)
 
     def summary(self, state: ContactState) -> str:
         """Counts of open, sticking and slipping points, for the table of a result."""

@@ -53,6 +53,9 @@ def remarks(slave: Surface, master: Surface, points: SlavePoints, depth: ndarray
         yield (f"points {np.flatnonzero(astray)} of '{slave.name}' went to and fro at ends of the facets of "
                f"'{master.name}' and were held to the ones that they have left, or to none: smoothing the master would "
                "take away the kinks there")
+    if state.broken.any():
+        yield (f"points {np.flatnonzero(state.broken)} of '{slave.name}' opened with their bond and closed without it: "
+               "they have lost it, adhesion and tension, for good")
     deep = state.gap < -depth
     if deep.any():
         yield (f"{deep.sum()} of {len(deep)} points of '{slave.name}' lie deeper in '{master.name}' than an element, "

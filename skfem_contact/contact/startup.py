@@ -41,6 +41,11 @@ class Held:
         """As the law."""
         return self.law.bonds
 
+    @property
+    def unbonded(self) -> Held:
+        """The springs with the law of points whose bond is broken."""
+        return replace(self, law=getattr(self.law, "unbonded", self.law))
+
     def reaches(self, gap: ndarray, normal_penalty: float, closed: ndarray) -> ndarray:
         """All points."""
         return np.ones(len(gap), bool)

@@ -43,6 +43,8 @@ class ContactState:
         Number of times that the slave has been cut anew in this increment, (1,).
     softness
         Share of the tangential penalty with which points stick while they cycle between stick and slip, (1,).
+    broken
+        Whether the point's bond, adhesion and tension, is broken.
     correction, stalls
         What the augmented method corrected the normal and the tangential multipliers by the last time, over the
         penalties, and how many times in a row that had not become less, (2, n_nodes); empty before the first time.
@@ -65,6 +67,7 @@ class ContactState:
     frozen: ndarray
     recuts: ndarray
     softness: ndarray
+    broken: ndarray
     correction: ndarray = field(default_factory=lambda: np.zeros((2, 0)))
     stalls: ndarray = field(default_factory=lambda: np.zeros((2, 0), int))
 
@@ -81,4 +84,4 @@ def transferred(state: ContactState, old: SlavePoints, new: SlavePoints) -> Cont
     # master and slave run in opposite directions: what lies on along the slave lies back along the master
     arc = state.arc[nearest] - (new.arc - old.arc[nearest])
     return replace(state, arc=arc, stick_point=arc - elastic, segment=state.segment[nearest], gap=state.gap[nearest],
-                   status=state.status[nearest], frozen=state.frozen[nearest], **smooth)
+                   status=state.status[nearest], frozen=state.frozen[nearest], broken=state.broken[nearest], **smooth)

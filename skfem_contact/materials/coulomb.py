@@ -71,7 +71,8 @@ class Coulomb:
     mu
         Coefficient of friction.
     adhesion
-        Shear strength ``a`` at zero pressure, in units of stress; it acts while the point is closed.
+        Shear strength ``a`` at zero pressure, in units of stress; it acts while the point is closed.  A point that
+        opens with its adhesion and closes without it loses it for good; a remark names it.
     tension
         Tension cut-off: a closed point opens when its normal traction exceeds this stress, for good (brittle).
 
@@ -120,6 +121,11 @@ class Coulomb:
     def bonds(self) -> bool:
         """No bond: contact is where the bodies meet."""
         return False
+
+    @property
+    def unbonded(self) -> Coulomb:
+        """The law of a point whose bond is broken: friction alone."""
+        return replace(self, adhesion=0.0, tension=0.0)
 
     def reaches(self, gap: ndarray, normal_penalty: float, closed: ndarray) -> ndarray:
         """Penetrating points, and closed ones up to the tension cut-off."""
