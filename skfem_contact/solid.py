@@ -11,7 +11,7 @@ from numpy import ndarray
 from scipy.sparse import csr_matrix
 from skfem import CellBasis
 
-from .assembly import Pattern, Response, StrainOperator, element_stiffness, plane_strain, strain_matrix
+from .assembly import Pattern, Response, StrainOperator, element_stiffness, force_matrix, plane_strain, strain_matrix
 from .checks import check_basis, check_quadrature, look_up
 from .materials import Material, Update
 
@@ -99,13 +99,13 @@ class SolidForm:
         self.basis, self.regions = _by_region(basis, materials)
         _check_materials(self.regions, self.basis.nelems)
         self.strain = strain
-        operator = strain(self.basis)
-        self.B, self.weight = operator
+        B, self.weight = strain(self.basis)
         self._pattern = Pattern.of(self.basis)
-        self._strain_matrix = strain_matrix(self.B, self.basis.element_dofs, self.basis.N)
+        self._force_matrix = force_matrix(strain_matrix(B, self.basis.element_dofs, self.basis.N), self.weight)
+        self._element_dofs = np.ascontiguousarray(self.basis.element_dofs.T)
         # rows of B that never act (zz in plane strain) need not be multiplied
-        self._rows = np.flatnonzero(self.B.any(axis=(0, 1, 3)))
-        self._B = self.B if len(self._rows) == 4 else np.ascontiguousarray(self.B[:, :, self._rows])
+        self._rows = np.flatnonzero(B.any(axis=(0, 1, 3)))
+        self._B = B if len(self._rows) == 4 else np.ascontiguousarray(B[:, :, self._rows])
 
     def __repr__(self) -> str:
         regions = ", ".join(f"{r.name}: {r.material!r}" for r in self.regions)
@@ -154,7 +154,12 @@ class SolidForm:
         return SolidState(strain, np.zeros((4, *shape)), np.zeros((self._n_internal, *shape)))
 
     def _strains(self, x: ndarray) -> ndarray:
-        return np.asarray(self._strain_matrix @ x).reshape(4, *self.weight.shape)
+        n_elements, n_points, n_acting, n_local = self._B.shape
+        B = self._B.reshape(n_elements, n_points * n_acting, n_local)
+        acting = np.matmul(B, x.take(self._element_dofs)[:, :, None]).reshape(n_elements, n_points, n_acting)
+        strain = np.zeros((4, n_elements, n_points))
+        strain[self._rows] = acting.transpose(2, 0, 1)
+        return strain
 
     @property
     def _n_internal(self) -> int:
@@ -177,18 +182,19 @@ class SolidForm:
         """
         strain = self._strains(x)
         increment = strain - state.strain
-        stress, before = np.empty_like(state.stress), self._remembered(state)
+        before = self._remembered(state)
         internal = before
         updates: list[Update] = []
         for region in self.regions:
             e, n = region.elements, region.material.n_internal
             update = region.material.update(increment[:, e], state.stress[:, e], before[:n, e])
-            stress[:, e] = update.stress
             if len(update.plastic):
                 internal = internal.copy() if internal is before else internal
                 internal[:n, e] = update.internal
             updates.append(update)
-        force = self._strain_matrix.T @ (stress * self.weight).ravel()
+        # one region's stress is not copied
+        stress = updates[0].stress if len(updates) == 1 else np.concatenate([u.stress for u in updates], axis=1)
+        force = self._force_matrix @ stress.ravel()
         return Response(force, lambda: SolidState(strain, stress, internal), lambda: self._tangent(updates),
                         lambda: self._tangent(updates, damped=True),
                         _ROUND_OFF * float(np.linalg.norm(self._diagonal * x)))
@@ -208,7 +214,8 @@ class SolidForm:
 
     def element_forces(self, stress: ndarray, elements: ndarray) -> ndarray:
         """Internal forces that the nodes exert on some elements, (n_local_dofs, len(elements))."""
-        return np.einsum("eqcb,ceq,eq->be", self.B[elements], stress[:, elements], self.weight[elements])
+        acting = stress[self._rows[:, None], elements]
+        return np.einsum("eqcb,ceq,eq->be", self._B[elements], acting, self.weight[elements])
 
     @cached_property
     def _elasticity(self) -> ndarray:
