@@ -57,3 +57,29 @@ def test_contact_that_is_not_named_keeps_its_strength() -> None:
     forms, rest, fixed = on_an_incline(sc.Coulomb(mu=0.6))
     with pytest.raises(ValueError, match="nothing to reduce"):
         sc.strength_reduction(forms, fixed, start=rest)
+
+
+def test_collapse_goes_on_from_what_the_stages_have_left() -> None:
+    """[X] A column that can spread carries 2 c; the layer that was taken off it, and its nodes, do not count."""
+    mesh = MeshQuad().refined(2).with_defaults()
+    mesh = mesh.with_subdomains({"low": lambda x: x[1] < 0.5, "high": lambda x: x[1] > 0.5})
+    mesh = mesh.with_boundaries({"middle": lambda x: np.abs(x[1] - 0.5) < 1e-9}, boundaries_only=False)
+    basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+    clay = sc.MohrCoulomb(E=1e3, nu=0.3, c=10.0, phi=0.0)
+    forms = {name: sc.SolidForm(basis.with_elements(name), clay, sc.b_bar) for name in ("low", "high")}
+    fixed = np.append(basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1"))
+    tributary = np.array([0.125, 0.25, 0.25, 0.25, 0.125])
+    loads = []
+    for y in (1.0, 0.5):
+        nodes = np.flatnonzero(mesh.p[1] == y)
+        loads.append(basis.zeros())
+        loads[-1][basis.nodal_dofs[1, nodes[np.argsort(mesh.p[0, nodes])]]] = -10.0 * tributary
+    stages = [sc.Stage("pressed", loads[0]), sc.Stage("dug", loads[1], deactivate="high")]
+    result = sc.run(forms, stages, fixed, progress=False)
+    found = sc.strength_reduction(forms, fixed, start=result, progress=False)
+    assert found.factor == pytest.approx(2.0, abs=0.01)  # the tolerance of the search
+    assert found.reduced == ("low.all",)
+    limit = sc.limit_load(forms, fixed, loads[1], start=result, progress=False)
+    assert limit.multiplier == pytest.approx(1.0, abs=0.005)  # besides the load that is there
+    with pytest.raises(ValueError, match="no form, though the start holds it, 'low'"):
+        sc.limit_load({"high": forms["high"]}, fixed, loads[1], start=result)

@@ -16,6 +16,7 @@ from ..contact.prestress import prestressed
 from ..materials.coulomb import Status
 from ..solid import SolidForm
 from .linear import as_solver
+from .setup import unknowns_of
 from .supports import as_unknowns, check_supports
 from .system import Form
 
@@ -83,7 +84,7 @@ def plan(forms: Mapping[str, Form], stages: Sequence[Stage], fixed: ndarray, sta
             now.update({name: _changed(name, now[name], new) for name, new in stage.change.items()})
             fixed = fixed if stage.fixed is None else as_unknowns(stage.fixed)
             there = {name: now[name] for name in now if name in active}
-            held = np.setdiff1d(_unknowns(now), _unknowns(there))
+            held = np.setdiff1d(unknowns_of(now), unknowns_of(there))
             if changes or not phases:
                 _check_contacts(there, held)
                 check_supports(there, np.union1d(fixed, held))
@@ -158,12 +159,6 @@ def _size(forms: Mapping[str, Form]) -> int:
     return next(int(form.basis.N) for form in forms.values() if isinstance(form, SolidForm))
 
 
-def _unknowns(forms: Mapping[str, Form]) -> ndarray:
-    """Unknowns of the solids."""
-    found = [np.unique(f.basis.element_dofs) for f in forms.values() if isinstance(f, SolidForm)]
-    return np.unique(np.concatenate(found)) if found else np.zeros(0, int)
-
-
 def _check_contacts(there: Mapping[str, Form], held: ndarray) -> None:
     for name, form in there.items():
         if isinstance(form, ContactPair) and np.isin(form.unknowns, held).any():
@@ -194,7 +189,7 @@ def begin(phase: Phase, last: StageResult) -> tuple[ndarray, dict[str, Any], nda
     out of balance then, because a body, a support or strength has gone, is to be released.
     """
     new = {name: form for name, form in phase.forms.items() if name not in phase.before}
-    x = placed(last.x, new, _unknowns(phase.before), phase.fixed)
+    x = placed(last.x, new, unknowns_of(phase.before), phase.fixed)
     states = {name: form.initial_state(x) if name in new else last.states[name] for name, form in phase.forms.items()}
     for name, form in new.items():
         if isinstance(form, ContactPair):
@@ -226,7 +221,7 @@ def placed(x: ndarray, new: Mapping[str, Form], known: ndarray, fixed: ndarray) 
         Unknowns of the old solids, and those that are held or not there.
     """
     solids = {name: form for name, form in new.items() if isinstance(form, SolidForm)}
-    own = np.setdiff1d(_unknowns(solids), np.union1d(known, fixed))
+    own = np.setdiff1d(unknowns_of(solids), np.union1d(known, fixed))
     if len(own) == 0 or not x.any():
         return x
     first, *others = (form.elastic_stiffness for form in solids.values())

@@ -15,7 +15,7 @@ from .continuation import GROWTH, Point, follow, starting_point
 from .davis import Flow, reduced_strength
 from .newton import Newton, NotConverged, Search
 from .result import Result, StageResult
-from .setup import build_system, check_load
+from .setup import build_system, check_load, left_by
 from .system import Form, System
 from .threads import single_threaded
 from .trials import Trials, TrialStep, describe_mesh, shear_bands, table
@@ -108,7 +108,7 @@ def limit_load(forms: Mapping[str, Form], fixed: ndarray, load: ndarray, start: 
     Parameters
     ----------
     forms
-        Solids and contact pairs by name.
+        Solids and contact pairs by name; those that ``start`` does not hold are not there.
     fixed
         Unknowns that are held where they are.
     load
@@ -156,9 +156,9 @@ def limit_load(forms: Mapping[str, Form], fixed: ndarray, load: ndarray, start: 
     """
     if not tol > 0 or not step > 0:
         raise ValueError(f"tol and step must be positive, not {tol!r} and {step!r}")
-    system = build_system(_flowing(forms, flow), fixed, solver)
-    reference = check_load(load, system.size)
     last = start[-1] if isinstance(start, Result) else start
+    system = build_system(*left_by(last, _flowing(forms, flow), fixed), solver)
+    reference = check_load(load, system.size)
     branch = _Load(system, np.zeros(system.size) if last is None else last.load, reference)
     newton = newton or Newton(tolerance=0.03 * tol, max_iterations=30)
     path: list[Point] = []

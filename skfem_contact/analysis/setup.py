@@ -7,8 +7,11 @@ from typing import Any
 import numpy as np
 from numpy import ndarray
 
+from ..checks import look_up
 from ..contact.penalty import choose_penalties
+from ..solid import SolidForm
 from .interface import linear_solver
+from .result import StageResult
 from .supports import as_unknowns, check_supports
 from .system import Form, System
 
@@ -35,6 +38,37 @@ def build_system(forms: Mapping[str, Form], fixed: ndarray, solver: Any = None) 
     forms = choose_penalties(forms)
     free = np.setdiff1d(np.arange(locations.shape[1]), fixed)
     return System(forms, fixed, free, linear_solver(forms, solver, locations, free))
+
+
+def left_by(start: StageResult | None, forms: Mapping[str, Form], fixed: ndarray) -> tuple[dict[str, Form], ndarray]:
+    """The forms that a stage has left there, and the unknowns that are held: nodes of what is gone stay where they are.
+
+    Parameters
+    ----------
+    start
+        The stage that is gone on from; with none all forms are there.
+    forms
+        Solids and contact pairs by name. Penalties are chosen from all of them, as the stages do.
+    fixed
+        Unknowns that are supported.
+
+    Raises
+    ------
+    ValueError
+        The stage holds forms that are not given.
+    """
+    if start is None:
+        return dict(forms), as_unknowns(fixed)
+    for name in start.states:
+        look_up(name, forms, "form, though the start holds it,")
+    there = {name: form for name, form in choose_penalties(forms).items() if name in start.states}
+    return there, np.union1d(as_unknowns(fixed), np.setdiff1d(unknowns_of(forms), unknowns_of(there)))
+
+
+def unknowns_of(forms: Mapping[str, Form]) -> ndarray:
+    """Unknowns of the solids."""
+    found = [np.unique(f.basis.element_dofs) for f in forms.values() if isinstance(f, SolidForm)]
+    return np.unique(np.concatenate(found)) if found else np.zeros(0, int)
 
 
 def check_load(load: Any, n: int, what: str = "load") -> ndarray:

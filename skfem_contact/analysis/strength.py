@@ -17,7 +17,7 @@ from .continuation import Point, follow, starting_point
 from .davis import FLOWS, Flow, reduced_strength
 from .newton import Collapse, Newton, NotConverged, Search
 from .result import Result, StageResult
-from .setup import build_system, check_load
+from .setup import build_system, check_load, left_by
 from .system import Form, System
 from .threads import single_threaded
 from .trials import Trials, TrialStep, describe_mesh, shear_bands, table
@@ -144,7 +144,7 @@ def strength_reduction(forms: Mapping[str, Form], fixed: ndarray, load: ndarray 
     Parameters
     ----------
     forms
-        Solids and contact pairs by name.
+        Solids and contact pairs by name; those that ``start`` does not hold are not there.
     fixed
         Unknowns that are held where they are.
     load
@@ -209,7 +209,7 @@ def strength_reduction(forms: Mapping[str, Form], fixed: ndarray, load: ndarray 
     last = start[-1] if isinstance(start, Result) else start
     if load is None and last is None:
         raise ValueError("there is no load: give `load`, or a `start` that carries one")
-    whole = build_system(forms, fixed, solver)
+    whole = build_system(*left_by(last, forms, fixed), solver)
     load = check_load(load if last is None or load is not None else last.load, whole.size)
     branch = _Strength(whole, load, _targets(whole.forms, reduce, exclude), flow)
     newton = newton or Newton(tolerance=0.03 * tol, max_iterations=30)
