@@ -30,7 +30,7 @@ class Total:
 
     def __init__(self) -> None:
         self._pattern: csr_matrix | None = None
-        self._parts: list[tuple[csr_matrix, ndarray]] = []  # with masks: a sorted part fills its places in their order
+        self._parts: list[tuple[csr_matrix, ndarray]] = []  # masks: a sorted part fills its places in order
 
     def of(self, matrices: Sequence[csr_matrix]) -> csr_matrix:
         """The sum; its index arrays are those of the last one as long as they serve."""
@@ -93,7 +93,7 @@ def _union(matrices: Sequence[csr_matrix]) -> csr_matrix:
 
 
 def _find(matrix: csr_matrix, pattern: csr_matrix) -> ndarray | None:
-    """Which entries of a pattern a matrix has, (pattern.nnz,) of bool; None if one of the matrix is missing."""
+    """Which entries of a pattern a matrix has: their numbers or, if they are many, a mask; None if one is missing."""
     counts, have = np.diff(matrix.indptr), np.diff(pattern.indptr)
     position = np.arange(matrix.nnz) + np.repeat(pattern.indptr[:-1] - matrix.indptr[:-1], counts)
     rows = np.flatnonzero((counts > 0) & (counts < have))  # the others are as in the pattern, or not within it
@@ -106,6 +106,8 @@ def _find(matrix: csr_matrix, pattern: csr_matrix) -> ndarray | None:
     fits = (counts <= have).all() and np.array_equal(pattern.indices[position], matrix.indices)
     if not fits:
         return None
+    if 8 * len(position) < pattern.nnz:  # the mask would take more memory
+        return position
     mask = np.zeros(pattern.nnz, bool)
     mask[position] = True
     return mask

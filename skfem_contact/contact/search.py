@@ -81,7 +81,8 @@ def project(surface: Surface, nodes: ndarray, points: ndarray, depth: ndarray,
     distance = np.linalg.norm(offset, axis=1)
     vertex = outside & ~off_end
     side, at = _left(rho[1], offset), np.flatnonzero(vertex)
-    side[at] = _outside_of_vertex(surface, ends, segment[at], xi[at], offset[at])
+    if len(at):
+        side[at] = _outside_of_vertex(surface, ends, segment[at], xi[at], offset[at])
     gap = np.where(side >= 0, distance, -distance)
     # neither round-off nor the order of the search decides at a joint: the segment before it does
     ties = np.where(np.abs(foot - 1.0) <= _ON_FACET, _ON_FACET, 0.0)
@@ -114,9 +115,10 @@ class _Ends(NamedTuple):
 
     @classmethod
     def of(cls, surface: Surface, nodes: ndarray) -> _Ends:
-        number, one = np.arange(len(surface.segments)), np.ones(len(surface.segments))
-        ends = np.stack([surface.curve(number, end, nodes, 1)[1] for end in (-one, one)])
-        return cls(ends[:, 0], ends[:, 1] / np.linalg.norm(ends[:, 1], axis=2)[..., None])
+        m = len(surface.segments)
+        place, tangent = surface.curve(np.tile(np.arange(m), 2), np.repeat([-1.0, 1.0], m), nodes, 1)[1]
+        tangent /= np.linalg.norm(tangent, axis=1)[:, None]
+        return cls(place.reshape(2, m, 2), tangent.reshape(2, m, 2))
 
     def at_joint(self, surface: Surface, segment: ndarray, xi: ndarray) -> tuple[ndarray, ndarray]:
         """Tangents of a segment and its neighbour at the joint on the side of xi."""
