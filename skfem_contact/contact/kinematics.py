@@ -43,6 +43,10 @@ class Kinematics(NamedTuple):
         d slip / d u, (n, m).
     normal, tangent
         Unit vectors of the master at the closest point, (n, 2).
+    elastic_arc
+        Distance along the undeformed master from the stick point, ``S - S_c``, (n,).
+    stretch
+        ``l / l_ref``, the slip of a unit of that distance, (n,).
     second
         Everything the geometric tangent needs, see :func:`geometric_tangent`.
     """
@@ -53,6 +57,8 @@ class Kinematics(NamedTuple):
     slip_gradient: ndarray
     normal: ndarray
     tangent: ndarray
+    elastic_arc: ndarray
+    stretch: ndarray
     second: tuple[ndarray, ...]
 
 
@@ -66,7 +72,7 @@ def _dot(u: ndarray, v: ndarray) -> ndarray:
 
 
 def variations(points: SlavePoints, slave: Surface, master: Surface, at: ndarray, projection: Projection,
-               offset: ndarray, elastic_arc: ndarray, nodes: ndarray) -> Kinematics:
+               positions: ndarray, stick_point: ndarray, nodes: ndarray) -> Kinematics:
     """Variations of the points ``at``.
 
     Parameters
@@ -77,10 +83,10 @@ def variations(points: SlavePoints, slave: Surface, master: Surface, at: ndarray
         Numbers of the points that are in contact, (n,).
     projection
         Closest points of all points.
-    offset
-        ``r - rho`` of the points in contact, (n, 2).
-    elastic_arc
-        Distance along the undeformed master from the stick point, ``S - S_c``, (n,).
+    positions
+        Current coordinates of all points, (n_points, 2).
+    stick_point
+        Arc positions ``S_c`` of all points; nan where a point comes from beyond the ends: it sticks where it arrives.
     nodes
         Current coordinates of the master's nodes.
     """
@@ -97,7 +103,7 @@ def variations(points: SlavePoints, slave: Surface, master: Surface, at: ndarray
     n = np.stack((-tau[:, 1], tau[:, 0]), axis=1)
     facet_tau, facet_n = tau.copy(), n.copy()
     if vertex.any():
-        n[vertex] = offset[vertex] / g[vertex, None]
+        n[vertex] = (positions[at] - rho[0])[vertex] / g[vertex, None]
         tau[vertex] = np.stack((n[vertex, 1], -n[vertex, 0]), axis=1)
     h = _dot(n, rho[2])
     D = l**2 - g * h
@@ -107,14 +113,17 @@ def variations(points: SlavePoints, slave: Surface, master: Surface, at: ndarray
     # at a vertex xi stays; the facet's own rotation is taken out, so that friction exerts no couple
     tangential = np.where(vertex[:, None], _lift(alpha, tau) + (g / l)[:, None] * _lift(beta, facet_n), l[:, None] * Xi)
 
-    _, metric, dmetric = master.arc(segment, xi)
+    arc, metric, dmetric = master.arc(segment, xi)
+    arrives = np.isnan(stick_point[at])
+    elastic_arc = np.where(arrives, 0.0, master.along(arc - stick_point[at]))
     dl = _lift(beta, tau) + _dot(tau, rho[2])[:, None] * Xi
     slip_gradient = l[:, None] * Xi + elastic_arc[:, None] * (
         dl / metric[:, None] - (l * dmetric / metric**2)[:, None] * Xi)
     if vertex.any():  # there the arc position stays, but not the metric
         slip_gradient[vertex] = (elastic_arc / metric)[vertex, None] * _lift(beta, facet_tau)[vertex]
+    slip_gradient[arrives] = 0.0
     second = (alpha, beta, gamma, rho, l, g, h, D, Xi, dl, vertex, facet_tau, facet_n)
-    return Kinematics(dofs.reshape(G.shape), G, tangential, slip_gradient, n, tau, second)
+    return Kinematics(dofs.reshape(G.shape), G, tangential, slip_gradient, n, tau, elastic_arc, l / metric, second)
 
 
 def tangents(kinematics: Kinematics, traction: Traction, exact: bool) -> ndarray:

@@ -216,20 +216,15 @@ class ContactPair:
         gap = np.where(np.abs(gap) <= exact, 0.0, gap)
         at = np.flatnonzero(found.found & law.reaches(gap, normal_penalty, bonded & ~state.broken))
 
-        rho = self.master.curve(found.segment[at], found.xi[at], nodes, 1)[1]
-        arc, metric, _ = self.master.arc(found.segment[at], found.xi[at])
-        stuck = ~np.isnan(state.stick_point[at])
-        elastic_arc = np.where(stuck, self.master.along(arc - state.stick_point[at]), 0.0)
-        kinematics = variations(points, self.slave, self.master, at, found, positions[at] - rho[0], elastic_arc, nodes)
-        kinematics.slip_gradient[~stuck] = 0.0  # what comes from beyond the ends sticks where it arrives
-        stretch = np.linalg.norm(rho[1], axis=1) / metric
+        kinematics = variations(points, self.slave, self.master, at, found, positions, state.stick_point, nodes)
         shift = points.at(state.tangential_multiplier)[at] / tangential_penalty
-        traction = tractions(law, state.broken[at], gap[at], stretch * elastic_arc + shift, self.penalties(state))
+        slip = kinematics.stretch * kinematics.elastic_arc + shift
+        traction = tractions(law, state.broken[at], gap[at], slip, self.penalties(state))
 
         weight = self.share * points.weight[at]
         force = ((weight * traction.normal)[:, None] * kinematics.gap_gradient
                  + (weight * traction.tangential)[:, None] * kinematics.tangential)
-        elastic = (traction.elastic_slip - shift) / stretch
+        elastic = (traction.elastic_slip - shift) / kinematics.stretch
         return Response(self._gather(kinematics, force),
                         lambda: self._candidate(state, merged(near, found, projected), at, traction, elastic),
                         lambda: self._stiffness(kinematics, traction, weight),

@@ -71,13 +71,10 @@ class _Tractions:
         positions = points.positions(slave)
         found = pair._project(points, nodes, positions, state.segment)
         at = np.flatnonzero(found.found & (state.status != Status.OPEN))
-        rho = pair.master.curve(found.segment[at], found.xi[at], nodes)[1]
-        elastic = np.zeros(len(at))
-        frame = variations(points, pair.slave, pair.master, at, found, positions[at] - rho[0], elastic, nodes)
+        frame = variations(points, pair.slave, pair.master, at, found, positions, state.stick_point, nodes)
         self._at, self._normal, self._tangent = at, frame.normal, frame.tangent
-        metric = pair.master.arc(found.segment[at], found.xi[at])[1]
         self._stretch = np.ones(len(points.weight))
-        self._stretch[at] = np.linalg.norm(rho[1], axis=1) / metric
+        self._stretch[at] = frame.stretch
 
         weight = (pair.share * points.weight[at])[:, None]
         values = np.concatenate((weight * frame.gap_gradient, weight * frame.tangential))
