@@ -153,7 +153,7 @@ print(result)
 
 # %%
 # The factorisation grows faster than everything else: the other parts are a fifth of an iteration at 10,000
-# unknowns, an eighth at 30,000, and a seventeenth at 300,000.
+# unknowns, a ninth at 30,000, and a twentieth at 300,000.
 
 if "--full" in sys.argv:
     assert all(row["solve"] > (0.85 if row["unknowns"] > 20_000 else 0.75) for row in rows[1:])
