@@ -2,7 +2,6 @@
 from __future__ import annotations
 
 import logging
-import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -11,7 +10,6 @@ import numpy as np
 from numpy import ndarray
 from tqdm import tqdm
 
-from ..checks import AnalysisWarning
 from ..solid import SolidForm
 from .construction import begin, check_start, plan
 from .newton import Newton, NotConverged
@@ -21,6 +19,7 @@ from .settling import settled
 from .setup import build_system
 from .supports import as_unknowns
 from .system import Form, System
+from .telling import Remarks
 from .threads import single_threaded
 
 logger = logging.getLogger("skfem_contact")
@@ -148,30 +147,30 @@ def run(forms: Mapping[str, Form], stages: Sequence[Stage], fixed: ndarray, star
     last = done[-1] if done else _nothing(phases[0].forms, len(stages[0].load))
     if done:
         check_start(phases[0].before, last)
-    for stage, phase in zip(stages, phases, strict=True):
-        released = np.zeros(len(last.x))
-        if phase.changed:
-            x, states, released = begin(phase, last)
-            last = replace(last, x=x, states=states)
-        if phase.changed or stage is stages[0]:
-            system = build_system(phase.forms, phase.fixed, solver)
-            predictor = Predictor(system.fixed)
-            predictor.accept(last.x, last.load)
-        last = replace(last, name=stage.name, iterations=(), fraction=0.0)
-        try:
-            with tqdm(total=1.0, desc=stage.name, disable=None if progress is None else not progress,
-                      bar_format="{desc:16} {percentage:3.0f}% |{bar}|{postfix}") as bar:
-                for accepted in _increments(system, predictor, stage, last, released, newton or Newton()):
-                    last = accepted
-                    bar.update(last.fraction - bar.n)
-                    bar.set_postfix_str(f"{len(last.iterations)} increments, {sum(last.iterations)} iterations")
-        except NotConverged as error:
-            error.result = Result((*done, last))
-            raise
-        done.append(last)
-        for name, form in system.forms.items():
-            for remark in form.remarks(last.states[name]):
-                warnings.warn(f"stage '{stage.name}', {name}: {remark}", AnalysisWarning, stacklevel=3)
+    with Remarks(stacklevel=3) as remarks:
+        for stage, phase in zip(stages, phases, strict=True):
+            released = np.zeros(len(last.x))
+            if phase.changed:
+                x, states, released = begin(phase, last)
+                last = replace(last, x=x, states=states)
+            if phase.changed or stage is stages[0]:
+                system = build_system(phase.forms, phase.fixed, solver)
+                predictor = Predictor(system.fixed)
+                predictor.accept(last.x, last.load)
+            last = replace(last, name=stage.name, iterations=(), fraction=0.0)
+            try:
+                with tqdm(total=1.0, desc=stage.name, disable=None if progress is None else not progress,
+                          bar_format="{desc:16} {percentage:3.0f}% |{bar}|{postfix}") as bar:
+                    for accepted in _increments(system, predictor, stage, last, released, newton or Newton()):
+                        last = accepted
+                        bar.update(last.fraction - bar.n)
+                        bar.set_postfix_str(f"{len(last.iterations)} increments, {sum(last.iterations)} iterations")
+            except NotConverged as error:
+                error.result = Result((*done, last))
+                raise
+            done.append(last)
+            for name, form in system.forms.items():
+                remarks.add(stage.name, name, form.remarks(last.states[name]))
     return Result(tuple(done))
 
 

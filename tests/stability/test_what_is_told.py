@@ -207,3 +207,17 @@ def test_sharp_triangles(angle):
     stage = run(forms, [sc.Stage("press", traction(basis, "upper:far", (0.0, -5.0)))], fixed)["press"]
     np.testing.assert_allclose(stage.states["joint"].normal, -5.0, rtol=1e-6)
     np.testing.assert_allclose(stage.states["blocks"].stress[1], -5.0, rtol=1e-6)
+
+
+def test_remarks_are_told_once():
+    """A penalty that is too soft in every stage is told of once, for the stage with the deepest penetration."""
+    basis = blocks()
+    forms = in_contact(basis, penalty=1e3)
+    _, fixed = pressed(basis)
+    stages = [
+        sc.Stage(f"down {down:g}", basis.zeros(), displaced(basis, "upper:top", (0.0, -down)))
+        for down in (0.01, 0.02, 0.04, 0.03)
+    ]
+    _, told = remarks_of(forms, stages, fixed)
+    assert len(told) == 1
+    assert told[0].startswith("stage 'down 0.04', joint: the slave penetrates by")
