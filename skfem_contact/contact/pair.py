@@ -20,7 +20,7 @@ from .fit import Fit, less_overlap, touching
 from .kinematics import Kinematics, tangents, variations
 from .neighbours import NeighbourList
 from .quadrature import SlavePoints
-from .remarks import passed_through, penetration, remarks
+from .remarks import ROUND_OFF, passed_through, penetration, remarks
 from .sampling import Sampling
 from .search import Projection, merged, project
 from .smoothing import smoothed
@@ -28,9 +28,6 @@ from .softening import hardened
 from .startup import Held, release, with_springs
 from .state import ContactState
 from .surface import Surface
-
-#: A gap below this share of the coordinates is nothing: bodies that touch unloaded go on touching when they move.
-_ROUND_OFF = 8 * np.finfo(float).eps
 
 
 class ContactPair:
@@ -212,7 +209,7 @@ class ContactPair:
 
         found = projected(near)
         gap = found.gap - closing
-        exact = _ROUND_OFF * float(np.abs(nodes).max())
+        exact = ROUND_OFF * float(np.abs(nodes).max())
         gap = np.where(np.abs(gap) <= exact, 0.0, gap)
         at = np.flatnonzero(found.found & law.reaches(gap, normal_penalty, bonded & ~state.broken))
 
@@ -330,7 +327,7 @@ class ContactPair:
     def remarks(self, state: ContactState) -> list[str]:
         """What a user should know of an accepted state: contact that is not there, or not where it should be."""
         points = self.points(state)
-        return list(remarks(self.slave, self.master, points, self._depth(points), self.penalties(state)[0], state))
+        return list(remarks(self.slave, self.master, points, self._depth(points), self.penalties(state), state))
 
 
 def _segments(found: Projection) -> ndarray:

@@ -13,6 +13,10 @@ from .surface import EXTENSION, Surface
 
 #: Penetration, as a share of the slave segment, from which the user is told.
 PENETRATION = 0.01
+#: A gap below this share of the coordinates is nothing: bodies that touch unloaded go on touching when they move.
+ROUND_OFF = 8 * np.finfo(float).eps
+#: Round-off of the shear of sticking points, as a share of the largest traction, from which the user is told.
+_LOST = 1e-3
 
 
 def penetration(points: SlavePoints, state: ContactState) -> float:
@@ -27,9 +31,9 @@ def passed_through(depth: ndarray, accepted: ContactState, candidate: ContactSta
     return int((was_outside & (candidate.gap < -depth)).sum())
 
 
-def remarks(slave: Surface, master: Surface, points: SlavePoints, depth: ndarray, penalty: float, state: ContactState
-            ) -> Iterator[str]:
-    """Remarks on a state: penetration, points held to a facet that they have left, or too deep, no contact at all.
+def remarks(slave: Surface, master: Surface, points: SlavePoints, depth: ndarray, penalties: tuple[float, float],
+            state: ContactState) -> Iterator[str]:
+    """Remarks on a state: penetration, round-off, points held to a facet that they have left, or too deep, no contact.
 
     Parameters
     ----------
@@ -39,15 +43,20 @@ def remarks(slave: Surface, master: Surface, points: SlavePoints, depth: ndarray
         The slave's points.
     depth
         Largest penetration that counts as contact, (n,).
-    penalty
-        Normal penalty.
+    penalties
+        Normal and tangential penalty.
     state
         Their state.
     """
     share = penetration(points, state)
     if share > PENETRATION:
-        yield (f"the slave penetrates by {share:.1%} of its segment length: the penalty, {penalty:.3g}, is "
+        yield (f"the slave penetrates by {share:.1%} of its segment length: the penalty, {penalties[0]:.3g}, is "
                "too soft for this load")
+    lost = penalties[1] * ROUND_OFF * float(np.abs(master.nodes - slave.nodes.mean(axis=0)).max())
+    largest = float(np.abs((state.normal, state.tangential)).max(initial=0.0))
+    if 0.0 < largest < lost / _LOST and (state.status == Status.STICK).any():
+        yield (f"round-off of the slip makes up to {lost / largest:.1%} of the largest traction: the tangential "
+               f"penalty, {penalties[1]:.3g}, is too hard")
     astray = _astray(master, depth, state)
     if astray.any():
         yield (f"points {np.flatnonzero(astray)} of '{slave.name}' went to and fro at ends of the facets of "

@@ -221,3 +221,21 @@ def test_remarks_are_told_once():
     _, told = remarks_of(forms, stages, fixed)
     assert len(told) == 1
     assert told[0].startswith("stage 'down 0.04', joint: the slave penetrates by")
+
+
+@pytest.mark.parametrize("ratio", [1e4, 1e10])
+def test_stick_that_round_off_hides(ratio):
+    """[X] Case S2: at 1e10 times E/h the shear of sticking points is round-off, 5 % here, and the user is told."""
+    basis = blocks()
+    _, fixed = pressed(basis)
+    stages = [
+        sc.Stage(f"{way:g}", basis.zeros(), displaced(basis, "upper:top", (way, -0.01))) for way in (0.0, 0.001, 0.002)
+    ]
+    forms = in_contact(basis, penalty=ratio * 1e3 / 0.2)
+    result, told = remarks_of(forms, stages, fixed, newton=sc.Newton())
+    assert any("round-off of the slip" in remark for remark in told) == (ratio == 1e10)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", sc.AnalysisWarning)
+        drag = -force_on(forms, result[-1])[0]
+    # from 1e2 to 1e8 times E/h it is 0.3131 to 0.3132
+    assert drag == pytest.approx(0.3132, rel=0.1 if ratio == 1e10 else 1e-3)
