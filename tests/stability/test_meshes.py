@@ -35,6 +35,27 @@ def test_sizes_across_the_interface(sizes, quadrature):
     assert (force @ joint.x) / force.sum() == pytest.approx(0.5 + 0.5 / 5.0, abs=0.02)
 
 
+def test_edge_under_one_element():
+    """[X] A node of a coarse slave at the corner of a fine master tilts the facet there beyond the friction angle.
+
+    Both nodes of the slave then slide at less than the load of :func:`test_sizes_across_the_interface`.
+    """
+    basis = blocks(50, 1, overhang=0.0)
+    ends = {}
+    for mu, share in ((0.3, 0.8), (0.6, 1.0)):
+        forms = in_contact(basis, sc.Coulomb(mu), "nodal")
+        load = traction(basis, "upper:top", (0.5 * share, -5.0 * share))
+        stages = [sc.Stage("half", 0.5 * load), sc.Stage("load", load)]
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", sc.AnalysisWarning)
+            stage = run(forms, stages, basis.get_dofs("lower:bottom").all(), newton=sc.Newton())["load"]
+        np.testing.assert_allclose(force_on(forms, stage), [-0.5 * share, 5.0 * share], atol=1e-6)
+        along = np.diff(forms["joint"].master.positions(stage.x)[-2:], axis=0)[0]
+        ends[mu] = -along[1] / along[0]
+    assert ends[0.3] > 0.3  # friction alone does not hold the node there
+    assert ends[0.6] < 0.6
+
+
 @pytest.mark.parametrize("sizes", [(2, 40), (40, 2), (1, 50), (50, 1)], ids=str)
 def test_patch_test_at_any_ratio(sizes):
     """[X] Cases A9, S7: integration over common segments passes the patch test from 1:50 to 50:1."""
