@@ -65,7 +65,8 @@ def test_soil_that_cracks_from_the_surface(associated):
     heights = np.concatenate((np.linspace(0, below, 9), np.linspace(below, HEIGHT, 5)[1:]))
     own = soil(10.0, 25.0, 25.0 if associated else 0.0, tension=0.0)
     thrust, joint = smooth_wall(own, -0.1, sc.Coulomb(mu=0.0), heights)
-    assert thrust == pytest.approx(66.1608, rel=1e-6)  # the kink of the stresses lies between elements
+    # the kink of the stresses lies between elements; with psi = 0 the cuts of the increments have an influence
+    assert thrust == pytest.approx(66.1608, rel=1e-6 if associated else 1e-5)
     assert (joint.pressure[joint.y > below] < 1e-6).all() and (joint.pressure[joint.y < below] > 0).all()
 
 

@@ -2,14 +2,14 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 from numpy import ndarray
 
 from ..assembly import IncrementTooLarge
-from .newton import Newton, NotConverged
+from .newton import Newton, NotConverged, Search
 from .remedies import remedy
 from .system import Equilibrium, System
 
@@ -20,13 +20,13 @@ _REMEDIES = 3
 
 
 def settled(system: System, x: ndarray, states: Mapping[str, Any], load: ndarray, prescribed: ndarray,
-            newton: Newton, start: ndarray | None = None) -> Equilibrium:
+            newton: Newton, start: ndarray | None = None, thorough: bool = True) -> Equilibrium:
     """Equilibrium of an increment with which every form is content.
 
     After each equilibrium the forms are asked whether they want the increment solved once more from a changed
     accepted state (:meth:`ContactPair.settle`); each time the last displacements are the start.
 
-    Where one of them fails, what :func:`remedy` knows is tried.
+    Where that fails from the last displacements, what :func:`remedy` knows is tried.
 
     Parameters
     ----------
@@ -34,6 +34,8 @@ def settled(system: System, x: ndarray, states: Mapping[str, Any], load: ndarray
         As for :meth:`System.equilibrium`.
     start
         Displacements to start from; where that fails, and by default, `x`.
+    thorough
+        Whether to search along the energy, and for remedies, too: this takes several times as long as the rest.
 
     Raises
     ------
@@ -41,27 +43,30 @@ def settled(system: System, x: ndarray, states: Mapping[str, Any], load: ndarray
         One of the equilibria failed, the forms were not content after 30 of them, or could not tell what happened
         during so large an increment.
     """
+    searches: tuple[Search, ...] = ("residual", "energy") if thorough else ("residual",)
     if start is not None:
         try:
-            return _settled(system, x, states, load, prescribed, newton, start)
+            return _settled(system, x, states, load, prescribed, newton, searches, start)
         except NotConverged as error:
             logger.info("from the extrapolated start: %s", error)
+    if not thorough:
+        return _settled(system, x, states, load, prescribed, newton, searches)
     for _ in range(_REMEDIES):
         try:
-            return _settled(system, x, states, load, prescribed, newton)
+            return _settled(system, x, states, load, prescribed, newton, searches)
         except NotConverged as error:
             helped = remedy(system, states, load, error)
             if helped is None:
                 raise
             states = helped
-    return _settled(system, x, states, load, prescribed, newton)
+    return _settled(system, x, states, load, prescribed, newton, searches)
 
 
 def _settled(system: System, x: ndarray, states: Mapping[str, Any], load: ndarray, prescribed: ndarray,
-             newton: Newton, start: ndarray | None = None) -> Equilibrium:
+             newton: Newton, searches: Sequence[Search], start: ndarray | None = None) -> Equilibrium:
     residuals: tuple[float, ...] = ()
     for count in range(1, _MOST + 1):
-        new = system.equilibrium(x, states, load, prescribed, newton, start=start)
+        new = system.equilibrium(x, states, load, prescribed, newton, searches, start=start)
         residuals += new.residuals if not residuals else new.residuals[1:]
         try:
             again = {name: form.settle(new.x, states[name], new.states[name]) for name, form in system.forms.items()}

@@ -17,15 +17,13 @@ from .predictor import Predictor
 from .result import Result, StageResult
 from .settling import settled
 from .setup import build_system
+from .stepping import Stepping
 from .supports import as_unknowns
 from .system import Form, System
 from .telling import Remarks
 from .threads import single_threaded
 
 logger = logging.getLogger("skfem_contact")
-
-_SMALLEST = 1.0 / 1024.0  # an increment that fails at this share of the stage has failed for good
-_EASY = 8  # an increment with so few iterations to an equilibrium may be followed by a larger one
 
 
 @dataclass(frozen=True)
@@ -179,26 +177,24 @@ def _increments(system: System, predictor: Predictor, stage: Stage, last: StageR
     """Accepted increments of a stage, one after the other; forces of what has gone are released in proportion."""
     first_load, first = last.load, last.x[system.fixed]
     target = first if stage.prescribed is None else np.asarray(stage.prescribed)[system.fixed]
-    size = 1.0 / stage.increments
+    stepping = Stepping(stage.increments)
     while last.fraction < 1.0:
-        fraction = min(1.0, last.fraction + size)
-        if 1.0 - fraction < 1e-9:
-            fraction = 1.0
+        fraction = stepping.fraction
         load = first_load + fraction * (stage.load - first_load) - (1.0 - fraction) * released
         prescribed = first + fraction * (target - first)
+        start = None if stepping.cut else predictor.start(load, prescribed)
         try:
-            start = predictor.start(load, prescribed)
-            new = settled(system, last.x, last.states, load, prescribed, newton, start)
+            new = settled(system, last.x, last.states, load, prescribed, newton, start, stepping.thorough)
         except NotConverged as error:
-            size = 0.5 * (fraction - last.fraction)
-            logger.info("stage '%s': increment to %.4f failed, cut to %.4f", stage.name, fraction, size)
-            if size < _SMALLEST:
-                reached = f"stage '{stage.name}' stopped at {last.fraction:.2%} of its load"
-                raise NotConverged(f"{reached}: {error}{_place(system, error.unknown)}") from error
+            stepping.reject(error)
+            logger.info("stage '%s': increment to %.4f failed, cut to %.4f: %s", stage.name, fraction, stepping.size,
+                        error)
+            if stepping.exhausted:
+                where = _place(system, error.unknown)
+                raise NotConverged(f"stage '{stage.name}' {stepping}: {error}{where}") from error
             continue
         logger.info("stage '%s': %.2f%% in %d iterations", stage.name, 100 * fraction, new.iterations)
-        if new.iterations <= _EASY * new.equilibria:
-            size = max(size, min(2.0 * size, 1.0 / stage.increments))
+        stepping.accept(fraction, new.iterations, new.equilibria)
         summary = {name: form.summary(new.states[name]) for name, form in system.forms.items()}
         last = StageResult(stage.name, new.x, load, new.states, (*last.iterations, new.iterations),
                            new.residuals[-1], fraction, summary)

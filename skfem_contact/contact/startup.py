@@ -68,8 +68,8 @@ class Held:
 
 
 def with_springs(state: ContactState) -> ContactState:
-    """The state with springs at its open points."""
-    return replace(state, springs=np.array([_FIRST]))
+    """The state with springs at its open points; the same one where it has them."""
+    return state if state.springs[0] == _FIRST else replace(state, springs=np.array([_FIRST]))
 
 
 def release(accepted: ContactState, candidate: ContactState, weight: ndarray) -> ContactState:

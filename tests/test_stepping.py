@@ -1,0 +1,61 @@
+"""Sizes of increments: how they are cut, grow, and end at a limit."""
+
+from __future__ import annotations
+
+import pytest
+
+from skfem_contact.analysis.newton import Collapse, NotConverged
+from skfem_contact.analysis.stepping import Stepping
+
+
+def follow(capacity: float, error: type[NotConverged], increments: int = 3) -> tuple[Stepping, int]:
+    """Steps of a stage that has no equilibrium beyond some share of its load, and the number of attempts."""
+    stepping, attempts = Stepping(increments), 0
+    while not stepping.exhausted:
+        attempts += 1
+        fraction = stepping.fraction
+        if fraction <= capacity:
+            stepping.accept(fraction, iterations=20)
+        else:
+            stepping.reject(error("no equilibrium"))
+    return stepping, attempts
+
+
+def test_collapse_next_to_an_equilibrium_is_the_limit():
+    """[X] Collapse beyond 0.35: the limit is told between both, 2 % of the load apart at most."""
+    stepping, attempts = follow(0.35, Collapse)
+    assert attempts < 20
+    reached, beyond = (float(word.rstrip("%,")) for word in str(stepping).split() if "%" in word)
+    assert 0.34 < reached / 100 <= 0.35 < beyond / 100 <= 0.3571
+
+
+def test_stalls_are_no_limit():
+    """[X] Stalls beyond 0.35: increments are cut to 1/1024, and no limit is claimed."""
+    stepping, _ = follow(0.35, NotConverged)
+    assert stepping.size < 1 / 1024 and "beyond" not in str(stepping)
+    assert 0.35 - 2 / 1024 < float(str(stepping).split()[2].rstrip("%")) / 100 <= 0.35
+
+
+def test_collapse_that_was_passed_is_forgotten():
+    """[X] What a large increment could not reach, small ones did."""
+    stepping = Stepping(1)
+    stepping.reject(Collapse("too far at once"))
+    assert stepping.fraction == pytest.approx(0.25) and stepping.thorough and stepping.cut
+    for _ in range(4):
+        assert not stepping.exhausted
+        stepping.accept(stepping.fraction, iterations=20)
+        assert not stepping.cut
+    assert "beyond" not in str(stepping)
+
+
+def test_known_failures_are_approached_cheaply():
+    """[X] After equilibria, what failed is tried again with little effort, and thoroughly in small increments."""
+    stepping = Stepping(2)
+    stepping.accept(0.5, iterations=20)
+    assert stepping.thorough
+    stepping.reject(NotConverged("stall"))
+    assert stepping.fraction == pytest.approx(0.625) and not stepping.thorough
+    while stepping.size > 1 / 128:
+        assert not stepping.thorough
+        stepping.reject(NotConverged("stall"))
+    assert stepping.thorough
