@@ -10,7 +10,7 @@ S. Sysala, E. Hrubesova, Z. Michalec, F. Tschuchnigg, Int. J. Numer. Anal. Metho
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 import numpy as np
@@ -201,7 +201,7 @@ def correct(branch: Branch, control: ndarray, points: list[Point], work: float, 
             return Trial(z, {}, np.zeros_like(control), np.inf)
         forms, load = branch.at(float(z[-1]))
         trial = forms.evaluate(z[:-1], last.states, load)
-        return Trial(z, trial.responses, trial.residual, trial.norm)
+        return replace(trial, z=z)
 
     def direction(now: Trial, damped: bool) -> ndarray:
         """Newton step of residual and work together, by two solutions with one factor."""

@@ -27,6 +27,8 @@ _PATIENCE = 6
 #: so many with forces that have lost any relation to the load.
 _ASTRAY, _LOST = 10, 3
 _TIMES, _NOTHING, _HALF = 2.0, 0.95, 0.5
+#: Along the energy, so many residuals that differ by so little and are so many times the smallest one.
+_STUCK, _SAME, _WORSE = 6, 0.8, 5.0
 #: Displacements of so many times the elastic ones are those of a collapse.
 FAR = 100.0
 
@@ -113,9 +115,11 @@ class Trial:
     residual
         Load less internal forces, zero at the fixed unknowns, (N,).
     norm
-        Its norm, relative to the largest norm among the load and the forms' forces.
+        Its norm, relative to the largest norm among the load and the forms' forces, without what is hidden.
     lag
         How much the unknowns differ from what is prescribed.
+    hidden
+        Part that the norm leaves out because it may be round-off.
     """
 
     z: ndarray
@@ -123,6 +127,7 @@ class Trial:
     residual: ndarray
     norm: float
     lag: float = 0.0
+    hidden: float = 0.0
 
     @property
     def worst(self) -> int:
@@ -139,6 +144,8 @@ def iterate(now: Trial, evaluate: Callable[[ndarray], Trial], direction: Callabl
             settings: Newton, search: Search = "residual", far: Callable[[Trial], bool] = lambda trial: False,
             at_least: int = 0, damp: bool = False) -> tuple[Trial, tuple[float, ...]]:
     """Newton's iterations: from a trial to one without residual, and the history of the residual.
+
+    The last figure of the history is the whole residual, with what may be round-off.
 
     Parameters
     ----------
@@ -167,7 +174,7 @@ def iterate(now: Trial, evaluate: Callable[[ndarray], Trial], direction: Callabl
     norms, damped = [now.norm], damp
     while len(norms) <= at_least or not (now.norm <= settings.tolerance and now.lag == 0.0):
         if len(norms) > settings.max_iterations or not now.norm < 1e8 \
-                or (search == "residual" and _hopeless(norms)):
+                or (_stuck(norms) if search == "energy" else _hopeless(norms)):
             raise NotConverged(f"no equilibrium after {len(norms) - 1} iterations; {_why(now, norms)}",
                                now.z, norms, now.worst)
         try:
@@ -188,17 +195,26 @@ def iterate(now: Trial, evaluate: Callable[[ndarray], Trial], direction: Callabl
                            f"elastic ones; {_why(now, norms)}", now.z, norms, now.worst)
         stagnates = len(norms) > _PATIENCE and now.norm > 0.5 * norms[-1 - _PATIENCE]
         damped = damp or stagnates
-    return now, tuple(norms)
+    return now, (*norms[:-1], now.norm + now.hidden)
 
 
 def _hopeless(norms: list[float]) -> bool:
     """Whether the iterations have run away; the first residual is that of the increment and says nothing of them.
 
-    Along the energy this is not asked: there it may be the way to a collapse.
+    Along the energy this is not asked: there it may be the way to a collapse.  See :func:`_stuck`.
     """
     least = min(norms[1:], default=np.inf)
     astray = len(norms) > _ASTRAY and min(norms[-_ASTRAY:]) > _TIMES * least
     return astray or (len(norms) > _LOST and min(norms[-_LOST:]) > _NOTHING and least < _HALF)
+
+
+def _stuck(norms: list[float]) -> bool:
+    """Whether the residual has hardly changed for long, and was much smaller before.
+
+    A collapse shows in fewer iterations, for the steps towards it are doubled again and again.
+    """
+    last = norms[-_STUCK:]
+    return len(norms) > _STUCK and min(last) > max(_WORSE * min(norms[1:]), _SAME * max(last))
 
 
 def _along_energy(now: Trial, step: ndarray, evaluate: Callable[[ndarray], Trial]) -> Trial:

@@ -103,8 +103,9 @@ class System:
         round_off = sum(r.round_off for r in responses.values())
         if carried > 0.0:  # displacements so large that their round-off hides the load are no equilibrium
             round_off = min(round_off, _HIDDEN * carried)
-        norm = max(float(np.linalg.norm(residual)) - round_off, 0.0)
-        return Trial(x, responses, residual, float(norm / scale) if scale > 0 else norm)
+        norm, unit = float(np.linalg.norm(residual)), float(scale) if scale > 0 else 1.0
+        hidden = min(norm, round_off)
+        return Trial(x, responses, residual, (norm - hidden) / unit, hidden=hidden / unit)
 
     def tangent(self, now: Trial, damped: bool = False) -> csr_matrix:
         """Tangent of all forms together."""
