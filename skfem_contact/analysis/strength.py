@@ -12,10 +12,11 @@ from numpy import ndarray
 from tqdm import tqdm
 
 from ..checks import AnalysisWarning
-from ..solid import SolidForm
 from .continuation import Point, follow, starting_point
 from .davis import FLOWS, Flow, reduced_strength
+from .linear import SingularSystem
 from .newton import Collapse, Newton, NotConverged, Search
+from .reduction import reduced_parts
 from .result import Result, StageResult
 from .setup import build_system, check_load, left_by
 from .system import Form, System
@@ -125,10 +126,18 @@ class _Strength:
         return System(forms, self.whole.fixed, self.whole.free, self.whole.solver), self.load
 
     def equilibrium(self, start: Point, factor: float, newton: Newton, elastic: float = 0.0) -> Point:
-        """Equilibrium at a factor from another point."""
+        """Equilibrium at a factor from another point; there is none where everything flows from the start."""
         system, load = self.at(factor)
-        found = system.equilibrium(start.x, start.states, load, start.x[system.fixed], newton,
-                                   ("energy", "residual"), elastic, at_least=1, damp=True)
+        try:
+            found = system.equilibrium(start.x, start.states, load, start.x[system.fixed], newton,
+                                       ("energy", "residual"), elastic, at_least=1, damp=True)
+        except NotConverged as error:
+            singular = error.__cause__
+            if len(error.residuals) > 1 or not isinstance(singular, SingularSystem) \
+                    or len(singular.unknowns) < len(system.free):
+                raise
+            raise Collapse("collapse: with all points flowing at once nothing resists any more", error.x,
+                           error.residuals, error.unknown) from error
         return Point(found.x, found.states, factor, start.work + system.work(load, found.x - start.x),
                      found.residuals)
 
@@ -211,7 +220,7 @@ def strength_reduction(forms: Mapping[str, Form], fixed: ndarray, load: ndarray 
         raise ValueError("there is no load: give `load`, or a `start` that carries one")
     whole = build_system(*left_by(last, forms, fixed), solver)
     load = check_load(load if last is None or load is not None else last.load, whole.size)
-    branch = _Strength(whole, load, _targets(whole.forms, reduce, exclude), flow)
+    branch = _Strength(whole, load, reduced_parts(whole.forms, reduce, exclude), flow)
     newton = newton or Newton(tolerance=0.03 * tol, max_iterations=30)
     step = max(step, tol)
     with tqdm(desc="factor of safety", disable=None if progress is None else not progress,
@@ -321,37 +330,3 @@ def _bracket(branch: _Strength, first: Point, newton: Newton, tol: float, step: 
         criterion = f"stall at {above:.4f}, where neither equilibrium nor collapse was found ({criterion}): {failed}"
     mechanism = np.zeros_like(last.x) if failed.x is None else failed.x - last.x
     return last.parameter, (last.parameter, shown), criterion, points, mechanism
-
-
-def _targets(forms: Mapping[str, Any], reduce: Collection[str] | None,
-             exclude: Collection[str]) -> dict[str, tuple[str, ...] | None]:
-    """Regions to reduce by form; None stands for the law of a contact pair."""
-    regions = {name: tuple(form.materials) for name, form in forms.items() if isinstance(form, SolidForm)}
-    known = sorted({*forms, *(r for names in regions.values() for r in names)})
-    for name in {*(reduce or ()), *exclude}:
-        if name not in known:
-            raise ValueError(f"there is no form or region '{name}' to reduce; existing: {', '.join(known)}")
-    targets: dict[str, tuple[str, ...] | None] = {}
-    for name, form in forms.items():
-        if name in exclude:
-            continue
-        if name in regions:
-            chosen = tuple(r for r in regions[name] if r not in exclude and _has_strength(
-                form.materials[r], r, reduce, name))
-            if chosen:
-                targets[name] = chosen
-        elif reduce is not None and name in reduce:
-            _has_strength(form.law, name, reduce, name)
-            targets[name] = None
-    if not targets:
-        raise ValueError("there is nothing to reduce: no material among the forms has a strength")
-    return targets
-
-
-def _has_strength(material: Any, region: str, reduce: Collection[str] | None, form: str) -> bool:
-    """Whether a material is to be reduced; one that is named must have a strength."""
-    if hasattr(material, "reduced"):
-        return reduce is None or region in reduce or form in reduce
-    if reduce is not None and region in reduce:
-        raise ValueError(f"'{region}' cannot be reduced: {type(material).__name__} has no strength")
-    return False

@@ -125,8 +125,11 @@ def describe_mesh(forms: Mapping[str, Any]) -> str:
 
 
 def table(steps: tuple[TrialStep, ...], symbol: str) -> str:
-    """The trials as lines of a table."""
+    """The trials as lines of a table; displacements and yielding are told where there is equilibrium."""
     lines = [f"{symbol:>10}  outcome      iterations  residual  displacement  yielding"]
-    lines += [f"{s.parameter:10.5f}  {s.outcome:11}  {s.iterations:10d}  {s.residual:8.1e}  {s.displacement:12.4g}  "
-              f"{s.yielding:8.1%}" for s in steps]
+    for s in steps:
+        found = s.outcome == "equilibrium"
+        moved, yielding = (f"{s.displacement:.4g}", f"{s.yielding:.1%}") if found else ("–", "–")
+        lines.append(f"{s.parameter:10.5f}  {s.outcome:11}  {s.iterations:10d}  {s.residual:8.1e}  {moved:>12}  "
+                     f"{yielding:>8}")
     return "\n".join(lines)

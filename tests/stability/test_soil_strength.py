@@ -176,6 +176,17 @@ def block(element: str, heights, phi: float):
     return forms, fixed, traction(basis, "top", (0.0, -1.0))
 
 
+@pytest.mark.parametrize("method", ["continuation", "bracket"])
+@pytest.mark.parametrize("share", [0.5, 1.0])
+def test_all_points_flow_at_once(method, share):
+    """[X] A block under 2 c, or half of that: beyond its factor the stiffness is singular: collapse."""
+    forms, fixed, load = block("Q1", np.linspace(0, 1, 11), 0.0)
+    result = sc.strength_reduction(forms, fixed, 20.0 * share * load, method=method, progress=False)
+    low, high = result.bracket
+    assert result.criterion.startswith("collapse") and high - low <= 0.01  # tol
+    assert low - 1e-4 <= 1.0 / share <= high  # equilibrium within 0.03 of tol
+
+
 @pytest.mark.parametrize("step", [1e-6, 1e3])
 @pytest.mark.parametrize("begun", [False, True])
 def test_limit_load_by_bad_steps(step, begun):
