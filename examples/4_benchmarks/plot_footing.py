@@ -98,8 +98,10 @@ assert EXACT[0] < good.multiplier < 1.05 * EXACT[0] and locked.multiplier > 20 *
 # the pressure at the start of each step (``flow="lagged"``), every increment has a solution; the law as it is takes
 # hundreds of iterations or stalls.
 #
-# For :math:`\phi = 20°` B-bar comes to Prandtl's capacity from above. For 30° the capacities fall through it
-# on finer meshes, with B-bar as with P2: without dilatancy the ground carries a few percent less.
+# Elements, meshes and tolerances of these rows were chosen after about a dozen variants had been seen; they show what
+# can be had, not what to expect of any mesh. For :math:`\phi = 20°` the values of B-bar are above Prandtl's. For 30°
+# they fall through it, with B-bar as with P2, to about 3 % less on finer meshes: nothing converges to Prandtl's
+# value there.
 
 soft = {"flow": "lagged", "tol": 0.02, "newton": sc.Newton(3e-3, 30)}
 for phi, sizes in {0: (12, 20), 20: (12, 16, 20, 24), 30: (8, 10, 12, 16)}.items():
@@ -107,9 +109,9 @@ for phi, sizes in {0: (12, 20), 20: (12, 16, 20, 24), 30: (8, 10, 12, 16)}.items
         bearing("Q1 B-bar, lagged", ground(n, triangles=False), ElementQuad1(), 3, phi, 0, sc.b_bar, **soft)
         assert phi == 30 or (rows[-1]["above"] and rows[-1]["iterations"] <= 150)
 if FULL:
-    finest = {phi: [row for row in rows if row["phi"] == phi and row["method"].endswith("lagged")] for phi in EXACT}
-    assert finest[0][-1]["error"] <= 0.010 and finest[20][-1]["error"] <= 0.015
-    assert all(row["error"] <= 0.06 for row in finest[30]) and finest[30][2]["error"] <= 0.015
+    lagging = {phi: [row for row in rows if row["phi"] == phi and row["method"].endswith("lagged")] for phi in EXACT}
+    assert lagging[0][-1]["error"] <= 0.010 and lagging[20][-1]["error"] <= 0.015
+    assert all(row["error"] <= 0.06 for row in lagging[30])
     for phi in (20, 30):
         bearing("P2, 6 points, lagged", ground(4), ElementTriP2(), 4, phi, 0, **soft)
         assert rows[-1]["error"] <= 0.05 and rows[-1]["iterations"] <= 180

@@ -6,8 +6,10 @@ surface has the slope of the flow, and whose strength is that of the pressure at
 
     (1 + sin psi) s1 - (1 - sin psi) s3 <= 2 c cos phi - (sin phi - sin psi) (s1 + s3)_start.
 
-At the start of the increment both surfaces meet in the stress point; at a collapse, where the stresses do not change
-any more, the replacement has no effect.
+At the start of the increment both surfaces meet in the stress point.  The accepted stresses satisfy this surface, not
+that of Mohr and Coulomb: their strength is off by what the pressure changes within the increment, less in smaller
+ones.  It is no solution of the law as it is: with that law the residual of an accepted increment is a few percent to
+some ten percent of the load, also close to collapse.
 
 K. Krabbenhoft, M. R. Karim, A. V. Lyamin, S. W. Sloan, Int. J. Numer. Methods Eng. 90 (2012) 1089-1117.
 """
