@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 from skfem import Basis, ElementQuad1, ElementTriP2, ElementVector, MeshQuad, MeshTri
@@ -142,10 +144,15 @@ def test_unstable_slope_is_told():
 
 
 def test_unstable_slope_collapses_in_a_stage():
-    """[X] The error of a load stage says collapse, not stall."""
+    """[X] The error of a load stage says collapse, not stall, and from where to where: about the limit load."""
     forms, fixed, load = slope(c=2.0, phi=10.0, psi=10.0)
-    with pytest.raises(sc.NotConverged, match="collapse"):
+    with pytest.raises(sc.NotConverged, match="collapse") as error:
         sc.run(forms, [sc.Stage("weight", load)], fixed, progress=False)
+    reached = error.value.result["weight"].fraction
+    beyond = float(re.search(r"the displacements run away at ([\d.]+)%", str(error.value))[1]) / 100
+    limit = sc.limit_load(forms, fixed, load, progress=False)
+    assert reached < limit.bracket[1] and limit.bracket[0] < beyond  # associated flow: one limit, whatever the way
+    assert beyond < 1.03 * reached  # where the stage ends: 2 % between them, and the digits of the message
 
 
 def test_mechanism_is_a_slide_towards_the_toe(reference):

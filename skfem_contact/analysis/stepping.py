@@ -92,4 +92,4 @@ class Stepping:
 
     def __str__(self) -> str:
         told = f"stopped at {self._reached:.2%} of its load"
-        return f"{told}, which cannot be carried beyond {self._collapsed:.2%}" if self._limited else told
+        return f"{told}, the displacements run away at {self._collapsed:.2%}" if self._limited else told
