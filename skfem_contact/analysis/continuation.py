@@ -212,7 +212,11 @@ def correct(branch: Branch, control: ndarray, points: list[Point], work: float, 
         solve = system.solver.factor(system.tangent(now, damped), system.symmetric)
         balance, drift = solve(now.residual), solve(by_parameter)
         lag = target - system.work(control, now.z[:-1] + balance)
-        change = lag / system.work(control, drift)
+        slope = system.work(control, drift)
+        if slope == 0.0:
+            raise NotConverged("no equilibrium: the forces do not depend on the parameter any more",
+                               now.z, (now.norm,), now.worst)
+        change = lag / slope
         return np.append(balance + change * drift, change)
 
     try:
