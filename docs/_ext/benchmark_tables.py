@@ -62,7 +62,7 @@ def overview(examples: Path) -> str:
     lines = [head, [":--", ":--", "--:", "--:", "--:", ":--", "--:", "--:", "--:", "--:"]]
     for path in sorted((examples / "results").glob("*.json")):
         rows = json.loads(path.read_text(encoding="utf-8"))["rows"]
-        for peer in largest(row for row in rows if row.get("peer")):
+        for peer in largest(row for row in rows if row.get("peer") and "unknowns" in row):
             ours = rival(peer, rows)
             lines.append([heading(examples, path), *figures(peer), *figures(ours),
                           f"{peer['cpu_s'] / ours['cpu_s']:.1f}"])  # fmt: skip
