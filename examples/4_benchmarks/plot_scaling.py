@@ -14,7 +14,8 @@ A two-dimensional mesh of :math:`N` unknowns has factors of :math:`O(N \log N)` 
 # ----------
 # The culvert is that of the tutorial, its elements divided by four again and again, in soils that dilate as their
 # flow rule says when it is associated. (Without dilatancy both stages take 20 iterations instead of 8 at 66,000
-# unknowns, the time of 32 factorisations, and 85 factorisations at 260,000, an increment that fails included.) The slope is that of Griffiths and Lane, 1:2, on triangles of second order.
+# unknowns, the time of 32 factorisations, and 85 factorisations at 260,000, an increment that fails included.) The
+# slope is that of Griffiths and Lane, 1:2, on triangles of second order.
 
 import json
 import os
