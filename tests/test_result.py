@@ -109,6 +109,9 @@ def test_load_for_other_forms(example, tmp_path):
     other = blocks(quadrature="segments")[1]
     with pytest.raises(ValueError, match="'joint' in the file has another size"):
         sc.load_result(file, other)
+    swapped = {"blocks": forms["joint"], "joint": forms["blocks"]}
+    with pytest.raises(ValueError, match=r"'blocks' in the file has no stick_point, arc, .*another version"):
+        sc.load_result(file, swapped)
 
 
 def test_partial_result_can_be_saved(tmp_path):

@@ -138,6 +138,9 @@ def load_result(file: str | Path, forms: Mapping[str, Form]) -> Result:
             for name in head["forms"]:  # those that were active
                 form = forms[name]
                 initial = form.initial_state()
+                if missing := [f.name for f in fields(initial) if f"{i}/{name}/{f.name}" not in data]:
+                    raise ValueError(f"'{name}' in the file has no {', '.join(missing)}: it was another form, "
+                                     "or another version of this library wrote it")
                 states[name] = type(initial)(**{f.name: data[f"{i}/{name}/{f.name}"] for f in fields(initial)})
                 if not _fits(form, states[name], initial):
                     raise ValueError(f"'{name}' in the file has another size: the mesh or the element differs")
