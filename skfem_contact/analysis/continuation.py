@@ -214,8 +214,7 @@ def correct(branch: Branch, control: ndarray, points: list[Point], work: float, 
         lag = target - system.work(control, now.z[:-1] + balance)
         slope = system.work(control, drift)
         if slope == 0.0:
-            raise NotConverged("no equilibrium: the forces do not depend on the parameter any more",
-                               now.z, (now.norm,), now.worst)
+            raise NotConverged("no equilibrium: the forces do not depend on the parameter any more")
         change = lag / slope
         return np.append(balance + change * drift, change)
 

@@ -98,12 +98,12 @@ class System:
         responses = {name: form.assemble(x, states[name]) for name, form in self.forms.items()}
         residual = load - sum(r.force for r in responses.values())
         residual[self.fixed] = 0.0
-        scale = max(np.linalg.norm(load), *(np.linalg.norm(r.force) for r in responses.values()))
         carried = float(np.linalg.norm(load))
+        scale = max(carried, *(float(np.linalg.norm(r.force)) for r in responses.values()))
         round_off = sum(r.round_off for r in responses.values())
         if carried > 0.0:  # displacements so large that their round-off hides the load are no equilibrium
             round_off = min(round_off, _HIDDEN * carried)
-        norm, unit = float(np.linalg.norm(residual)), float(scale) if scale > 0 else 1.0
+        norm, unit = float(np.linalg.norm(residual)), scale if scale > 0 else 1.0
         hidden = min(norm, round_off)
         return Trial(x, responses, residual, (norm - hidden) / unit, hidden=hidden / unit)
 

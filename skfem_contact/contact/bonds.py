@@ -33,7 +33,7 @@ def broken(state: ContactState, candidates: Sequence[ContactState], slave: str, 
     """
     closed = np.array([candidate.status != Status.OPEN for candidate in candidates])
     breaks = closed.any(axis=0) & ~closed.all(axis=0) & ~state.broken
-    if _unbonded(law) == law or not breaks.any():
+    if unbonded(law) == law or not breaks.any():
         return state
     logger.info("points %s of '%s' open and close in turn: their bond breaks", np.flatnonzero(breaks), slave)
     return replace(state, broken=state.broken | breaks)
@@ -45,11 +45,11 @@ def tractions(law: InterfaceLaw, bond_is_broken: ndarray, gap: ndarray, slip: nd
     whole = law.update(gap, slip, *penalties)
     if not bond_is_broken.any():
         return whole
-    without = _unbonded(law).update(gap, slip, *penalties)
+    without = unbonded(law).update(gap, slip, *penalties)
     return Traction(*(np.where(bond_is_broken, *both) for both in zip(without, whole, strict=True)))
 
 
-def _unbonded(law: InterfaceLaw) -> InterfaceLaw:
-    """A law that knows of no bond is its own law without one."""
-    unbonded: InterfaceLaw = getattr(law, "unbonded", law)
-    return unbonded
+def unbonded(law: InterfaceLaw) -> InterfaceLaw:
+    """The law without a bond; one that knows of none is its own."""
+    without: InterfaceLaw = getattr(law, "unbonded", law)
+    return without

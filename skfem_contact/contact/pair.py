@@ -172,13 +172,16 @@ class ContactPair:
         meshed = found if x is None else self._project(points, mesh[1], points.positions(mesh[0]))
         offset = touching(found.gap, meshed.gap, points.size, self.initial, self.law.bonds)
         arc, zero, nodal = self._arc(found), np.zeros(len(found.gap)), np.zeros(len(slave))
+        never = np.zeros(len(arc), bool)
         status = np.where(found.gap <= offset, int(Status.STICK), int(Status.OPEN))
         stiffening = np.ones(2)
         if self.enforcement is not None and self.penalty is not None and self.stiffness is not None:
             stiffening = self.enforcement.start(self.penalty, self.stiffness)
-        return ContactState(arc, arc, _segments(found), found.gap, zero, zero, zero, status, nodal, nodal,
-                            stiffening, offset, cuts, np.zeros(1), np.zeros(len(arc), bool), np.zeros(1), np.ones(1),
-                            np.zeros(len(arc), bool))
+        return ContactState(stick_point=arc, arc=arc, segment=_segments(found), gap=found.gap, slip=zero,
+                            normal=zero, tangential=zero, status=status,
+                            normal_multiplier=nodal, tangential_multiplier=nodal, stiffening=stiffening,
+                            offset=offset, cuts=cuts, springs=np.zeros(1), frozen=never, recuts=np.zeros(1),
+                            softness=np.ones(1), broken=never)
 
     # -- the form -------------------------------------------------------------------------------------------
 
@@ -198,7 +201,7 @@ class ContactPair:
         held = state.springs[0] > 0.0
         law = Held(self.law, float(state.springs[0])) if held else self.law
         depth = np.full(len(points.arc), np.inf) if held else self._depth(points)
-        normal_penalty, tangential_penalty = self.penalties(state)
+        normal_penalty, tangential_penalty = penalties = self.penalties(state)
         closing = state.offset - points.at(state.normal_multiplier) / normal_penalty
         bonded = state.status != Status.OPEN
         around = self._neighbours.at(nodes, positions)
@@ -216,7 +219,7 @@ class ContactPair:
         kinematics = variations(points, self.slave, self.master, at, found, positions, state.stick_point, nodes)
         shift = points.at(state.tangential_multiplier)[at] / tangential_penalty
         slip = kinematics.stretch * kinematics.elastic_arc + shift
-        traction = tractions(law, state.broken[at], gap[at], slip, self.penalties(state))
+        traction = tractions(law, state.broken[at], gap[at], slip, penalties)
 
         weight = self.share * points.weight[at]
         force = ((weight * traction.normal)[:, None] * kinematics.gap_gradient
@@ -225,7 +228,7 @@ class ContactPair:
         return Response(self._gather(kinematics, force),
                         lambda: self._candidate(state, merged(near, found, projected), at, traction, elastic),
                         lambda: self._stiffness(kinematics, traction, weight),
-                        round_off=max(normal_penalty, tangential_penalty) * exact * float(np.linalg.norm(weight)))
+                        round_off=max(penalties) * exact * float(np.linalg.norm(weight)))
 
     def penalties(self, state: ContactState) -> tuple[float, float]:
         """Normal and tangential penalty in a state."""

@@ -7,6 +7,7 @@ import numpy as np
 from numpy import ndarray
 
 from ..materials.coulomb import InterfaceLaw, Status, Traction
+from .bonds import unbonded
 from .state import ContactState
 
 #: Stiffness of the springs as a share of the penalty: at first, and when they are as good as gone.  Stiffer ones draw
@@ -44,7 +45,7 @@ class Held:
     @property
     def unbonded(self) -> Held:
         """The springs with the law of points whose bond is broken."""
-        return replace(self, law=getattr(self.law, "unbonded", self.law))
+        return replace(self, law=unbonded(self.law))
 
     def reaches(self, gap: ndarray, normal_penalty: float, closed: ndarray) -> ndarray:
         """All points."""
