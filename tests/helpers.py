@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy import ndarray
+from scipy.sparse import csr_matrix
 from skfem import (
     Basis,
     ElementQuad1,
@@ -15,6 +16,8 @@ from skfem import (
     ElementTriP1,
     ElementTriP2,
     ElementVector,
+    FacetBasis,
+    LinearForm,
     Mesh,
     MeshQuad,
     MeshTri,
@@ -41,6 +44,38 @@ def vector_basis(mesh: Mesh, element: str, **options) -> Basis:
 def grid(element: str, x: ndarray, y: ndarray) -> Mesh:
     """A tensor grid with the boundaries left, right, bottom and top."""
     return ELEMENTS[element][0].init_tensor(np.asarray(x, float), np.asarray(y, float)).with_defaults()
+
+
+def traction(basis: Basis, facets: str, force) -> ndarray:
+    """Load vector of a uniform traction (2,) on a boundary."""
+    form = LinearForm(lambda v, w: force[0] * v[0] + force[1] * v[1])
+    return form.assemble(FacetBasis(basis.mesh, basis.elem, facets=facets))
+
+
+class WithoutState:
+    """A form of the user's own that remembers nothing: what is left to write is ``assemble``."""
+
+    def initial_state(self, x=None):
+        return None
+
+    def settle(self, x, accepted, candidate):
+        return None
+
+    def summary(self, state):
+        return ""
+
+    def remarks(self, state):
+        return []
+
+
+@dataclass(frozen=True)
+class Springs(WithoutState):
+    """Linear springs between unknowns, or to the ground."""
+
+    matrix: csr_matrix
+
+    def assemble(self, x, state):
+        return sc.Response(self.matrix @ x, lambda: None, lambda: self.matrix)
 
 
 def distorted(mesh: Mesh, rng: np.random.Generator, amount: float) -> Mesh:

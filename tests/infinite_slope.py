@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
-from helpers import grid, vector_basis
+from helpers import Springs, grid, vector_basis
 from numpy import ndarray
 from scipy.sparse import csr_matrix
 from skfem import Basis
@@ -15,33 +13,11 @@ import skfem_contact as sc
 BETA, DEPTH, GAMMA = 20.0, 3.0, 18.0
 
 
-@dataclass(frozen=True)
-class Ties:
-    """Stiff springs between unknowns: a form of the user's own, with the calls that an analysis needs."""
-
-    matrix: csr_matrix
-
-    @classmethod
-    def between(cls, one: ndarray, other: ndarray, stiffness: float, n: int) -> Ties:
-        """Springs between pairs of unknowns."""
-        ones, pairs = np.ones(len(one)), np.arange(len(one))
-        stretch = csr_matrix((np.append(ones, -ones), (np.append(pairs, pairs), np.append(one, other))), (len(one), n))
-        return cls((stiffness * stretch.T @ stretch).tocsr())
-
-    def initial_state(self, x=None):
-        return None
-
-    def assemble(self, x, state):
-        return sc.Response(self.matrix @ x, lambda: None, lambda: self.matrix)
-
-    def settle(self, x, accepted, candidate):
-        return None
-
-    def summary(self, state):
-        return ""
-
-    def remarks(self, state):
-        return []
+def ties(one: ndarray, other: ndarray, stiffness: float, n: int) -> Springs:
+    """Stiff springs between pairs of unknowns."""
+    ones, pairs = np.ones(len(one)), np.arange(len(one))
+    stretch = csr_matrix((np.append(ones, -ones), (np.append(pairs, pairs), np.append(one, other))), (len(one), n))
+    return Springs((stiffness * stretch.T @ stretch).tocsr())
 
 
 def infinite_slope(soil: sc.MohrCoulomb, rows: int = 12, element: str = "Q2") -> tuple[Basis, dict, ndarray, ndarray]:
@@ -56,6 +32,6 @@ def infinite_slope(soil: sc.MohrCoulomb, rows: int = 12, element: str = "Q2") ->
     for side in ("left", "right"):
         dofs = np.setdiff1d(basis.get_dofs(side).all(), basis.get_dofs("bottom").all())
         tied.append(dofs[np.lexsort((np.round(basis.doflocs[1, dofs], 9), dofs % 2))])
-    springs = Ties.between(*tied, 1e3 * soil.E, basis.N)
-    forms = {"soil": sc.SolidForm(basis, soil, sc.b_bar if element == "Q1" else sc.plane_strain), "ties": springs}
+    forms = {"soil": sc.SolidForm(basis, soil, sc.b_bar if element == "Q1" else sc.plane_strain),
+             "ties": ties(*tied, 1e3 * soil.E, basis.N)}  # fmt: skip
     return basis, forms, basis.get_dofs("bottom").all(), sc.weight(basis, GAMMA)

@@ -6,14 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from helpers import body_along, vector_basis
+from helpers import WithoutState, body_along, vector_basis
 from scipy.sparse import coo_matrix
 
 import skfem_contact as sc
 
 
 @dataclass(frozen=True)
-class String:
+class String(WithoutState):
     """Straight, elastic bars that turn with their ends.
 
     Attributes
@@ -39,9 +39,6 @@ class String:
         now = np.linalg.norm(way, axis=1)
         return way / now[:, None], now, self.pretension + self.stiffness * (now / length - 1)
 
-    def initial_state(self, x=None):
-        return None
-
     def assemble(self, x, state):
         direction, length, tension = self.bars(x)
         pull = tension[:, None] * direction
@@ -58,15 +55,6 @@ class String:
         dofs = np.concatenate((self.dofs[:-1], self.dofs[1:]), axis=1)
         rows, columns = np.repeat(dofs, 4, axis=1), np.tile(dofs, (1, 4))
         return coo_matrix((K.ravel(), (rows.ravel(), columns.ravel())), shape=(self.n_unknowns,) * 2).tocsr()
-
-    def settle(self, x, accepted, candidate):
-        return None
-
-    def summary(self, state):
-        return ""
-
-    def remarks(self, state):
-        return []
 
 
 class Capstan:

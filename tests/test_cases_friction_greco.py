@@ -6,8 +6,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from helpers import grid, vector_basis
-from skfem import FacetBasis, LinearForm
+from helpers import grid, traction, vector_basis
 
 import skfem_contact as sc
 
@@ -65,12 +64,6 @@ class Plate:
 @cache
 def plate(n: int, element: str, increments: int = 1, **options) -> Plate:
     return Plate(n, element, increments, **options)
-
-
-def traction(basis, facets: str, force) -> np.ndarray:
-    """Load vector of a uniform traction on a boundary."""
-    form = LinearForm(lambda v, w: force[0] * v[0] + force[1] * v[1])
-    return form.assemble(FacetBasis(basis.mesh, basis.elem, facets=facets))
 
 
 @pytest.mark.parametrize(("n", "element", "tolerance"), [(64, "Q1", 2e-4), (16, "Q2", 5e-4)])

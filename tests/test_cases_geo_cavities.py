@@ -2,39 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import pytest
-from helpers import grid, vector_basis
-from scipy.sparse import csr_matrix
+from helpers import Springs, grid, vector_basis
 from skfem import BilinearForm, FacetBasis, LinearForm
 
 import skfem_contact as sc
 
 END = 8.0
-
-
-@dataclass(frozen=True)
-class Springs:
-    """Elastic ground beyond the mesh: exactly 2 G u / R."""
-
-    matrix: csr_matrix
-
-    def initial_state(self, x=None):
-        return None
-
-    def assemble(self, x, state):
-        return sc.Response(self.matrix @ x, lambda: None, lambda: self.matrix)
-
-    def settle(self, x, accepted, candidate):
-        return None
-
-    def summary(self, state):
-        return ""
-
-    def remarks(self, state):
-        return []
 
 
 def cavity(soil: sc.MohrCoulomb, far: float, pressures, n: int = 40):
@@ -43,7 +18,7 @@ def cavity(soil: sc.MohrCoulomb, far: float, pressures, n: int = 40):
     wall, end = (FacetBasis(basis.mesh, basis.elem, facets=side) for side in ("left", "right"))
     inside = LinearForm(lambda v, w: w.x[0] * v[0]).assemble(wall)
     outside = LinearForm(lambda v, w: -w.x[0] * v[0]).assemble(end)
-    spring = soil.E / (1 + soil.nu) / END
+    spring = soil.E / (1 + soil.nu) / END  # elastic ground beyond the mesh: exactly 2 G u / R
     springs = BilinearForm(lambda u, v, w: spring * w.x[0] * u[0] * v[0]).assemble(end)
     forms = {"ground": sc.SolidForm(basis, soil, sc.axisymmetric), "far": Springs(springs.tocsr())}
     fixed = np.flatnonzero(np.arange(basis.N) % 2 == 1)

@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers import body_along, grid, rotation, unknowns_of, vector_basis
+from helpers import body_along, grid, rotation, traction, unknowns_of, vector_basis
 from scipy.sparse.linalg import spsolve
-from skfem import FacetBasis, LinearForm, Mesh, condense, solve
+from skfem import Mesh, condense, solve
 from skfem.utils import solver_direct_scipy
 
 import skfem_contact as sc
@@ -21,12 +21,6 @@ def run(forms, load, fixed, prescribed=None, increments=1, **options):
     """One stage of loading from rest."""
     stage = sc.Stage("load", load, prescribed, increments)
     return sc.run(forms, [stage], fixed, **{"newton": EXACT, "progress": False, **options})["load"]
-
-
-def traction(basis, facets: str, force) -> np.ndarray:
-    """Load vector of a uniform traction (2,) on a boundary."""
-    form = LinearForm(lambda v, w: force[0] * v[0] + force[1] * v[1])
-    return form.assemble(FacetBasis(basis.mesh, basis.elem, facets=facets))
 
 
 def two_blocks(element: str = "Q1", n: int = 4, gap: float = 0.0, overhang: float = 0.0, mapped=None):

@@ -4,18 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 from helpers import grid, unknowns_of, vector_basis
-from skfem import Basis, FacetBasis, LinearForm
+from skfem import Basis
 
 import skfem_contact as sc
 
 #: The order of the residual that is left: far below the tolerances of the tests.
 EXACT = sc.Newton(tolerance=1e-11, max_iterations=40)
-
-
-def traction(basis: Basis, facets: str, force) -> np.ndarray:
-    """Load vector of a uniform traction (2,) on a boundary."""
-    form = LinearForm(lambda v, w: force[0] * v[0] + force[1] * v[1])
-    return form.assemble(FacetBasis(basis.mesh, basis.elem, facets=facets))
 
 
 def blocks(

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers import distorted, grid, vector_basis
-from setups import blocks, displaced, force_on, in_contact, run, traction
+from helpers import distorted, grid, traction, vector_basis
+from setups import blocks, displaced, force_on, in_contact, run
 from skfem import MeshQuad
 
 import skfem_contact as sc

@@ -9,8 +9,8 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from helpers import body_along, facing, grid, moved_rigidly, unknowns_of, vector_basis
-from setups import blocks, displaced, force_on, in_contact, run, traction
+from helpers import body_along, facing, grid, moved_rigidly, traction, unknowns_of, vector_basis
+from setups import blocks, displaced, force_on, in_contact, run
 
 import skfem_contact as sc
 from skfem_contact.contact.freezing import frozen

@@ -7,7 +7,8 @@ import warnings
 
 import numpy as np
 import pytest
-from setups import blocks, displaced, force_on, in_contact, run, traction
+from helpers import traction
+from setups import blocks, displaced, force_on, in_contact, run
 
 import skfem_contact as sc
 

@@ -6,11 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers import grid, rotation, vector_basis
+from helpers import grid, rotation, traction, vector_basis
 from infinite_slope import BETA, DEPTH, GAMMA, infinite_slope
 from oracles import slopes
 from scipy.sparse.linalg import spsolve
-from setups import traction
 from skfem import Basis, ElementTriP2, ElementVector
 from slope_meshes import held, reduced_slope, slope_mesh
 

@@ -7,8 +7,8 @@ import warnings
 
 import numpy as np
 import pytest
-from helpers import body_along, grid, unknowns_of, vector_basis
-from setups import blocks, displaced, force_on, in_contact, run, traction
+from helpers import body_along, grid, traction, unknowns_of, vector_basis
+from setups import blocks, displaced, force_on, in_contact, run
 
 import skfem_contact as sc
 

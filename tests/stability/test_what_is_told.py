@@ -8,8 +8,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers import body_along, facing, grid, vector_basis
-from setups import blocks, displaced, force_on, in_contact, run, traction
+from helpers import body_along, facing, grid, traction, vector_basis
+from setups import blocks, displaced, force_on, in_contact, run
 from skfem import Basis, ElementTriCR, ElementVector, MeshQuad, MeshTri
 
 import skfem_contact as sc
