@@ -1,9 +1,10 @@
 """Frictional contact, soil plasticity and staged analysis for scikit-fem."""
 
 from .analysis.davis import reduced_strength
-from .analysis.initial import given_state, gravity_state, k0_state, reset_displacements
+from .analysis.initial import given_state, gravity_state, k0_state
 from .analysis.limit_load import LimitLoad, limit_load
 from .analysis.newton import Collapse, Newton, NotConverged
+from .analysis.reset import reset_displacements
 from .analysis.result import Result, StageResult, load_result
 from .analysis.stages import Stage, run
 from .analysis.strength import StrengthReduction, strength_reduction

@@ -12,7 +12,8 @@ from skfem.utils import solver_iter_krylov
 
 from skfem_contact.analysis import linear, superlu
 from skfem_contact.analysis.free_block import FreeBlock
-from skfem_contact.analysis.linear import DirectSolver, SingularSystem, as_solver
+from skfem_contact.analysis.given_solver import as_solver
+from skfem_contact.analysis.linear import DirectSolver, SingularSystem
 
 N = 8  # elements along the side of a body
 

@@ -12,8 +12,8 @@ from helpers import grid, vector_basis
 import skfem_contact as sc
 from skfem_contact import solid
 from skfem_contact.analysis import interface, linear, setup, superlu
+from skfem_contact.analysis.given_solver import as_solver
 from skfem_contact.analysis.interface import InterfaceSolver
-from skfem_contact.analysis.linear import as_solver
 from skfem_contact.analysis.predictor import Predictor
 from skfem_contact.contact import neighbours, pair
 

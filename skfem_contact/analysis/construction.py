@@ -15,8 +15,8 @@ from ..contact.penalty import choose_penalties
 from ..contact.prestress import prestressed
 from ..materials.coulomb import Status
 from ..solid import SolidForm
-from .linear import as_solver
-from .setup import unknowns_of
+from .given_solver import as_solver
+from .setup import check_vector, unknowns_of
 from .supports import as_unknowns, check_supports
 from .system import Form
 
@@ -172,10 +172,7 @@ def _check_values(stage: Stage, n: int, held: ndarray, absent: list[str]) -> Non
     if stage.prescribed is not None:
         given.append(("prescribed displacement", stage.prescribed))
     for what, values in given:
-        if np.shape(values) != (n,):
-            raise ValueError(f"stage '{stage.name}': the {what} has shape {np.shape(values)}, not ({n},)")
-        if not np.isfinite(values).all():
-            raise ValueError(f"stage '{stage.name}': the {what} holds NaN or infinite values")
+        check_vector(values, n, f"stage '{stage.name}': the {what}")
     if len(held) and np.abs(stage.load[held]).max() > _NO_LOAD * np.abs(stage.load).max():
         raise ValueError(f"stage '{stage.name}': a part of the load acts on bodies that are not there; {absent} are "
                          "not active")

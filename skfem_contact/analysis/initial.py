@@ -14,11 +14,11 @@ from scipy.spatial import cKDTree
 from ..checks import AnalysisWarning, look_up
 from ..contact.pair import ContactPair
 from ..contact.prestress import prestressed
-from ..contact.state import ContactState, transferred
 from ..materials.elastic import LinearElastic
 from ..solid import SolidForm
+from .reset import reset_displacements
 from .result import Result, StageResult
-from .setup import build_system
+from .setup import build_system, check_vector
 from .stages import Stage, run
 from .system import Form
 
@@ -212,45 +212,6 @@ def gravity_state(forms: Mapping[str, Form], load: ndarray, fixed: ndarray,
     return reset_displacements(forms, Result((last,)))
 
 
-def reset_displacements(forms: Mapping[str, Form], result: Result) -> Result:
-    """Count displacements from the end of a result on: they become zero, and all that is carried stays.
-
-    Parameters
-    ----------
-    forms
-        The forms of the analysis; those that the last stage does not hold are left out.
-    result
-        Its result.
-
-    Returns
-    -------
-    Result
-        The same stages; the last one has no displacements.
-
-    Examples
-    --------
-    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
-    >>> import skfem_contact as sc
-    >>> basis = Basis(MeshQuad().refined(1).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
-    >>> forms = {"ground": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=.3))}
-    >>> fixed = basis.get_dofs("bottom").all()
-    >>> gravity = [sc.Stage("gravity", sc.weight(basis, 20.))]
-    >>> start = sc.reset_displacements(forms, sc.run(forms, gravity, fixed))
-    >>> bool(start["gravity"].x.any()), bool(start["gravity"].states["ground"].stress.any())
-    (False, True)
-    """
-    last = result[-1]
-    states: dict[str, Any] = {}
-    for name, state in last.states.items():
-        form = look_up(name, forms, "form")
-        states[name] = state
-        if isinstance(form, SolidForm):
-            states[name] = replace(state, strain=np.zeros_like(state.strain))
-        elif isinstance(form, ContactPair):
-            states[name] = _moved_back(form, state)
-    return Result((*result.stages[:-1], replace(last, x=np.zeros_like(last.x), states=states)))
-
-
 def _solids(forms: Mapping[str, Form]) -> dict[str, SolidForm]:
     found = {name: form for name, form in forms.items() if isinstance(form, SolidForm)}
     if not found:
@@ -269,8 +230,7 @@ def _balanced(forms: Mapping[str, Form], load: ndarray, fixed: ndarray, stress: 
     system = build_system(forms, fixed)
     x = np.zeros(system.size)
     load = np.asarray(load, dtype=float)
-    if load.shape != x.shape:
-        raise ValueError(f"the load has shape {load.shape}, not {x.shape}")
+    check_vector(load, len(x), "the load")
     states = {key: form.initial_state() for key, form in system.forms.items()}
     solids = _solids(system.forms)
     for key, form in solids.items():
@@ -337,17 +297,3 @@ def _elastic(material: Any, K0: float) -> LinearElastic:
     if not 0.0 < K0 < 1.0:
         raise ValueError(f"K0 must lie between 0 and 1 for elastic ground, not {K0!r}; k0_state has no such limit")
     return LinearElastic(E=material.E, nu=K0 / (1.0 + K0))
-
-
-def _moved_back(pair: ContactPair, state: ContactState) -> ContactState:
-    """The state of a pair whose bodies are back in their places, with all it carries."""
-    home = pair.initial_state()
-    old, new = pair.points(state), pair.points(home)
-    if pair.quadrature == "segments":
-        excess = np.interp(new.arc, old.arc, np.where(np.isfinite(state.gap), state.gap - state.offset, 0.0))
-        state = replace(transferred(state, old, new), cuts=home.cuts, offset=np.zeros(len(excess)), gap=excess)
-    elastic = np.nan_to_num(pair.master.along(state.arc - state.stick_point))
-    near = np.isfinite(home.gap) & np.isfinite(state.gap)
-    offset = np.where(near, home.gap - (state.gap - state.offset), 0.0)
-    return replace(state, arc=home.arc, stick_point=home.arc - elastic, segment=home.segment, gap=home.gap,
-                   slip=np.zeros_like(state.slip), offset=offset)

@@ -22,7 +22,8 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.linalg import SuperLU, splu
 
 from .free_block import FreeBlock, same_pattern
-from .linear import LinearSolver, Solve, as_solver
+from .given_solver import as_solver
+from .linear import LinearSolver, Solve
 from .ordering import nested_dissection
 
 logger = logging.getLogger("skfem_contact")

@@ -71,13 +71,18 @@ def unknowns_of(forms: Mapping[str, Form]) -> ndarray:
     return np.unique(np.concatenate(found)) if found else np.zeros(0, int)
 
 
-def check_load(load: Any, n: int, what: str = "load") -> ndarray:
+def check_load(load: Any, n: int) -> ndarray:
     """A load vector, or a ``ValueError``: wrong size, NaN, or zero everywhere."""
     load = np.asarray(load, dtype=float)
-    if load.shape != (n,):
-        raise ValueError(f"the {what} has shape {load.shape}, not ({n},)")
-    if not np.isfinite(load).all():
-        raise ValueError(f"the {what} holds NaN or infinite values")
+    check_vector(load, n, "the load")
     if not load.any():
-        raise ValueError(f"the {what} is zero: nothing drives a collapse")
+        raise ValueError("the load is zero: nothing drives a collapse")
     return load
+
+
+def check_vector(values: Any, n: int, what: str) -> None:
+    """A ``ValueError`` unless the values are as many as the unknowns, and finite."""
+    if np.shape(values) != (n,):
+        raise ValueError(f"{what} has shape {np.shape(values)}, not ({n},)")
+    if not np.isfinite(values).all():
+        raise ValueError(f"{what} holds NaN or infinite values")

@@ -1,0 +1,75 @@
+"""The linear solver that a user gives: a name, a function, or nothing."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy import ndarray
+from scipy.sparse import csr_matrix
+
+from .free_block import FreeBlock
+from .linear import ENGINES, DirectSolver, LinearSolver, SingularSystem, Solve
+
+logger = logging.getLogger("skfem_contact")
+
+
+class FunctionSolver:
+    """A function (A, b) -> x behind the call of :class:`DirectSolver`."""
+
+    def __init__(self, function: Callable[[csr_matrix, ndarray], ndarray], free: ndarray) -> None:
+        self._function = function
+        self._block = FreeBlock(np.asarray(free))
+        self.name = getattr(function, "__qualname__", repr(function))
+        logger.info("linear solver: %s", self.name)
+
+    def factor(self, K: csr_matrix, symmetric: bool = False) -> Solve:
+        """Keep the free block of K for the function."""
+        A = self._block.gather(K)
+
+        def solve(b: ndarray) -> ndarray:
+            x = np.zeros(K.shape[0])
+            x[self._block.order] = self._function(A, b[self._block.order])
+            if not np.all(np.isfinite(x)):
+                raise SingularSystem(f"the linear solver {self.name} returned values that are not finite",
+                                     np.flatnonzero(~np.isfinite(x)))
+            return x
+
+        return solve
+
+
+def as_solver(solver: Any, locations: ndarray, free: ndarray) -> LinearSolver:
+    """The linear solver of an analysis from what its user gave.
+
+    Parameters
+    ----------
+    solver
+        None or the name of an engine for a :class:`DirectSolver`; or a scikit-fem linear solver, that is
+        a function (A, b) -> x such as `skfem.utils.solver_iter_krylov()` returns.
+    locations
+        (dim, N), the place of each unknown.
+    free
+        Indices of the unknowns to solve for.
+
+    Raises
+    ------
+    ValueError
+        `solver` is none of these.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scipy.sparse import eye
+    >>> from scipy.sparse.linalg import spsolve
+    >>> solver = as_solver(spsolve, np.zeros((2, 3)), np.array([0, 2]))
+    >>> solver.factor(2 * eye(3, format="csr"))(np.ones(3))
+    array([0.5, 0. , 0.5])
+    """
+    if callable(solver):
+        return FunctionSolver(solver, free)
+    if solver is None or isinstance(solver, str):
+        return DirectSolver(locations, free, solver)
+    names = ", ".join(ENGINES)
+    raise ValueError(f"solver must be None, one of {names}, or a function (A, b) -> x, not {solver!r}")
