@@ -27,6 +27,7 @@ from skfem import Basis, ElementQuad1, ElementVector, FacetBasis, LinearForm, Me
 
 import skfem_contact as sc
 from skfem_contact.analysis import interface, linear, setup, superlu, system
+from skfem_contact.analysis.given_solver import as_solver
 from skfem_contact.analysis.predictor import Predictor
 from skfem_contact.analysis.total import Total
 from skfem_contact.contact import neighbours
@@ -121,7 +122,7 @@ SKIPS = {
     "order of elimination kept": (footing, superlu.SuperLU, "outdated", lambda self: True),
     "unchanged matrix not factored again": (elastic_block, linear, "_equal", lambda A, B: False),
     "factors of elastic bodies in contact kept": (
-        elastic_contact, setup, "linear_solver", lambda forms, *args: linear.as_solver(*args)),
+        elastic_contact, setup, "linear_solver", lambda forms, *args: as_solver(*args)),
     "one solution with kept factors": (elastic_contact, interface, "_NOTHING", 0.0),
     "increments start where the last one leads": (elastic_contact, Predictor, "start", lambda *args: None),
     "far points not projected": (elastic_contact, neighbours.NeighbourList, "at", nothing_is_far),
