@@ -197,6 +197,7 @@ class WrongForm:
 
     def __init__(self, pair, fault):
         self.pair, self.fault, self.calls = pair, fault, 0
+        self.symmetric = fault == "symmetric"  # friction has no symmetric tangent
 
     def initial_state(self):
         return self.pair.initial_state()
@@ -238,6 +239,7 @@ class WrongForm:
         ("eager", "computed before it is asked for"),
         ("writes", "changes its arguments"),
         ("tangent", "tangent differs"),
+        ("symmetric", "says `symmetric`"),
         ("state", "accepted candidate gives another force"),
         ("springs", "forces do not balance"),
         ("settle", "`settle`"),

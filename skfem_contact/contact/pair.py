@@ -125,6 +125,14 @@ class ContactPair:
         dofs = np.unique(np.concatenate((self.slave.dofs.ravel(), self.master.dofs.ravel())))
         return dofs[dofs >= 0]
 
+    @property
+    def symmetric(self) -> bool:
+        """Whether the tangent is symmetric: the law has an attribute `symmetric` that says so.
+
+        Points that stick have no symmetric tangent once they carry shear or have slipped elastically.
+        """
+        return getattr(self.law, "symmetric", False)
+
     # -- what is given once ---------------------------------------------------------------------------------
 
     def with_penalty(self, normal: float, tangential: float, stiffness: float | None = None) -> ContactPair:

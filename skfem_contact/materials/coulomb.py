@@ -123,6 +123,11 @@ class Coulomb:
         return False
 
     @property
+    def symmetric(self) -> bool:
+        """Whether the tangent of contact is symmetric: there is no shear, and the pressure has a potential."""
+        return self.mu == 0.0 and self.adhesion == 0.0
+
+    @property
     def unbonded(self) -> Coulomb:
         """The law of a point whose bond is broken: friction alone."""
         return replace(self, adhesion=0.0, tension=0.0)

@@ -11,7 +11,7 @@ from scipy.sparse import issparse
 
 from ..analysis.system import Form
 from ..assembly import Response
-from .tools import STEP, differences, largest_error, require, same_twice
+from .tools import EXACT, STEP, differences, largest_error, require, same_twice
 
 
 def check_form(form: Form, x: ndarray, state: Any, locations: ndarray | None = None, tolerance: float = 1e-6,
@@ -19,9 +19,10 @@ def check_form(form: Form, x: ndarray, state: Any, locations: ndarray | None = N
     """Check a form at some displacements from an accepted state.
 
     Its answer is the same twice and leaves the arguments alone; state and tangent are not computed before they are
-    asked for; the tangent is that of central differences; the candidate state at the same displacements gives the
-    same force; ``settle``, ``summary`` and ``remarks`` answer as they should. For forms between bodies that
-    stand on nothing else, forces and moments balance and rigid motions meet no resistance.
+    asked for; the tangent is that of central differences, and symmetric if the form has an attribute `symmetric` that
+    says so; the candidate state at the same displacements gives the same force; ``settle``, ``summary`` and
+    ``remarks`` answer as they should. For forms between bodies that stand on nothing else, forces and moments
+    balance and rigid motions meet no resistance.
 
     Parameters
     ----------
@@ -73,6 +74,8 @@ def check_form(form: Form, x: ndarray, state: Any, locations: ndarray | None = N
     require(issparse(K) and K.format == "csr" and K.shape == (len(x), len(x)), "the stiffness is no csr_matrix (N, N)")
     require(force.shape == x.shape and np.isfinite(force).all() and np.isfinite(K.data).all(),
              "the force is no (N,), or not finite")
+    if getattr(form, "symmetric", False):
+        require(abs(K - K.T).max() <= EXACT * abs(K).max(), "the form says `symmetric`, and its tangent is not")
     scale = max(float(np.abs(force).max()), 1e-300)
     accepted = form.assemble(x, first.state)
     require(np.abs(accepted.force - force).max() <= 1e-7 * scale, "the accepted candidate gives another force")
