@@ -86,6 +86,17 @@ def test_window_and_constant_field(tmp_path):
     assert colored(image[:900]).mean() > 0.6  # half as wide as high, in the least width of 700
 
 
+@needs_opengl
+def test_bodies_that_are_not_there_are_not_drawn():
+    """The right of two plates has gone: the picture is that of the left one."""
+    plate = grid("Q1", np.linspace(0, 1, 3), np.linspace(0, 1, 3))
+    basis = vector_basis(sc.join_bodies({"a": plate, "b": plate.translated((1.0, 0.0))}), "Q1")
+    forms = {name: sc.SolidForm(basis.with_elements(name), sc.LinearElastic(E=1e3, nu=0.0)) for name in "ab"}
+    step = sc.StageResult("now", basis.zeros(), basis.zeros(), {"a": forms["a"].initial_state()}, (), 0.0)
+    image = plot.contour(forms, step, "uy", edges=False).screenshot(None, return_img=True)
+    assert image.shape[:2] == (1000 + 120, 1000)  # a square of the largest height; two plates would be 1400 wide
+
+
 def test_unknown_field_is_refused_before_anything_is_drawn():
     forms, step = block()
     with pytest.raises(ValueError, match="no field 'pressure'; existing"):

@@ -147,3 +147,18 @@ def test_vtu_of_two_bodies(tmp_path):
     sxx = read.cell_data["stress"][0][:, 0]
     np.testing.assert_allclose(sxx[4:], 5 * sxx[:4])
     np.testing.assert_allclose(read.cell_data["stress"][0][:, 4:], 0.0)
+
+
+def test_solids_that_are_not_there_are_left_out(tmp_path):
+    """What a stage has taken away, or has not got yet, has no values; the regions of the others keep their numbers."""
+    basis, forms = two_bodies("Q1")
+    step = step_of({"b": forms["b"]}, stretched(basis))
+    there = np.unique(basis.element_dofs[::2, basis.mesh.subdomains["b"]]) // 2
+    for quantity in ("ux", "sxx", "mises", "plastic"):
+        field = sc.nodal_field(forms, step, quantity)
+        np.testing.assert_array_equal(np.flatnonzero(np.isfinite(field)), there, err_msg=quantity)
+    sc.export_vtu(tmp_path / "b.vtu", forms, step)
+    read = meshio.read(tmp_path / "b.vtu")
+    np.testing.assert_array_equal(read.cell_data["region"][0], [1] * 4)
+    with pytest.raises(ValueError, match=r"none of the solids \['a'\] is there in stage 'now', which holds \['b'\]"):
+        sc.nodal_field({"a": forms["a"]}, step, "ux")

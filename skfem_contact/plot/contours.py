@@ -14,7 +14,7 @@ import numpy as np
 from numpy import ndarray
 
 from ..analysis.result import StageResult
-from ..post.fields import QUANTITIES, element_nodes, nodal_field, solids
+from ..post.fields import QUANTITIES, element_nodes, nodal_field, solids_there
 
 #: VTK's numbers of the cells with so many nodes.
 _CELL_TYPES = {3: 5, 4: 9, 6: 22, 8: 23, 9: 28}
@@ -31,7 +31,7 @@ def contour(forms: Mapping[str, Any], step: StageResult, quantity: str, deformed
     Parameters
     ----------
     forms
-        Forms by name; the solids among them are drawn.
+        Forms by name; the solids among them that are there in the stage are drawn.
     step
         A stage of the result of these forms.
     quantity
@@ -57,7 +57,7 @@ def contour(forms: Mapping[str, Any], step: StageResult, quantity: str, deformed
     Raises
     ------
     ValueError
-        Unknown quantity, or no solid among the forms.
+        Unknown quantity, or no solid among the forms is there in the stage.
 
     Examples
     --------
@@ -99,7 +99,7 @@ class _Scene:
     """The bodies of some forms, ready to be drawn from above."""
 
     def __init__(self, forms: Mapping[str, Any], step: StageResult, deformed: float) -> None:
-        bodies = list(solids(forms).values())
+        bodies = list(solids_there(forms, step).values())
         basis = bodies[0].basis
         self.cells = np.concatenate([element_nodes(form) for form in bodies])
         self.points = basis.doflocs[:, 0::2].T

@@ -48,7 +48,7 @@ def nodal_field(forms: Mapping[str, Any], step: StageResult, quantity: str) -> n
     Parameters
     ----------
     forms
-        Forms by name; the solids among them count.
+        Forms by name; the solids among them that are there in the stage count.
     step
         A stage of the result of these forms.
     quantity
@@ -64,7 +64,7 @@ def nodal_field(forms: Mapping[str, Any], step: StageResult, quantity: str) -> n
     Raises
     ------
     ValueError
-        Unknown quantity, or no solid among the forms.
+        Unknown quantity, or no solid among the forms is there in the stage.
 
     Examples
     --------
@@ -79,7 +79,7 @@ def nodal_field(forms: Mapping[str, Any], step: StageResult, quantity: str) -> n
     [-10.0, -10.0, -10.0, -10.0]
     """
     look_up(quantity, QUANTITIES, "field")
-    forms = solids(forms)
+    forms = solids_there(forms, step)
     if quantity in _OF_DISPLACEMENT:
         used = np.unique(np.concatenate([element_nodes(form).ravel() for form in forms.values()]))
         field = np.full(len(step.x) // 2, np.nan)
@@ -95,6 +95,16 @@ def solids(forms: Mapping[str, Any]) -> dict[str, SolidForm]:
     found = {name: form for name, form in forms.items() if isinstance(form, SolidForm)}
     if not found:
         raise ValueError(f"there is no SolidForm among the forms {list(forms)}")
+    return found
+
+
+def solids_there(forms: Mapping[str, Any], step: StageResult) -> dict[str, SolidForm]:
+    """The solids among the forms that are there in a stage: neither taken away nor still to come."""
+    given = solids(forms)
+    found = {name: form for name, form in given.items() if name in step.states}
+    if not found:
+        raise ValueError(f"none of the solids {list(given)} is there in stage '{step.name}', which holds "
+                         f"{list(step.states)}")
     return found
 
 

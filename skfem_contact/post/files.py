@@ -11,7 +11,7 @@ from numpy import ndarray
 from ..analysis.result import StageResult
 from ..mesh import bodies
 from ..solid import SolidForm
-from .fields import element_nodes, plastic_strain, solids
+from .fields import element_nodes, plastic_strain, solids, solids_there
 
 #: VTK's cells by the number of nodes; scikit-fem numbers the nodes of an element in the same order.
 _CELLS = {3: "triangle", 4: "quad", 6: "triangle6", 8: "quad8", 9: "quad9"}
@@ -30,14 +30,14 @@ def export_vtu(file: str | Path, forms: Mapping[str, Any], step: StageResult) ->
     file
         Name of the file.
     forms
-        Forms by name; the solids among them are written.
+        Forms by name; the solids among them that are there in the stage are written.
     step
         A stage of the result of these forms.
 
     Raises
     ------
     ValueError
-        No solid among the forms.
+        No solid among the forms is there in the stage.
 
     Examples
     --------
@@ -57,15 +57,16 @@ def export_vtu(file: str | Path, forms: Mapping[str, Any], step: StageResult) ->
     """
     import meshio
 
-    forms = solids(forms)
+    given = solids(forms)  # their regions have the same numbers in all stages
+    first = dict(zip(given, np.cumsum([0] + [len(form.regions) for form in given.values()])))
+    forms = solids_there(forms, step)
     basis = next(iter(forms.values())).basis
     points = np.column_stack((basis.doflocs[:, 0::2].T, np.zeros(basis.N // 2)))
     displacement = np.column_stack((step.x.reshape(-1, 2), np.zeros(basis.N // 2)))
     nodes = np.concatenate([element_nodes(form) for form in forms.values()])
     data = [_cell_data(form, step.states[name]) for name, form in forms.items()]
     merged = {key: np.concatenate([d[key] for d in data]) for key in data[0]}
-    first = np.cumsum([0] + [len(form.regions) for form in forms.values()])
-    merged["region"] = np.concatenate([d["region"] + k for d, k in zip(data, first)])
+    merged["region"] = np.concatenate([d["region"] + first[name] for d, name in zip(data, forms)])
     used, cells = np.unique(nodes, return_inverse=True)
     meshio.Mesh(points[used], [(_CELLS[nodes.shape[1]], cells.reshape(nodes.shape))],
                 point_data={"displacement": displacement[used]},
