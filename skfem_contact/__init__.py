@@ -8,7 +8,7 @@ from .analysis.reset import reset_displacements
 from .analysis.result import Result, StageResult, load_result
 from .analysis.stages import Stage, run
 from .analysis.strength import StrengthReduction, strength_reduction
-from .assembly import Response, StrainOperator, axisymmetric, b_bar, plane_strain
+from .assembly import Response, StrainOperator, axisymmetric, b_bar, plane_strain, three_dimensional
 from .checks import AnalysisWarning
 from .contact import (
     AugmentedLagrangian,
@@ -56,5 +56,5 @@ __all__ = [
     "gravity_state", "hydrostatic", "join_bodies", "k0_state", "limit_load", "line_sections", "load_mesh",
     "load_result", "nodal_field", "plane_strain", "reduced_strength", "reset_displacements", "rigid_circle",
     "rigid_level_set", "rigid_line", "rigid_polyline", "ring_sections", "run", "section_forces",
-    "strength_reduction", "tractions", "two_pass", "water_load", "weight",
+    "strength_reduction", "three_dimensional", "tractions", "two_pass", "water_load", "weight",
 ]

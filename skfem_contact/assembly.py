@@ -92,7 +92,8 @@ class StrainOperator(NamedTuple):
     Attributes
     ----------
     B
-        Shape (n_elements, n_points, 4, n_local_dofs); rows xx, yy, zz, xy (engineering shear).
+        Shape (n_elements, n_points, 4, n_local_dofs); rows xx, yy, zz, xy (engineering shear). In three dimensions
+        there are 6 rows: xx, yy, zz, xy, yz, zx.
     weight
         Quadrature weight times Jacobian (times the radius in axial symmetry), (n_elements, n_points).
     """
@@ -102,8 +103,8 @@ class StrainOperator(NamedTuple):
 
 
 def _gradients(basis: CellBasis) -> ndarray:
-    """Gradients of the scalar shape functions, (n_elements, n_points, n_functions, 2)."""
-    functions = [np.asarray(basis.basis[j][0].grad)[0] for j in range(0, basis.Nbfun, 2)]
+    """Gradients of the scalar shape functions, (n_elements, n_points, n_functions, dim)."""
+    functions = [np.asarray(basis.basis[j][0].grad)[0] for j in range(0, basis.Nbfun, basis.mesh.dim())]
     return np.ascontiguousarray(np.stack(functions).transpose(2, 3, 0, 1))
 
 
@@ -122,6 +123,9 @@ def plane_strain(basis: CellBasis) -> StrainOperator:
     >>> sc.plane_strain(Basis(MeshTri(), ElementVector(ElementTriP1()))).B.shape[2:]
     (4, 6)
     """
+    if basis.mesh.dim() != 2:
+        raise ValueError(f"plane strain of a {type(basis.mesh).__name__}: for bodies in space pass "
+                         "strain=three_dimensional")
     G = _gradients(basis)
     B = np.zeros((*G.shape[:2], 4, 2 * G.shape[2]))
     B[:, :, 0, 0::2] = B[:, :, 3, 1::2] = G[..., 0]
@@ -130,16 +134,16 @@ def plane_strain(basis: CellBasis) -> StrainOperator:
 
 
 def b_bar(basis: CellBasis) -> StrainOperator:
-    """Plane strain with the volumetric strain averaged over each element (Hughes' B-bar).
+    """Plane or three-dimensional strains, the volumetric one averaged over each element (Hughes' B-bar).
 
-    Fully integrated four-node quadrilaterals lock when the soil flows at constant volume; with the averaged
-    volumetric strain they do not.  The deviatoric part keeps its own out-of-plane component, so the
-    out-of-plane strain is zero on average over an element only.
+    Fully integrated four-node quadrilaterals and eight-node hexahedra lock when the soil flows at constant volume;
+    with the averaged volumetric strain they do not.  In plane strain the deviatoric part keeps its own out-of-plane
+    component, so the out-of-plane strain is zero on average over an element only.
 
     Parameters
     ----------
     basis
-        Basis of a two-dimensional vector element.
+        Basis of a vector element.
 
     Examples
     --------
@@ -149,8 +153,8 @@ def b_bar(basis: CellBasis) -> StrainOperator:
     >>> bool(abs(operator.B[:, :, :3].sum(axis=2).std(axis=1)).max() < 1e-14)   # one volume strain an element
     True
     """
-    B, weight = plane_strain(basis)
-    volumetric = B[:, :, 0] + B[:, :, 1]
+    B, weight = plane_strain(basis) if basis.mesh.dim() == 2 else three_dimensional(basis)
+    volumetric = B[:, :, :3].sum(axis=2)
     mean = np.einsum("eq,eqb->eb", weight, volumetric) / weight.sum(axis=1)[:, None]
     B[:, :, :3] += ((mean[:, None] - volumetric) / 3.0)[:, :, None]
     return StrainOperator(B, weight)
@@ -189,8 +193,39 @@ def axisymmetric(basis: CellBasis) -> StrainOperator:
     return StrainOperator(B, weight * radius)
 
 
+def three_dimensional(basis: CellBasis) -> StrainOperator:
+    """Strains in three dimensions: xx, yy, zz, xy, yz, zx (engineering shears).
+
+    Parameters
+    ----------
+    basis
+        Basis of a vector element on tetrahedra or hexahedra.
+
+    Raises
+    ------
+    ValueError
+        A plane basis.
+
+    Examples
+    --------
+    >>> from skfem import Basis, ElementHex1, ElementVector, MeshHex
+    >>> import skfem_contact as sc
+    >>> basis = Basis(MeshHex().refined(1), ElementVector(ElementHex1()), intorder=2)
+    >>> sc.three_dimensional(basis).B.shape
+    (8, 8, 6, 24)
+    """
+    if basis.mesh.dim() != 3:
+        raise ValueError(f"three_dimensional is for tetrahedra and hexahedra, not for a {type(basis.mesh).__name__}")
+    G = _gradients(basis)
+    B = np.zeros((*G.shape[:2], 6, 3 * G.shape[2]))
+    B[:, :, 0, 0::3] = B[:, :, 3, 1::3] = B[:, :, 5, 2::3] = G[..., 0]
+    B[:, :, 1, 1::3] = B[:, :, 3, 0::3] = B[:, :, 4, 2::3] = G[..., 1]
+    B[:, :, 2, 2::3] = B[:, :, 4, 1::3] = B[:, :, 5, 0::3] = G[..., 2]
+    return StrainOperator(B, np.asarray(basis.dx))
+
+
 def strain_matrix(B: ndarray, element_dofs: ndarray, n: int) -> csr_matrix:
-    """Sparse matrix that maps displacements (N,) to strains, rows ordered (4, n_elements, n_points)."""
+    """Sparse matrix that maps displacements (N,) to strains, rows ordered (ncomp, n_elements, n_points)."""
     n_elements, n_points = B.shape[:2]
     data, indices, counts = [], [], []
     for component in range(B.shape[2]):
@@ -251,10 +286,11 @@ class Pattern:
 
     @classmethod
     def of(cls, basis: CellBasis) -> Pattern:
-        """Pattern of a basis whose two displacement components follow each other node by node."""
-        nodes = basis.element_dofs[0::2].T // 2
+        """Pattern of a basis whose displacement components follow each other node by node."""
+        d = basis.mesh.dim()
+        nodes = basis.element_dofs[0::d].T // d
         n_elements, n_local = nodes.shape
-        n_nodes = basis.N // 2
+        n_nodes = basis.N // d
         rows = np.repeat(nodes, n_local, axis=1).ravel()
         columns = np.tile(nodes, (1, n_local)).ravel()
         graph = coo_matrix((np.ones(len(rows), dtype=np.int8), (rows, columns)), shape=(n_nodes, n_nodes)).tocsr()
@@ -264,19 +300,18 @@ class Pattern:
         keys = np.repeat(np.arange(n_nodes, dtype=np.int64), degree) * n_nodes + graph.indices
         entry = np.searchsorted(keys, rows.astype(np.int64) * n_nodes + columns)
 
-        # a node pair (r, c) becomes a 2 x 2 block: two rows of 2 degree(r) entries each
-        first = 4 * ptr[rows] + 2 * (entry - ptr[rows])
-        block = first[:, None, None] + np.array([[0, 1], [0, 1]])
-        block[:, 1] += 2 * degree[rows, None]
-        slots = block.reshape(n_elements, n_local, n_local, 2, 2).transpose(0, 1, 3, 2, 4)
+        # a node pair (r, c) becomes a d x d block: d rows of d degree(r) entries each
+        first = d * d * ptr[rows] + d * (entry - ptr[rows])
+        block = first[:, None, None] + np.arange(d)[:, None] * d * degree[rows, None, None] + np.arange(d)
+        slots = block.reshape(n_elements, n_local, n_local, d, d).transpose(0, 1, 3, 2, 4)
 
-        indptr = np.concatenate(([0], np.cumsum(np.repeat(2 * degree, 2))))
-        pairs = (2 * graph.indices[:, None] + np.arange(2)).ravel()
-        starts = np.repeat(2 * ptr[:-1], 2)
-        within = np.arange(indptr[-1]) - np.repeat(indptr[:-1], np.repeat(2 * degree, 2))
-        indices = pairs[np.repeat(starts, np.repeat(2 * degree, 2)) + within]
+        length = np.repeat(d * degree, d)  # of the rows
+        indptr = np.concatenate(([0], np.cumsum(length)))
+        pairs = (d * graph.indices[:, None] + np.arange(d)).ravel()
+        within = np.arange(indptr[-1]) - np.repeat(indptr[:-1], length)
+        indices = pairs[np.repeat(np.repeat(d * ptr[:-1], d), length) + within]
         return cls(_frozen(indptr), _frozen(indices), slots.astype(np.int32, order="C").reshape(
-            n_elements, 2 * n_local, 2 * n_local))
+            n_elements, d * n_local, d * n_local))
 
     def scatter(self, matrices: ndarray, elements: ndarray | slice = slice(None)) -> ndarray:
         """Sum of element matrices as CSR data."""

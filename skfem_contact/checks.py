@@ -4,18 +4,27 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TypeVar
 
+from numpy import ndarray
 from skfem import (
     CellBasis,
+    ElementHex1,
+    ElementHex2,
+    ElementHexS2,
     ElementQuad1,
     ElementQuad2,
     ElementQuadS2,
+    ElementTetP1,
+    ElementTetP2,
     ElementTriP1,
     ElementTriP2,
     ElementVector,
 )
 
 T = TypeVar("T")
-_SUPPORTED = (ElementTriP1, ElementTriP2, ElementQuad1, ElementQuad2, ElementQuadS2)
+_SUPPORTED = (ElementTriP1, ElementTriP2, ElementQuad1, ElementQuad2, ElementQuadS2,
+              ElementTetP1, ElementTetP2, ElementHex1, ElementHex2, ElementHexS2)
+#: Strains of a point, rigid motions, and modes without strain that are allowed, by the number of dimensions.
+_MODES = {2: (3, 3, 1), 3: (6, 6, 6)}
 
 
 class AnalysisWarning(UserWarning):
@@ -30,12 +39,17 @@ def look_up(name: str, existing: Mapping[str, T], kind: str) -> T:
     return existing[name]
 
 
+def place(x: ndarray) -> str:
+    """Coordinates of a point, for a message."""
+    return f"({', '.join(f'{value:.4g}' for value in x)})"
+
+
 def check_basis(basis: CellBasis) -> None:
-    """Refuse what the kernels do not support: only plane vector elements of order 1 and 2 are."""
+    """Refuse what the kernels do not support: only vector elements of order 1 and 2 are."""
     if not isinstance(basis, CellBasis):
         raise ValueError(f"a Basis of elements is needed, not {type(basis).__name__}")
     elem = basis.elem
-    if not isinstance(elem, ElementVector) or elem.dim != 2 or type(elem.elem) not in _SUPPORTED:
+    if not isinstance(elem, ElementVector) or type(elem.elem) not in _SUPPORTED or elem.dim != elem.elem.dim:
         names = ", ".join(f"ElementVector({cls.__name__}())" for cls in _SUPPORTED)
         name = type(elem).__name__
         if isinstance(elem, ElementVector):
@@ -43,13 +57,21 @@ def check_basis(basis: CellBasis) -> None:
         raise ValueError(f"unsupported element {name}; supported are {names}")
 
 
+def check_plane(basis: CellBasis, what: str) -> None:
+    """Refuse bodies in three dimensions where only plane ones are supported."""
+    check_basis(basis)
+    if basis.mesh.dim() != 2:
+        raise ValueError(f"{what} is for plane bodies, but this is a {type(basis.mesh).__name__} in three dimensions")
+
+
 def check_quadrature(basis: CellBasis) -> None:
     """Refuse rules with so few points that elements can deform without strain (hourglass modes).
 
-    A point sees three strains; an element has all but three of its unknowns to strain.  One mode more is allowed:
-    that of the serendipity element with 2 x 2 points does not spread from element to element.
+    A point sees three strains, or six in space; an element has all but its rigid motions to strain.  The modes of the
+    serendipity elements with 2 x 2 (x 2) points are allowed: they do not spread from element to element.
     """
     points = basis.X.shape[-1]
-    if 3 * points < basis.Nbfun - 4:
+    strains, rigid, allowed = _MODES[basis.mesh.dim()]
+    if strains * points < basis.Nbfun - rigid - allowed:
         raise ValueError(f"{points} integration points are too few for {type(basis.elem.elem).__name__}: it would "
                          f"deform without strain; pass a higher `intorder` to Basis")

@@ -9,7 +9,7 @@ from numpy import ndarray
 from numpy.typing import ArrayLike
 from skfem import CellBasis, ElementQuad1, ElementTriP1, FacetBasis, LinearForm
 
-from .checks import AnalysisWarning, check_basis, look_up
+from .checks import AnalysisWarning, check_basis, check_plane, look_up
 
 #: Pressure of water, positive: a function of places (2, ...), or values at the nodes of the mesh, (n_nodes,).
 Pressure = Callable[[ndarray], ndarray] | ndarray
@@ -19,7 +19,7 @@ _UPWARDS = 0.01
 
 
 def weight(basis: CellBasis, unit_weights: float | Mapping[str, float],
-           direction: tuple[float, float] = (0.0, -1.0), axisymmetric: bool = False) -> ndarray:
+           direction: Sequence[float] | None = None, axisymmetric: bool = False) -> ndarray:
     """Own weight of bodies as a load vector.
 
     Parameters
@@ -29,7 +29,7 @@ def weight(basis: CellBasis, unit_weights: float | Mapping[str, float],
     unit_weights
         Weight per volume: one number, or by subdomain; subdomains that are not named are weightless.
     direction
-        Unit vector of gravity.
+        Unit vector of gravity; by default against the last axis, y or, in three dimensions, z.
     axisymmetric
         Weight per radian about the axis x = 0, for solids with ``strain=axisymmetric``.
 
@@ -66,11 +66,12 @@ def weight(basis: CellBasis, unit_weights: float | Mapping[str, float],
         gamma[:] = unit_weights
     here = gamma if basis.tind is None else gamma[basis.tind]
     field = np.broadcast_to(here[:, None], basis.dx.shape).copy()
+    down = -np.eye(basis.mesh.dim())[-1] if direction is None else np.asarray(direction)
 
     @LinearForm
     def body_force(v, w):  # type: ignore[no-untyped-def]
         radius = w.x[0] if axisymmetric else 1.0
-        return radius * w.gamma * (direction[0] * v[0] + direction[1] * v[1])
+        return radius * w.gamma * np.einsum("c,c...->...", down, np.asarray(v))
 
     return np.asarray(body_force.assemble(basis, gamma=field))
 
@@ -137,7 +138,7 @@ def water_load(basis: CellBasis, pressure: Pressure, boundaries: str | Sequence[
     Raises
     ------
     ValueError
-        Unknown boundary, or values that are not as many as the nodes.
+        Unknown boundary, values that are not as many as the nodes, or a basis in three dimensions.
 
     Warns
     -----
@@ -155,7 +156,7 @@ def water_load(basis: CellBasis, pressure: Pressure, boundaries: str | Sequence[
     >>> round(float((sc.weight(basis, 20.) + water).sum()), 9)
     -10.0
     """
-    check_basis(basis)
+    check_plane(basis, "water_load")
     named = (boundaries,) if isinstance(boundaries, str) else tuple(boundaries)
     facets = [look_up(name, basis.mesh.boundaries or {}, "boundary") for name in named]
     _warn_of_water(basis, pressure, np.concatenate([np.asarray(f) for f in facets]) if facets else np.zeros(0, int))

@@ -51,7 +51,8 @@ def join_bodies(
     Parameters
     ----------
     mesh
-        A mesh, or meshes by the names of their bodies: triangles or quadrilaterals of first or second order.
+        A mesh, or meshes by the names of their bodies: triangles, quadrilaterals, tetrahedra or hexahedra of first or
+        second order.
     bodies
         For a single mesh: the name of every body, and the name or names of its subdomains. Without it the
         bodies are the connected parts of the mesh, named as by :func:`bodies`; there must be more than one.
@@ -255,14 +256,14 @@ def _renumbered(parts: Sequence[Mesh], body: Indices) -> Mesh:
     t = np.unique(body * offset[-1] + corners, return_inverse=True)[1].reshape(corners.shape)
     mesh = replace(
         parts[0],
-        doflocs=np.zeros((2, t.max() + 1)),
+        doflocs=np.zeros((parts[0].dim(), t.max() + 1)),
         t=t,
         sort_t=all(part.sort_t for part in parts),
         validate=False,  # scikit-fem's validation takes double nodes for a mistake
         _boundaries=None,
         _subdomains=None,
     )
-    doflocs = np.zeros((2, mesh.dofs.N))
+    doflocs = np.zeros((mesh.dim(), mesh.dofs.N))
     doflocs[:, mesh.dofs.element_dofs] = np.concatenate(
         [part.doflocs[:, part.dofs.element_dofs] for part in parts], axis=2
     )

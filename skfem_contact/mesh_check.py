@@ -6,14 +6,27 @@ from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
-from skfem import MappingIsoparametric, Mesh, MeshQuad1, MeshQuad2, MeshTri1, MeshTri2
+from skfem import (
+    MappingIsoparametric,
+    Mesh,
+    MeshHex1,
+    MeshHex2,
+    MeshQuad1,
+    MeshQuad2,
+    MeshTet1,
+    MeshTet2,
+    MeshTri1,
+    MeshTri2,
+)
 from skfem.generic_utils import OrientedBoundary
+
+from .checks import place
 
 Indices = NDArray[np.integer]
 
-_MESH_TYPES = (MeshTri1, MeshTri2, MeshQuad1, MeshQuad2)
-# An element is flat if its Jacobian is below this part of its size squared: far below any shape of use (a
-# needle of aspect ratio 1e6 has 1e-6), and above the round-off of coordinates (1e-13 at a distance of 1000
+_MESH_TYPES = (MeshTri1, MeshTri2, MeshQuad1, MeshQuad2, MeshTet1, MeshTet2, MeshHex1, MeshHex2)
+# An element is flat if its Jacobian is below this part of its size squared (cubed in space): far below any shape of
+# use (a needle of aspect ratio 1e6 has 1e-6), and above the round-off of coordinates (1e-13 at a distance of 1000
 # element sizes).
 _FLAT = 1e-10
 _SHOWN = 5
@@ -22,9 +35,9 @@ _SHOWN = 5
 def check_mesh(mesh: Mesh) -> None:
     """Raise an error if a mesh is not fit for an analysis.
 
-    It is not if it has elements other than triangles or quadrilaterals of first or second order, elements on
-    top of each other, flat, inverted or folded elements, coordinates that are not finite, nodes that belong to no
-    element, or tags that name elements or facets that do not exist.
+    It is not if it has elements other than triangles, quadrilaterals, tetrahedra or hexahedra of first or second
+    order, elements on top of each other, flat, inverted or folded elements, coordinates that are not finite, nodes that
+    belong to no element, or tags that name elements or facets that do not exist.
 
     An element is inverted if its Jacobian changes sign between its nodes. The sign itself means nothing,
     since scikit-fem's meshes run either way round. For first-order elements the test is sharp, for
@@ -63,7 +76,7 @@ def check_mesh(mesh: Mesh) -> None:
     corners = mesh.p[:, mesh.t]
     jacobian = _jacobian_at_nodes(mesh)
     size = np.linalg.norm(np.ptp(corners, axis=1), axis=0)
-    flat = np.flatnonzero(np.abs(jacobian).min(axis=1) <= _FLAT * size**2)
+    flat = np.flatnonzero(np.abs(jacobian).min(axis=1) <= _FLAT * size ** mesh.dim())
     if len(flat):
         raise _error("flat elements", "element", flat, corners.mean(axis=1))
     inverted = np.flatnonzero(jacobian.min(axis=1) * jacobian.max(axis=1) < 0)
@@ -105,17 +118,21 @@ def _jacobian_at_nodes(mesh: Mesh) -> NDArray[np.float64]:
     """The determinant of the mapping at the nodes of every element, zeros included: (n_elements, n_nodes)."""
     element = mesh.elem()
     mapping = MappingIsoparametric(mesh, element)
-    dx_dr, dx_ds, dy_dr, dy_ds = (mapping.J(i, j, element.doflocs.T) for i in (0, 1) for j in (0, 1))
-    return dx_dr * dy_ds - dx_ds * dy_dr
+    axes = range(mesh.dim())
+    J = np.array([[mapping.J(i, j, element.doflocs.T) for j in axes] for i in axes])
+    if len(J) == 2:
+        return J[0, 0] * J[1, 1] - J[0, 1] * J[1, 0]
+    return np.einsum("i...,i...->...", J[0], np.cross(J[1], J[2], axis=0))
 
 
 def _folded(mesh: Mesh) -> Indices:
     """Elements that lie on the same side of a facet as their neighbour."""
     inner = np.flatnonzero(mesh.f2t[1] >= 0)
-    start, end = mesh.p[:, mesh.facets[0, inner]], mesh.p[:, mesh.facets[1, inner]]
-    x, y = mesh.p[:, mesh.t].mean(axis=1)[:, mesh.f2t[:, inner]] - start[:, None]  # of the two neighbours
-    along = end - start
-    sides = along[0] * y - along[1] * x
+    start, *others = (mesh.p[:, corner] for corner in mesh.facets[: mesh.dim(), inner])
+    along, *across = (other - start for other in others)
+    normal = np.cross(along, across[0], axis=0) if across else np.array([-along[1], along[0]])
+    centroids = mesh.p[:, mesh.t].mean(axis=1)[:, mesh.f2t[:, inner]]  # of the two neighbours
+    sides = np.einsum("ci,csi->si", normal, centroids - start[:, None])
     return np.unique(mesh.f2t[:, inner[sides[0] * sides[1] > 0]])
 
 
@@ -129,6 +146,6 @@ def _check_tags(tags: Mapping[str, Indices], kind: str, count: int) -> None:
 
 def _error(problem: str, kind: str, numbers: Indices, x: NDArray[np.float64]) -> ValueError:
     """An error that shows the first few of the nodes or elements with a problem, and where they are."""
-    shown = [f"{kind} {n} at ({x[0, n]:.4g}, {x[1, n]:.4g})" for n in numbers[:_SHOWN]]
+    shown = [f"{kind} {n} at {place(x[:, n])}" for n in numbers[:_SHOWN]]
     dots = ", ..." if len(numbers) > _SHOWN else ""
     return ValueError(f"{problem}, {len(numbers)} in all: {', '.join(shown)}{dots}")

@@ -28,9 +28,9 @@ class SolidState:
     Attributes
     ----------
     strain
-        Strain of the accepted configuration (xx, yy, zz, xy; engineering shear).
+        Strain of the accepted configuration (xx, yy, zz, xy; engineering shear; in three dimensions also yz, zx).
     stress
-        Stress (xx, yy, zz, xy), tension positive.
+        Stress of these components, tension positive.
     internal
         Internal variables of the materials; the first is the equivalent plastic strain where there is one.
     """
@@ -53,13 +53,13 @@ class SolidForm:
     Parameters
     ----------
     basis
-        ``Basis`` of an ``ElementVector`` on triangles or quadrilaterals, whole or restricted
-        (``basis.with_elements``).  Mind scikit-fem's default rule for four-node quadrilaterals: pass
-        ``intorder=2`` for the usual 2 x 2 points.
+        ``Basis`` of an ``ElementVector`` on triangles, quadrilaterals, tetrahedra or hexahedra, whole or restricted
+        (``basis.with_elements``).  Mind scikit-fem's default rule for elements of four and eight corners: pass
+        ``intorder=2`` for the usual two points in each direction.
     materials
         One material, or ``{subdomain: material}`` that covers every element of the basis exactly once.
     strain
-        :func:`plane_strain` or :func:`b_bar`.
+        :func:`plane_strain`, :func:`b_bar`, :func:`axisymmetric` or :func:`three_dimensional`.
 
     Attributes
     ----------
@@ -97,15 +97,16 @@ class SolidForm:
         check_basis(basis)
         check_quadrature(basis)
         self.basis, self.regions = _by_region(basis, materials)
-        _check_materials(self.regions, self.basis.nelems)
         self.strain = strain
         B, self.weight = strain(self.basis)
+        self._ncomp = B.shape[2]
+        _check_materials(self.regions, self.basis.nelems, self._ncomp)
         self._pattern = Pattern.of(self.basis)
         self._force_matrix = force_matrix(strain_matrix(B, self.basis.element_dofs, self.basis.N), self.weight)
         self._element_dofs = np.ascontiguousarray(self.basis.element_dofs.T)
         # rows of B that never act (zz in plane strain) need not be multiplied
         self._rows = np.flatnonzero(B.any(axis=(0, 1, 3)))
-        self._B = B if len(self._rows) == 4 else np.ascontiguousarray(B[:, :, self._rows])
+        self._B = B if len(self._rows) == self._ncomp else np.ascontiguousarray(B[:, :, self._rows])
 
     def __repr__(self) -> str:
         regions = ", ".join(f"{r.name}: {r.material!r}" for r in self.regions)
@@ -133,8 +134,8 @@ class SolidForm:
             look_up(name, self.materials, "region of this solid")
         new = copy(self)
         new.regions = tuple(_Region(r.name, materials.get(r.name, r.material), r.elements) for r in self.regions)
-        _check_materials(new.regions, new.basis.nelems)
-        same = all(np.array_equal(a.material.elasticity(4), b.material.elasticity(4))
+        _check_materials(new.regions, new.basis.nelems, new._ncomp)
+        same = all(np.array_equal(a.material.elasticity(self._ncomp), b.material.elasticity(self._ncomp))
                    for a, b in zip(self.regions, new.regions, strict=True))
         if not same:
             for name in ("_elasticity", "elastic_stiffness", "_diagonal"):
@@ -149,15 +150,15 @@ class SolidForm:
         x
             Displacements, (N,), that count as unstrained from now on.
         """
-        shape = self.weight.shape
-        strain = np.zeros((4, *shape)) if x is None else self._strains(x)
-        return SolidState(strain, np.zeros((4, *shape)), np.zeros((self._n_internal, *shape)))
+        stress = np.zeros((self._ncomp, *self.weight.shape))
+        strain = stress.copy() if x is None else self._strains(x)
+        return SolidState(strain, stress, np.zeros((self._n_internal, *self.weight.shape)))
 
     def _strains(self, x: ndarray) -> ndarray:
         n_elements, n_points, n_acting, n_local = self._B.shape
         B = self._B.reshape(n_elements, n_points * n_acting, n_local)
         acting = np.matmul(B, x.take(self._element_dofs)[:, :, None]).reshape(n_elements, n_points, n_acting)
-        strain = np.zeros((4, n_elements, n_points))
+        strain = np.zeros((self._ncomp, n_elements, n_points))
         strain[self._rows] = acting.transpose(2, 0, 1)
         return strain
 
@@ -220,14 +221,14 @@ class SolidForm:
     @cached_property
     def _elasticity(self) -> ndarray:
         """Elastic moduli of every element in the rows of B that act, (n_elements, r, r)."""
-        moduli = np.empty((self.basis.nelems, 4, 4))
+        moduli = np.empty((self.basis.nelems, self._ncomp, self._ncomp))
         for region in self.regions:
-            moduli[region.elements] = region.material.elasticity(4)
+            moduli[region.elements] = region.material.elasticity(self._ncomp)
         return self._acting(moduli)
 
     def _acting(self, moduli: ndarray) -> ndarray:
-        """The part of some moduli, (n, 4, 4), in the rows of B that act."""
-        return moduli if len(self._rows) == 4 else moduli[:, self._rows[:, None], self._rows]
+        """The part of some moduli, (n, ncomp, ncomp), in the rows of B that act."""
+        return moduli if len(self._rows) == self._ncomp else moduli[:, self._rows[:, None], self._rows]
 
     @cached_property
     def elastic_stiffness(self) -> csr_matrix:
@@ -249,7 +250,8 @@ class SolidForm:
                 tangent = update.tangent()
                 if damped:
                     n_elements = len(range(self.basis.nelems)[region.elements])
-                    elasticity = np.broadcast_to(region.material.elasticity(4), (n_elements, 4, 4))
+                    n = self._ncomp
+                    elasticity = np.broadcast_to(region.material.elasticity(n), (n_elements, n, n))
                     tangent = _damped(tangent, elasticity[update.plastic // n_points])
                 tangents.append(tangent)
         if not points:
@@ -269,7 +271,7 @@ class SolidForm:
 
 
 def _damped(tangent: ndarray, elasticity: ndarray) -> ndarray:
-    r"""Move tangents of non-associated flow, (n, 4, 4), towards a symmetric and positive neighbour.
+    r"""Move tangents of non-associated flow, (n, ncomp, ncomp), towards a symmetric and positive neighbour.
 
     :math:`D = D_e P` with a projector P along the plastic flow. Its companion :math:`P^T D_e P = D^T D_e^{-1} D`
     resists all strains but the same flow, and is symmetric.
@@ -282,13 +284,13 @@ def _damped(tangent: ndarray, elasticity: ndarray) -> ndarray:
     return new
 
 
-def _check_materials(regions: tuple[_Region, ...], n_elements: int) -> None:
+def _check_materials(regions: tuple[_Region, ...], n_elements: int, ncomp: int) -> None:
     """Try every material on unstrained elements: parameter arrays must fit their region."""
     for region in regions:
         if isinstance(region.material, type) or not hasattr(region.material, "update"):
             raise ValueError(f"material of '{region.name}': {region.material!r} is no material")
         n = len(range(n_elements)[region.elements])
-        zero = np.zeros((4, n, 1))
+        zero = np.zeros((ncomp, n, 1))
         try:
             region.material.update(zero, zero, np.zeros((region.material.n_internal, n, 1)))
         except ValueError as error:

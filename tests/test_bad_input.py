@@ -9,12 +9,12 @@ import pytest
 from helpers import grid, unknowns_of, vector_basis
 from skfem import (
     Basis,
-    ElementHex1,
+    ElementHex0,
     ElementLineP1,
     ElementQuad0,
     ElementQuad1,
     ElementQuad2,
-    ElementTetP1,
+    ElementTetCR,
     ElementTriCR,
     ElementTriP1,
     ElementTriP2,
@@ -179,8 +179,8 @@ def test_no_solid_to_take_a_penalty_from():
         (ElementVector(ElementQuad0()), MeshQuad(), "ElementQuad0"),
         (ElementQuad1(), MeshQuad(), "ElementQuad1"),
         (ElementVector(ElementTriP1(), 3), MeshTri(), "with 3 components"),
-        (ElementVector(ElementTetP1()), MeshTet(), "ElementTetP1"),
-        (ElementVector(ElementHex1()), MeshHex(), "ElementHex1"),
+        (ElementVector(ElementTetCR()), MeshTet(), "ElementTetCR"),
+        (ElementVector(ElementHex0()), MeshHex(), "ElementHex0"),
         (ElementVector(ElementLineP1()), MeshLine(), "ElementLineP1"),
     ],
 )

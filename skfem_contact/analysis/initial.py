@@ -11,7 +11,7 @@ import numpy as np
 from numpy import ndarray
 from scipy.spatial import cKDTree
 
-from ..checks import AnalysisWarning, look_up
+from ..checks import AnalysisWarning, check_plane, look_up
 from ..contact.pair import ContactPair
 from ..contact.prestress import prestressed
 from ..materials.elastic import LinearElastic
@@ -45,7 +45,8 @@ def given_state(forms: Mapping[str, Form], load: ndarray, fixed: ndarray, stress
     fixed
         Unknowns that are held.
     stress
-        Stress (xx, yy, zz, xy), tension positive, at places (2, n_elements, n_points): (4, n_elements, n_points).
+        Stress (xx, yy, zz, xy), tension positive, at places (2, n_elements, n_points): (4, n_elements, n_points); in
+        three dimensions 6 components at places (3, n_elements, n_points).
     name
         Name of the state in the result.
 
@@ -118,8 +119,8 @@ def k0_state(forms: Mapping[str, Form], load: ndarray, fixed: ndarray, unit_weig
     Raises
     ------
     ValueError
-        Unknown subdomain, elements without K0, or different unit weights at the same height: the ground is not
-        level.
+        Unknown subdomain, elements without K0, different unit weights at the same height (the ground is not level), or
+        bodies in three dimensions.
 
     Examples
     --------
@@ -134,7 +135,9 @@ def k0_state(forms: Mapping[str, Form], load: ndarray, fixed: ndarray, unit_weig
     >>> bool(np.allclose(stress[0], .5 * stress[1])), bool(start["initial"].residual < 1e-12)
     (True, True)
     """
-    mesh = next(iter(_solids(forms).values())).basis.mesh
+    basis = next(iter(_solids(forms).values())).basis
+    check_plane(basis, "k0_state")
+    mesh = basis.mesh
     overburden, ratios = _overburden(mesh, unit_weights), _by_element(mesh, K0)
     elements = np.concatenate([_elements(form)[:, 0] for form in _solids(forms).values()])
     missing = elements[np.isnan(ratios[elements])]

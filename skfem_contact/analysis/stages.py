@@ -10,6 +10,7 @@ import numpy as np
 from numpy import ndarray
 from tqdm import tqdm
 
+from ..checks import place
 from ..solid import SolidForm
 from .construction import begin, check_start, plan
 from .newton import Newton, NotConverged
@@ -206,8 +207,7 @@ def _place(system: System, unknown: int | None) -> str:
     """Where an unknown is, for a message."""
     if unknown is None:
         return ""
-    x, y = next(f.basis.doflocs[:, unknown] for f in system.forms.values() if isinstance(f, SolidForm))
-    return f", at ({x:.4g}, {y:.4g})"
+    return f", at {place(next(f.basis.doflocs[:, unknown] for f in system.forms.values() if isinstance(f, SolidForm)))}"
 
 
 def _nothing(forms: Mapping[str, Form], n: int) -> StageResult:

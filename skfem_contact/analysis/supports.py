@@ -9,6 +9,7 @@ from numpy import ndarray
 from skfem import CellBasis
 
 from ..assembly import axisymmetric
+from ..checks import place
 from ..contact.pair import ContactPair
 from ..mesh import bodies
 from ..mesh_check import check_mesh
@@ -39,7 +40,7 @@ def check_supports(forms: Mapping[str, Any], fixed: ndarray) -> ndarray:
     Returns
     -------
     ndarray
-        Coordinates of every unknown, (2, N).
+        Coordinates of every unknown, (dim, N).
 
     Raises
     ------
@@ -64,9 +65,8 @@ def check_supports(forms: Mapping[str, Any], fixed: ndarray) -> ndarray:
     carried = np.unique(np.concatenate([np.unique(f.basis.element_dofs) for f in solids.values()]))
     loose = np.setdiff1d(np.arange(basis.N), np.concatenate((carried, fixed)))
     if len(loose):
-        x, y = basis.doflocs[:, loose[0]]
         raise ValueError(f"{len(loose)} unknowns belong to no solid among the forms and are not fixed; the "
-                         f"first is at ({x:g}, {y:g})")
+                         f"first is at {place(basis.doflocs[:, loose[0]])}")
     if all(isinstance(f, (SolidForm, ContactPair)) for f in forms.values()):  # others may hold what they like
         elements = np.sort(np.concatenate([_elements(f.basis) for f in solids.values()]))
         axial = all(f.strain is axisymmetric for f in solids.values())
@@ -111,22 +111,45 @@ def _check_bodies(basis: CellBasis, elements: ndarray, pairs: list[ContactPair],
         obstacles |= met if (pair.facets.dofs < 0).any() else set()
     for group in filter(len, groups):
         held = np.intersect1d(np.concatenate([dofs[name] for name in group]), fixed)
-        free = int(not (held % 2 == 1).any()) if axial else _rigid_motions(basis.doflocs, held)
+        modes = rigid_modes(basis.doflocs, held)[:, 1:2] if axial else rigid_modes(basis.doflocs, held)
+        free = modes.shape[1] - int(np.linalg.matrix_rank(modes, tol=1e-9))
         if free and not group & obstacles:
             listed = " and ".join(f"'{name}'" for name in sorted(group))
             alone = len(group) == 1
             who = f"body {listed} is not held" if alone else f"the bodies {listed} hold only each other"
             raise ValueError(f"{who}: {len(held)} of the unknowns are fixed, which leaves {free} of "
-                             f"{1 if axial else 3} rigid motions free")
+                             f"{modes.shape[1]} rigid motions free")
 
 
-def _rigid_motions(locations: ndarray, held: ndarray) -> int:
-    """Number of rigid motions (of three) that fixed unknowns leave free."""
-    x, y = locations[:, held]
-    across = (held % 2).astype(float)
-    if len(held) == 0:
-        return 3
-    scale = max(float(np.ptp(locations)), 1e-300)
-    turn = across * (x - x.mean()) - (1 - across) * (y - y.mean())
-    modes = np.stack((1 - across, across, turn / scale))
-    return 3 - int(np.linalg.matrix_rank(modes, tol=1e-9))
+def rigid_modes(locations: ndarray, unknowns: ndarray) -> ndarray:
+    """Small rigid motions of a body: translations, then rotations about its centre, scaled by its size.
+
+    Parameters
+    ----------
+    locations
+        Place of each unknown, (dim, N); the components of a node follow each other.
+    unknowns
+        Those of the body.
+
+    Returns
+    -------
+    ndarray
+        Displacements, (len(unknowns), 3), in three dimensions (len(unknowns), 6).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> rigid_modes(np.array([[0., 0., 2., 2.], [0., 0., 0., 0.]]), np.arange(4))
+    array([[ 1. ,  0. , -0. ],
+           [ 0. ,  1. , -0.5],
+           [ 1. ,  0. , -0. ],
+           [ 0. ,  1. ,  0.5]])
+    """
+    x = locations[:, unknowns]
+    dim = len(x)
+    component = np.eye(dim)[unknowns % dim]
+    centre = x.mean(axis=1, keepdims=True) if len(unknowns) else 0.0
+    arm = ((x - centre) / max(float(np.ptp(locations)), 1e-300)).T
+    planes = [(i, j) for i in range(dim) for j in range(i + 1, dim)]
+    turns = [component[:, j] * arm[:, i] - component[:, i] * arm[:, j] for i, j in planes]
+    return np.column_stack((component, *turns))

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy import ndarray
 
+from ..materials.spectral import extremes
 from ..solid import SolidForm, SolidState
 from .continuation import Point
 from .newton import Collapse, NotConverged
@@ -97,7 +98,7 @@ def yielding_share(before: Mapping[str, Any], after: Mapping[str, Any]) -> float
 
 
 def shear_bands(forms: Mapping[str, Any], mechanism: ndarray) -> dict[str, ndarray]:
-    """In-plane shear strain of a displacement field at the points of every solid, (n_elements, n_points).
+    """Largest shear strain, of plane bodies that in their plane, at the points of every solid, (n_elements, n_points).
 
     Parameters
     ----------
@@ -110,7 +111,11 @@ def shear_bands(forms: Mapping[str, Any], mechanism: ndarray) -> dict[str, ndarr
     for name, form in forms.items():
         if isinstance(form, SolidForm):
             strain = form.assemble(mechanism, form.initial_state()).state.strain
-            bands[name] = np.hypot(strain[0] - strain[1], strain[3])
+            if len(strain) == 4:
+                bands[name] = np.hypot(strain[0] - strain[1], strain[3])
+            else:
+                largest, smallest = extremes(np.concatenate((strain[:3], 0.5 * strain[3:])))
+                bands[name] = largest - smallest
     return bands
 
 

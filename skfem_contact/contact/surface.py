@@ -13,7 +13,7 @@ import numpy as np
 from numpy import ndarray
 from skfem import CellBasis
 
-from ..checks import look_up
+from ..checks import check_plane, look_up
 
 #: Coefficients of the shape functions of a facet in the powers 1, xi, xi^2, xi^3.
 LINEAR = np.array([[.5, -.5, 0, 0], [.5, .5, 0, 0]])
@@ -88,8 +88,10 @@ class Surface:
         Raises
         ------
         ValueError
-            Unknown or empty boundary, facets inside the mesh, or a boundary that is no single chain.
+            Unknown or empty boundary, facets inside the mesh, or a boundary that is no single chain; a basis in three
+            dimensions.
         """
+        check_plane(basis, "contact")
         mesh = basis.mesh
         facets = np.unique(look_up(name, mesh.boundaries or {}, "boundary"))
         if len(facets) == 0:

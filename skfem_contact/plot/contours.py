@@ -14,7 +14,8 @@ import numpy as np
 from numpy import ndarray
 
 from ..analysis.result import StageResult
-from ..post.fields import QUANTITIES, element_nodes, nodal_field, solids_there
+from ..checks import check_plane
+from ..post.fields import QUANTITIES, element_nodes, nodal_field, solids, solids_there
 
 #: VTK's numbers of the cells with so many nodes.
 _CELL_TYPES = {3: 5, 4: 9, 6: 22, 8: 23, 9: 28}
@@ -57,7 +58,7 @@ def contour(forms: Mapping[str, Any], step: StageResult, quantity: str, deformed
     Raises
     ------
     ValueError
-        Unknown quantity, or no solid among the forms is there in the stage.
+        Unknown quantity, no solid among the forms is there in the stage, or bodies in three dimensions.
 
     Examples
     --------
@@ -70,6 +71,7 @@ def contour(forms: Mapping[str, Any], step: StageResult, quantity: str, deformed
     >>> result = sc.run(forms, [stage], fixed=basis.get_dofs("bottom").all())
     >>> picture = plot.contour(forms, result["weight"], "uy", deformed=10.)
     """
+    check_plane(next(iter(solids(forms).values())).basis, "plot.contour")
     values = nodal_field(forms, step, quantity)
     if not _can_render():
         warnings.warn(f"no picture of '{quantity}': VTK cannot draw on this machine, it needs OpenGL "

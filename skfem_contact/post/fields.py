@@ -13,28 +13,35 @@ from ..solid import SolidForm
 
 
 def _principal(stress: ndarray) -> ndarray:
-    """Principal stresses of (4, ...) in ascending order along the last axis."""
-    xx, yy, zz, xy = stress
+    """Principal stresses of (4 or 6, ...) in ascending order along the last axis."""
+    xx, yy, zz, xy, *out_of_plane = stress
+    if out_of_plane:
+        yz, zx = out_of_plane
+        tensors = np.array([[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]])
+        return np.linalg.eigvalsh(np.moveaxis(tensors, (0, 1), (-2, -1)))
     center, radius = 0.5 * (xx + yy), np.hypot(0.5 * (xx - yy), xy)
     return np.sort(np.stack((center - radius, center + radius, zz), axis=-1), axis=-1)
 
 
 def _mises(stress: ndarray) -> ndarray:
-    xx, yy, zz, xy = stress
-    return np.sqrt(0.5 * ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) + 3.0 * xy**2)
+    xx, yy, zz = stress[:3]
+    return np.sqrt(0.5 * ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) + 3.0 * (stress[3:] ** 2).sum(axis=0))
 
 
-#: Fields and what a legend calls them.
+#: Fields of plane bodies and what a legend calls them.
 QUANTITIES = {
     "ux": "horizontal displacement", "uy": "vertical displacement", "u": "displacement",
     "sxx": "horizontal stress", "syy": "vertical stress", "szz": "out-of-plane stress", "sxy": "shear stress",
     "s1": "largest principal stress", "s2": "middle principal stress", "s3": "smallest principal stress",
     "mean": "mean stress", "mises": "von Mises stress", "plastic": "equivalent plastic strain"}
 
+_IN_SPACE = {"uz": "displacement along z", "syz": "shear stress", "szx": "shear stress"}
+
 _OF_DISPLACEMENT: dict[str, Callable[[ndarray], ndarray]] = {
-    "ux": lambda u: u[0], "uy": lambda u: u[1], "u": lambda u: np.hypot(u[0], u[1])}
+    "ux": lambda u: u[0], "uy": lambda u: u[1], "uz": lambda u: u[2], "u": lambda u: np.hypot.reduce(u, axis=0)}
 _OF_STRESS: dict[str, Callable[[ndarray], ndarray]] = {
     "sxx": lambda s: s[0], "syy": lambda s: s[1], "szz": lambda s: s[2], "sxy": lambda s: s[3],
+    "syz": lambda s: s[4], "szx": lambda s: s[5],
     "s1": lambda s: _principal(s)[..., 2], "s2": lambda s: _principal(s)[..., 1],
     "s3": lambda s: _principal(s)[..., 0], "mean": lambda s: s[:3].mean(axis=0), "mises": _mises}
 
@@ -52,14 +59,15 @@ def nodal_field(forms: Mapping[str, Any], step: StageResult, quantity: str) -> n
     step
         A stage of the result of these forms.
     quantity
-        ``"ux"``, ``"uy"``, ``"u"`` (length of the displacement); ``"sxx"``, ``"syy"``, ``"szz"``, ``"sxy"``;
+        ``"ux"``, ``"uy"``, ``"u"`` (length of the displacement); ``"sxx"``, ``"syy"``, ``"szz"``, ``"sxy"``; in three
+        dimensions also ``"uz"``, ``"syz"``, ``"szx"``;
         principal stresses ``"s1"`` >= ``"s2"`` >= ``"s3"``; ``"mean"``, ``"mises"``; ``"plastic"``, the
         equivalent plastic strain (zero in elastic bodies).
 
     Returns
     -------
     ndarray
-        Values at the nodes of the basis, (N/2,), the mesh's vertices first; NaN where there is no solid.
+        Values at the nodes of the basis, (N/dim,), the mesh's vertices first; NaN where there is no solid.
 
     Raises
     ------
@@ -78,16 +86,19 @@ def nodal_field(forms: Mapping[str, Any], step: StageResult, quantity: str) -> n
     >>> sc.nodal_field(forms, result["weight"], "syy").round(6).tolist()
     [-10.0, -10.0, -10.0, -10.0]
     """
-    look_up(quantity, QUANTITIES, "field")
     forms = solids_there(forms, step)
+    dim = next(iter(forms.values())).basis.mesh.dim()
+    look_up(quantity, QUANTITIES if dim == 2 else QUANTITIES | _IN_SPACE, "field")
+    used = np.unique(np.concatenate([element_nodes(form).ravel() for form in forms.values()]))
+    field = np.full(len(step.x) // dim, np.nan)
     if quantity in _OF_DISPLACEMENT:
-        used = np.unique(np.concatenate([element_nodes(form).ravel() for form in forms.values()]))
-        field = np.full(len(step.x) // 2, np.nan)
-        field[used] = _OF_DISPLACEMENT[quantity](step.x.reshape(-1, 2)[used].T)
-        return field
-    if quantity == "plastic":
-        return _average(forms, {name: plastic_strain(step.states[name]) for name in forms})[0]
-    return _OF_STRESS[quantity](_average(forms, {name: step.states[name].stress for name in forms}))
+        field[used] = _OF_DISPLACEMENT[quantity](step.x.reshape(-1, dim)[used].T)
+    elif quantity == "plastic":
+        field[used] = _average(forms, {name: plastic_strain(step.states[name]) for name in forms})[0, used]
+    else:
+        stress = _average(forms, {name: step.states[name].stress for name in forms})
+        field[used] = _OF_STRESS[quantity](stress[:, used])
+    return field
 
 
 def solids(forms: Mapping[str, Any]) -> dict[str, SolidForm]:
@@ -109,8 +120,9 @@ def solids_there(forms: Mapping[str, Any], step: StageResult) -> dict[str, Solid
 
 
 def element_nodes(form: SolidForm) -> ndarray:
-    """Nodes of all elements, (n_elements, n_nodes): corners, middles of the sides, centre."""
-    return np.asarray(form.basis.element_dofs[0::2].T) // 2
+    """Nodes of all elements, (n_elements, n_nodes): corners, middles of edges and faces, centre."""
+    dim = form.basis.mesh.dim()
+    return np.asarray(form.basis.element_dofs[0::dim].T) // dim
 
 
 def plastic_strain(state: Any) -> ndarray:
@@ -120,7 +132,8 @@ def plastic_strain(state: Any) -> ndarray:
 
 def _average(forms: Mapping[str, SolidForm], values: Mapping[str, ndarray]) -> ndarray:
     """Averages of (components, n_elements, n_points) at the nodes, weighted by the elements' volumes."""
-    n_nodes = next(iter(forms.values())).basis.N // 2
+    first = next(iter(forms.values())).basis
+    n_nodes = first.N // first.mesh.dim()
     components = len(next(iter(values.values())))
     volume, total = np.zeros(n_nodes), np.zeros((components, n_nodes))
     for name, form in forms.items():

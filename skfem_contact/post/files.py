@@ -13,8 +13,11 @@ from ..mesh import bodies
 from ..solid import SolidForm
 from .fields import element_nodes, plastic_strain, solids, solids_there
 
-#: VTK's cells by the number of nodes; scikit-fem numbers the nodes of an element in the same order.
-_CELLS = {3: "triangle", 4: "quad", 6: "triangle6", 8: "quad8", 9: "quad9"}
+#: VTK's cells by the numbers of dimensions and of nodes.
+_CELLS = {(2, 3): "triangle", (2, 4): "quad", (2, 6): "triangle6", (2, 8): "quad8", (2, 9): "quad9",
+          (3, 4): "tetra", (3, 10): "tetra10", (3, 8): "hexahedron", (3, 20): "hexahedron20", (3, 27): "hexahedron27"}
+#: Nodes of scikit-fem's hexahedra in VTK's order: corners, middles of edges and faces, centre. Others agree in order.
+_HEXAHEDRON = [7, 4, 1, 5, 6, 2, 0, 3, 17, 11, 12, 18, 14, 9, 10, 16, 19, 13, 8, 15, 25, 20, 23, 22, 24, 21, 26]
 
 
 def export_vtu(file: str | Path, forms: Mapping[str, Any], step: StageResult) -> None:
@@ -61,14 +64,19 @@ def export_vtu(file: str | Path, forms: Mapping[str, Any], step: StageResult) ->
     first = dict(zip(given, np.cumsum([0] + [len(form.regions) for form in given.values()])))
     forms = solids_there(forms, step)
     basis = next(iter(forms.values())).basis
-    points = np.column_stack((basis.doflocs[:, 0::2].T, np.zeros(basis.N // 2)))
-    displacement = np.column_stack((step.x.reshape(-1, 2), np.zeros(basis.N // 2)))
+    dim = basis.mesh.dim()
+    plane = np.zeros((basis.N // dim, 3 - dim))
+    points = np.column_stack((basis.doflocs[:, 0::dim].T, plane))
+    displacement = np.column_stack((step.x.reshape(-1, dim), plane))
     nodes = np.concatenate([element_nodes(form) for form in forms.values()])
+    kind = _CELLS[dim, nodes.shape[1]]
+    if kind.startswith("hexahedron"):
+        nodes = nodes[:, _HEXAHEDRON[:nodes.shape[1]]]
     data = [_cell_data(form, step.states[name]) for name, form in forms.items()]
     merged = {key: np.concatenate([d[key] for d in data]) for key in data[0]}
     merged["region"] = np.concatenate([d["region"] + first[name] for d, name in zip(data, forms)])
     used, cells = np.unique(nodes, return_inverse=True)
-    meshio.Mesh(points[used], [(_CELLS[nodes.shape[1]], cells.reshape(nodes.shape))],
+    meshio.Mesh(points[used], [(kind, cells.reshape(nodes.shape))],
                 point_data={"displacement": displacement[used]},
                 cell_data={key: [values] for key, values in merged.items()}).write(file, file_format="vtu")
 
@@ -78,7 +86,7 @@ def _cell_data(form: SolidForm, state: Any) -> dict[str, ndarray]:
     elements = np.arange(form.basis.mesh.nelements) if form.basis.tind is None else form.basis.tind
     share = form.weight / form.weight.sum(axis=1)[:, None]
     stress = np.zeros((len(elements), 6))
-    stress[:, :4] = np.einsum("ceq,eq->ec", state.stress, share)
+    stress[:, :len(state.stress)] = np.einsum("ceq,eq->ec", state.stress, share)
     body = np.empty(form.basis.mesh.nelements, dtype=int)
     for number, members in enumerate(bodies(form.basis.mesh).values()):
         body[members] = number

@@ -16,6 +16,7 @@ from numpy import ndarray
 from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
 
+from ..checks import check_plane
 from ..solid import SolidForm, SolidState
 
 #: Round-off of a position, as a share of the element: a cut through the end of a body meets its elements.
@@ -173,7 +174,7 @@ def section_forces(form: SolidForm, state: SolidState, sections: Sections) -> Se
     Raises
     ------
     ValueError
-        A section that cuts no element.
+        A section that cuts no element, or a body in three dimensions.
 
     Notes
     -----
@@ -197,6 +198,7 @@ def section_forces(form: SolidForm, state: SolidState, sections: Sections) -> Se
     >>> forces.N.round(12).tolist(), bool(abs(forces.M).max() < 1e-12)
     ([1.0, 1.0, 1.0], True)
     """
+    check_plane(form.basis, "section_forces")
     n = len(sections.position)
     nodes, section, element = _near(form, sections)
     points = form.basis.doflocs[:, 2 * nodes[element]].transpose(1, 2, 0)  # (pairs, nodes, 2)
