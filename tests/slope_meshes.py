@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy import ndarray
 from skfem import Basis, ElementTriP2, ElementVector, MeshQuad, MeshTri
@@ -39,6 +41,19 @@ def slope_mesh(run: float, crest: float, depth: float, beyond: float, n: int) ->
     behind = np.where(x < 0, 1.0 + x / (run + crest), (x <= 0) * 1.0)  # 0 at the left end, 1 at the face
     face = run * np.clip(y / HEIGHT, 0.0, 1.0)
     return MeshQuad(np.array([x - behind * face, y]), mesh.t).to_meshtri(style="x")
+
+
+def pieces(*parts: tuple[float, float, float]) -> ndarray:
+    """Points from start to end in steps of about a size, piece after piece."""
+    lines = [np.linspace(start, end, max(1, round((end - start) / size)) + 1) for start, end, size in parts]
+    return np.concatenate([line[:-1] for line in lines] + [lines[-1][-1:]])
+
+
+def crossed_below(x: ndarray, y: ndarray, surface: Callable[[ndarray], ndarray]) -> MeshTri:
+    """Rectangles cut along both diagonals, below a surface that goes along grid lines and diagonals."""
+    mesh = MeshQuad.init_tensor(x, y).to_meshtri(style="x")
+    middle = mesh.p[:, mesh.t].mean(axis=1)
+    return mesh.restrict(np.flatnonzero(middle[1] < surface(middle[0])))
 
 
 def held(basis: Basis) -> ndarray:
