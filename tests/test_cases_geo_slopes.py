@@ -1,4 +1,4 @@
-"""Factors of safety of slopes against closed forms and limit analysis: cases H1, H2, H4, H12, H13.
+"""Factors of safety of slopes against closed forms and limit analysis: cases H1, H2, H4, H7, H12, H13.
 
 On every mesh of a finite slope the factor is too large, by an amount that falls about in proportion to the size of
 the elements. What is compared is twice the factor of the finer mesh less that of one twice as coarse; published
@@ -86,6 +86,19 @@ def test_steep_slopes(beta, phi, c, depth, bound):
     fine, limit = factors(associated(c, phi), 10.0 / np.tan(np.radians(beta)), 12.0, depth, 12.0)
     # the mechanism of the lower bound is 1 % below the spiral where it is known
     assert 0.99 * bound < limit < bound
+    assert limit < fine < 1.01 * bound
+
+
+def test_slope_that_just_does_not_stand():
+    """[B] Case H7: 2 to 1, c = 3, phi = 19.6 degrees, on half a height of the same soil; the factor is not 1.
+
+    Limit analysis has [0.975, 0.983] for a weight of 20.2 instead of 20, and log spirals 0.9845 from above; referees
+    once called it 1.00. The soil is 1.25 times stronger here, as a search starts at a factor of 1.
+    """
+    bound = slopes.log_spiral_factor(np.degrees(np.arctan(0.5)), 19.6, 3.0 / 200.0)
+    assert bound == pytest.approx(0.9845, abs=1e-4)  # printed digits
+    fine, limit = (f / 1.25 for f in factors(associated(3.0, 19.6).reduced(1 / 1.25), 20.0, 20.0, 5.0, 10.0))
+    assert 0.975 < limit < bound
     assert limit < fine < 1.01 * bound
 
 

@@ -59,7 +59,7 @@ def stability_number(beta: float, phi: float) -> float:
         dissipated = (growth**2 - 1) / (2 * t) if t > 0 else end - start
         return height * dissipated / weight if weight > 0 else _NO_MECHANISM
 
-    guesses = [(start, end, share * slope) for start in (0.4, 0.9) for end in (1.5, 2.1) for share in (0.6, 0.99)]
+    guesses = [(start, end, share * slope) for start in (0.4, 0.9) for end in (1.5, 1.9) for share in (0.6, 0.99)]
     settings = {"xatol": 1e-9, "fatol": 1e-11, "maxiter": 3000}
     return min(float(minimize(number, g, method="Nelder-Mead", options=settings).fun) for g in guesses)
 
