@@ -4,34 +4,21 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from footing_meshes import graded, ground
 from oracles.slopes import bearing_capacity
-from skfem import Basis, ElementQuad1, ElementTriP2, ElementVector, FacetBasis, LinearForm, Mesh, MeshQuad
+from skfem import Basis, ElementQuad1, ElementTriP2, ElementVector, FacetBasis, LinearForm, MeshQuad
 
 import skfem_contact as sc
 
-WIDTH, DEPTH = 12.0, 6.0
 ELEMENTS = {"P2": (ElementTriP2, 2, sc.plane_strain), "Q1": (ElementQuad1, 2, sc.b_bar)}
-
-
-def graded(length: float, n: int, ratio: float = 3.0) -> np.ndarray:
-    """Distances from 0 to a length that grow by exp(ratio)."""
-    return length * np.expm1(ratio * np.linspace(0, 1, n + 1)) / np.expm1(ratio)
-
-
-def ground(n: int, element: str) -> Mesh:
-    """Half of the ground below a footing of half width 1, finest at its edge."""
-    x = np.concatenate((1 - graded(1.0, n, 2.0)[::-1], 1 + graded(WIDTH - 1, 2 * n, 4.0)[1:]))
-    mesh = MeshQuad.init_tensor(x, -graded(DEPTH, 3 * n // 2)[::-1])
-    mesh = mesh.to_meshtri(style="x") if element == "P2" else mesh
-    return mesh.with_boundaries({"footing": lambda p: (p[1] > -1e-9) & (p[0] < 1 + 1e-9),
-                                 "bottom": lambda p: p[1] < -DEPTH + 1e-9,
-                                 "sides": lambda p: (p[0] < 1e-9) | (p[0] > WIDTH - 1e-9)})  # fmt: skip
 
 
 def footing(soil, element: str = "P2", n: int = 4, rough: bool = False):
     """Forms, fixed unknowns and load of a unit pressure on the footing."""
     kind, intorder, strain = ELEMENTS[element]
-    basis = Basis(ground(n, element), ElementVector(kind()), intorder=intorder)
+    mesh = ground(n, 12.0, 6.0)
+    mesh = mesh.to_meshtri(style="x") if element == "P2" else mesh
+    basis = Basis(mesh, ElementVector(kind()), intorder=intorder)
     fixed = np.hstack([basis.get_dofs("bottom").all(), basis.get_dofs("sides").all("u^1")])
     below = basis.get_dofs("footing")
     if rough:
