@@ -416,7 +416,7 @@ def test_forms_on_different_bases():
 def test_elements_without_a_solid_and_with_two():
     basis, forms, stages, fixed = problem()
     half = sc.SolidForm(basis.with_elements("a"), ELASTIC)
-    with pytest.raises(ValueError, match=r"40 unknowns belong to no solid .* the first is at \(0, 1\)"):
+    with pytest.raises(ValueError, match=r"40 unknowns belong to no solid .* at \(0, 1\), in the subdomains \['b'\]"):
         run({"half": half}, stages, fixed)
     with pytest.raises(ValueError, match=r"9 elements belong to more than one of the solids \['solid', 'half'\]"):
         run(forms | {"half": half}, stages, fixed)

@@ -127,6 +127,33 @@ def test_level_ground_is_demanded():
         sc.given_state(forms, basis.zeros(), fixed, lambda x: np.zeros((3, *x.shape[1:])))
 
 
+def test_ground_before_the_fill():
+    """[X] The fill is not there at first: nothing moves, and no weight of it counts; its later weight is carried."""
+    basis, _, fixed = layered()
+    forms = {name: sc.SolidForm(basis.with_elements(name), sc.LinearElastic(E=1e4, nu=0.3))
+             for name in ("lower", "upper")}
+    first = {"lower": forms["lower"]}
+    load = sc.weight(basis, {"lower": 20.0})
+    for start in (sc.k0_state(first, load, fixed, 20.0, K0=3 / 7), sc.gravity_state(first, load, fixed)):
+        assert start[0].residual < 1e-12 and not start[0].x.any()
+        y = np.asarray(forms["lower"].basis.global_coordinates())[1]
+        np.testing.assert_allclose(start[0].states["lower"].stress[1].mean(axis=1), -20 * (4 - y.mean(axis=1)))
+        fill = sc.Stage("fill", sc.weight(basis, {"lower": 20.0, "upper": 16.0}), activate="upper")
+        filled = sc.run(forms, [fill], fixed, start=start, **QUIET)["fill"]
+        # the surface of the lower layer settles by that of 32 over its oedometric modulus
+        surface = basis.nodal_dofs[1, basis.mesh.p[1] == 4]
+        np.testing.assert_allclose(filled.x[surface], -32 * 4 / 1.346153846e4, rtol=1e-9)
+    with pytest.raises(ValueError, match=r"load acts on bodies that are not there; the solids are \['lower'\]"):
+        sc.gravity_state(first, sc.weight(basis, 20.0), fixed)
+
+
+def test_contact_with_a_body_that_is_not_there_at_first():
+    basis, forms, fixed = pile(2)
+    ground = sc.SolidForm(basis.with_elements("soil"), SOIL)
+    with pytest.raises(ValueError, match=r"contact 'skin' is active, but a part of .* belongs to a body that is not"):
+        sc.gravity_state({"ground": ground, "skin": forms["skin"]}, sc.weight(basis, {"soil": 20.0}), fixed)
+
+
 def test_given_state_out_of_balance_finds_equilibrium():
     """[X] A field without equilibrium is told; the null step ends where gravity alone would."""
     elastic = sc.LinearElastic(E=1e4, nu=0.3)

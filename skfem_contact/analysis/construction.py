@@ -86,7 +86,7 @@ def plan(forms: Mapping[str, Form], stages: Sequence[Stage], fixed: ndarray, sta
             there = {name: now[name] for name in now if name in active}
             held = np.setdiff1d(unknowns_of(now), unknowns_of(there))
             if changes or not phases:
-                _check_contacts(there, held)
+                check_contacts(there, held)
                 check_supports(there, np.union1d(fixed, held))
         except ValueError as error:
             raise (ValueError(f"stage '{stage.name}': {error}") if changes else error) from None
@@ -159,7 +159,8 @@ def _size(forms: Mapping[str, Form]) -> int:
     return next(int(form.basis.N) for form in forms.values() if isinstance(form, SolidForm))
 
 
-def _check_contacts(there: Mapping[str, Form], held: ndarray) -> None:
+def check_contacts(there: Mapping[str, Form], held: ndarray) -> None:
+    """Refuse contact with bodies that are not there, whose unknowns are held."""
     for name, form in there.items():
         if isinstance(form, ContactPair) and np.isin(form.unknowns, held).any():
             raise ValueError(f"contact '{name}' is active, but a part of '{form.slave.name}' or '{form.facets.name}' "
@@ -173,9 +174,14 @@ def _check_values(stage: Stage, n: int, held: ndarray, absent: list[str]) -> Non
         given.append(("prescribed displacement", stage.prescribed))
     for what, values in given:
         check_vector(values, n, f"stage '{stage.name}': the {what}")
-    if len(held) and np.abs(stage.load[held]).max() > _NO_LOAD * np.abs(stage.load).max():
+    if acts_on(stage.load, held):
         raise ValueError(f"stage '{stage.name}': a part of the load acts on bodies that are not there; {absent} are "
                          "not active")
+
+
+def acts_on(load: ndarray, unknowns: ndarray) -> bool:
+    """Whether a load is more than round-off at some unknowns."""
+    return len(unknowns) > 0 and bool(np.abs(load[unknowns]).max() > _NO_LOAD * np.abs(load).max())
 
 
 def begin(phase: Phase, last: StageResult) -> tuple[ndarray, dict[str, Any], ndarray]:

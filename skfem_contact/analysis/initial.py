@@ -16,10 +16,12 @@ from ..contact.pair import ContactPair
 from ..contact.prestress import prestressed
 from ..materials.elastic import LinearElastic
 from ..solid import SolidForm
+from .construction import acts_on, check_contacts
 from .reset import reset_displacements
 from .result import Result, StageResult
-from .setup import build_system, check_vector
+from .setup import build_system, check_vector, unknowns_of
 from .stages import Stage, run
+from .supports import as_unknowns
 from .system import Form
 
 #: Forces out of balance, as a share of the load, of which the user is told.
@@ -39,7 +41,7 @@ def given_state(forms: Mapping[str, Form], load: ndarray, fixed: ndarray, stress
     Parameters
     ----------
     forms
-        Solids and contact pairs that are there at first.
+        Solids and contact pairs that are there at first. Other bodies of the mesh stay where they are.
     load
         External forces that the stresses are in equilibrium with, (N,).
     fixed
@@ -95,7 +97,7 @@ def k0_state(forms: Mapping[str, Form], load: ndarray, fixed: ndarray, unit_weig
     Parameters
     ----------
     forms
-        Solids and contact pairs that are there at first.
+        Solids and contact pairs that are there at first. Other bodies of the mesh stay where they are.
     load
         External forces: weight, surcharge and :func:`water_load`, (N,).
     fixed
@@ -138,8 +140,8 @@ def k0_state(forms: Mapping[str, Form], load: ndarray, fixed: ndarray, unit_weig
     basis = next(iter(_solids(forms).values())).basis
     check_plane(basis, "k0_state")
     mesh = basis.mesh
-    overburden, ratios = _overburden(mesh, unit_weights), _by_element(mesh, K0)
     elements = np.concatenate([_elements(form)[:, 0] for form in _solids(forms).values()])
+    overburden, ratios = _overburden(mesh, elements, unit_weights), _by_element(mesh, K0)
     missing = elements[np.isnan(ratios[elements])]
     if len(missing):
         tags = [tag for tag, part in (mesh.subdomains or {}).items() if np.isin(part, missing).any()]
@@ -162,7 +164,7 @@ def gravity_state(forms: Mapping[str, Form], load: ndarray, fixed: ndarray,
     Parameters
     ----------
     forms
-        Solids and contact pairs that are there at first.
+        Solids and contact pairs that are there at first. Other bodies of the mesh stay where they are.
     load
         External forces, (N,).
     fixed
@@ -199,7 +201,7 @@ def gravity_state(forms: Mapping[str, Form], load: ndarray, fixed: ndarray,
     >>> bool(np.allclose(stress[0], .5 * stress[1])), bool(start["initial"].x.any())
     (True, False)
     """
-    stages = [Stage(name, load, increments=increments)]
+    stages, fixed = [Stage(name, load, increments=increments)], _held(forms, load, fixed)
     if K0 is None:
         return reset_displacements(forms, run(forms, stages, fixed, progress=False))
     elastic = dict(forms)
@@ -222,6 +224,17 @@ def _solids(forms: Mapping[str, Form]) -> dict[str, SolidForm]:
     return found
 
 
+def _held(forms: Mapping[str, Form], load: ndarray, fixed: ndarray) -> ndarray:
+    """Supported unknowns, and those of bodies that are not there yet: neither load nor contact may act on these."""
+    solids = _solids(forms)
+    check_vector(load, n := int(next(iter(solids.values())).basis.N), "the load")
+    away = np.setdiff1d(np.arange(n), unknowns_of(forms))
+    check_contacts(forms, away)
+    if acts_on(np.asarray(load), away):
+        raise ValueError(f"a part of the load acts on bodies that are not there; the solids are {list(solids)}")
+    return np.union1d(as_unknowns(fixed), away)
+
+
 def _elements(form: SolidForm) -> ndarray:
     """Numbers of a solid's elements in the mesh, (n_elements, 1)."""
     basis = form.basis
@@ -230,10 +243,9 @@ def _elements(form: SolidForm) -> ndarray:
 
 def _balanced(forms: Mapping[str, Form], load: ndarray, fixed: ndarray, stress: _Field, name: str) -> Result:
     """A result with these stresses, tractions to balance them, and the residual that is left."""
+    load, fixed = np.asarray(load, dtype=float), _held(forms, load, fixed)
     system = build_system(forms, fixed)
     x = np.zeros(system.size)
-    load = np.asarray(load, dtype=float)
-    check_vector(load, len(x), "the load")
     states = {key: form.initial_state() for key, form in system.forms.items()}
     solids = _solids(system.forms)
     for key, form in solids.items():
@@ -265,9 +277,10 @@ def _stress_at(pair: ContactPair, stress: _Field, solids: Mapping[str, SolidForm
     return np.asarray(stress(places.T[:, :, None], np.concatenate(elements)[nearest][:, None]))[:, :, 0]
 
 
-def _overburden(mesh: Any, unit_weights: float | Mapping[str, float]) -> Callable[[ndarray], ndarray]:
+def _overburden(mesh: Any, elements: ndarray, unit_weights: float | Mapping[str, float]
+                ) -> Callable[[ndarray], ndarray]:
     """Weight above a height, from layers that must be level."""
-    everything = {"the mesh": np.arange(mesh.nelements)}
+    everything = {"the solids": elements}
     layers, subdomains = (unit_weights, mesh.subdomains or {}) if isinstance(unit_weights, Mapping) else (
         dict.fromkeys(everything, unit_weights), everything)
     extent = {}

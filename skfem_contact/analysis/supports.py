@@ -66,7 +66,8 @@ def check_supports(forms: Mapping[str, Any], fixed: ndarray) -> ndarray:
     loose = np.setdiff1d(np.arange(basis.N), np.concatenate((carried, fixed)))
     if len(loose):
         raise ValueError(f"{len(loose)} unknowns belong to no solid among the forms and are not fixed; the "
-                         f"first is at {place(basis.doflocs[:, loose[0]])}")
+                         f"first is at {place(basis.doflocs[:, loose[0]])}{_without(basis, count)}. Give every body a "
+                         "form, also one that is activated later, or leave it out of the mesh")
     if all(isinstance(f, (SolidForm, ContactPair)) for f in forms.values()):  # others may hold what they like
         elements = np.sort(np.concatenate([_elements(f.basis) for f in solids.values()]))
         axial = all(f.strain is axisymmetric for f in solids.values())
@@ -85,6 +86,13 @@ def _check_places(forms: Mapping[str, Any], first: str, basis: CellBasis) -> Non
             continue
         if not same:
             raise ValueError(f"'{name}' belongs to another mesh or another element than '{first}'")
+
+
+def _without(basis: CellBasis, count: ndarray) -> str:
+    """Subdomains of which no element belongs to a solid, for a message."""
+    covered = np.flatnonzero(count)
+    names = [name for name, part in (basis.mesh.subdomains or {}).items() if not np.isin(part, covered).any()]
+    return f", in the subdomains {names}" if names else ""
 
 
 def _elements(basis: CellBasis) -> ndarray:
