@@ -51,7 +51,7 @@ def test_inconsistent_k0_returns_to_the_yield_surface():
     soil = sc.MohrCoulomb(E=1e4, nu=0.3, c=0.0, phi=30.0)
     basis, forms, fixed = layered(material=soil)
     load = sc.weight(basis, 20.0)
-    with pytest.warns(sc.AnalysisWarning, match=r"the initial stresses are out of balance by 0\.\d+ of the load"):
+    with pytest.warns(sc.AnalysisWarning, match=r"initial stresses are out of balance by 0\.\d+ of the load, most at"):
         start = sc.k0_state(forms, load, fixed, 20.0, K0=0.2)
     assert start[0].summary["ground"] == "100.0% yielded"
     null = sc.run(forms, [sc.Stage("null", load)], fixed, start=start, **QUIET)["null"]
@@ -242,6 +242,26 @@ def test_wished_in_place_pile_augmented():
     assert start[0].residual < 1e-12
     settlement = 20 * 36 / (2 * 1.35e4)
     assert np.abs(result["null"].x).max() < 1e-4 * settlement
+
+
+def test_wished_in_place_pile_below_the_water_table():
+    """[X] Contact carries the effective pressure if the pile has the ground's pores at first; else the place is told.
+
+    Then the pile has its own: it is pressed by the water on its skin alone, and shortens by that over its modulus.
+    """
+    basis, forms, fixed = pile(2, "P2")
+    water, skin = sc.hydrostatic(6.0, unit_weight=10.0), ["soil|pile", "pile|soil"]
+    porous, own = (sc.weight(basis, 20.0) + sc.water_load(part, water, skin)
+                   for part in (basis, basis.with_elements("soil")))
+    start = sc.k0_state(forms, porous, fixed, 20.0, 0.5, water=water)
+    assert start[0].residual < 1e-12
+    pressure = sc.tractions(forms["skin"], start[0].states["skin"])
+    face = pressure.y > 2 + 1e-9
+    np.testing.assert_allclose(pressure.pressure[face], 5 * (6 - pressure.y[face]), atol=1e-9)
+    dry = sc.run(forms, [sc.Stage("dry", own)], fixed, start=start, **QUIET)["dry"]
+    assert np.abs(dry.x).max() < 40 / 3e7 * 4  # pressure at the foot over E, times the length
+    with pytest.warns(sc.AnalysisWarning, match=r"out of balance by .* most at \(.*\) of \['ground', 'skin'\]: begin"):
+        sc.k0_state(forms, own, fixed, 20.0, 0.5, water=water)
 
 
 def test_pile_tied_under_gravity_then_free():

@@ -11,7 +11,7 @@ import numpy as np
 from numpy import ndarray
 from scipy.spatial import cKDTree
 
-from ..checks import AnalysisWarning, check_plane, look_up
+from ..checks import AnalysisWarning, check_plane, look_up, place
 from ..contact.pair import ContactPair
 from ..contact.prestress import prestressed
 from ..materials.elastic import LinearElastic
@@ -109,7 +109,9 @@ def k0_state(forms: Mapping[str, Form], load: ndarray, fixed: ndarray, unit_weig
     surcharge
         Pressure on the surface, that of water above it included.
     water
-        Pore pressure as a function of the place, for instance :func:`hydrostatic`; with it stresses are effective.
+        Pore pressure as a function of the place, for instance :func:`hydrostatic`; with it stresses are effective,
+        everywhere. A wall that is wished in place, which has no pores, begins as the ground in its place: with that
+        weight and with :func:`water_load` on it too. Both become its own in the next stage.
     name
         Name of the state in the result.
 
@@ -259,12 +261,15 @@ def _balanced(forms: Mapping[str, Form], load: ndarray, fixed: ndarray, stress: 
         force = sum((form.assemble(x, states[key]).force for key, form in solids.items()), start=np.zeros(len(x)))
         near = {key: _stress_at(pair, stress, solids) for key, pair in pairs.items()}
         states.update(prestressed(pairs, x, {k: states[k] for k in pairs}, load - force, system.free, near))
-    residual = system.evaluate(x, states, load).norm
-    if residual > _BALANCED:
-        warnings.warn(f"the initial stresses are out of balance by {residual:.2g} of the load: begin with a stage of "
-                      "the same load to let them find equilibrium", AnalysisWarning, stacklevel=3)
+    now = system.evaluate(x, states, load)
+    if now.norm > _BALANCED:
+        at = place(next(iter(solids.values())).basis.doflocs[:, now.worst])
+        names = [key for key, response in now.responses.items() if response.force[now.worst] != 0.0]
+        warnings.warn(f"the initial stresses are out of balance by {now.norm:.2g} of the load, most at {at} of {names}"
+                      ": begin with a stage of the same load to let them find equilibrium", AnalysisWarning,
+                      stacklevel=3)
     summary = {key: form.summary(states[key]) for key, form in system.forms.items()}
-    return Result((StageResult(name, x, load, states, (), residual, 1.0, summary),))
+    return Result((StageResult(name, x, load, states, (), now.norm, 1.0, summary),))
 
 
 def _stress_at(pair: ContactPair, stress: _Field, solids: Mapping[str, SolidForm]) -> ndarray:
