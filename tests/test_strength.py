@@ -90,6 +90,19 @@ def test_soil_that_was_reduced_by_its_factor_has_factor_one(reference):
     soil = sc.MohrCoulomb(**SOIL).reduced(reference.factor)
     result = reduce(*slope(c=soil.c, phi=soil.phi, psi=soil.psi))
     assert result.factor == pytest.approx(1.0, abs=0.003)
+    assert "elastic" not in result.criterion  # the plateau, or that the first equilibrium is on it
+
+
+def test_what_is_elastic_until_it_collapses():
+    """[X] A column of strength 2 c under half of that: no curve, as the first point that flows is the last."""
+    basis = Basis(MeshQuad().refined(1).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+    fixed = np.hstack([basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1")])
+    load = basis.zeros()
+    load[basis.get_dofs("top").nodal["u^2"]] = -10.0 * np.array([0.25, 0.25, 0.5])
+    column = sc.SolidForm(basis, sc.MohrCoulomb(E=1e3, nu=0.3, c=10.0, phi=0.0), strain=sc.b_bar)
+    result = reduce({"soil": column}, fixed, load)
+    assert result.factor == pytest.approx(2.0, abs=0.0025)  # a quarter of the tolerance
+    assert result.criterion == "collapse: the bodies are elastic up to there"
 
 
 def test_start_from_a_stage_gives_the_same_factor(reference):

@@ -278,7 +278,9 @@ def _continuation(branch: _Strength, first: Point, newton: Newton, tol: float, s
     if last.parameter > _HIGHEST:
         return last.parameter, (last.parameter, np.inf), _ENDLESS, points, np.zeros_like(last.x)
     if failed is not None:
-        criterion = f"{trials.steps[-1].outcome}: the bodies are elastic up to there"
+        flowing = any(trial.yielding > 0.0 for trial in trials.steps)
+        where = "the first equilibrium is at its limit" if flowing else "the bodies are elastic up to there"
+        criterion = f"{trials.steps[-1].outcome}: {where}"
         mechanism = np.zeros_like(last.x) if failed.x is None else failed.x - last.x
         return last.parameter, (last.parameter, trials.steps[-1].parameter), criterion, points, mechanism
     curve = follow(branch, branch.load, points, newton, _OPEN * tol, trials)
