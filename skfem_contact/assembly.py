@@ -9,6 +9,7 @@ and one batched ``matmul`` over the elements whose tangent has changed.
 from __future__ import annotations
 
 from collections.abc import Callable
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -319,11 +320,23 @@ class Pattern:
 
     def matrix(self, data: ndarray) -> csr_matrix:
         """The ``csr_matrix`` with these data; the pattern is shared, not copied."""
+        return with_data(self._empty, data)
+
+    @cached_property
+    def _empty(self) -> csr_matrix:
+        """A matrix of this pattern without data."""
         n = len(self.indptr) - 1
         matrix = csr_matrix((n, n))
-        matrix.data, matrix.indices, matrix.indptr = data, self.indices, self.indptr
+        matrix.indices, matrix.indptr = self.indices, self.indptr
         matrix.has_sorted_indices = matrix.has_canonical_format = True
         return matrix
+
+
+def with_data(pattern: csr_matrix, data: ndarray) -> csr_matrix:
+    """The matrix with other data; the pattern is shared and, as it is known to be sound, not looked at."""
+    matrix = copy(pattern)
+    matrix.data = data
+    return matrix
 
 
 def _frozen(numbers: ndarray) -> ndarray:

@@ -16,6 +16,7 @@ from skfem_contact.analysis.given_solver import as_solver
 from skfem_contact.analysis.interface import InterfaceSolver
 from skfem_contact.analysis.predictor import Predictor
 from skfem_contact.contact import neighbours, pair
+from skfem_contact.contact.gathering import Gathering
 
 #: Displacements of two analyses whose residuals are below 1e-12 of the load, relative: conditioning times that.
 SAME = 1e-9
@@ -199,6 +200,23 @@ def test_far_points_are_never_projected(monkeypatch: pytest.MonkeyPatch, above: 
     assert_identical(near, everywhere)
     assert few < 0.8 * sum(projected)
     assert (near[-1].states["joint"].normal < 0).any()
+
+
+def test_places_of_contact_are_found_for_other_points_only(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where the entries of the contact tangent go is found when other points touch; for every tangent the same."""
+    finds, tangents = counted(monkeypatch, Gathering, "_find"), counted(monkeypatch, Gathering, "matrix")
+    once = analysed(*pressed(soil))
+    few = len(finds)
+    assert 0 < few < 0.5 * len(tangents)
+    matrix = Gathering.matrix
+
+    def afresh(gathering: Gathering, *args) -> object:
+        gathering._dofs = None
+        return matrix(gathering, *args)
+
+    monkeypatch.setattr(Gathering, "matrix", afresh)
+    assert_identical(once, analysed(*pressed(soil)))
+    assert len(finds) - few == 0.5 * len(tangents)
 
 
 @pytest.mark.parametrize("above", [0.0, 0.4])

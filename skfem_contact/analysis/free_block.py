@@ -6,6 +6,8 @@ import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix
 
+from ..assembly import with_data
+
 
 class FreeBlock:
     """K[order][:, order], gathered through an index map that is kept as long as the pattern of K stays.
@@ -36,19 +38,16 @@ class FreeBlock:
             K.sum_duplicates()
         if self._pattern is None or not same_pattern(K, self._pattern):
             self._map(K)
-        data = K.data.take(self._entries)
-        block = csr_matrix((data, self._indices, self._indptr), shape=2 * (len(self.order),), dtype=float)
-        block.has_canonical_format = True
-        return block
+        return with_data(self._entries, K.data.take(self._entries.data))
 
     def _map(self, K: csr_matrix) -> None:
         # a copy, since scipy changes the pattern of a matrix in place
         nothing = np.empty(K.nnz, dtype=bool)
         self._pattern = csr_matrix((nothing, K.indices, K.indptr), shape=K.shape, copy=True)
         numbers = csr_matrix((np.arange(K.nnz), K.indices, K.indptr), shape=K.shape)
-        block = numbers[self.order][:, self.order]
-        block.sort_indices()
-        self._entries, self._indices, self._indptr = block.data.astype(np.int32), block.indices, block.indptr
+        self._entries = numbers[self.order][:, self.order].astype(np.int32)
+        self._entries.sort_indices()
+        self._entries.has_canonical_format = True
 
 
 def same_pattern(A: csr_matrix, B: csr_matrix) -> bool:

@@ -7,6 +7,7 @@ import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix
 
+from ..assembly import with_data
 from .free_block import same_pattern
 
 #: Entries that are kept for contacts that have opened, as a share of all.
@@ -47,10 +48,7 @@ class Total:
         data[places[0]] = matrices[0].data
         for matrix, place in zip(matrices[1:], places[1:], strict=True):
             data[place] += matrix.data
-        total = csr_matrix(pattern.shape)
-        total.data, total.indices, total.indptr = data, pattern.indices, pattern.indptr
-        total.has_canonical_format = True
-        return total
+        return with_data(pattern, data)
 
     def _places(self, matrices: Sequence[csr_matrix]) -> list[ndarray] | None:
         """Which entries of the pattern the matrices have; None where it lacks some of theirs."""
@@ -89,6 +87,7 @@ def _union(matrices: Sequence[csr_matrix]) -> csr_matrix:
     for one in ones[1:]:
         union = union.maximum(one)
     union.sort_indices()
+    union.has_canonical_format = True
     return union
 
 

@@ -67,6 +67,11 @@ def _lift(factors: ndarray, vectors: ndarray) -> ndarray:
     return (factors[:, :, None] * vectors[:, None, :]).reshape(len(factors), 2 * factors.shape[1])
 
 
+def _turned(vectors: ndarray) -> ndarray:
+    """Vectors, (n, 2), turned by +90 degrees."""
+    return vectors[:, ::-1] * (-1.0, 1.0)
+
+
 def _dot(u: ndarray, v: ndarray) -> ndarray:
     return np.einsum("nc,nc->n", u, v)
 
@@ -97,32 +102,33 @@ def variations(points: SlavePoints, slave: Surface, master: Surface, at: ndarray
     zero = np.zeros_like(N)
     alpha, beta, gamma = (np.concatenate((s, m), axis=1) for s, m in ((N, -M[0]), (zero, M[1]), (zero, M[2])))
 
-    l = np.linalg.norm(rho[1], axis=1)
-    vertex = projection.vertex[at]
-    tau = rho[1] / l[:, None]
-    n = np.stack((-tau[:, 1], tau[:, 0]), axis=1)
-    facet_tau, facet_n = tau.copy(), n.copy()
-    if vertex.any():
-        n[vertex] = (positions[at] - rho[0])[vertex] / g[vertex, None]
-        tau[vertex] = np.stack((n[vertex, 1], -n[vertex, 0]), axis=1)
+    l = np.hypot(rho[1, :, 0], rho[1, :, 1])
+    v = np.flatnonzero(projection.vertex[at])
+    tau = facet_tau = rho[1] / l[:, None]
+    n = facet_n = _turned(tau)
+    if len(v):
+        n, tau = n.copy(), tau.copy()
+        n[v] = (positions[at[v]] - rho[0, v]) / g[v, None]
+        tau[v] = -_turned(n[v])
     h = _dot(n, rho[2])
     D = l**2 - g * h
-    G = _lift(alpha, n)
-    q = _lift(alpha, rho[1]) + g[:, None] * _lift(beta, n)
-    Xi = np.where(vertex[:, None], 0.0, q / D[:, None])
-    # at a vertex xi stays; the facet's own rotation is taken out, so that friction exerts no couple
-    tangential = np.where(vertex[:, None], _lift(alpha, tau) + (g / l)[:, None] * _lift(beta, facet_n), l[:, None] * Xi)
+    G, Bn, Bt = _lift(alpha, n), _lift(beta, n), _lift(beta, tau)
+    Xi = (_lift(alpha, rho[1]) + g[:, None] * Bn) / D[:, None]
+    tangential = l[:, None] * Xi
+    if len(v):  # there xi stays; the facet's own rotation is taken out, so that friction exerts no couple
+        Xi[v] = 0.0
+        tangential[v] = _lift(alpha[v], tau[v]) + (g[v] / l[v])[:, None] * _lift(beta[v], facet_n[v])
 
     arc, metric, dmetric = master.arc(segment, xi)
     arrives = np.isnan(stick_point[at])
     elastic_arc = np.where(arrives, 0.0, master.along(arc - stick_point[at]))
-    dl = _lift(beta, tau) + _dot(tau, rho[2])[:, None] * Xi
+    dl = Bt + _dot(tau, rho[2])[:, None] * Xi
     slip_gradient = l[:, None] * Xi + elastic_arc[:, None] * (
         dl / metric[:, None] - (l * dmetric / metric**2)[:, None] * Xi)
-    if vertex.any():  # there the arc position stays, but not the metric
-        slip_gradient[vertex] = (elastic_arc / metric)[vertex, None] * _lift(beta, facet_tau)[vertex]
+    if len(v):  # there the arc position stays, but not the metric
+        slip_gradient[v] = (elastic_arc / metric)[v, None] * _lift(beta[v], facet_tau[v])
     slip_gradient[arrives] = 0.0
-    second = (alpha, beta, gamma, rho, l, g, h, D, Xi, dl, vertex, facet_tau, facet_n)
+    second = (alpha, beta, gamma, rho, l, g, h, D, Xi, dl, Bn, Bt, v, facet_tau, facet_n)
     return Kinematics(dofs.reshape(G.shape), G, tangential, slip_gradient, n, tau, elastic_arc, l / metric, second)
 
 
@@ -143,23 +149,20 @@ def geometric_tangent(kinematics: Kinematics, normal_traction: ndarray, tangenti
     These are the rotation and curvature parts of eqs 14 to 16, complete: with the terms in
     :math:`a - g h` that the paper drops.
     """
-    alpha, beta, gamma, rho, l, g, h, D, Xi, dl, vertex, facet_tau, facet_n = kinematics.second
+    alpha, beta, gamma, rho, l, g, h, D, Xi, dl, Bn, Bt, v, facet_tau, facet_n = kinematics.second
     n, tau, G = kinematics.normal, kinematics.tangent, kinematics.gap_gradient
     col = (slice(None), None)
-    turn = _lift(beta, n) + h[col] * Xi  # l times the rate at which the normal turns towards -tau
-    Aht, Bn = _lift(alpha, tau), _lift(beta, n)
-    dG = -_outer(Bn, Xi) - _outer(Aht / l[col], turn)
+    turn = Bn + h[col] * Xi  # l times the rate at which the normal turns towards -tau
+    dG = -_outer(Bn, Xi) - _outer(_lift(alpha, tau) / l[col], turn)
 
-    dq = (-_outer(_lift(beta, rho[1]), Xi) + _node_by_node(alpha, beta) + _outer(_lift(alpha, rho[2]), Xi)
-          + _outer(Bn, G) + _outer(g[col] * _lift(gamma, n), Xi)
-          - _outer((g / l)[col] * _lift(beta, tau), turn))
+    by_xi = _lift(alpha, rho[2]) - _lift(beta, rho[1]) + g[col] * _lift(gamma, n)
+    dq = _node_by_node(alpha, beta) + _outer(by_xi, Xi) + _outer(Bn, G) - _outer((g / l)[col] * Bt, turn)
     dh = (-(_dot(tau, rho[2]) / l)[col] * turn + _lift(gamma, n) + _dot(n, rho[3])[col] * Xi)
     dD = 2 * _lift(beta, rho[1]) + 2 * _dot(rho[1], rho[2])[col] * Xi - h[col] * G - g[col] * dh
     dXi = (dq - _outer(Xi, dD)) / D[:, None, None]
     K = (normal_traction[:, None, None] * dG
          + tangential_traction[:, None, None] * (_outer(Xi, dl) + l[:, None, None] * dXi))
-    if vertex.any():  # around a vertex the normal follows the offset itself
-        v = np.flatnonzero(vertex)
+    if len(v):  # around a vertex the normal follows the offset itself
         over_g, over_l = (1.0 / g[v])[col], (1.0 / l[v])[col]
         At, turned = _lift(alpha[v], tau[v]), _lift(beta[v], facet_n[v])
         along = _lift(beta[v], facet_tau[v])
@@ -177,5 +180,6 @@ def _outer(u: ndarray, v: ndarray) -> ndarray:
 def _node_by_node(alpha: ndarray, beta: ndarray) -> ndarray:
     """``A^T B`` of two operators that act node by node, (n, 2 nodes, 2 nodes)."""
     n, k = alpha.shape
-    blocks = np.einsum("ni,nj,cd->nicjd", alpha, beta, np.eye(2))
-    return blocks.reshape(n, 2 * k, 2 * k)
+    result = np.zeros((n, 2 * k, 2 * k))
+    result[:, 0::2, 0::2] = result[:, 1::2, 1::2] = _outer(alpha, beta)
+    return result

@@ -7,7 +7,7 @@ from typing import Literal, get_args
 
 import numpy as np
 from numpy import ndarray
-from scipy.sparse import coo_matrix, csr_matrix
+from scipy.sparse import csr_matrix
 from skfem import CellBasis
 
 from ..assembly import IncrementTooLarge, Response
@@ -17,6 +17,7 @@ from .augmented import AugmentedLagrangian
 from .bonds import tractions
 from .calming import calmed
 from .fit import Fit, less_overlap, touching
+from .gathering import Gathering
 from .kinematics import Kinematics, tangents, variations
 from .neighbours import NeighbourList
 from .quadrature import SlavePoints
@@ -106,7 +107,7 @@ class ContactPair:
             raise ValueError(f"law must be an interface law such as Coulomb(mu=.3), not {law!r}")
         self.law, self.quadrature, self.tangent = law, quadrature, tangent
         self._sampling = Sampling(self.slave, self.master, quadrature)
-        self._neighbours = NeighbourList(self.master)
+        self._neighbours, self._gathering = NeighbourList(self.master), Gathering(basis.N)
         self.enforcement, self.initial, self.share = enforcement, initial, share
         self.n = basis.N
         self.penalty: tuple[float, float] | None = None
@@ -233,7 +234,7 @@ class ContactPair:
         force = ((weight * traction.normal)[:, None] * kinematics.gap_gradient
                  + (weight * traction.tangential)[:, None] * kinematics.tangential)
         elastic = (traction.elastic_slip - shift) / kinematics.stretch
-        return Response(self._gather(kinematics, force),
+        return Response(self._gathering.force(kinematics.dofs, force),
                         lambda: self._candidate(state, merged(near, found, projected), at, traction, elastic),
                         lambda: self._stiffness(kinematics, traction, weight),
                         round_off=max(penalties) * exact * float(np.linalg.norm(weight)))
@@ -248,7 +249,7 @@ class ContactPair:
 
     def _places(self, x: ndarray) -> tuple[ndarray, ndarray]:
         """Nodes of both surfaces, seen from the middle of the slave: large coordinates would cost digits."""
-        origin = self.slave.nodes.mean(axis=0)
+        origin = self.slave.middle
         return self.slave.positions(x, origin), self.master.positions(x, origin)
 
     def _project(self, points: SlavePoints, nodes: ndarray, positions: ndarray,
@@ -278,16 +279,9 @@ class ContactPair:
                        normal=normal, tangential=tangential, status=status, frozen=np.zeros(len(arc), bool),
                        recuts=np.zeros(1))
 
-    def _gather(self, kinematics: Kinematics, force: ndarray) -> ndarray:
-        moving = kinematics.dofs >= 0  # rigid obstacles have no unknowns
-        return np.bincount(kinematics.dofs[moving], force[moving], minlength=self.n)
-
     def _stiffness(self, kinematics: Kinematics, traction: Traction, weight: ndarray) -> csr_matrix:
         K = tangents(kinematics, traction, self.tangent == "exact") * weight[:, None, None]
-        m = K.shape[1]
-        rows, columns = np.repeat(kinematics.dofs, m, axis=1).ravel(), np.tile(kinematics.dofs, (1, m)).ravel()
-        moving = (rows >= 0) & (columns >= 0)
-        return coo_matrix((K.ravel()[moving], (rows[moving], columns[moving])), shape=(self.n, self.n)).tocsr()
+        return self._gathering.matrix(kinematics.dofs, K)
 
     # -- what the analysis asks besides ---------------------------------------------------------------------
 

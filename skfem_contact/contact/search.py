@@ -75,10 +75,10 @@ def project(surface: Surface, nodes: ndarray, points: ndarray, depth: ndarray,
     stays = _stays(surface, ends, segment, foot, segment == accepted[row], held[row])
     outside = np.abs(foot) - 1.0 > np.where(off_end, 2.0 * surface.extension, np.maximum(2.0 * stays, _ON_FACET))
     reached = np.where(off_end, 1.0 + 2.0 * surface.extension, 1.0)
-    xi = np.where(outside, np.clip(foot, -reached, reached), foot)
+    xi = np.where(outside, np.minimum(np.maximum(foot, -reached), reached), foot)
     rho = surface.curve(segment, xi, nodes, 1)[1]
     offset = points[row] - rho[0]
-    distance = np.linalg.norm(offset, axis=1)
+    distance = np.hypot(offset[:, 0], offset[:, 1])
     vertex = outside & ~off_end
     side, at = _left(rho[1], offset), np.flatnonzero(vertex)
     if len(at):
@@ -115,16 +115,14 @@ class _Ends(NamedTuple):
 
     @classmethod
     def of(cls, surface: Surface, nodes: ndarray) -> _Ends:
-        m = len(surface.segments)
-        place, tangent = surface.curve(np.tile(np.arange(m), 2), np.repeat([-1.0, 1.0], m), nodes, 1)[1]
-        tangent /= np.linalg.norm(tangent, axis=1)[:, None]
-        return cls(place.reshape(2, m, 2), tangent.reshape(2, m, 2))
+        place, tangent = surface.ends(nodes)
+        return cls(place, tangent / np.hypot(tangent[..., 0], tangent[..., 1])[..., None])
 
     def at_joint(self, surface: Surface, segment: ndarray, xi: ndarray) -> tuple[ndarray, ndarray]:
         """Tangents of a segment and its neighbour at the joint on the side of xi."""
         m, side = len(surface.segments), (xi > 0).astype(int)
-        neighbour = np.where(xi > 0, segment + 1, segment - 1)
-        neighbour = neighbour % m if surface.closed else np.clip(neighbour, 0, m - 1)
+        neighbour = segment + 2 * side - 1
+        neighbour = neighbour % m if surface.closed else np.minimum(np.maximum(neighbour, 0), m - 1)
         return self.tangent[side, segment], self.tangent[1 - side, neighbour]
 
 
@@ -182,4 +180,6 @@ def _outside_of_vertex(surface: Surface, ends: _Ends, segment: ndarray, xi: ndar
 def _first_minimum(row: ndarray, value: ndarray) -> ndarray:
     """Position of the first smallest value of every row."""
     order = np.lexsort((value, row))
-    return order[np.diff(row[order], prepend=-1) > 0]
+    first = np.ones(len(order), bool)
+    first[1:] = row[order[1:]] != row[order[:-1]]
+    return order[first]

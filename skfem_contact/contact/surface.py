@@ -28,7 +28,7 @@ def powers(xi: ndarray, derivatives: int = 3) -> ndarray:
     """Powers 0 to 3 of the local coordinate and their first derivatives, (derivatives + 1, n, 4)."""
     result = np.zeros((derivatives + 1, 4, len(xi)))
     square = xi**2
-    result[0, 0], result[0, 1], result[0, 2], result[0, 3] = 1.0, xi, square, xi**3
+    result[0, 0], result[0, 1], result[0, 2], result[0, 3] = 1.0, xi, square, square * xi
     if derivatives > 0:
         result[1, 1], result[1, 2], result[1, 3] = 1.0, 2 * xi, 3 * square
     if derivatives > 1:
@@ -144,6 +144,11 @@ class Surface:
         return self.nodes - origin + np.where(self.dofs >= 0, x[self.dofs], 0.0)
 
     @cached_property
+    def middle(self) -> ndarray:
+        """Mean of the nodes in the reference configuration, (2,)."""
+        return self.nodes.mean(axis=0)
+
+    @cached_property
     def spacing(self) -> float:
         """Length of a typical segment, the median of all."""
         return float(np.median(self.length))
@@ -180,6 +185,15 @@ class Surface:
         for b in range(1, M.shape[2]):
             rho += M[:, :, b, None] * places[:, b]
         return M, rho
+
+    def ends(self, nodes: ndarray) -> ndarray:
+        """Ends of all segments and the derivatives of the curves there, (2, 2 ends, n_segments, 2)."""
+        return np.einsum("demk,mkc->demc", self._at_ends, nodes[self.segments])
+
+    @cached_property
+    def _at_ends(self) -> ndarray:
+        """Shape functions at the ends of all segments, and their derivatives."""
+        return np.einsum("mkp,dep->demk", self.coefficients, powers(np.array([-1.0, 1.0]), 1))
 
     def along(self, difference: ndarray) -> ndarray:
         """Differences of arc positions; on a closed chain the short way round."""
