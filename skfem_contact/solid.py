@@ -258,11 +258,12 @@ class SolidForm:
             return self.elastic_stiffness
         point = np.concatenate(points)
         element, q = np.divmod(point, n_points)
-        first = np.diff(element, prepend=-1) > 0  # the points of an element follow each other
+        first = np.ones(len(point), bool)  # the points of an element follow each other
+        first[1:] = element[1:] != element[:-1]
         elements, position = element[first], np.cumsum(first) - 1
         D = self._acting(np.concatenate(tangents))
         D -= self._elasticity[element]
-        D *= self.weight[element, q][:, None, None]
+        D *= self.weight.take(point)[:, None, None]
         change = np.zeros((len(elements), n_points, len(self._rows), len(self._rows)))
         change[position, q] = D
         correction = self._pattern.scatter(element_stiffness(self._B[elements], change), elements)

@@ -41,9 +41,9 @@ class FreeBlock:
         return with_data(self._entries, K.data.take(self._entries.data))
 
     def _map(self, K: csr_matrix) -> None:
-        # a copy, since scipy changes the pattern of a matrix in place
-        nothing = np.empty(K.nnz, dtype=bool)
-        self._pattern = csr_matrix((nothing, K.indices, K.indptr), shape=K.shape, copy=True)
+        pattern = with_data(K, np.empty(K.nnz, dtype=bool))
+        changes = K.indices.flags.writeable or K.indptr.flags.writeable  # scipy changes a pattern in place
+        self._pattern = pattern.copy() if changes else pattern
         numbers = csr_matrix((np.arange(K.nnz), K.indices, K.indptr), shape=K.shape)
         self._entries = numbers[self.order][:, self.order].astype(np.int32)
         self._entries.sort_indices()

@@ -88,6 +88,7 @@ def _union(matrices: Sequence[csr_matrix]) -> csr_matrix:
         union = union.maximum(one)
     union.sort_indices()
     union.has_canonical_format = True
+    union.indices.flags.writeable = union.indptr.flags.writeable = False  # whoever knows it need not look again
     return union
 
 

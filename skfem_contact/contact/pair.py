@@ -212,7 +212,7 @@ class ContactPair:
         depth = np.full(len(points.arc), np.inf) if held else self._depth(points)
         normal_penalty, tangential_penalty = penalties = self.penalties(state)
         closing = state.offset - points.at(state.normal_multiplier) / normal_penalty
-        bonded = state.status != Status.OPEN
+        bonded = state.status != int(Status.OPEN)
         around = self._neighbours.at(nodes, positions)
         near = bonded | (around.clearance <= np.maximum(depth, closing))  # the others need not be projected
 
