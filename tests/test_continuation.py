@@ -102,7 +102,8 @@ def test_result_prints_its_steps():
     assert result.mechanism.shape == result.x.shape
 
 
-@pytest.mark.parametrize(("settings", "message"), [({"tol": 0.0}, "positive"), ({"step": 0.0}, "positive")])
+@pytest.mark.parametrize(("settings", "message"), [({"tol": 0.0}, "positive"), ({"step": 0.0}, "positive"),
+                                                   ({"longest": 0.0}, "positive")])
 def test_bad_settings(settings, message):
     with pytest.raises(ValueError, match=message):
         sc.limit_load(*column(), **settings)

@@ -72,13 +72,13 @@ def test_associated_soil_stays_as_it_is():
         lagged(softening)
 
 
-def footing(psi: float):
-    """A strip footing of half width 1 on weightless soil, c = 1, phi = 20 degrees, four-node elements."""
+def footing(psi: float, phi: float = 20.0):
+    """A strip footing of half width 1 on weightless soil, c = 1, four-node elements."""
     x = np.concatenate((np.linspace(0, 1, 7), 1 + np.geomspace(0.18, 7, 12)))
     mesh = grid("Q1", x, -np.concatenate((np.geomspace(4, 0.18, 10), [0.0])))
     mesh = mesh.with_boundaries({"footing": lambda p: (p[1] > -1e-9) & (p[0] < 1.0)})
     basis = vector_basis(mesh, "Q1", intorder=3)
-    forms = {"soil": sc.SolidForm(basis, sc.MohrCoulomb(E=1e4, nu=0.3, c=1.0, phi=20.0, psi=psi), strain=sc.b_bar)}
+    forms = {"soil": sc.SolidForm(basis, sc.MohrCoulomb(E=1e4, nu=0.3, c=1.0, phi=phi, psi=psi), strain=sc.b_bar)}
     fixed = np.concatenate((basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1")))
     pressure = LinearForm(lambda v, w: -v[1]).assemble(FacetBasis(mesh, basis.elem, facets="footing", intorder=3))
     return forms, fixed, pressure
@@ -93,6 +93,23 @@ def test_footing_without_dilatancy_in_few_iterations():
     assert free.iterations <= 150  # 100 or so; the given law takes 500 to 1000
     # both come to Prandtl's capacity from above as the mesh is refined, the associated one from further away
     assert 14.835 < free.multiplier < associated.multiplier
+
+
+def test_short_steps_follow_the_given_law():
+    """[N] phi = 30, psi = 0: with steps of no more than 4 times the first one both laws have the same capacity.
+
+    In steps that grow to the end the friction of the pressure a step ago carries more.
+    """
+    settings = {"tol": 0.02, "newton": sc.Newton(3e-3, 30), "progress": False}
+    short = {"step": 2.0, "longest": 4.0, **settings}
+    given = sc.limit_load(*footing(0.0, 30.0), **short)
+    lagging = sc.limit_load(*footing(0.0, 30.0), flow="lagged", **short)
+    growing = sc.limit_load(*footing(0.0, 30.0), flow="lagged", **settings)
+    steps = np.diff(lagging.curve[:, 0])
+    assert steps.max() == pytest.approx(4 * steps[0])
+    # 0.4 % apart; the residual's tolerance is 0.3 %, and curves without dilatancy oscillate by as much
+    assert lagging.multiplier == pytest.approx(given.multiplier, rel=0.01)
+    assert growing.multiplier > 1.01 * lagging.multiplier
 
 
 def test_flow_of_a_limit_load():

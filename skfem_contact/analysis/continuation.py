@@ -135,7 +135,8 @@ def remainder(points: list[Point] | tuple[Point, ...]) -> float:
 
 
 def follow(branch: Branch, control: ndarray, points: list[Point], newton: Newton, tolerance: float,
-           report: Report, relative: bool = False, highest: float = np.inf, growth: float = GROWTH) -> Curve:
+           report: Report, relative: bool = False, highest: float = np.inf, growth: float = GROWTH,
+           longest: float = np.inf) -> Curve:
     """Follow the curve until it has levelled off.
 
     Parameters
@@ -158,8 +159,10 @@ def follow(branch: Branch, control: ndarray, points: list[Point], newton: Newton
         Told of every new point and of every step that failed.
     growth
         Ratio of a step to the one before; the step after one that failed does not grow.
+    longest
+        Work of the longest step.
     """
-    points, length, cuts, failed = list(points), points[-1].work - points[-2].work, 0, False
+    points, length, cuts, failed = list(points), min(points[-1].work - points[-2].work, longest), 0, False
     while len(points) < _MOST_STEPS:
         try:
             point = correct(branch, control, points, points[-1].work + length, newton)
@@ -177,7 +180,7 @@ def follow(branch: Branch, control: ndarray, points: list[Point], newton: Newton
             return Curve(tuple(points), f"plateau: the curve may rise by {max(left, 0.0):.2g} more")
         if point.parameter > highest:
             return Curve(tuple(points), f"the parameter {highest:g}: there is no collapse below it")
-        cuts, length, failed = 0, length if failed else growth * length, False
+        cuts, length, failed = 0, length if failed else min(growth * length, longest), False
     return Curve(tuple(points), f"{_MOST_STEPS} steps without a plateau")
 
 

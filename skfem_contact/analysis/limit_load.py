@@ -99,7 +99,8 @@ class _Load:
 @single_threaded
 def limit_load(forms: Mapping[str, Form], fixed: ndarray, load: ndarray, start: Result | StageResult | None = None,
                tol: float = 0.005, step: float = 1.0, highest: float = np.inf, flow: Flow | Literal["lagged"] = "given",
-               newton: Newton | None = None, solver: Any = None, progress: bool | None = None) -> LimitLoad:
+               newton: Newton | None = None, solver: Any = None, progress: bool | None = None,
+               longest: float = np.inf) -> LimitLoad:
     """Multiply a load until the structure collapses.
 
     The work of the reference load is prescribed and its multiplier follows, until the curve of the multiplier
@@ -126,12 +127,15 @@ def limit_load(forms: Mapping[str, Form], fixed: ndarray, load: ndarray, start: 
         Flow rule, see :func:`reduced_strength`, or ``"lagged"``: as given, with the friction of the pressure at the
         start of each step (:class:`~.materials.lagged.LaggedFriction`). With psi < phi the given law takes hundreds
         of iterations or stalls; the lagged one does not, but must start from equilibrium with its own friction.
+        In long steps it carries more than the given law; `longest` keeps them short.
     newton
         Settings of Newton's method; by default the residual is at most 0.03 ``tol`` of the load.
     solver
         A scikit-fem linear solver ``(A, b) -> x``.
     progress
         Show a progress bar; by default where the output is a terminal.
+    longest
+        Work of the longest step over that of the first one.  Steps grow up to it; without it, until the end.
 
     Raises
     ------
@@ -154,8 +158,8 @@ def limit_load(forms: Mapping[str, Form], fixed: ndarray, load: ndarray, start: 
     >>> print(f"{sc.limit_load({'soil': column}, fixed, load).multiplier:.3f}")
     20.000
     """
-    if not tol > 0 or not step > 0:
-        raise ValueError(f"tol and step must be positive, not {tol!r} and {step!r}")
+    if not tol > 0 or not step > 0 or not longest > 0:
+        raise ValueError(f"tol, step and longest must be positive, not {tol!r}, {step!r} and {longest!r}")
     last = start[-1] if isinstance(start, Result) else start
     system = build_system(*left_by(last, _flowing(forms, flow), fixed), solver)
     reference = check_load(load, system.size)
@@ -169,7 +173,7 @@ def limit_load(forms: Mapping[str, Form], fixed: ndarray, load: ndarray, start: 
         trials.begin(origin)
         path = [origin, _first(branch, origin, step, newton, trials)]
         curve = follow(branch, reference, path, newton, tol, trials, relative=True, highest=highest,
-                       growth=_SMALL_GROWTH if flow == "lagged" else GROWTH)
+                       growth=_SMALL_GROWTH if flow == "lagged" else GROWTH, longest=longest * path[-1].work)
     multiplier, above = curve.limit
     end = curve.points[-1]
     mechanism = end.x - curve.points[-2].x
