@@ -48,6 +48,7 @@ class Gathering:
     def _find(self, dofs: ndarray) -> None:
         rows, columns = np.broadcast_arrays(dofs[:, :, None], dofs[:, None, :])
         self._dofs, self._moving = dofs, (rows >= 0) & (columns >= 0)
-        entries, self._slots = np.unique(rows[self._moving] * self._n + columns[self._moving], return_inverse=True)
+        row = rows[self._moving].astype(np.int64)  # scikit-fem counts in 32 bits, too few for the product
+        entries, self._slots = np.unique(row * self._n + columns[self._moving], return_inverse=True)
         row, column = np.divmod(entries, self._n)
         self._pattern = csr_matrix((np.ones(len(row)), (row, column)), shape=(self._n, self._n))
