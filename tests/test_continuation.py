@@ -95,6 +95,19 @@ def test_footing_locks_with_full_integration_only():
     assert "no collapse below" in locked.criterion
 
 
+def test_curve_is_followed_beyond_its_plateau():
+    """[X] Tresca: the load stays what it is while the footing sinks, and from there no more can be carried."""
+    problem = footing(ElementTriP2(), sc.plane_strain, 2, True)
+    usual = sc.limit_load(*problem, progress=False)
+    far = 4.0 * usual.curve[-1, 2]
+    long = sc.limit_load(*problem, until=far, progress=False)
+    assert usual.curve[-1, 2] < far <= long.curve[-1, 2]
+    # the tolerance of a plateau, 0.5 %, here and below
+    assert long.multiplier == pytest.approx(usual.multiplier, rel=0.005)
+    more = sc.limit_load(*problem, start=long.end, step=0.1, progress=False)
+    assert abs(more.multiplier) < 0.005 * long.multiplier
+
+
 def test_result_prints_its_steps():
     """One line a step."""
     result = sc.limit_load(*column(), progress=False)

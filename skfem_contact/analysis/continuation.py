@@ -136,7 +136,7 @@ def remainder(points: list[Point] | tuple[Point, ...]) -> float:
 
 def follow(branch: Branch, control: ndarray, points: list[Point], newton: Newton, tolerance: float,
            report: Report, relative: bool = False, highest: float = np.inf, growth: float = GROWTH,
-           longest: float = np.inf) -> Curve:
+           longest: float = np.inf, until: float = 0.0) -> Curve:
     """Follow the curve until it has levelled off.
 
     Parameters
@@ -161,6 +161,8 @@ def follow(branch: Branch, control: ndarray, points: list[Point], newton: Newton
         Ratio of a step to the one before; the step after one that failed does not grow.
     longest
         Work of the longest step.
+    until
+        Largest displacement that a curve that has levelled off must have reached.
     """
     points, length, cuts, failed = list(points), min(points[-1].work - points[-2].work, longest), 0, False
     while len(points) < _MOST_STEPS:
@@ -176,7 +178,8 @@ def follow(branch: Branch, control: ndarray, points: list[Point], newton: Newton
         points.append(point)
         report.accept(point)
         left = remainder(points)
-        if left < tolerance * (abs(point.parameter) if relative else 1.0):
+        reached = np.abs(point.x - points[0].x).max() >= until
+        if reached and left < tolerance * (abs(point.parameter) if relative else 1.0):
             return Curve(tuple(points), f"plateau: the curve may rise by {max(left, 0.0):.2g} more")
         if point.parameter > highest:
             return Curve(tuple(points), f"the parameter {highest:g}: there is no collapse below it")

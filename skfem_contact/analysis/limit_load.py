@@ -75,6 +75,12 @@ class LimitLoad:
         """Work of the reference load, multiplier and largest displacement of all equilibria, (n, 3)."""
         return np.array([(t.work, t.parameter, t.displacement) for t in self.trials if t.outcome == "equilibrium"])
 
+    @property
+    def end(self) -> StageResult:
+        """What the bodies carry at the end of the curve: a start for other analyses."""
+        last = next(t for t in reversed(self.trials) if t.outcome == "equilibrium")
+        return StageResult("limit load", self.x, self.load, self.states, (self.iterations,), last.residual)
+
     def __str__(self) -> str:
         return (f"limit load {self.multiplier:.4g} times the reference load, bracket "
                 f"[{self.bracket[0]:.4g}, {self.bracket[1]:.4g}]\n"
@@ -100,7 +106,7 @@ class _Load:
 def limit_load(forms: Mapping[str, Form], fixed: ndarray, load: ndarray, start: Result | StageResult | None = None,
                tol: float = 0.005, step: float = 1.0, highest: float = np.inf, flow: Flow | Literal["lagged"] = "given",
                newton: Newton | None = None, solver: Any = None, progress: bool | None = None,
-               longest: float = np.inf) -> LimitLoad:
+               longest: float = np.inf, until: float = 0.0) -> LimitLoad:
     """Multiply a load until the structure collapses.
 
     The work of the reference load is prescribed and its multiplier follows, until the curve of the multiplier
@@ -136,6 +142,8 @@ def limit_load(forms: Mapping[str, Form], fixed: ndarray, load: ndarray, start: 
         Show a progress bar; by default where the output is a terminal.
     longest
         Work of the longest step over that of the first one.  Steps grow up to it; without it, until the end.
+    until
+        The curve does not end at a peak or plateau before a displacement is as large as this.
 
     Raises
     ------
@@ -173,7 +181,8 @@ def limit_load(forms: Mapping[str, Form], fixed: ndarray, load: ndarray, start: 
         trials.begin(origin)
         path = [origin, _first(branch, origin, step, newton, trials)]
         curve = follow(branch, reference, path, newton, tol, trials, relative=True, highest=highest,
-                       growth=_SMALL_GROWTH if flow == "lagged" else GROWTH, longest=longest * path[-1].work)
+                       growth=_SMALL_GROWTH if flow == "lagged" else GROWTH, longest=longest * path[-1].work,
+                       until=until)
     multiplier, above = curve.limit
     end = curve.points[-1]
     mechanism = end.x - curve.points[-2].x
