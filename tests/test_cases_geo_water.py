@@ -48,7 +48,8 @@ def test_slope_under_water():
 def test_slow_drawdown(level, published):
     """[P] Case H5: the water has fallen by a share of the height; the least factor is at 0.7 of it.
 
-    Extrapolated from two meshes. The published values are read off a figure, and their unit weights are not known.
+    Extrapolated from two meshes. The published values are read off a figure, without dilatancy, and their unit
+    weights are not known.
     """
     coarse, fine = (under_water(slope(n), SOIL, 20.0, (1 - level) * HEIGHT, tol=0.004) for n in (5, 10))
     assert fine < coarse
@@ -74,7 +75,8 @@ def test_dam(filled, published):
     """[P] Case H6: an earth dam before and after filling; the downstream face fails.
 
     The free surface falls in a line from the reservoir to the downstream toe, and the pressure is that of the depth
-    below it. Published factors of finite elements and slices differ by 1 and 2 %, the extrapolation is worth 1 %.
+    below it. Published factors of finite elements, without dilatancy, and of slices differ by 1 and 2 %; the extrapolation
+    is worth 1 %.
     """
     soil = sc.MohrCoulomb(E=1e5, nu=0.3, c=13.8, phi=37.0, psi=37.0)
     shore = RESERVOIR / DAM * UPSTREAM
