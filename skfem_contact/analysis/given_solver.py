@@ -10,6 +10,7 @@ import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix
 
+from .amg import AmgSolver
 from .free_block import FreeBlock
 from .linear import ENGINES, DirectSolver, LinearSolver, SingularSystem, Solve
 
@@ -46,8 +47,8 @@ def as_solver(solver: Any, locations: ndarray, free: ndarray) -> LinearSolver:
     Parameters
     ----------
     solver
-        None or the name of an engine for a :class:`DirectSolver`; or a scikit-fem linear solver, that is
-        a function (A, b) -> x such as `skfem.utils.solver_iter_krylov()` returns.
+        None or the name of an engine for a :class:`DirectSolver`; "amg" for an :class:`AmgSolver`; or a scikit-fem
+        linear solver, that is a function (A, b) -> x such as `skfem.utils.solver_iter_krylov()` returns.
     locations
         (dim, N), the place of each unknown.
     free
@@ -69,7 +70,9 @@ def as_solver(solver: Any, locations: ndarray, free: ndarray) -> LinearSolver:
     """
     if callable(solver):
         return FunctionSolver(solver, free)
-    if solver is None or isinstance(solver, str):
+    if solver == "amg":
+        return AmgSolver(locations, free)
+    if solver is None or solver in tuple(ENGINES):
         return DirectSolver(locations, free, solver)
-    names = ", ".join(ENGINES)
+    names = ", ".join((*ENGINES, "amg"))
     raise ValueError(f"solver must be None, one of {names}, or a function (A, b) -> x, not {solver!r}")

@@ -21,6 +21,7 @@ from scipy.linalg import lu_factor, lu_solve
 from scipy.sparse import csr_matrix
 from scipy.sparse.linalg import SuperLU, splu
 
+from .amg import AmgOrDirect, amg_pays
 from .free_block import FreeBlock, same_pattern
 from .given_solver import as_solver
 from .linear import LinearSolver, Solve
@@ -45,11 +46,15 @@ def linear_solver(forms: Mapping[str, Any], solver: Any, locations: ndarray, fre
         Forms by name; those with an attribute `unknowns` act on these alone, those with `materials` yield where one
         of these has internal variables.
     solver, locations, free
-        As for :func:`as_solver`.  A user's own function is used for everything.
+        As for :func:`as_solver`.  A user's own function and multigrid are used for everything.
     """
+    yielding = any(_may_yield(form) for form in forms.values())
+    symmetric = all(getattr(form, "symmetric", False) for form in forms.values())
+    if solver is None and symmetric and not yielding and amg_pays(locations, free):
+        return AmgOrDirect(locations, free)
     inner = as_solver(solver, locations, free)
     touched = [form.unknowns for form in forms.values() if hasattr(form, "unknowns")]
-    if callable(solver) or not touched or any(_may_yield(form) for form in forms.values()):
+    if callable(solver) or solver == "amg" or not touched or yielding:
         return inner
     return InterfaceSolver(inner, locations, free, np.concatenate(touched))
 

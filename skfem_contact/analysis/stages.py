@@ -109,7 +109,8 @@ def run(forms: Mapping[str, Form], stages: Sequence[Stage], fixed: ndarray, star
     newton
         Settings of Newton's method.
     solver
-        A scikit-fem linear solver ``(A, b) -> x``; by default a direct solver with an ordering of its own.
+        A scikit-fem linear solver ``(A, b) -> x``, or ``"amg"``, algebraic multigrid by pyamg. By default a direct
+        solver with an ordering of its own; for large elastic bodies in space multigrid, where pyamg is installed.
     progress
         Show a progress bar; by default where the output is a terminal.
 
