@@ -75,8 +75,8 @@ def test_dam(filled, published):
     """[P] Case H6: an earth dam before and after filling; the downstream face fails.
 
     The free surface falls in a line from the reservoir to the downstream toe, and the pressure is that of the depth
-    below it. Published factors of finite elements, without dilatancy, and of slices differ by 1 and 2 %; the extrapolation
-    is worth 1 %.
+    below it. Published factors of finite elements, without dilatancy, and of slices differ by 1 and 2 %; the
+    extrapolation is worth 1 %.
     """
     soil = sc.MohrCoulomb(E=1e5, nu=0.3, c=13.8, phi=37.0, psi=37.0)
     shore = RESERVOIR / DAM * UPSTREAM
