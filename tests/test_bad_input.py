@@ -299,6 +299,17 @@ def test_two_stages_of_one_name():
     basis, forms, stages, fixed = problem()
     with pytest.raises(ValueError, match="two stages are named 'rest'"):
         run(forms, [*stages, sc.Stage("rest", basis.zeros())], fixed)
+    # result["rest"] would be the old one
+    with pytest.raises(ValueError, match="the start has a stage of the name 'rest'"):
+        run(forms, stages, fixed, start=run(forms, stages, fixed))
+
+
+def test_stages_and_forms_of_the_wrong_kind():
+    _, forms, stages, fixed = problem()
+    with pytest.raises(ValueError, match=r"stages must be a list; write \[Stage\(\.\.\.\)\]"):
+        run(forms, stages[0], fixed)
+    with pytest.raises(ValueError, match=r"forms must be a dictionary \{name: form\}, not list"):
+        run(list(forms.values()), stages, fixed)
 
 
 @pytest.mark.parametrize("forms", [{}, {"joint": pair(penalty=1.0)}])
@@ -447,7 +458,7 @@ def test_start_from_another_analysis():
     basis, forms, stages, fixed = problem()
     done = run(forms, stages, fixed)
     with pytest.raises(ValueError, match=r"start.*'solid'.*'joint'"):
-        run({"other": forms["solid"], "joint": forms["joint"]}, stages, fixed, start=done)
+        run({"other": forms["solid"], "joint": forms["joint"]}, [sc.Stage("s", basis.zeros())], fixed, start=done)
     finer = vector_basis(basis.mesh, "Q2")
     with pytest.raises(ValueError, match=r"start.*72.*224"):
         run(

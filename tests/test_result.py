@@ -51,6 +51,32 @@ def test_access(example):
         result["quarter"]
 
 
+def test_what_a_notebook_shows(example):
+    """A table and one line, not the arrays of all stages."""
+    *_, result = example
+    assert repr(result) == str(result)
+    assert repr(result[0]).startswith("<StageResult 'half', 100% of its load, ") and len(repr(result[0])) < 100
+
+
+def test_going_on_from_a_stage_that_is_not_the_last(example):
+    """[X] The second stage once more, from the first: the same as it was."""
+    _, _, fixed, (_, full) = blocks()
+    _, forms, result = example
+    again = sc.run(forms, [full], fixed, start=result["half"], progress=False)
+    assert [stage.name for stage in again] == ["half", "full"]
+    # round-off of the first step, which is not predicted from a step before
+    np.testing.assert_allclose(again["full"].x, result["full"].x, atol=1e-10 * np.abs(result["full"].x).max())
+
+
+def test_file_without_its_end_or_of_another_kind(example, tmp_path):
+    _, forms, result = example
+    result.save(tmp_path / "out")
+    assert len(sc.load_result(tmp_path / "out", forms)) == 2
+    np.savez(tmp_path / "other.npz", x=np.zeros(3))
+    with pytest.raises(ValueError, match=r"other\.npz is not a saved result"):
+        sc.load_result(tmp_path / "other.npz", forms)
+
+
 def test_contents(example):
     """[X] Displacements, loads and states hold what the forms answer at them."""
     basis, forms, result = example

@@ -181,7 +181,7 @@ def iterate(now: Trial, evaluate: Callable[[ndarray], Trial], direction: Callabl
             step = direction(now, damped)
             new = _along_energy(now, step, evaluate) if search == "energy" else _search(now, step, norms, evaluate)
         except SingularSystem as error:
-            raise NotConverged(f"the stiffness is singular: {error}", now.z, norms,
+            raise NotConverged(str(error), now.z, norms,
                                int(error.unknowns[0])) from error
         except NotConverged as error:  # no answer at the trial: say where the last one was
             raise NotConverged(str(error), now.z, norms, now.worst) from error

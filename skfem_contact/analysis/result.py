@@ -48,6 +48,10 @@ class StageResult:
     fraction: float = 1.0
     summary: Mapping[str, str] = field(default_factory=dict)
 
+    def __repr__(self) -> str:
+        return (f"<StageResult '{self.name}', {self.fraction:.0%} of its load, {len(self.x)} unknowns, "
+                f"forms: {', '.join(self.states)}>")
+
 
 @dataclass(frozen=True)
 class Result:
@@ -83,8 +87,10 @@ class Result:
                          f"{s.fraction:4.0%}    " + "; ".join(f"{k}: {v}" for k, v in s.summary.items() if v))
         return "\n".join(lines)
 
+    __repr__ = __str__  # the arrays of all stages would fill a notebook
+
     def save(self, file: str | Path) -> None:
-        """Write all stages to one compressed file, ``.npz``, from which :func:`load_result` resumes."""
+        """Write all stages to one compressed file, from which :func:`load_result` resumes; it gets the end ``.npz``."""
         arrays, head = {}, []
         for i, stage in enumerate(self.stages):
             head.append({"name": stage.name, "iterations": stage.iterations, "residual": stage.residual,
@@ -111,14 +117,14 @@ def load_result(file: str | Path, forms: Mapping[str, Form]) -> Result:
     Parameters
     ----------
     file
-        What :meth:`Result.save` wrote.
+        Name of the file that :meth:`Result.save` wrote, with or without its end ``.npz``.
     forms
         The forms of the analysis, by the same names; of those that were not active in a stage it holds no state.
 
     Raises
     ------
     ValueError
-        The file speaks of other forms, or their sizes differ.
+        The file is no result, speaks of other forms, or their sizes differ.
 
     Examples
     --------
@@ -129,8 +135,10 @@ def load_result(file: str | Path, forms: Mapping[str, Form]) -> Result:
     >>> len(load_result(file, {}))
     0
     """
-    stages = []
-    with np.load(file, allow_pickle=False) as data:
+    stages, path = [], str(file) if str(file).endswith(".npz") else f"{file}.npz"
+    with np.load(path, allow_pickle=False) as data:
+        if "head" not in data:
+            raise ValueError(f"{path} is not a saved result")
         for i, head in enumerate(json.loads(str(data["head"]))):
             if not set(head["forms"]) <= set(forms):
                 raise ValueError(f"the file holds the forms {head['forms']}, not {list(forms)}")

@@ -91,7 +91,8 @@ class Stage:
 
 
 @single_threaded
-def run(forms: Mapping[str, Form], stages: Sequence[Stage], fixed: ndarray, start: Result | None = None,
+def run(forms: Mapping[str, Form], stages: Sequence[Stage], fixed: ndarray,
+        start: Result | StageResult | None = None,
         newton: Newton | None = None, solver: Any = None, progress: bool | None = None) -> Result:
     """Run stages one after the other.
 
@@ -104,8 +105,8 @@ def run(forms: Mapping[str, Form], stages: Sequence[Stage], fixed: ndarray, star
     fixed
         Unknowns that are held (or moved by ``Stage.prescribed``).
     start
-        Result to go on from; its last stage is where the first stage starts. Forms that it does not hold are
-        inactive.
+        Result to go on from, whose last stage is where the first stage starts, or one stage of a result. Forms that
+        it does not hold are inactive.
     newton
         Settings of Newton's method.
     solver
@@ -122,8 +123,8 @@ def run(forms: Mapping[str, Form], stages: Sequence[Stage], fixed: ndarray, star
     Raises
     ------
     ValueError
-        Bad input, before anything is computed: sizes, NaN, names that do not exist, and in any stage a body that
-        nothing holds.
+        Bad input, before anything is computed: sizes, NaN, names that do not exist or that two stages would have, and
+        in any stage a body that nothing holds.
     NotConverged
         With the partial result, whose last entry is the last increment that was accepted.
 
@@ -141,8 +142,8 @@ def run(forms: Mapping[str, Form], stages: Sequence[Stage], fixed: ndarray, star
     stage            increments  iterations  residual  load    what the bodies carry
     gravity                   1           1   ...  100%
     """
-    _check_stages(stages)
-    done = list(start) if start else []
+    done = [start] if isinstance(start, StageResult) else list(start or ())
+    _check_input(forms, stages, [stage.name for stage in done])
     phases = plan(forms, stages, as_unknowns(fixed), done[-1] if done else None)
     last = done[-1] if done else _nothing(phases[0].forms, len(stages[0].load))
     if done:
@@ -193,7 +194,7 @@ def _increments(system: System, predictor: Predictor, stage: Stage, last: StageR
                         error)
             if stepping.exhausted:
                 where = _place(system, error.unknown)
-                raise NotConverged(f"stage '{stage.name}' {stepping}: {error}{where}") from error
+                raise NotConverged(f"stage '{stage.name}' {stepping}: {error}{where}{_so_far(system, last)}") from error
             continue
         logger.info("stage '%s': %.2f%% in %d iterations", stage.name, 100 * fraction, new.iterations)
         stepping.accept(fraction, new.iterations, new.equilibria)
@@ -211,19 +212,29 @@ def _place(system: System, unknown: int | None) -> str:
     return f", at {place(next(f.basis.doflocs[:, unknown] for f in system.forms.values() if isinstance(f, SolidForm)))}"
 
 
+def _so_far(system: System, last: StageResult) -> str:
+    """What the bodies carried when it was accepted last, for a message."""
+    carried = {name: form.summary(last.states[name]) for name, form in system.forms.items()}
+    told = "; ".join(f"{name}: {text}" for name, text in carried.items() if text)
+    return f". Accepted last: {told}" if told else ""
+
+
 def _nothing(forms: Mapping[str, Form], n: int) -> StageResult:
     """What the first stage starts from: nothing has moved, nothing is loaded."""
     states = {name: form.initial_state() for name, form in forms.items()}
     return StageResult("start", np.zeros(n), np.zeros(n), states, (), 0.0)
 
 
-def _check_stages(stages: Sequence[Stage]) -> None:
+def _check_input(forms: Mapping[str, Form], stages: Sequence[Stage], before: list[str]) -> None:
     """One clear error before the analysis starts."""
-    if not stages:
-        raise ValueError("there is no stage to run")
-    names = [stage.name for stage in stages]
+    if not isinstance(forms, Mapping):
+        raise ValueError(f"forms must be a dictionary {{name: form}}, not {type(forms).__name__}")
+    if isinstance(stages, Stage) or not stages:
+        raise ValueError("there is no stage to run" if not stages else "stages must be a list; write [Stage(...)]")
+    names = before + [stage.name for stage in stages]
     for stage in stages:
         if names.count(stage.name) > 1:
-            raise ValueError(f"two stages are named '{stage.name}'")
+            which = "the start has a stage of the name" if stage.name in before else "two stages are named"
+            raise ValueError(f"{which} '{stage.name}'")
         if stage.increments < 1:
             raise ValueError(f"stage '{stage.name}': increments must be at least 1")
