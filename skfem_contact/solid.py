@@ -184,21 +184,22 @@ class SolidForm:
         strain = self._strains(x)
         increment = strain - state.strain
         before = self._remembered(state)
-        internal = before
-        updates: list[Update] = []
-        for region in self.regions:
-            e, n = region.elements, region.material.n_internal
-            update = region.material.update(increment[:, e], state.stress[:, e], before[:n, e])
-            if len(update.plastic):
-                internal = internal.copy() if internal is before else internal
-                internal[:n, e] = update.internal
-            updates.append(update)
+        updates = [r.material.update(increment[:, r.elements], state.stress[:, r.elements],
+                                     before[:r.material.n_internal, r.elements]) for r in self.regions]
         # one region's stress is not copied
         stress = updates[0].stress if len(updates) == 1 else np.concatenate([u.stress for u in updates], axis=1)
         force = self._force_matrix @ stress.ravel()
-        return Response(force, lambda: SolidState(strain, stress, internal), lambda: self._tangent(updates),
-                        lambda: self._tangent(updates, damped=True),
+        return Response(force, lambda: SolidState(strain, stress, self._internal(before, updates)),
+                        lambda: self._tangent(updates), lambda: self._tangent(updates, damped=True),
                         _ROUND_OFF * float(np.linalg.norm(self._diagonal * x)))
+
+    def _internal(self, before: ndarray, updates: list[Update]) -> ndarray:
+        """Internal variables after the updates; where no point yields, those before."""
+        yielding = [(r, update) for r, update in zip(self.regions, updates, strict=True) if len(update.plastic)]
+        after = before.copy() if yielding else before
+        for region, update in yielding:
+            after[:region.material.n_internal, region.elements] = update.internal
+        return after
 
     def summary(self, state: SolidState) -> str:
         """Share of the points that have yielded, for the table of a result; nothing where nothing has."""

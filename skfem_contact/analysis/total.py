@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import reduce
 
 import numpy as np
 from numpy import ndarray
@@ -82,12 +83,9 @@ def _canonical(matrix: csr_matrix) -> csr_matrix:
 
 def _union(matrices: Sequence[csr_matrix]) -> csr_matrix:
     """The entries of any of the matrices."""
-    ones = [csr_matrix((np.ones(m.nnz, dtype=np.int8), m.indices, m.indptr), shape=m.shape) for m in matrices]
-    union = ones[0]
-    for one in ones[1:]:
-        union = union.maximum(one)
-    union.sort_indices()
-    union.has_canonical_format = True
+    ones = [with_data(matrix, np.ones(matrix.nnz, dtype=np.int8)) for matrix in matrices]
+    union = reduce(csr_matrix.maximum, sorted(ones, key=lambda one: one.nnz))  # the largest one is gone through once
+    union.has_canonical_format = True  # for those of the matrices is
     union.indices.flags.writeable = union.indptr.flags.writeable = False  # whoever knows it need not look again
     return union
 

@@ -72,7 +72,7 @@ class NeighbourList:
 def _relative_motion(nodes: ndarray, points: ndarray) -> float:
     """By how much distances may have changed with these motions; a common translation changes none."""
     common = nodes.mean(axis=0)
-    return sum(float(np.sqrt(((motion - common) ** 2).sum(axis=1).max())) for motion in (nodes, points))
+    return sum(float(np.hypot(*(motion - common).T).max()) for motion in (nodes, points))
 
 
 def neighbours(surface: Surface, nodes: ndarray, points: ndarray, slack: float = 0.0) -> tuple[Neighbours, float]:
