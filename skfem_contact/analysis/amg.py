@@ -48,22 +48,6 @@ class AmgSolver:
     ----------
     P. Vaněk, J. Mandel, M. Brezina, Algebraic multigrid by smoothed aggregation for second and fourth order elliptic
     problems, Computing 56 (1996) 179-196.
-
-    Examples
-    --------
-    A cube on the ground:
-
-    >>> import numpy as np
-    >>> import pytest
-    >>> from skfem import Basis, ElementHex1, ElementVector, MeshHex
-    >>> import skfem_contact as sc
-    >>> _ = pytest.importorskip("pyamg")
-    >>> basis = Basis(MeshHex().refined(2), ElementVector(ElementHex1()), intorder=2)
-    >>> forms = {"cube": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=.3), sc.three_dimensional)}
-    >>> ground = basis.get_dofs(lambda x: x[2] == 0).all()
-    >>> print(sc.run(forms, [sc.Stage("weight", sc.weight(basis, 20.))], ground, solver="amg"))
-    stage            increments  iterations  residual  load    what the bodies carry
-    weight                    1           1   ...  100%
     """
 
     name = "algebraic multigrid (pyamg)"

@@ -16,8 +16,6 @@ from .fields import element_nodes, plastic_strain, solids, solids_there
 #: VTK's cells by the numbers of dimensions and of nodes.
 _CELLS = {(2, 3): "triangle", (2, 4): "quad", (2, 6): "triangle6", (2, 8): "quad8", (2, 9): "quad9",
           (3, 4): "tetra", (3, 10): "tetra10", (3, 8): "hexahedron", (3, 20): "hexahedron20", (3, 27): "hexahedron27"}
-#: Nodes of scikit-fem's hexahedra in VTK's order: corners, middles of edges and faces, centre. Others agree in order.
-_HEXAHEDRON = [7, 4, 1, 5, 6, 2, 0, 3, 17, 11, 12, 18, 14, 9, 10, 16, 19, 13, 8, 15, 25, 20, 23, 22, 24, 21, 26]
 
 
 def export_vtu(file: str | Path, forms: Mapping[str, Any], step: StageResult) -> None:
@@ -59,6 +57,7 @@ def export_vtu(file: str | Path, forms: Mapping[str, Any], step: StageResult) ->
     (['body', 'plastic_strain', 'region', 'stress'], -10.0)
     """
     import meshio
+    from skfem.io.meshio import HEX_MAPPING
 
     given = solids(forms)  # their regions have the same numbers in all stages
     first = dict(zip(given, np.cumsum([0] + [len(form.regions) for form in given.values()])))
@@ -70,8 +69,8 @@ def export_vtu(file: str | Path, forms: Mapping[str, Any], step: StageResult) ->
     displacement = np.column_stack((step.x.reshape(-1, dim), plane))
     nodes = np.concatenate([element_nodes(form) for form in forms.values()])
     kind = _CELLS[dim, nodes.shape[1]]
-    if kind.startswith("hexahedron"):
-        nodes = nodes[:, _HEXAHEDRON[:nodes.shape[1]]]
+    if kind.startswith("hexahedron"):  # of all others the nodes come in the same order
+        nodes = nodes[:, HEX_MAPPING[:nodes.shape[1]]]
     data = [_cell_data(form, step.states[name]) for name, form in forms.items()]
     merged = {key: np.concatenate([d[key] for d in data]) for key in data[0]}
     merged["region"] = np.concatenate([d["region"] + first[name] for d, name in zip(data, forms)])

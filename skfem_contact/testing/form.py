@@ -3,6 +3,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import fields, is_dataclass
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -95,19 +96,21 @@ def _answers(response: Response) -> tuple[ndarray, ...]:
 
 def _check_balance(force: ndarray, K: Any, x: ndarray, locations: ndarray) -> None:
     """No resultant, no moment, and no resistance to rigid motions."""
-    f, places = force.reshape(-1, 2), locations[:, ::2].T
+    dim = len(locations)
+    f, places = force.reshape(-1, dim), locations[:, ::dim].T
     arms = max(float(np.ptp(places)), 1e-300)
     require(np.abs(f.sum(axis=0)).max() <= 1e-8 * np.abs(f).sum(), "the forces do not balance")
-    shift = np.tile(np.eye(2), len(f))
+    shift = np.tile(np.eye(dim), len(f))
     stiffness = max(float(abs(K).max()), 1e-300)
     require(np.abs(K @ shift.T).max() <= 1e-8 * stiffness, "a rigid shift meets resistance")
     moments, resistances = [], []
-    turned = np.stack((-f[:, 1], f[:, 0]), axis=1).ravel()
-    for configuration, follows in ((places, 0.0), (places + x.reshape(-1, 2), 1.0)):
+    turns = [np.outer(b, a) - np.outer(a, b) for a, b in combinations(np.eye(dim), 2)]
+    for configuration, follows in ((places, 0.0), (places + x.reshape(-1, dim), 1.0)):
         p = configuration - configuration.mean(axis=0)
-        moments.append(abs((p[:, 0] * f[:, 1] - p[:, 1] * f[:, 0]).sum()) / (np.abs(f).sum() * arms + 1e-300))
-        spin = np.stack((-p[:, 1], p[:, 0]), axis=1).ravel()
-        resistances.append(np.abs(K @ spin - follows * turned).max() / (stiffness * arms))
+        spins = [p @ turn.T for turn in turns]
+        moments.append(max(abs((spin * f).sum()) for spin in spins) / (np.abs(f).sum() * arms + 1e-300))
+        resistances.append(max(np.abs(K @ spin.ravel() - follows * (f @ turn.T).ravel()).max()
+                               for spin, turn in zip(spins, turns)) / (stiffness * arms))
     require(min(moments) <= 1e-8, "the moments of the forces do not balance")
     require(min(resistances) <= 1e-8, "a rigid rotation changes more than the directions of the forces")
 

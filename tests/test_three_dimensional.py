@@ -1,0 +1,374 @@
+"""Bodies in space: strains of six components, collapse, closed forms, agreement with plane strain, and refusals."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import pyvista
+from skfem import (
+    Basis,
+    ElementHex1,
+    ElementHex2,
+    ElementHexS2,
+    ElementQuad1,
+    ElementTetP1,
+    ElementTetP2,
+    ElementVector,
+    FacetBasis,
+    LinearForm,
+    MeshHex,
+    MeshQuad,
+    MeshTet,
+)
+from skfem.models.elasticity import lame_parameters, linear_elasticity
+
+import skfem_contact as sc
+from skfem_contact import plot
+from skfem_contact.post import fields
+
+#: Elements, their meshes and rules that integrate the stiffness of a box exactly.
+ELEMENTS = {
+    "TetP1": (MeshTet, ElementTetP1, 2),
+    "TetP2": (MeshTet, ElementTetP2, 2),
+    "Hex1": (MeshHex, ElementHex1, 2),
+    "Hex2": (MeshHex, ElementHex2, 4),
+    "HexS2": (MeshHex, ElementHexS2, 4),
+}
+ELASTIC = sc.LinearElastic(E=100.0, nu=0.3)
+# Sums of some hundred terms in another order.
+ROUND_OFF = 1e-12
+
+
+def box(element: str, n: int = 3, shake: float = 0.0, rng=None) -> Basis:
+    """The unit cube; nodes inside are moved by up to `shake`."""
+    kind, elem, intorder = ELEMENTS[element]
+    mesh = kind.init_tensor(*3 * [np.linspace(0, 1, n + 1)])
+    p = mesh.p.copy()
+    inside = ((p > 0) & (p < 1)).all(axis=0)
+    if shake:
+        p[:, inside] += rng.uniform(-shake, shake, (3, inside.sum()))
+    return Basis(kind(p, mesh.t).with_defaults(), ElementVector(elem()), intorder=intorder)
+
+
+def symmetry_planes(basis: Basis) -> np.ndarray:
+    """The displacement across x = 0, y = 0 and z = 0 is held."""
+    component = np.arange(basis.N) % 3
+    return np.flatnonzero(np.any([(component == i) & (basis.doflocs[i] == 0) for i in range(3)], axis=0))
+
+
+def traction(basis: Basis, facets, force) -> np.ndarray:
+    """Load vector of a traction on facets: a function of the fields at them."""
+    form = LinearForm(lambda v, w: np.einsum("c...,c...->...", force(w), np.asarray(v)))
+    return form.assemble(FacetBasis(basis.mesh, basis.elem, facets=facets, intorder=4))
+
+
+# -- kernels ------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("element", ELEMENTS)
+@pytest.mark.parametrize("strain", [sc.three_dimensional, sc.b_bar])
+def test_patch_test(element, strain, rng):
+    """[X] A linear displacement field on a distorted mesh has constant strains and leaves inner nodes in balance."""
+    basis = box(element, shake=0.05, rng=rng)
+    form = sc.SolidForm(basis, ELASTIC, strain)
+    g = rng.standard_normal((3, 3))
+    out = form.assemble((basis.doflocs[:, ::3].T @ g.T).ravel(), form.initial_state())
+    s = g + g.T
+    expected = np.array([g[0, 0], g[1, 1], g[2, 2], s[0, 1], s[1, 2], s[2, 0]])
+    assert np.abs(out.state.strain - expected[:, None, None]).max() < ROUND_OFF
+    inner = np.setdiff1d(np.arange(basis.N), basis.get_dofs(basis.mesh.boundary_facets()).all())
+    assert len(inner) > 0
+    assert np.abs(out.force[inner]).max() < ROUND_OFF * np.abs(out.force).max()
+
+
+@pytest.mark.parametrize("element", ELEMENTS)
+def test_stiffness_is_that_of_scikit_fem(element, rng):
+    """[N] Entry by entry, on a distorted mesh."""
+    basis = box(element, shake=0.05, rng=rng)
+    K = linear_elasticity(*lame_parameters(100.0, 0.3)).assemble(basis)
+    difference = abs(sc.SolidForm(basis, ELASTIC, sc.three_dimensional).elastic_stiffness - K).max()
+    assert difference < ROUND_OFF * abs(K).max()
+
+
+def test_b_bar_has_one_volume_strain_an_element(rng):
+    """[X] The mean volumetric strain stays, its variation over an element goes."""
+    basis = box("Hex1", shake=0.05, rng=rng)
+    full, averaged = sc.three_dimensional(basis), sc.b_bar(basis)
+    volumetric = averaged.B[:, :, :3].sum(axis=2)
+    assert np.abs(np.ptp(volumetric, axis=1)).max() < ROUND_OFF * np.abs(volumetric).max()
+    means = [np.einsum("eq,eqcb->eb", op.weight, op.B[:, :, :3]) for op in (full, averaged)]
+    np.testing.assert_allclose(*means, atol=ROUND_OFF)
+
+
+@pytest.mark.parametrize("psi", [30.0, 5.0])
+@pytest.mark.parametrize("element", ["TetP2", "Hex1"])
+def test_form_of_yielding_soil(element, psi, rng):
+    """[N] Tangent against differences of the force, balance of forces and moments, no resistance to rigid motions."""
+    basis = box(element, n=2)
+    form = sc.SolidForm(basis, sc.MohrCoulomb(E=100.0, nu=0.3, c=0.5, phi=30.0, psi=psi), sc.three_dimensional)
+    x = 0.02 * rng.standard_normal(basis.N)
+    state = form.initial_state()
+    assert (form.assemble(x, state).state.internal > 0).mean() > 0.3
+    sc.check_form(form, x, state, basis.doflocs)
+    assert form.symmetric == (psi == 30.0)
+
+
+def test_weight_acts_downwards():
+    """[X] Against z by default, else where it is told to."""
+    basis = box("Hex1")
+    np.testing.assert_allclose(sc.weight(basis, 20.0).reshape(-1, 3).sum(axis=0), [0, 0, -20], atol=1e-12)
+    np.testing.assert_allclose(
+        sc.weight(basis, 20.0, direction=(0.6, 0, -0.8)).reshape(-1, 3).sum(axis=0), [12, 0, -16], atol=1e-12
+    )
+
+
+# -- analyses -----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("psi", [30.0, 0.0])
+@pytest.mark.parametrize("element", ["TetP2", "Hex1"])
+def test_collapse_of_a_cube(element, psi):
+    """[X] Uniaxial compression ends at 2 c tan(45 + phi/2), whatever the dilation."""
+    basis = box(element, n=2)
+    form = sc.SolidForm(basis, sc.MohrCoulomb(E=1e4, nu=0.3, c=10.0, phi=30.0, psi=psi), sc.three_dimensional)
+    load = traction(basis, basis.mesh.facets_satisfying(lambda x: x[2] == 1), lambda w: -np.eye(3)[2][:, None, None])
+    limit = sc.limit_load({"cube": form}, symmetry_planes(basis), load, step=10.0)
+    # the stress is uniform: what is left is the residual that Newton's method may leave
+    assert limit.multiplier == pytest.approx(20.0 * np.tan(np.radians(60.0)), rel=1e-6)
+    assert limit.bands["cube"].min() > 0
+
+
+def test_stage_beyond_collapse():
+    """[X] A load above the limit is told to be a collapse; below it the cube is elastic."""
+    basis = box("Hex1", n=2)
+    form = sc.SolidForm(basis, sc.MohrCoulomb(E=1e4, nu=0.3, c=10.0, phi=30.0), sc.three_dimensional)
+    top = basis.mesh.facets_satisfying(lambda x: x[2] == 1)
+    loads = [traction(basis, top, lambda w, p=p: -p * np.eye(3)[2][:, None, None]) for p in (34.6, 34.7)]
+    forms, fixed = {"cube": form}, symmetry_planes(basis)
+    start = sc.run(forms, [sc.Stage("below", loads[0])], fixed)
+    stress = start["below"].states["cube"].stress
+    np.testing.assert_allclose(stress, -34.6 * np.eye(6)[2][:, None, None] * np.ones_like(stress), atol=1e-9)
+    with pytest.raises(sc.NotConverged) as stopped:
+        sc.run(forms, [sc.Stage("above", loads[1])], fixed, start=start)
+    limit = (20.0 * np.tan(np.radians(60.0)) - 34.6) / 0.1
+    assert stopped.value.result["above"].fraction == pytest.approx(limit, abs=0.002)  # the smallest increment
+
+
+def sphere_errors(n: int) -> tuple[float, float]:
+    """Largest errors, relative to the largest displacement and stress, of a hollow sphere under pressure inside.
+
+    A quarter of the rays through the face x = 1 of a cube; y = 0 and z = 0 are planes of symmetry, and on the sides
+    y = x and z = x the displacements are Lamé's.
+    """
+    angle = np.tan(np.linspace(0, np.pi / 4, n + 1))
+    grid = MeshHex.init_tensor(np.linspace(1, 2, n + 1), angle, angle)
+    ray = np.array([np.ones(grid.nvertices), grid.p[1], grid.p[2]])
+    mesh = MeshHex(grid.p[0] * ray / np.linalg.norm(ray, axis=0), grid.t)
+    basis = Basis(mesh, ElementVector(ElementHex1()), intorder=2)
+    inside = np.flatnonzero((np.linalg.norm(mesh.p[:, mesh.facets], axis=0) < 1 + 1e-9).all(axis=0))
+
+    E, nu, shrink = 100.0, 0.3, 1.0 / (2.0**3 - 1.0)
+    radius, component = np.linalg.norm(basis.doflocs, axis=0), np.arange(basis.N) % 3
+    radial = shrink / E * ((1 - 2 * nu) * radius + 4.0 * (1 + nu) / radius**2)
+    exact = radial * basis.doflocs[component, np.arange(basis.N)] / radius
+    x, y, z = basis.doflocs
+    side = np.minimum(np.abs(y - x), np.abs(z - x)) < 1e-9
+    fixed = np.flatnonzero(side | ((component == 1) & (y == 0)) | ((component == 2) & (z == 0)))
+
+    form = sc.SolidForm(basis, sc.LinearElastic(E=E, nu=nu), sc.three_dimensional)
+    load = traction(basis, inside, lambda w: -np.asarray(w.n))
+    stage = sc.Stage("pressure", load, prescribed=exact)
+    result = sc.run({"sphere": form}, [stage], fixed)["pressure"]
+    mean = result.states["sphere"].stress[:3].mean(axis=0)  # the same everywhere
+    return float(np.abs(result.x - exact).max() / exact.max()), float(np.abs(mean - shrink).max() / shrink)
+
+
+def test_hollow_sphere():
+    """[X] Lamé: displacements converge with the second order, the mean stress at the points with the first."""
+    coarse, fine = sphere_errors(4), sphere_errors(8)
+    assert np.log2(coarse[0] / fine[0]) > 1.8  # not yet quite 2 on four elements along the radius
+    assert np.log2(coarse[1] / fine[1]) > 0.8
+    assert fine[0] < 0.01
+
+
+@pytest.mark.parametrize("psi", [25.0, 0.0])
+def test_plane_strain_is_a_slice_of_space(psi):
+    """[N] A strip footing on yielding soil: one layer of hexahedra between held faces answers as the plane does."""
+    x, y = np.linspace(0, 3, 10), np.linspace(-2, 0, 7)
+    soil = sc.MohrCoulomb(E=1e4, nu=0.3, c=10.0, phi=25.0, psi=psi)
+    results = []
+    for mesh, element in ((MeshQuad.init_tensor(x, y), ElementQuad1()),
+                          (MeshHex.init_tensor(x, y, np.array([0.0, 1.0])), ElementHex1())):  # fmt: skip
+        dim = mesh.dim()
+        basis = Basis(mesh, ElementVector(element), intorder=2)
+        forms = {"soil": sc.SolidForm(basis, soil, sc.three_dimensional if dim == 3 else sc.plane_strain)}
+        down = -np.eye(dim)[1]
+        footing = mesh.facets_satisfying(lambda p: (p[1] == 0) & (p[0] < 1))
+        weight = sc.weight(basis, 20.0, direction=down)
+        pressed = weight + 100.0 * traction(basis, footing, lambda w, d=down: d[:, None, None])
+        component, (px, py) = np.arange(basis.N) % dim, basis.doflocs[:2]
+        sides = (component == 0) & ((px == 0) | (px == 3))
+        fixed = np.flatnonzero(sides | (py == -2) | (component == 2))
+        stages = [sc.Stage("weight", weight), sc.Stage("footing", pressed, increments=3)]
+        result = sc.run(forms, stages, fixed, newton=sc.Newton(tolerance=1e-12))
+        nodes = np.lexsort(basis.doflocs[:2, ::dim])
+        values = [sc.nodal_field(forms, result["footing"], q)[nodes]
+                  for q in ("ux", "uy", "u", "sxx", "syy", "szz", "sxy", "s1", "s2", "s3", "mean", "mises", "plastic")]
+        results.append((values, [stage.iterations for stage in result]))
+    (plane, iterations), (space, same) = results
+    assert (plane[-1] > 0).mean() > 0.2
+    assert same == iterations
+    for a, b in zip(plane, space, strict=True):  # both faces of the slice
+        np.testing.assert_allclose(b.reshape(-1, 2), np.stack((a, a), axis=1), atol=1e-10 * np.abs(a).max(), rtol=0)
+
+
+def test_factor_of_safety_of_a_column():
+    """[X] The strength of the cube over its load: reduction of cohesion and tan(phi) down to collapse."""
+    basis = box("Hex1", n=1)
+    soil = sc.MohrCoulomb(E=1e4, nu=0.3, c=10.0, phi=30.0)
+    top = basis.mesh.facets_satisfying(lambda x: x[2] == 1)
+    factor = 1.5
+    phi = np.arctan(np.tan(np.radians(30.0)) / factor)
+    load = traction(basis, top, lambda w: -20.0 / factor * np.tan(np.pi / 4 + phi / 2) * np.eye(3)[2][:, None, None])
+    forms = {"cube": sc.SolidForm(basis, soil, sc.three_dimensional)}
+    found = sc.strength_reduction(forms, symmetry_planes(basis), load, reduce=["cube"])
+    assert found.factor == pytest.approx(factor, rel=1e-3)
+
+
+# -- results --------------------------------------------------------------------------------------------------------
+
+
+def test_results_are_saved_and_resumed(tmp_path):
+    """[X] States of six components come back from a file, and the analysis goes on from them."""
+    basis = box("Hex1", n=2)
+    forms = {"cube": sc.SolidForm(basis, sc.MohrCoulomb(E=1e4, nu=0.3, c=1.0, phi=20.0), sc.three_dimensional)}
+    fixed = basis.get_dofs(lambda x: x[2] == 0).all()
+    first, second = (sc.Stage(name, sc.weight(basis, gamma)) for name, gamma in (("first", 2.0), ("second", 3.0)))
+    whole = sc.run(forms, [first, second], fixed)
+    sc.run(forms, [first], fixed).save(tmp_path / "result.npz")
+    resumed = sc.run(forms, [second], fixed, start=sc.load_result(tmp_path / "result.npz", forms))
+    np.testing.assert_allclose(resumed[-1].x, whole[-1].x, atol=1e-7 * np.abs(whole[-1].x).max())  # Newton's tolerance
+
+
+@pytest.mark.parametrize("element", ELEMENTS)
+def test_files(element, tmp_path):
+    """[X] VTK finds cells of positive volume, one in all, with the stresses of six components."""
+    basis = box(element, n=2)
+    forms = {"cube": sc.SolidForm(basis, ELASTIC, sc.three_dimensional)}
+    x = np.zeros(basis.N)
+    x[1::3] = 1e-3 * basis.doflocs[2, 1::3]  # u_y = z: yz alone is strained
+    state = forms["cube"].assemble(x, forms["cube"].initial_state()).state
+    step = sc.StageResult("sheared", x, 0 * x, {"cube": state}, (), 0.0)
+    sc.export_vtu(tmp_path / "cube.vtu", forms, step)
+    grid = pyvista.read(tmp_path / "cube.vtu")
+    volumes = grid.compute_cell_sizes()["Volume"] * (1 if "Hex" in element else np.sign(orientation(basis)))
+    assert volumes.min() > 0
+    assert volumes.sum() == pytest.approx(1.0)
+    shear = 1e-3 * 100.0 / 2.6
+    np.testing.assert_allclose(grid["stress"], np.tile([0, 0, 0, 0, shear, 0], (grid.n_cells, 1)), atol=1e-12)
+    np.testing.assert_allclose(grid["displacement"][:, 1], 1e-3 * grid.points[:, 2], atol=1e-9)
+    np.testing.assert_allclose(sc.nodal_field(forms, step, "syz"), shear)
+    np.testing.assert_allclose(sc.nodal_field(forms, step, "s3"), -shear)
+    np.testing.assert_allclose(sc.nodal_field(forms, step, "mises"), np.sqrt(3) * shear)
+    np.testing.assert_allclose(sc.nodal_field(forms, step, "uz"), 0.0)
+
+
+def orientation(basis: Basis) -> np.ndarray:
+    """Six times the volumes of tetrahedra, whose sign is that of their corners' order."""
+    a, b, c, d = basis.mesh.p[:, basis.mesh.t].transpose(1, 2, 0)
+    return np.linalg.det(np.stack((b - a, c - a, d - a), axis=1))
+
+
+# -- bad input --------------------------------------------------------------------------------------------------------
+
+
+def test_contact_is_plane():
+    mesh = sc.join_bodies({"a": box("Hex1").mesh, "b": box("Hex1").mesh.translated((0.0, 0.0, 1.0))})
+    basis = Basis(mesh, ElementVector(ElementHex1()), intorder=2)
+    with pytest.raises(ValueError, match="contact is for plane bodies, but this is a MeshHex1 in three dimensions"):
+        sc.ContactPair(basis, "b:bottom", "a:top", sc.Coulomb(mu=0.3))
+
+
+def test_other_plane_things():
+    """Loads of water, K0, sections and pictures refuse with the same message."""
+    basis = box("Hex1", n=1)
+    form = sc.SolidForm(basis, ELASTIC, sc.three_dimensional)
+    forms, fixed, state = {"cube": form}, basis.get_dofs(lambda x: x[2] == 0).all(), form.initial_state()
+    step = sc.StageResult("none", np.zeros(basis.N), np.zeros(basis.N), {"cube": state}, (), 0.0)
+    for what, refused in {
+        "water_load": lambda: sc.water_load(basis, sc.hydrostatic(1.0)),
+        "k0_state": lambda: sc.k0_state(forms, sc.weight(basis, 20.0), fixed, 20.0, 0.5),
+        "section_forces": lambda: sc.section_forces(form, state, sc.line_sections((0.0, 0.0), (1.0, 0.0), 1.0)),
+        "plot.contour": lambda: plot.contour(forms, step, "ux"),
+    }.items():
+        with pytest.raises(ValueError, match=f"{what} is for plane bodies, but this is a MeshHex1 in three dim"):
+            refused()
+    assert "uz" not in fields.QUANTITIES  # which the plane has not
+
+
+def test_strain_of_other_dimension():
+    plane = Basis(MeshQuad(), ElementVector(ElementQuad1()), intorder=2)
+    with pytest.raises(ValueError, match="MeshHex1: for bodies in space pass strain=three_dimensional"):
+        sc.SolidForm(box("Hex1"), ELASTIC)
+    with pytest.raises(ValueError, match="MeshHex1: for bodies in space pass strain=three_dimensional"):
+        sc.axisymmetric(box("Hex1"))
+    with pytest.raises(ValueError, match="three_dimensional is for tetrahedra and hexahedra, not for a MeshQuad1"):
+        sc.SolidForm(plane, ELASTIC, sc.three_dimensional)
+
+
+@pytest.mark.parametrize("element", ["Hex1", "TetP2", "Hex2", "HexS2"])
+def test_too_few_points(element):
+    """One point for linear and quadratic elements; eight are enough for 20 nodes, not for 27."""
+    kind, elem, _ = ELEMENTS[element]
+    middle = np.full((3, 1), 0.25), np.ones(1) / (6 if kind is MeshTet else 1)
+    rule = {"intorder": 2} if element == "Hex2" else {"quadrature": middle}
+    with pytest.raises(ValueError, match=f"integration points are too few for Element{element}"):
+        sc.SolidForm(Basis(kind(), ElementVector(elem()), **rule), ELASTIC, sc.three_dimensional)
+
+
+def test_eight_points_are_enough_for_twenty_nodes():
+    """[X] Reduced integration leaves single elements modes without strain, but not an assembly of them."""
+    kind, elem, _ = ELEMENTS["HexS2"]
+    basis = Basis(kind.init_tensor(*3 * [np.linspace(0, 1, 3)]), ElementVector(elem()), intorder=2)
+    form = sc.SolidForm(basis, ELASTIC, sc.three_dimensional)
+    stiffness = np.linalg.eigvalsh(form.elastic_stiffness.toarray())
+    assert (stiffness > 1e-9 * stiffness[-1]).sum() == basis.N - 6
+
+
+@pytest.mark.parametrize("held, left", [((), 6), (("u^1", "u^2"), 3), (("u^3",), 3)])
+def test_loose_body(held, left):
+    """A face z = 0 that is held in some directions leaves the other rigid motions free."""
+    basis = box("Hex1", n=1)
+    forms = {"cube": sc.SolidForm(basis, ELASTIC, sc.three_dimensional)}
+    face = basis.get_dofs(lambda x: x[2] == 0)
+    fixed = np.concatenate([face.all(name) for name in held]) if held else np.zeros(0, int)
+    with pytest.raises(ValueError, match=f"is not held: .* leaves {left} of 6 rigid motions free"):
+        sc.run(forms, [sc.Stage("weight", sc.weight(basis, 1.0))], fixed)
+
+
+def test_body_that_floats_beside_another():
+    mesh = sc.join_bodies({"a": box("TetP1").mesh, "b": box("TetP1").mesh.translated((2.0, 0.0, 0.0))})
+    basis = Basis(mesh, ElementVector(ElementTetP1()), intorder=2)
+    forms = {"both": sc.SolidForm(basis, ELASTIC, sc.three_dimensional)}
+    with pytest.raises(ValueError, match="body 'b' is not held: 0 of the unknowns are fixed"):
+        sc.run(forms, [sc.Stage("weight", sc.weight(basis, 1.0))], basis.get_dofs("a:left").all())
+
+
+def test_bad_meshes():
+    """Inverted, flat and folded elements are found in space as in the plane."""
+    cubes = MeshHex.init_tensor(*3 * [np.linspace(0, 1, 3)])
+    middle = np.flatnonzero((cubes.p == 0.5).all(axis=0))
+    moved = cubes.p.copy()
+    moved[:, middle] = 0.02
+    sc.check_mesh(cubes)
+    sc.check_mesh(cubes.scaled((1e-6, 1e-6, -1e-6)))
+    with pytest.raises(ValueError, match=r"inverted elements, 1 in all: element \d at \(0.\d+, 0.\d+, 0.\d+\)"):
+        sc.check_mesh(MeshHex(moved, cubes.t))
+    with pytest.raises(ValueError, match="flat elements, 8 in all"):
+        sc.check_mesh(cubes.scaled((1.0, 1.0, 0.0)))
+    tets = MeshTet.init_tensor(*3 * [np.linspace(0, 1, 3)])
+    moved = tets.p.copy()
+    moved[:, (moved == 0.5).all(axis=0)] = [[1.3], [0.4], [0.55]]
+    sc.check_mesh(tets)
+    with pytest.raises(ValueError, match="elements folded over their neighbours"):
+        sc.check_mesh(MeshTet(moved, tets.t))
