@@ -58,7 +58,7 @@ def load_mesh(path: str | PathLike[str]) -> Mesh:
     try:
         file = meshio.gmsh.read(fspath(path))
     except meshio.ReadError as error:
-        raise ValueError(f"{fspath(path)} is not a Gmsh mesh: {error}") from error
+        raise ValueError(f"{fspath(path)} is not a Gmsh mesh{f': {error}' if str(error) else ''}") from error
     kind = _element_type(file)
     n_corners, line = _ELEMENTS[kind]
     elements = file.cells_dict[kind]

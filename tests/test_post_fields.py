@@ -162,3 +162,5 @@ def test_solids_that_are_not_there_are_left_out(tmp_path):
     np.testing.assert_array_equal(read.cell_data["region"][0], [1] * 4)
     with pytest.raises(ValueError, match=r"none of the solids \['a'\] is there in stage 'now', which holds \['b'\]"):
         sc.nodal_field({"a": forms["a"]}, step, "ux")
+    with pytest.raises(ValueError, match=r"one stage is needed, result\[name of the stage\], not Result"):
+        sc.nodal_field(forms, sc.Result((step,)), "ux")

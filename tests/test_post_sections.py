@@ -191,6 +191,14 @@ def test_bodies_of_one_form_are_told_apart():
     assert np.abs(of_ring.N).min() > 0
 
 
+def test_what_is_no_solid_is_refused():
+    form = sc.SolidForm(vector_basis(grid("Q1", [0, 1, 2], [0, 1]), "Q1"), STEEL)
+    cuts = sc.line_sections((0, 0.5), (2, 0.5), depth=1.0)
+    for wrong in ((form, "wall"), ("wall", form.initial_state())):
+        with pytest.raises(ValueError, match="section forces are those of a solid and its state, .* not of .*str"):
+            sc.section_forces(*wrong, cuts)
+
+
 def test_a_cut_beside_the_body_is_refused():
     form = sc.SolidForm(vector_basis(grid("Q1", [0, 1, 2], [0, 1]), "Q1"), STEEL)
     with pytest.raises(ValueError, match=r"2 of 4 sections cut no element .* \(3, 0.5\)"):

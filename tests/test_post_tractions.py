@@ -98,3 +98,5 @@ def test_state_of_another_form_is_refused():
         sc.tractions(other, state)
     with pytest.raises(ValueError, match="str is not the state of a contact pair"):
         sc.contact_report(pair, x, "skin")
+    with pytest.raises(ValueError, match="str is no contact pair"):
+        sc.tractions("skin", state)

@@ -233,6 +233,8 @@ def test_contact_is_reduced_where_it_is_named():
     ({"tol": 0.0}, "must be positive"),
     ({"step": -1.0}, "must be positive"),
     ({"exclude": {"soil"}}, "nothing to reduce"),
+    ({"exclude": "soil"}, "nothing to reduce"),  # one name, not four letters
+    ({"reduce": "sand"}, "no form or region 'sand'"),
 ])
 def test_bad_input(settings, message):
     with pytest.raises(ValueError, match=message):

@@ -7,8 +7,8 @@ from typing import Any
 from ..solid import SolidForm
 
 
-def reduced_parts(forms: Mapping[str, Any], reduce: Collection[str] | None,
-                  exclude: Collection[str]) -> dict[str, tuple[str, ...] | None]:
+def reduced_parts(forms: Mapping[str, Any], reduce: str | Collection[str] | None,
+                  exclude: str | Collection[str]) -> dict[str, tuple[str, ...] | None]:
     """Regions to reduce by form; None stands for the law of a contact pair.
 
     Parameters
@@ -23,6 +23,8 @@ def reduced_parts(forms: Mapping[str, Any], reduce: Collection[str] | None,
     ValueError
         A name that does not exist or has no strength, or nothing to reduce.
     """
+    reduce = [reduce] if isinstance(reduce, str) else reduce
+    exclude = [exclude] if isinstance(exclude, str) else exclude
     regions = {name: tuple(form.materials) for name, form in forms.items() if isinstance(form, SolidForm)}
     known = sorted({*forms, *(r for names in regions.values() for r in names)})
     for name in {*(reduce or ()), *exclude}:

@@ -144,8 +144,8 @@ class _Strength:
 
 @single_threaded
 def strength_reduction(forms: Mapping[str, Form], fixed: ndarray, load: ndarray | None = None,
-                       start: Result | StageResult | None = None, reduce: Collection[str] | None = None,
-                       exclude: Collection[str] = (), method: Literal["continuation", "bracket"] = "continuation",
+                       start: Result | StageResult | None = None, reduce: str | Collection[str] | None = None,
+                       exclude: str | Collection[str] = (), method: Literal["continuation", "bracket"] = "continuation",
                        flow: Flow = "given", tol: float = 0.01, step: float = 0.1, newton: Newton | None = None,
                        solver: Any = None, progress: bool | None = None) -> StrengthReduction:
     """Reduce the strength until the structure collapses under its load.
@@ -162,10 +162,10 @@ def strength_reduction(forms: Mapping[str, Form], fixed: ndarray, load: ndarray 
         Where to start: a result (its last stage) or a stage.  By default the load is applied to the unstrained
         bodies first.
     reduce
-        Names of forms and of regions whose strength is reduced; by default all regions of all solids that have a
+        Name or names of forms and of regions whose strength is reduced; by default all regions of all solids that have a
         strength.  Contact pairs are reduced, friction and adhesion, where they are named.
     exclude
-        Names of forms and of regions that keep their strength.
+        Name or names of forms and of regions that keep their strength.
     method
         ``"continuation"``: the work of the load is prescribed and the factor follows, up to its plateau;
         ``"bracket"``: trials at fixed factors, each from the last stable state.

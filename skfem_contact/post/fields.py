@@ -111,6 +111,8 @@ def solids(forms: Mapping[str, Any]) -> dict[str, SolidForm]:
 
 def solids_there(forms: Mapping[str, Any], step: StageResult) -> dict[str, SolidForm]:
     """The solids among the forms that are there in a stage: neither taken away nor still to come."""
+    if not hasattr(step, "states"):
+        raise ValueError(f"one stage is needed, result[name of the stage], not {type(step).__name__}")
     given = solids(forms)
     found = {name: form for name, form in given.items() if name in step.states}
     if not found:

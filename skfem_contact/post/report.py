@@ -70,7 +70,7 @@ def contact_report(pair: ContactPair, x: ndarray, state: ContactState) -> Contac
     Raises
     ------
     ValueError
-        The state of another form.
+        No contact pair, or the state of another form.
 
     Examples
     --------

@@ -174,7 +174,7 @@ def section_forces(form: SolidForm, state: SolidState, sections: Sections) -> Se
     Raises
     ------
     ValueError
-        A section that cuts no element, or a body in three dimensions.
+        No solid or no state of one, a section that cuts no element, or a body in three dimensions.
 
     Notes
     -----
@@ -198,6 +198,9 @@ def section_forces(form: SolidForm, state: SolidState, sections: Sections) -> Se
     >>> forces.N.round(12).tolist(), bool(abs(forces.M).max() < 1e-12)
     ([1.0, 1.0, 1.0], True)
     """
+    if not (isinstance(form, SolidForm) and isinstance(state, SolidState)):
+        raise ValueError(f"section forces are those of a solid and its state, result[stage].states[name of the solid], "
+                         f"not of {type(form).__name__} and {type(state).__name__}")
     check_plane(form.basis, "section_forces")
     n = len(sections.position)
     nodes, section, element = _near(form, sections)

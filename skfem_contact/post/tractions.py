@@ -67,7 +67,7 @@ def tractions(pair: ContactPair, state: ContactState) -> Tractions:
     Raises
     ------
     ValueError
-        The state of another form.
+        No contact pair, or the state of another form.
 
     Examples
     --------
@@ -93,7 +93,9 @@ def tractions(pair: ContactPair, state: ContactState) -> Tractions:
 
 
 def check_state(pair: ContactPair, state: ContactState) -> None:
-    """Refuse the state of another form."""
+    """Refuse what is no contact pair, and the state of another form."""
+    if not isinstance(pair, ContactPair):
+        raise ValueError(f"{type(pair).__name__} is no contact pair")
     if not isinstance(state, ContactState):
         raise ValueError(f"{type(state).__name__} is not the state of a contact pair; "
                          "pass result[stage].states[name of the pair]")
