@@ -195,7 +195,7 @@ def test_what_is_no_solid_is_refused():
     form = sc.SolidForm(vector_basis(grid("Q1", [0, 1, 2], [0, 1]), "Q1"), STEEL)
     cuts = sc.line_sections((0, 0.5), (2, 0.5), depth=1.0)
     for wrong in ((form, "wall"), ("wall", form.initial_state())):
-        with pytest.raises(ValueError, match="section forces are those of a solid and its state, .* not of .*str"):
+        with pytest.raises(ValueError, match=r"section forces are those of a solid and its state, .* not of .*str"):
             sc.section_forces(*wrong, cuts)
 
 

@@ -162,10 +162,10 @@ def strength_reduction(forms: Mapping[str, Form], fixed: ndarray, load: ndarray 
         Where to start: a result (its last stage) or a stage.  By default the load is applied to the unstrained
         bodies first.
     reduce
-        Name or names of forms and of regions whose strength is reduced; by default all regions of all solids that have a
-        strength.  Contact pairs are reduced, friction and adhesion, where they are named.
+        Names of forms and of regions whose strength is reduced, or one; by default all regions of all solids that have
+        a strength.  Contact pairs are reduced, friction and adhesion, where they are named.
     exclude
-        Name or names of forms and of regions that keep their strength.
+        Names of forms and of regions that keep their strength, or one.
     method
         ``"continuation"``: the work of the load is prescribed and the factor follows, up to its plateau;
         ``"bracket"``: trials at fixed factors, each from the last stable state.
