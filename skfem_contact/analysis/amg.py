@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import logging
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from importlib.util import find_spec
@@ -137,8 +138,9 @@ class _Iteration:
         residual, error = b, 1.0 if size > 0.0 else 0.0
         for _ in range(2):  # round-off may hide what is left of the residual within one run
             if error > REFINE:
-                x = x + self._levels.solve(residual, tol=REFINE / error, maxiter=MOST,
-                                           accel="cg" if self._symmetric else "bicgstab")
+                with warnings.catch_warnings(record=True):  # pyamg's, of what the residual tells as well
+                    x = x + self._levels.solve(residual, tol=REFINE / error, maxiter=MOST,
+                                               accel="cg" if self._symmetric else "bicgstab")
                 residual = b - self._A @ x
                 error = float(np.linalg.norm(residual)) / size
         if not error <= WRONG:

@@ -1,0 +1,292 @@
+"""Algebraic multigrid: agreement with the direct solver, few iterations, its failures, when it is chosen."""
+
+from __future__ import annotations
+
+import logging
+import sys
+
+import numpy as np
+import pytest
+from skfem import Basis, ElementHex1, ElementQuad1, ElementTetP2, ElementVector, MeshHex, MeshQuad, MeshTet
+
+import skfem_contact as sc
+from skfem_contact.analysis import amg, interface
+from skfem_contact.analysis.given_solver import as_solver
+from skfem_contact.analysis.linear import DirectSolver, SingularSystem
+from skfem_contact.analysis.supports import rigid_modes
+
+needs_pyamg = pytest.mark.skipif(amg.find_spec("pyamg") is None, reason="pyamg is not installed")
+ELASTIC = sc.LinearElastic(E=1e4, nu=0.3)
+# The residual is 1e-10 of the load; the condition of these small systems makes more of it.
+SAME = 1e-8
+
+
+def cantilever(n: int = 4, element=ElementHex1, kind=MeshHex, material=ELASTIC, length: int = 2):
+    """A beam some times longer than wide, clamped at x = 0 and on rollers at y = 0."""
+    mesh = kind.init_tensor(*(np.linspace(0, side, side * n + 1) for side in (length, 1, 1)))
+    basis = Basis(mesh, ElementVector(element()), intorder=2)
+    fixed = np.union1d(basis.get_dofs(lambda x: x[0] == 0).all(), basis.get_dofs(lambda x: x[1] == 0).all("u^2"))
+    return basis, {"beam": sc.SolidForm(basis, material, sc.three_dimensional)}, fixed
+
+
+def free_of(basis: Basis, fixed: np.ndarray) -> np.ndarray:
+    return np.setdiff1d(np.arange(basis.N), fixed)
+
+
+def blocks(n: int = 12, mu: float = 0.3):
+    """Two plane blocks that are pressed together and slide."""
+    side = np.linspace(0, 1, n + 1)
+    lower = MeshQuad.init_tensor(side, side).with_defaults()
+    mesh = sc.join_bodies({"lower": lower, "upper": lower.translated((0.0, 1.0))})
+    basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+    forms = {"blocks": sc.SolidForm(basis, ELASTIC),
+             "joint": sc.ContactPair(basis, "upper:bottom", "lower:top", sc.Coulomb(mu=mu), quadrature=2)}  # fmt: skip
+    x = basis.zeros()
+    top = basis.get_dofs("upper:top")
+    x[top.all("u^2")], x[top.all("u^1")] = -1e-2, 4e-3
+    return forms, [sc.Stage("pressed", basis.zeros(), prescribed=x, increments=2)], basis.get_dofs(
+        {"lower:bottom", "upper:top"}).all()  # fmt: skip
+
+
+@pytest.fixture
+def iterations(monkeypatch):
+    """Numbers of iterations of all solutions."""
+    counts = []
+    solve = amg._Iteration.__call__
+
+    def counted(self, b):
+        taken = []
+        levels, self._levels = self._levels, _Counting(self._levels, taken)
+        try:
+            return solve(self, b)
+        finally:
+            self._levels = levels
+            counts.append(sum(taken))
+
+    monkeypatch.setattr(amg._Iteration, "__call__", counted)
+    return counts
+
+
+class _Counting:
+    """Levels that count the iterations of their solutions."""
+
+    def __init__(self, levels, taken):
+        self._levels, self._taken = levels, taken
+
+    def solve(self, b, **options):
+        residuals = []
+        x = self._levels.solve(b, residuals=residuals, **options)
+        self._taken.append(len(residuals) - 1)
+        return x
+
+
+# -- agreement ------------------------------------------------------------------------------------------------------
+
+
+@needs_pyamg
+@pytest.mark.parametrize("element, kind", [(ElementHex1, MeshHex), (ElementTetP2, MeshTet)])
+def test_same_as_direct(element, kind, iterations, rng):
+    """[N] Random loads; unknowns that are held one by one stay zero, and 25 iterations are enough."""
+    basis, forms, fixed = cantilever(3, element, kind)
+    K, free, b = forms["beam"].elastic_stiffness, free_of(basis, fixed), rng.standard_normal(basis.N)
+    x = as_solver("amg", basis.doflocs, free).factor(K, symmetric=True)(b)
+    expected = DirectSolver(basis.doflocs, free, "superlu").factor(K)(b)
+    np.testing.assert_allclose(x, expected, atol=SAME * np.abs(expected).max())
+    assert not x[fixed].any()
+    assert 1 < iterations[0] <= 25
+
+
+@needs_pyamg
+def test_iterations_do_not_grow_with_the_mesh(iterations):
+    """[N] From 1,100 to 15,000 unknowns of a beam with rollers: not half as many again."""
+    for n in (5, 12):
+        basis, forms, fixed = cantilever(n)
+        sc.run(forms, [sc.Stage("weight", sc.weight(basis, 20.0))], fixed, solver="amg")
+    coarse, fine = iterations
+    assert fine < 1.5 * coarse
+
+
+@needs_pyamg
+def test_rotations_save_iterations(iterations):
+    """[N] A slender beam: with the translations alone, which pyamg takes by itself, there are many more iterations."""
+    basis, forms, fixed = cantilever(4, length=12)
+    K, b = forms["beam"].elastic_stiffness, sc.weight(basis, 20.0)
+    for count in (6, 3):
+        solver = as_solver("amg", basis.doflocs, free_of(basis, fixed))
+        build = solver._aggregation
+        solver._aggregation = lambda A, modes, build=build, count=count, **settings: build(
+            A, modes[:, :count], **settings)  # fmt: skip
+        solver.factor(K, symmetric=True)(b)
+    assert iterations[1] > 1.5 * iterations[0]
+
+
+@needs_pyamg
+def test_bodies_of_different_size_far_apart(iterations, rng):
+    """[N] Rigid motions are those of every body: one of a hundredth of the size, far away, costs nothing."""
+    cube = MeshHex.init_tensor(*3 * [np.linspace(0, 1, 7)])
+    mesh = sc.join_bodies({"large": cube, "small": cube.scaled(0.01).translated((50.0, 0.0, 0.0))})
+    basis = Basis(mesh, ElementVector(ElementHex1()), intorder=2)
+    K = sc.SolidForm(basis, ELASTIC, sc.three_dimensional).elastic_stiffness
+    free, b = free_of(basis, basis.get_dofs(lambda x: x[2] == 0).all()), rng.standard_normal(basis.N)
+    x = as_solver("amg", basis.doflocs, free).factor(K, symmetric=True)(b)
+    expected = DirectSolver(basis.doflocs, free, "superlu").factor(K)(b)
+    for name in mesh.subdomains:
+        there = basis.get_dofs(elements=name).all()
+        np.testing.assert_allclose(x[there], expected[there], atol=SAME * np.abs(expected[there]).max())
+    assert iterations[0] <= 25
+
+
+@needs_pyamg
+@pytest.mark.parametrize("mu", [0.0, 0.3])
+def test_contact(mu):
+    """[N] Plane blocks that slide: the same iterations and displacements, K symmetric without friction only."""
+    direct, multigrid = (sc.run(*blocks(mu=mu), solver=solver)[-1] for solver in (None, "amg"))
+    assert multigrid.iterations == direct.iterations
+    np.testing.assert_allclose(multigrid.x, direct.x, atol=SAME * np.abs(direct.x).max())
+
+
+@needs_pyamg
+@pytest.mark.parametrize("psi", [30.0, 0.0])
+def test_yielding_soil(psi):
+    """[N] A block that yields, K symmetric with associated flow only: the same displacements."""
+    basis, forms, fixed = cantilever(material=sc.MohrCoulomb(E=1e4, nu=0.3, c=20.0, phi=30.0, psi=psi))
+    fixed = basis.get_dofs(lambda x: x[2] == 0).all()
+    stages = [sc.Stage("weight", sc.weight(basis, 20.0)),
+              sc.Stage("tilted", sc.weight(basis, 20.0, direction=(0.8, 0.0, -0.6)), increments=2)]  # fmt: skip
+    newton = sc.Newton(tolerance=1e-11)
+    direct, multigrid = (sc.run(forms, stages, fixed, solver=solver, newton=newton)[-1] for solver in (None, "amg"))
+    assert (direct.states["beam"].internal > 0).any()
+    np.testing.assert_allclose(multigrid.x, direct.x, atol=SAME * np.abs(direct.x).max())
+
+
+@needs_pyamg
+def test_same_twice_and_random_numbers_of_the_user_stay():
+    """[X] The same bits in two runs; pyamg draws random numbers, but the user's go on as if it did not."""
+    basis, forms, fixed = cantilever(3)
+    K, free, b = forms["beam"].elastic_stiffness, free_of(basis, fixed), sc.weight(basis, 1.0)
+    np.random.seed(1)  # noqa: NPY002
+    expected = np.random.rand()  # noqa: NPY002
+    np.random.seed(1)  # noqa: NPY002
+    first, second = (as_solver("amg", basis.doflocs, free).factor(K, symmetric=True)(b) for _ in range(2))
+    assert np.random.rand() == expected  # noqa: NPY002
+    np.testing.assert_array_equal(first, second)
+
+
+@needs_pyamg
+def test_levels_are_kept_for_the_same_matrix(monkeypatch):
+    """[X] New values or another symmetry make new levels, a copy does not."""
+    basis, forms, fixed = cantilever(2)
+    K, free = forms["beam"].elastic_stiffness, free_of(basis, fixed)
+    solver = as_solver("amg", basis.doflocs, free)
+    made = []
+    prepared = solver._prepared
+    monkeypatch.setattr(solver, "_prepared", lambda A, symmetric: made.append(symmetric) or prepared(A, symmetric))
+    for matrix, symmetric in ((K, True), (K.copy(), True), (2.0 * K, True), (2.0 * K, False)):
+        solver.factor(matrix, symmetric)
+    assert made == [True, True, False]
+
+
+def test_rigid_modes_meet_no_resistance():
+    """[X] Six independent motions of a body in space, three in the plane."""
+    for kind, element, strain, count in ((MeshHex, ElementHex1, sc.three_dimensional, 6),
+                                         (MeshQuad, ElementQuad1, sc.plane_strain, 3)):  # fmt: skip
+        basis = Basis(kind().refined(2), ElementVector(element()), intorder=2)
+        K = sc.SolidForm(basis, ELASTIC, strain).elastic_stiffness
+        modes = rigid_modes(basis.doflocs, np.arange(basis.N))
+        assert modes.shape == (basis.N, count)
+        assert np.linalg.matrix_rank(modes) == count
+        assert np.abs(K @ modes).max() < 1e-13 * abs(K).max() * 10  # sums of some ten terms
+
+
+# -- failures -------------------------------------------------------------------------------------------------------
+
+
+@needs_pyamg
+def test_loose_body_does_not_converge():
+    """A load on a body that can move is not balanced by any displacement."""
+    basis, forms, _ = cantilever(2)
+    solve = as_solver("amg", basis.doflocs, np.arange(3, basis.N)).factor(forms["beam"].elastic_stiffness, True)
+    with pytest.raises(sc.NotConverged, match=r"algebraic multigrid does not converge, .* bodies may be loose"):
+        solve(sc.weight(basis, 1.0))
+
+
+@needs_pyamg
+def test_stage_that_does_not_converge(monkeypatch):
+    """The stage fails, and says why."""
+    basis, forms, fixed = cantilever(3)
+    monkeypatch.setattr(amg, "MOST", 1)
+    with pytest.raises(sc.NotConverged, match=r"stage 'weight' stopped .*algebraic multigrid does not converge"):
+        sc.run(forms, [sc.Stage("weight", sc.weight(basis, 20.0))], fixed, solver="amg")
+
+
+@needs_pyamg
+def test_bad_matrices():
+    basis, forms, fixed = cantilever(2)
+    K, solver = forms["beam"].elastic_stiffness, as_solver("amg", basis.doflocs, free_of(basis, fixed))
+    with pytest.raises(ValueError, match="the right-hand side has entries that are not finite"):
+        solver.factor(K)(np.full(basis.N, np.nan))
+    with pytest.raises(ValueError, match="the stiffness has entries that are not finite"):
+        solver.factor(K + np.nan * K)
+    with pytest.raises(SingularSystem, match="unknowns meet no stiffness"):
+        solver.factor(0.0 * K)
+
+
+@needs_pyamg
+def test_nothing_to_solve_for():
+    basis, forms, _ = cantilever(2)
+    solve = as_solver("amg", basis.doflocs, np.zeros(0, int)).factor(forms["beam"].elastic_stiffness)
+    assert not solve(np.ones(basis.N)).any()
+
+
+def test_pyamg_missing(monkeypatch):
+    monkeypatch.setitem(sys.modules, "pyamg", None)
+    with pytest.raises(ImportError, match=r'solver="amg" needs pyamg: pip install "skfem-contact\[amg\]"'):
+        as_solver("amg", np.zeros((3, 3)), np.arange(3))
+
+
+def test_name_that_does_not_exist():
+    with pytest.raises(ValueError, match="one of pardiso, superlu, amg, or a function"):
+        as_solver("cholmod", np.zeros((3, 3)), np.arange(3))
+
+
+# -- choice ---------------------------------------------------------------------------------------------------------
+
+
+def chosen(forms, basis, fixed, solver=None):
+    return interface.linear_solver(forms, solver, basis.doflocs, free_of(basis, fixed))
+
+
+@needs_pyamg
+def test_choice(monkeypatch, caplog):
+    """Multigrid is for large elastic bodies in space alone, and what solves is told."""
+    basis, forms, fixed = cantilever(3)
+    soil = cantilever(3, material=sc.MohrCoulomb(E=1e4, nu=0.3, c=20.0, phi=30.0, psi=30.0))[1]
+    assert isinstance(chosen(forms, basis, fixed), DirectSolver)  # small
+    monkeypatch.setattr(amg, "LARGE", 200)
+    with caplog.at_level(logging.INFO, logger="skfem_contact"):
+        assert isinstance(chosen(forms, basis, fixed), amg.AmgOrDirect)
+    assert [r.getMessage() for r in caplog.records] == ["linear solver: algebraic multigrid (pyamg)"]
+    assert isinstance(chosen(forms, basis, fixed, "superlu"), DirectSolver)  # as it was told
+    assert isinstance(chosen(soil, basis, fixed), DirectSolver)  # it may yield
+    plane, _, held = blocks()
+    flat = plane["blocks"].basis
+    assert not isinstance(chosen(plane, flat, held), amg.AmgOrDirect)
+    assert isinstance(chosen({"blocks": plane["blocks"]}, flat, held), DirectSolver)
+    monkeypatch.setattr(amg, "find_spec", lambda name: None)
+    assert isinstance(chosen(forms, basis, fixed), DirectSolver)
+
+
+@needs_pyamg
+def test_direct_solver_takes_over(monkeypatch, caplog):
+    """Where multigrid was not asked for its failure costs time, not the result, and only once."""
+    basis, forms, fixed = cantilever(3)
+    stages = [sc.Stage(name, sc.weight(basis, gamma)) for name, gamma in (("one", 10.0), ("two", 20.0))]
+    expected = sc.run(forms, stages, fixed)
+    monkeypatch.setattr(amg, "LARGE", 200)
+    monkeypatch.setattr(amg, "MOST", 1)
+    with caplog.at_level(logging.INFO, logger="skfem_contact"):
+        result = sc.run(forms, stages, fixed)
+    np.testing.assert_array_equal(result[-1].x, expected[-1].x)
+    told = [r.getMessage() for r in caplog.records]
+    assert sum("multigrid does not converge" in line for line in told) == 1
+    assert sum(line.startswith("linear solver:") for line in told) == 2
