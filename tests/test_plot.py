@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from io import BytesIO
 from pathlib import Path
 
 import matplotlib
@@ -95,6 +96,15 @@ def test_bodies_that_are_not_there_are_not_drawn():
     step = sc.StageResult("now", basis.zeros(), basis.zeros(), {"a": forms["a"].initial_state()}, (), 0.0)
     image = plot.contour(forms, step, "uy", edges=False).screenshot(None, return_img=True)
     assert image.shape[:2] == (1000 + 120, 1000)  # a square of the largest height; two plates would be 1400 wide
+
+
+@needs_opengl
+def test_a_notebook_shows_the_picture():
+    forms, step = block()
+    plotter = plot.contour(forms, step, "ux", edges=False)
+    shown = plt.imread(BytesIO(plotter._repr_png_()))
+    assert shown.shape[:2] == plotter.screenshot(None, return_img=True).shape[:2]
+    assert colored(255 * shown).mean() > 0.3
 
 
 def test_unknown_field_is_refused_before_anything_is_drawn():

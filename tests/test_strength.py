@@ -221,6 +221,7 @@ def test_contact_is_reduced_where_it_is_named():
     forms, fixed, load = blocks()
     result = reduce(forms, fixed, load, reduce={"joint"}, method="bracket")
     assert result.bracket[0] <= 2.5 * (1 + 1e-3) and result.bracket[1] >= 2.5 * (1 - 1e-3)
+    assert repr(result) == str(result)
     with pytest.raises(ValueError, match="nothing to reduce"):
         reduce(forms, fixed, load)
 

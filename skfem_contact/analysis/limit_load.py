@@ -87,6 +87,8 @@ class LimitLoad:
                 f"{self.mesh}; {self.iterations} Newton iterations\n"
                 f"stopped by {self.criterion}\n{table(self.trials, 'multiplier')}")
 
+    __repr__ = __str__  # a notebook would show the arrays
+
 
 class _Load:
     """A constant load and a multiple of another one: a :class:`~.continuation.Branch`."""

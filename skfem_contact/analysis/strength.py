@@ -95,6 +95,8 @@ class StrengthReduction:
                 f"stopped by {self.criterion}")
         return f"{head}\n{table(self.trials, 'factor')}"
 
+    __repr__ = __str__  # a notebook would show the arrays
+
 
 class _Strength:
     """The structure with its strength divided by a factor: a :class:`~.continuation.Branch`."""

@@ -7,6 +7,7 @@ import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from functools import cache
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -53,7 +54,8 @@ def contour(forms: Mapping[str, Any], step: StageResult, quantity: str, deformed
     Returns
     -------
     pyvista.Plotter or None
-        The plotter, or None with a warning where this machine cannot draw: VTK needs OpenGL.
+        The plotter, which a notebook shows as a picture, or None with a warning where this machine cannot draw:
+        VTK needs OpenGL.
 
     Raises
     ------
@@ -77,12 +79,10 @@ def contour(forms: Mapping[str, Any], step: StageResult, quantity: str, deformed
         warnings.warn(f"no picture of '{quantity}': VTK cannot draw on this machine, it needs OpenGL "
                       "(a display, or the libraries EGL or OSMesa)", stacklevel=2)
         return None
-    import pyvista
-
     scene = _Scene(forms, step, deformed)
     with _quiet_vtk():
-        plotter: Any = pyvista.Plotter(off_screen=True, window_size=scene.frame(window), lighting="none",
-                                       shape=(2, 1), row_weights=(scene.size[1] - _BAR, _BAR), border=False)
+        plotter = _picture()(off_screen=True, window_size=scene.frame(window), lighting="none",
+                             shape=(2, 1), row_weights=(scene.size[1] - _BAR, _BAR), border=False)
     plotter.set_background("white", all_renderers=True)
     plotter.enable_anti_aliasing("ssaa")
     mapper = scene.add_field(plotter, values, limits, colors)
@@ -173,6 +173,20 @@ def _limits(values: ndarray) -> tuple[float, float]:
     low, high = float(np.nanmin(values)), float(np.nanmax(values))
     apart = 1e-9 * max(abs(low), abs(high)) or 1.0
     return (low, high) if high - low > apart else (low - apart, high + apart)
+
+
+@cache
+def _picture() -> Any:
+    """Plotters that a notebook shows; the class is made at its first use, because pyvista is not needed before."""
+    import pyvista
+
+    class Picture(pyvista.Plotter):
+        def _repr_png_(self) -> bytes:
+            image = BytesIO()
+            self.screenshot(image, return_img=False)
+            return image.getvalue()
+
+    return Picture
 
 
 @cache
