@@ -9,7 +9,7 @@ surface has the slope of the flow, and whose strength is that of the pressure at
 At the start of the increment both surfaces meet in the stress point.  The accepted stresses satisfy this surface, not
 that of Mohr and Coulomb: their strength is off by what the pressure changes within the increment, less in smaller
 ones.  It is no solution of the law as it is: with that law the residual after a step was 2 to 40 % of the load.
-The capacity of a footing (phi = 30, psi = 0 degrees) was within 1 % of the given law's with short steps, and 1 to 4 %
+The capacity of a footing (phi = 30, psi = 0 degrees) was within 2 % of the given law's with short steps, and 1 to 4 %
 more with steps that grew to the end.
 
 K. Krabbenhoft, M. R. Karim, A. V. Lyamin, S. W. Sloan, Int. J. Numer. Methods Eng. 90 (2012) 1089-1117.
