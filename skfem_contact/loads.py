@@ -41,7 +41,8 @@ def weight(basis: CellBasis, unit_weights: float | Mapping[str, float],
     Raises
     ------
     ValueError
-        Unknown subdomain, or an element that two of them give a weight.
+        Unknown subdomain, an element that two of them give a weight, weights that are NaN or infinite, or a direction
+        that is no unit vector.
 
     Examples
     --------
@@ -64,9 +65,13 @@ def weight(basis: CellBasis, unit_weights: float | Mapping[str, float],
                              f"{list(unit_weights)} overlap")
     else:
         gamma[:] = unit_weights
+    if not np.isfinite(gamma).all():
+        raise ValueError(f"unit weights must be finite numbers, not {unit_weights!r}")
     here = gamma if basis.tind is None else gamma[basis.tind]
     field = np.broadcast_to(here[:, None], basis.dx.shape).copy()
-    down = -np.eye(basis.mesh.dim())[-1] if direction is None else np.asarray(direction)
+    down = -np.eye(basis.mesh.dim())[-1] if direction is None else np.asarray(direction, dtype=float)
+    if down.shape != (basis.mesh.dim(),) or not np.isclose(np.linalg.norm(down), 1.0, rtol=0.0, atol=1e-6):
+        raise ValueError(f"direction must be a unit vector with {basis.mesh.dim()} components, not {direction!r}")
 
     @LinearForm
     def body_force(v, w):  # type: ignore[no-untyped-def]
@@ -84,7 +89,7 @@ def hydrostatic(table: float | ArrayLike, unit_weight: float = 9.81) -> Callable
     table
         Height of the water table, or its points, (n, 2), from left to right; it goes on level at both ends.
     unit_weight
-        Of water.
+        Of water (force per volume), positive.
 
     Returns
     -------
@@ -94,7 +99,7 @@ def hydrostatic(table: float | ArrayLike, unit_weight: float = 9.81) -> Callable
     Raises
     ------
     ValueError
-        A table that is no height and no points from left to right.
+        A table that is no height and no points from left to right, or a unit weight that is not positive.
 
     Examples
     --------
@@ -110,6 +115,8 @@ def hydrostatic(table: float | ArrayLike, unit_weight: float = 9.81) -> Callable
         points = np.array([[0.0, float(points)]])
     if points.ndim != 2 or points.shape[1] != 2 or not np.isfinite(points).all() or (np.diff(points[:, 0]) <= 0).any():
         raise ValueError("a water table is a height, or points (n, 2) from left to right")
+    if not 0.0 < unit_weight < np.inf:
+        raise ValueError(f"the unit weight of water must be positive, not {unit_weight!r}")
     return lambda x: unit_weight * np.maximum(np.interp(x[0], *points.T) - x[1], 0.0)
 
 

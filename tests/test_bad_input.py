@@ -268,6 +268,20 @@ def test_bad_weights():
         sc.weight(basis, {"clay": 1.0})
     with pytest.raises(ValueError, match=r"9 elements get their weight twice.*\['a', 'all'\]"):
         sc.weight(basis, {"a": 1.0, "all": 2.0})
+    with pytest.raises(ValueError, match="finite numbers"):
+        sc.weight(basis, {"a": np.nan})
+
+
+@pytest.mark.parametrize("direction", [(0.0, -2.0), (0.0, 0.0, -1.0), (np.nan, 1.0), -1.0])
+def test_direction_of_weight_that_is_no_unit_vector(direction):
+    with pytest.raises(ValueError, match="unit vector with 2 components"):
+        sc.weight(vector_basis(blocks(), "Q1"), 1.0, direction=direction)
+
+
+@pytest.mark.parametrize("unit_weight", [0.0, -9.81, np.nan, np.inf])
+def test_bad_unit_weight_of_water(unit_weight):
+    with pytest.raises(ValueError, match="unit weight of water must be positive"):
+        sc.hydrostatic(1.0, unit_weight)
 
 
 # -- analyses ---------------------------------------------------------------------------------------------------

@@ -220,6 +220,13 @@ def test_rigid_circle(rng):
         assert not where.vertex.any()
 
 
+@pytest.mark.parametrize("window", [(1.0, 0.0, 0.0, 1.0), (0.0, 1.0, 1.0, 0.0), (0.0, 1.0, 0.5, np.nan)])
+def test_window_of_a_level_set_that_is_none(window):
+    """Turned round it would put the body on the other side."""
+    with pytest.raises(ValueError, match="xmin < xmax and ymin < ymax"):
+        sc.rigid_level_set(lambda x, y: y - 0.5, window)
+
+
 @pytest.mark.parametrize("n", [8, 16, 32])
 def test_ripple_of_polygons_and_smoothed_polygons(n):
     """[X] Case A8: a polygon's radius ripples by e = R (1 - cos(pi/n)), the smoothed one's by e^2 / 2 R."""

@@ -208,3 +208,21 @@ def test_a_cut_beside_the_body_is_refused():
             sc.ring_sections((0, 0), inner, outer)
     with pytest.raises(ValueError, match="different ends"):
         sc.line_sections((0, 0), (0, 0), depth=1.0)
+
+
+@pytest.mark.parametrize("n", [0, 1, 2.5])
+def test_a_number_of_cuts_that_is_none_is_refused(n):
+    """At a single cut of a line nothing would tell its two ends."""
+    with pytest.raises(ValueError, match="integer, at least 2, not"):
+        sc.line_sections((0, 0), (1, 0), depth=1.0, n=n)
+    assert len(sc.ring_sections((0, 0), 0.5, 1.0, n=1).position) == 1
+    with pytest.raises(ValueError, match="integer, at least 1, not"):
+        sc.ring_sections((0, 0), 0.5, 1.0, n=n if n != 1 else -1)
+
+
+@pytest.mark.parametrize("point", [(0, 0, 0), 1.0, (0, np.nan)])
+def test_points_that_are_not_in_the_plane_are_refused(point):
+    for cut in (lambda: sc.line_sections(point, (1, 0), 1.0), lambda: sc.line_sections((1, 0), point, 1.0),
+                lambda: sc.ring_sections(point, 0.5, 1.0)):  # fmt: skip
+        with pytest.raises(ValueError, match=r"of the sections must be a finite \(x, y\)"):
+            cut()

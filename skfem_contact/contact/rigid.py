@@ -24,6 +24,11 @@ def rigid_polyline(points: ndarray, closed: bool = False, name: str = "obstacle"
     name
         For messages.
 
+    Raises
+    ------
+    ValueError
+        Fewer than two corners, corners that are no finite (x, y), or two that follow each other and coincide.
+
     Examples
     --------
     >>> from skfem_contact import rigid_polyline
@@ -46,6 +51,18 @@ def rigid_polyline(points: ndarray, closed: bool = False, name: str = "obstacle"
 def rigid_line(start: tuple[float, float], end: tuple[float, float], name: str = "obstacle") -> Surface:
     """A rigid straight line; its free side lies to the left of the way from start to end.
 
+    Parameters
+    ----------
+    start, end
+        Its ends, (x, y).
+    name
+        For messages.
+
+    Raises
+    ------
+    ValueError
+        Ends that coincide or are no finite (x, y).
+
     Examples
     --------
     >>> from skfem_contact import rigid_line
@@ -57,6 +74,20 @@ def rigid_line(start: tuple[float, float], end: tuple[float, float], name: str =
 
 def rigid_circle(center: tuple[float, float], radius: float, hole: bool = False, name: str = "obstacle") -> Surface:
     """A rigid disc, or a round hole in a rigid body.
+
+    Parameters
+    ----------
+    center, radius
+        Centre and radius, in units of length.
+    hole
+        Whether the body is outside of the circle.
+    name
+        For messages.
+
+    Raises
+    ------
+    ValueError
+        A radius that is not positive, or a centre that is no finite (x, y).
 
     Examples
     --------
@@ -88,11 +119,13 @@ def rigid_level_set(function: Callable[[ndarray, ndarray], ndarray], bounds: tup
         Window ``(xmin, xmax, ymin, ymax)`` to look in.
     resolution
         Points of the grid in each direction; the zero line is then smoothed.
+    name
+        For messages.
 
     Raises
     ------
     ValueError
-        No zero line in the window, or more than one.
+        A window that is none, no zero line in it, or more than one.
 
     Examples
     --------
@@ -103,7 +136,10 @@ def rigid_level_set(function: Callable[[ndarray, ndarray], ndarray], bounds: tup
     """
     from contourpy import contour_generator
 
-    x, y = np.linspace(*bounds[:2], resolution), np.linspace(*bounds[2:], resolution)
+    xmin, xmax, ymin, ymax = bounds
+    if not (xmin < xmax and ymin < ymax):
+        raise ValueError(f"'{name}': a window has xmin < xmax and ymin < ymax, unlike {bounds}")
+    x, y = np.linspace(xmin, xmax, resolution), np.linspace(ymin, ymax, resolution)
     X, Y = np.meshgrid(x, y)
     lines = contour_generator(X, Y, function(X, Y)).lines(0.0)
     if len(lines) != 1:

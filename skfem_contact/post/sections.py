@@ -108,7 +108,7 @@ def ring_sections(center: ArrayLike, inner: float, outer: float, n: int = 72) ->
     Raises
     ------
     ValueError
-        Radii that are no ring.
+        Radii that are no ring, a centre that is no finite (x, y), or no cut at all.
 
     Examples
     --------
@@ -119,10 +119,12 @@ def ring_sections(center: ArrayLike, inner: float, outer: float, n: int = 72) ->
     """
     if not 0.0 < inner < outer:
         raise ValueError(f"a ring needs 0 < inner < outer, not inner={inner!r}, outer={outer!r}")
+    center = _point(center, "the center")
+    _check_number(n, 1)
     middle = 0.5 * (inner + outer)
     position = np.arange(n) * 360.0 / n
     sin, cos = np.sin(np.radians(position)), np.cos(np.radians(position))
-    return Sections(position, np.asarray(center, float) + middle * np.column_stack((sin, cos)),
+    return Sections(position, center + middle * np.column_stack((sin, cos)),
                     np.column_stack((cos, -sin)), np.full(n, 0.5 * (outer - inner)), np.full(n, 1.0 / middle))
 
 
@@ -141,7 +143,7 @@ def line_sections(start: ArrayLike, end: ArrayLike, depth: float, n: int = 51) -
     Raises
     ------
     ValueError
-        Ends that coincide or a depth that is not positive.
+        Ends that coincide or are no finite (x, y), a depth that is not positive, or fewer than two cuts.
 
     Examples
     --------
@@ -149,7 +151,8 @@ def line_sections(start: ArrayLike, end: ArrayLike, depth: float, n: int = 51) -
     >>> sc.line_sections((0., 0.), (0., -15.), depth=.2, n=4).position.tolist()
     [0.0, 5.0, 10.0, 15.0]
     """
-    start, end = np.asarray(start, float), np.asarray(end, float)
+    start, end = _point(start, "the start"), _point(end, "the end")
+    _check_number(n, 2)
     length = float(np.linalg.norm(end - start))
     if not (length > 0.0 and depth > 0.0):
         raise ValueError(f"a line of sections needs two different ends and a positive depth, not {depth!r}")
@@ -157,6 +160,19 @@ def line_sections(start: ArrayLike, end: ArrayLike, depth: float, n: int = 51) -
     axis = (end - start) / length
     return Sections(position, start + position[:, None] * axis, np.tile(axis, (n, 1)),
                     np.full(n, 0.5 * depth), np.zeros(n))
+
+
+def _point(point: ArrayLike, what: str) -> ndarray:
+    """Coordinates of a point in the plane."""
+    found = np.asarray(point, float)
+    if found.shape != (2,) or not np.isfinite(found).all():
+        raise ValueError(f"{what} of the sections must be a finite (x, y), not {point!r}")
+    return found
+
+
+def _check_number(n: int, least: int) -> None:
+    if not (isinstance(n, (int, np.integer)) and n >= least):
+        raise ValueError(f"the number of sections must be an integer, at least {least}, not {n!r}")
 
 
 def section_forces(form: SolidForm, state: SolidState, sections: Sections) -> SectionForces:
