@@ -70,7 +70,7 @@ def contact_report(pair: ContactPair, x: ndarray, state: ContactState) -> Contac
     Raises
     ------
     ValueError
-        No contact pair, or the state of another form.
+        No contact pair, the state of another form, or displacements that are not those of the pair's basis.
 
     Examples
     --------
@@ -90,6 +90,8 @@ def contact_report(pair: ContactPair, x: ndarray, state: ContactState) -> Contac
       friction over pressure at most 0.000, penetration at most 0.20% of a segment
     """
     check_state(pair, state)
+    if np.shape(x) != (pair.n,):
+        raise ValueError(f"the displacements have shape {np.shape(x)}, not ({pair.n},)")
     closed = state.status != Status.OPEN
     weight = pair.share * pair.points(state).weight[closed]
     normal, tangential = state.normal[closed], state.tangential[closed]
