@@ -93,12 +93,7 @@ def driven(angle, mu1, mu2, mu3):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", sc.AnalysisWarning)  # of the load that has left the wall
         result = sc.run(forms, stages, fixed=face)
-    return forms, result, np.array([reaction(forms, step, face) for step in result])
-
-
-def reaction(forms, step, dofs):
-    """Sum of all forces at some unknowns: of the stresses, and of the friction on the corner that touches the floor."""
-    return sum(form.assemble(step.x, step.states[name]).force[dofs].sum() for name, form in forms.items())
+    return forms, result, np.array([sc.reactions(forms, step)[face].sum() for step in result])
 
 
 def statics(angle, mu1, mu2, mu3, sign):

@@ -111,17 +111,13 @@ cpu, iterations = process_time() - begin, sum(sum(stage.iterations) for stage in
 # What acts on the wall is in balance: contact on both sides, and the strut.
 
 
-def internal(stage, ending=""):
-    """Sum of the internal forces of the forms whose names end so, at all unknowns."""
-    chosen = {k: form for k, form in sc.choose_penalties(forms).items() if k in stage.states and k.endswith(ending)}
-    return sum(form.assemble(stage.x, stage.states[name]).force for name, form in chosen.items())
-
-
 last = result["lift 2"]
-reaction = (internal(last) - last.load)[strut][0]
-pushed = -internal(last, "|wall")[wall_nodes[wall_nodes % 2 == 0]].sum()
+held = sc.reactions(forms, last)
+reaction = held[strut][0]
+contacts = [sc.contact_report(forms[name], last.x, last.states[name]) for name in last.states if name.endswith("|wall")]
+pushed = -sum(contact.force[0] for contact in contacts)
 balance = abs(pushed + reaction) / abs(reaction)
-base = (internal(last) - last.load)[fixed[fixed % 2 == 1]].sum()
+base = held[fixed[fixed % 2 == 1]].sum()
 lifted = base / load("lift 1", "lift 2").sum() + 1
 print(f"strut {reaction:.2f} kN/m; the wall is in balance to {balance:.1e} of it, the ground to {abs(lifted):.1e}")
 assert balance < 1e-5
