@@ -155,10 +155,11 @@ def geometric_tangent(kinematics: Kinematics, normal_traction: ndarray, tangenti
     turn = Bn + h[col] * Xi  # l times the rate at which the normal turns towards -tau
     dG = -_outer(Bn, Xi) - _outer(_lift(alpha, tau) / l[col], turn)
 
-    by_xi = _lift(alpha, rho[2]) - _lift(beta, rho[1]) + g[col] * _lift(gamma, n)
+    Br, Cn = _lift(beta, rho[1]), _lift(gamma, n)
+    by_xi = _lift(alpha, rho[2]) - Br + g[col] * Cn
     dq = _node_by_node(alpha, beta) + _outer(by_xi, Xi) + _outer(Bn, G) - _outer((g / l)[col] * Bt, turn)
-    dh = (-(_dot(tau, rho[2]) / l)[col] * turn + _lift(gamma, n) + _dot(n, rho[3])[col] * Xi)
-    dD = 2 * _lift(beta, rho[1]) + 2 * _dot(rho[1], rho[2])[col] * Xi - h[col] * G - g[col] * dh
+    dh = Cn - (_dot(tau, rho[2]) / l)[col] * turn + _dot(n, rho[3])[col] * Xi
+    dD = 2 * Br + 2 * _dot(rho[1], rho[2])[col] * Xi - h[col] * G - g[col] * dh
     dXi = (dq - _outer(Xi, dD)) / D[:, None, None]
     K = (normal_traction[:, None, None] * dG
          + tangential_traction[:, None, None] * (_outer(Xi, dl) + l[:, None, None] * dXi))

@@ -72,7 +72,8 @@ def project(surface: Surface, nodes: ndarray, points: ndarray, depth: ndarray,
     off_end = _off_end(surface, segment, foot)
     accepted = np.full(n, -1) if previous is None else previous
     held = np.zeros(n, bool) if frozen is None else frozen
-    stays = _stays(surface, ends, segment, foot, segment == accepted[row], held[row])
+    here, there = ends.at_joint(surface, segment, foot)
+    stays = _stays(here, there, foot, segment == accepted[row], held[row])
     outside = np.abs(foot) - 1.0 > np.where(off_end, 2.0 * surface.extension, np.maximum(2.0 * stays, _ON_FACET))
     reached = np.where(off_end, 1.0 + 2.0 * surface.extension, 1.0)
     xi = np.where(outside, np.minimum(np.maximum(foot, -reached), reached), foot)
@@ -80,9 +81,8 @@ def project(surface: Surface, nodes: ndarray, points: ndarray, depth: ndarray,
     offset = points[row] - rho[0]
     distance = np.hypot(offset[:, 0], offset[:, 1])
     vertex = outside & ~off_end
-    side, at = _left(rho[1], offset), np.flatnonzero(vertex)
-    if len(at):
-        side[at] = _outside_of_vertex(surface, ends, segment[at], xi[at], offset[at])
+    # at a vertex, both segments there tell what is outside
+    side = np.where(vertex, _left(here + there, offset), _left(rho[1], offset))
     gap = np.where(side >= 0, distance, -distance)
     # neither round-off nor the order of the search decides at a joint: the segment before it does
     ties = np.where(np.abs(foot - 1.0) <= _ON_FACET, _ON_FACET, 0.0)
@@ -156,25 +156,15 @@ def _off_end(surface: Surface, segment: ndarray, foot: ndarray) -> ndarray:
     return ((segment == 0) & (foot < -1.0)) | ((segment == last) & (foot > 1.0))
 
 
-def _stays(surface: Surface, ends: _Ends, segment: ndarray, foot: ndarray, accepted: ndarray, frozen: ndarray
-           ) -> ndarray:
-    """Share of the segment's length by which candidates that are a point's accepted segment are preferred."""
+def _stays(here: ndarray, there: ndarray, foot: ndarray, accepted: ndarray, frozen: ndarray) -> ndarray:
+    """Share of the segment's length by which candidates that are a point's accepted segment are preferred.
+
+    The tangents are those of the candidate and of its neighbour at the joint between them.
+    """
     share = np.where(frozen, FROZEN, HYSTERESIS)
-    preferred = np.zeros(len(foot))
-    at_joint = np.flatnonzero(accepted & (np.abs(np.abs(foot) - 1.0) <= 2.0 * share))
-    if len(at_joint) == 0:
-        return preferred
-    here, there = ends.at_joint(surface, segment[at_joint], foot[at_joint])
-    kinked = np.abs(_left(here, there)) > _SMOOTH
-    stays = ((np.einsum("nc,nc->n", here, there) > _STRAIGHT) & kinked) | frozen[at_joint]
-    preferred[at_joint[stays]] = share[at_joint[stays]]
-    return preferred
-
-
-def _outside_of_vertex(surface: Surface, ends: _Ends, segment: ndarray, xi: ndarray, offset: ndarray) -> ndarray:
-    """Positive where a point whose closest point is a vertex lies outside: seen from both segments there."""
-    here, there = ends.at_joint(surface, segment, xi)
-    return _left(here + there, offset)
+    at_joint = accepted & (np.abs(np.abs(foot) - 1.0) <= 2.0 * share)
+    bends = (np.einsum("nc,nc->n", here, there) > _STRAIGHT) & (np.abs(_left(here, there)) > _SMOOTH)
+    return np.where(at_joint & (bends | frozen), share, 0.0)
 
 
 def _first_minimum(row: ndarray, value: ndarray) -> ndarray:
