@@ -57,7 +57,8 @@ class SolidForm:
         (``basis.with_elements``).  Mind scikit-fem's default rule for elements of four and eight corners: pass
         ``intorder=2`` for the usual two points in each direction.
     materials
-        One material, or ``{subdomain: material}`` that covers every element of the basis exactly once.
+        One material, or ``{subdomain: material}`` that covers every element of the basis exactly once. Parameters that
+        are arrays have one value for each of these elements, in the order of ``mesh.subdomains[subdomain]``.
     strain
         :func:`plane_strain`, :func:`b_bar`, :func:`axisymmetric` or :func:`three_dimensional`.
 
@@ -309,7 +310,9 @@ def _by_region(basis: CellBasis, materials: Material | Mapping[str, Material]
     present = np.arange(basis.mesh.nelements) if basis.tind is None else np.asarray(basis.tind)
     order, regions, start = [], [], 0
     for name, material in materials.items():
-        elements = np.intersect1d(look_up(name, basis.mesh.subdomains or {}, "subdomain"), present)
+        part = np.asarray(look_up(name, basis.mesh.subdomains or {}, "subdomain"))
+        elements = part[np.sort(np.unique(part, return_index=True)[1])]  # each once, in the order of its parameters
+        elements = elements[np.isin(elements, present)]
         if len(elements) == 0:
             raise ValueError(f"subdomain '{name}' holds no element of this basis")
         order.append(elements)

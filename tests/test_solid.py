@@ -289,3 +289,16 @@ def test_damped_tangent(rng):
     elastic = sc.SolidForm(basis, sc.LinearElastic(E=1.0, nu=0.3))
     out = elastic.assemble(x, elastic.initial_state())
     assert abs(out.damped - out.stiffness).max() == 0
+
+
+def test_parameters_follow_the_order_of_the_subdomain():
+    """[X] A subdomain whose elements are in any order, and one twice: each element gets the value at its place."""
+    mesh = grid("Q1", np.arange(6.0), [0, 1]).with_subdomains({"a": np.array([4, 1, 4, 0]), "b": np.array([3, 2])})
+    basis = vector_basis(mesh, "Q1", intorder=2)
+    x = basis.zeros()
+    x[basis.nodal_dofs[0]] = mesh.p[0]  # strain 1
+    form = sc.SolidForm(basis, {"a": sc.LinearElastic(E=np.array([40.0, 10.0, 1.0]), nu=0.0),
+                                "b": sc.LinearElastic(E=np.array([30.0, 20.0]), nu=0.0)})
+    stress = form.assemble(x, form.initial_state()).state.stress[0].mean(axis=1)
+    left = np.floor(np.asarray(form.basis.global_coordinates())[0].mean(axis=1))
+    np.testing.assert_allclose(stress, np.where(left == 0, 1.0, 10 * left))
