@@ -151,7 +151,13 @@ class WrongFriction(sc.Coulomb):
 
     fault: str = ""
 
+    @property
+    def bonds(self):
+        return None if self.fault == "no bonds" else super().bonds
+
     def reaches(self, gap, normal_penalty, closed):
+        if self.fault == "not yet":
+            return gap < 0.0
         return gap <= 1e-4 if self.fault == "far" else super().reaches(gap, normal_penalty, closed)
 
     def update(self, gap, slip, normal_penalty, tangential_penalty):
@@ -165,6 +171,8 @@ class WrongFriction(sc.Coulomb):
             return new._replace(elastic_slip=0 * gap)
         if self.fault == "soft":
             return new._replace(normal=-new.normal, normal_by_gap=-new.normal_by_gap)
+        if self.fault == "loose":
+            return new._replace(normal_by_gap=np.where(gap < 0.0, new.normal_by_gap, 0.0))
         if self.fault == "one way":
             return new._replace(tangential=new.tangential + 1.0)
         return new
@@ -180,6 +188,9 @@ class WrongFriction(sc.Coulomb):
         ("forgets", "not admissible"),
         ("soft", "pressure falls"),
         ("one way", "not admissible|opposite"),
+        ("not yet", "gap is zero are out of reach"),
+        ("loose", "gap is zero meet no resistance"),
+        ("no bonds", "`bonds` must say"),
     ],
 )
 def test_faulty_friction(fault, message):

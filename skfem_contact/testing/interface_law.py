@@ -12,9 +12,9 @@ def check_interface_law(law: InterfaceLaw, penalties: tuple[float, float] = (1e4
     """Check an interface law on random gaps and slips.
 
     The answer has the right shapes and is the same twice, the arguments are left alone; open points are out of
-    reach; the derivatives are those of differences; a traction that has been returned is admissible, which is to
-    say that the elastic slip alone gives it again; what slides dissipates; both directions are alike; more
-    penetration does not mean less pressure.
+    reach, and closed ones that just touch resist pressure; the derivatives are those of differences; a traction that
+    has been returned is admissible, which is to say that the elastic slip alone gives it again; what slides
+    dissipates; both directions are alike; more penetration does not mean less pressure.
 
     Parameters
     ----------
@@ -47,6 +47,7 @@ def check_interface_law(law: InterfaceLaw, penalties: tuple[float, float] = (1e4
     >>> sc.check_interface_law(sc.Coulomb(mu=.3, adhesion=2.)) < 1e-8
     True
     """
+    require(isinstance(getattr(law, "bonds", None), bool), "`bonds` must say, True or False, whether the law ties")
     rng = np.random.default_rng(seed)
     gap, slip = size * rng.uniform(-1, 1, n), size * rng.standard_normal(n)
     slip[: n // 10] = 0.0
@@ -72,6 +73,7 @@ def check_interface_law(law: InterfaceLaw, penalties: tuple[float, float] = (1e4
     require_all(np.abs(opposite + new.tangential) <= EXACT * force, "the opposite slip gives no opposite traction")
     require_all(new.tangential * (slip - new.elastic_slip) >= -EXACT * force * size, "sliding dissipates negative work")
     require_all(new.normal_by_gap >= 0, "the pressure falls with the penetration")
+    _check_touching(law, penalties)
 
     worst, h = 0.0, STEP * size
     for name, derivative, part in (("normal_by_gap", new.normal_by_gap, lambda d: answer(dg=d).normal),
@@ -81,3 +83,12 @@ def check_interface_law(law: InterfaceLaw, penalties: tuple[float, float] = (1e4
         worst = max(worst, largest_error(np.abs(slope - derivative) / max(penalties), kink / max(penalties), tolerance,
                                           f"{name} differs from the differences", kinks=0.5))
     return worst
+
+
+def _check_touching(law: InterfaceLaw, penalties: tuple[float, float]) -> None:
+    """Bodies that touch as meshed are held by points whose gap is zero."""
+    zero, closed = np.zeros(1), np.ones(1, bool)
+    require(np.all(law.reaches(zero, penalties[0], closed)), "closed points whose gap is zero are out of reach: bodies "
+            "that touch as meshed would be loose")
+    require(np.all(law.update(zero, zero, *penalties).normal_by_gap > 0),
+            "closed points whose gap is zero meet no resistance: bodies that touch as meshed would be loose")
