@@ -64,7 +64,7 @@ sphinx_gallery_conf = {
     "within_subsection_order": "FileNameSortKey",
     "image_scrapers": ("pyvista", "matplotlib"),
     "capture_repr": ("__repr__",),
-    "ignore_repr_types": r"matplotlib|pyvista",
+    "ignore_repr_types": r"matplotlib|pyvista|skfem_contact\.plot",
     "remove_config_comments": True,
     "show_signature": False,
     "download_all_examples": False,

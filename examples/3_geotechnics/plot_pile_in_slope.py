@@ -196,6 +196,7 @@ ax.legend(frameon=False)
 
 failure = replace(gravity, name="failure", x=piled.x, states=piled.states)
 moved = replace(failure, x=piled.x - gravity.x)
+# sphinx_gallery_thumbnail_number = 2
 plot.contour(forms, moved, "ux")
 
 # %%

@@ -275,6 +275,7 @@ for ax in axes[1]:
 # The smooth ring, displacements enlarged: crown and invert come closer, and the ground slides past.
 
 forms, step, _ = analyse("Q1, nodal, smoothed", 0.0, 72)
+# sphinx_gallery_thumbnail_number = 2
 plot.contour(forms, step, "u", deformed=100.0, window=(-2.0, 2.0, -1.6, 1.6), limits=(0.0, 0.006))
 
 # %%
