@@ -114,7 +114,8 @@ class AmgSolver:
             modes[body == number] = rigid_modes(self._locations, self._unknowns[body == number])
         modes[self._held] = 0.0
         with _repeatable():
-            levels = self._aggregation(blocks, modes, strength=STRENGTH, smooth="energy")
+            # the modes are exact as they are: to improve them takes longer than the iterations that it saves
+            levels = self._aggregation(blocks, modes, strength=STRENGTH, improve_candidates=None)
         logger.info("multigrid: %d bodies, %s unknowns on the levels", count,
                     ", ".join(str(level.A.shape[0]) for level in levels.levels))
         return _Iteration(A, levels, symmetric)
