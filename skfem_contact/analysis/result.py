@@ -108,7 +108,8 @@ def _fits(form: Form, state: Any, initial: Any) -> bool:
         return len(state.cuts) > 0 and state.cuts[-1] == len(form.slave.segments)
     if isinstance(form, SolidForm):
         return np.shape(state.stress) == np.shape(initial.stress)
-    return all(np.shape(getattr(state, f.name)) == np.shape(getattr(initial, f.name)) for f in fields(initial))
+    names = {f.name for f in fields(initial)} - {"correction", "stalls"}  # empty before multipliers are corrected
+    return all(np.shape(getattr(state, name)) == np.shape(getattr(initial, name)) for name in names)
 
 
 def load_result(file: str | Path, forms: Mapping[str, Form]) -> Result:
