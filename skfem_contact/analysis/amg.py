@@ -5,7 +5,6 @@ import logging
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
@@ -192,7 +191,13 @@ def amg_pays(locations: ndarray, free: ndarray) -> bool:
     locations, free
         As for :class:`AmgSolver`.
     """
-    return len(locations) == 3 and len(free) > LARGE and find_spec("pyamg") is not None
+    if len(locations) < 3 or len(free) < LARGE:
+        return False
+    try:
+        _smoothed_aggregation()
+    except ImportError:
+        return False
+    return True
 
 
 def _smoothed_aggregation() -> Callable[..., Any]:
