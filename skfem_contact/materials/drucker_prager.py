@@ -16,7 +16,8 @@ class DruckerPrager(ConePlasticity):
     """Linear elasticity, perfect plasticity on the Drucker-Prager cone, non-associated flow.
 
     The yield function is ``sqrt(J2) + alpha I1 - k`` (tension positive), and the plastic potential is the
-    same with beta. Trial stresses return exactly to the cone or its apex.
+    same with beta. Trial stresses return exactly to the cone or its apex. Where c and phi are known, use
+    :meth:`plane_strain`: k, alpha and beta are not cohesion and angles.
 
     Parameters
     ----------
@@ -27,7 +28,7 @@ class DruckerPrager(ConePlasticity):
     k : float or ndarray
         Shear strength sqrt(J2) without mean stress, not negative; a float or one value an element.
     alpha : float or ndarray
-        Friction, not negative; a float or one value an element.
+        Friction, not negative, of at most 0.29 for soil in plane strain; a float or one value an element.
     beta : float or ndarray, optional
         Dilatancy, 0 <= beta <= alpha; a float or one value an element.
 
