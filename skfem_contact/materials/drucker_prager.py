@@ -28,7 +28,7 @@ class DruckerPrager(ConePlasticity):
     k : float or ndarray
         Shear strength sqrt(J2) without mean stress, not negative; a float or one value an element.
     alpha : float or ndarray
-        Friction, not negative, of at most 0.29 for soil in plane strain; a float or one value an element.
+        Friction, not negative, below 1/3 for soil in plane strain; a float or one value an element.
     beta : float or ndarray, optional
         Dilatancy, 0 <= beta <= alpha; a float or one value an element.
 
