@@ -264,6 +264,23 @@ def test_wished_in_place_pile_below_the_water_table():
         sc.k0_state(forms, own, fixed, 20.0, 0.5, water=water)
 
 
+def test_gravity_with_k0_and_contact():
+    """[X] The contact has one penalty in elastic ground and in the ground's own material, which carries K0 gamma z.
+
+    Far from the pile, which is ten thousand times as stiff as the ground, but as heavy.
+    """
+    basis, forms, fixed = pile(2)
+    load = sc.weight(basis, 20.0)
+    start = sc.gravity_state(forms, load, fixed, K0={"soil": 0.6})
+    null = sc.run(forms, [sc.Stage("null", load)], fixed, start=start, **QUIET)["null"]
+    solid = forms["ground"]
+    x = np.asarray(solid.basis.global_coordinates())
+    far = (x[0] < 1) & (x[1] < 1)
+    ratio = null.states["ground"].stress[0] / null.states["ground"].stress[1]
+    assert np.abs(ratio[far] - 0.6).max() < 0.1
+    assert start[0].residual <= 1e-8
+
+
 def test_pile_tied_under_gravity_then_free():
     """[X] Case J10 as it is done without K0: gravity with the tie, reset, then friction in its place."""
     basis, forms, fixed = pile(2, law=sc.Tied())

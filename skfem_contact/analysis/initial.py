@@ -13,6 +13,7 @@ from scipy.spatial import cKDTree
 
 from ..checks import AnalysisWarning, check_plane, look_up, place
 from ..contact.pair import ContactPair
+from ..contact.penalty import choose_penalties
 from ..contact.prestress import prestressed
 from ..materials.elastic import LinearElastic
 from ..solid import SolidForm
@@ -206,6 +207,7 @@ def gravity_state(forms: Mapping[str, Form], load: ndarray, fixed: ndarray,
     stages, fixed = [Stage(name, load, increments=increments)], _held(forms, load, fixed)
     if K0 is None:
         return reset_displacements(forms, run(forms, stages, fixed, progress=False))
+    forms = choose_penalties(forms)  # the same for elastic ground
     elastic = dict(forms)
     regions = {region for form in _solids(forms).values() for region in form.materials}
     for region in K0 if isinstance(K0, Mapping) else ():
@@ -214,7 +216,7 @@ def gravity_state(forms: Mapping[str, Form], load: ndarray, fixed: ndarray,
         ratios = K0 if isinstance(K0, Mapping) else dict.fromkeys(form.materials, K0)
         given = {region: _elastic(m, ratios[region]) for region, m in form.materials.items() if region in ratios}
         elastic[key] = form.with_materials(given)
-    first = run(elastic, [Stage("elastic", load)], fixed, progress=False)
+    first = run(elastic, [Stage(f"{name}, elastic", load)], fixed, progress=False)
     last = run(forms, stages, fixed, start=first, progress=False)[name]
     return reset_displacements(forms, Result((last,)))
 
