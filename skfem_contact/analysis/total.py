@@ -93,6 +93,8 @@ def _union(matrices: Sequence[csr_matrix]) -> csr_matrix:
 def _find(matrix: csr_matrix, pattern: csr_matrix) -> ndarray | None:
     """Which entries of a pattern a matrix has: their numbers or, if they are many, a mask; None if one is missing."""
     counts, have = np.diff(matrix.indptr), np.diff(pattern.indptr)
+    if (counts > have).any():
+        return None
     position = np.arange(matrix.nnz) + np.repeat(pattern.indptr[:-1] - matrix.indptr[:-1], counts)
     rows = np.flatnonzero((counts > 0) & (counts < have))  # the others are as in the pattern, or not within it
     if len(rows):
@@ -100,9 +102,7 @@ def _find(matrix: csr_matrix, pattern: csr_matrix) -> ndarray | None:
         keys = np.repeat(rows * n, have[rows]) + pattern.indices[within]
         wanted = np.repeat(rows * n, counts[rows]) + matrix.indices[entry]
         position[entry] = within[np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)]
-    position = np.minimum(position, pattern.nnz - 1)
-    fits = (counts <= have).all() and np.array_equal(pattern.indices[position], matrix.indices)
-    if not fits:
+    if not np.array_equal(pattern.indices.take(position), matrix.indices):
         return None
     if 8 * len(position) < pattern.nnz:  # the mask would take more memory
         return position
