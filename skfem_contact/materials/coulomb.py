@@ -14,7 +14,24 @@ _ON_CONE = 1e-9
 
 
 class Status(IntEnum):
-    """Status of a contact point."""
+    """Status of a contact point; arrays of states and :class:`~skfem_contact.Tractions` hold its numbers.
+
+    Attributes
+    ----------
+    OPEN
+        0: no traction, for nothing is opposite or the gap is open.
+    STICK
+        1: closed; slip is elastic.
+    SLIP
+        2: closed; the shear traction has reached its bound.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from skfem_contact import Status
+    >>> np.bincount([2, 2, 1], minlength=3)[Status.SLIP].item()
+    2
+    """
 
     OPEN = 0
     STICK = 1
