@@ -18,6 +18,7 @@ from scipy.spatial import cKDTree
 
 from ..checks import check_plane
 from ..solid import SolidForm, SolidState
+from .fields import element_nodes
 
 #: Round-off of a position, as a share of the element: a cut through the end of a body meets its elements.
 _ROUND_OFF = 1e-9
@@ -246,7 +247,7 @@ def section_forces(form: SolidForm, state: SolidState, sections: Sections) -> Se
 
 def _near(form: SolidForm, sections: Sections) -> tuple[ndarray, ndarray, ndarray]:
     """Nodes of all elements, and the pairs of a section and an element that may touch its layer."""
-    nodes = form.basis.element_dofs[0::2].T // 2
+    nodes = element_nodes(form)
     points = form.basis.doflocs[:, 2 * nodes]
     centroid = points.mean(axis=2).T
     largest = float(np.ptp(points, axis=2).max()) * np.sqrt(2.0)
