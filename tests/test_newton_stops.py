@@ -15,7 +15,7 @@ def scalar(residual):
     return evaluate
 
 
-@pytest.mark.parametrize("search", ["residual", "energy"])
+@pytest.mark.parametrize("search", ["residual", "energy", "step"])
 def test_no_trial_is_a_number(search):
     """[X] Beyond z = 2 there is no answer, and every step leads there: the last answer is what is told."""
     evaluate = scalar(lambda z: np.where(z < 2.0, 1.0, np.nan))
@@ -24,11 +24,25 @@ def test_no_trial_is_a_number(search):
     assert np.isfinite(failed.value.x).all() and np.isfinite(failed.value.residuals).all()
 
 
-def test_a_shorter_step_has_an_answer():
+@pytest.mark.parametrize("search", ["residual", "energy", "step"])
+def test_a_shorter_step_has_an_answer(search):
     """[X] A step of which only the first part leads to an answer is shortened: z = 1, from 0 by steps of 8."""
     evaluate = scalar(lambda z: np.where(z < 2.0, 1.0 - z, np.nan))
-    found, _ = iterate(evaluate(np.zeros(1)), evaluate, lambda now, damped: 8.0 * now.residual, Newton())
+    found, _ = iterate(evaluate(np.zeros(1)), evaluate, lambda now, damped: 8.0 * now.residual, Newton(), search)
     assert found.z == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("search, first", [("energy", 0.5), ("step", 0.25)])
+def test_how_far_the_work_of_the_residual_leads(search, first):
+    """[X] z = 1 from 0 by steps of a quarter of the way: the search along the energy goes on until half is left."""
+    evaluate, seen = scalar(lambda z: 1.0 - z), []
+
+    def direction(now, damped):
+        seen.append(float(now.z[0]))
+        return 0.25 * now.residual
+
+    iterate(evaluate(np.zeros(1)), evaluate, direction, Newton(max_iterations=100), search)
+    assert seen[1] == pytest.approx(first)
 
 
 def test_runaway_ends_early():

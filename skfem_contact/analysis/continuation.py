@@ -36,7 +36,8 @@ class Branch(Protocol):
 
     #: The parameter must be larger than this.
     lowest: float
-    #: Line search: along the energy where the forms do not depend on the parameter.
+    #: Line search: along the energy where the forms do not depend on the parameter.  Where they do, the step is not
+    #: exceeded; by the norm of the residual, to which single points that yield and unload add much, many more fail.
     search: Search
 
     def at(self, parameter: float) -> tuple[System, ndarray]:

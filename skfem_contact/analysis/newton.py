@@ -32,8 +32,9 @@ _STUCK, _SAME, _WORSE = 6, 0.8, 5.0
 #: Displacements of so many times the elastic ones are those of a collapse.
 FAR = 100.0
 
-#: What the line search looks at: the norm of the residual, or the work of the residual along the step.
-Search = Literal["residual", "energy"]
+#: What the line search looks at: the norm of the residual, or the work of the residual along the step.  Along the
+#: energy it goes as far as that takes, and otherwise no further than the step itself.
+Search = Literal["residual", "energy", "step"]
 
 
 class NotConverged(RuntimeError):
@@ -179,7 +180,8 @@ def iterate(now: Trial, evaluate: Callable[[ndarray], Trial], direction: Callabl
                                now.z, norms, now.worst)
         try:
             step = direction(now, damped)
-            new = _along_energy(now, step, evaluate) if search == "energy" else _search(now, step, norms, evaluate)
+            new = _search(now, step, norms, evaluate) if search == "residual" else \
+                _along(now, step, evaluate, 1.0 if search == "step" else np.inf)
         except SingularSystem as error:
             raise NotConverged(str(error), now.z, norms,
                                int(error.unknowns[0])) from error
@@ -217,20 +219,21 @@ def _stuck(norms: list[float]) -> bool:
     return len(norms) > _STUCK and min(last) > max(_WORSE * min(norms[1:]), _SAME * max(last))
 
 
-def _along_energy(now: Trial, step: ndarray, evaluate: Callable[[ndarray], Trial]) -> Trial:
+def _along(now: Trial, step: ndarray, evaluate: Callable[[ndarray], Trial], farthest: float) -> Trial:
     """Go along the step until the residual has lost half of its work along it, by doubling and bisection.
 
-    The displacements come first among the unknowns; what follows them does no work.
+    The displacements come first among the unknowns; what follows them does no work.  At the farthest length more
+    of the work may be left.
     """
     along = step[:len(now.residual)]
     slope = abs(now.residual @ along)
     least, best, length, shortest, longest = np.inf, now, 1.0, 0.0, np.inf
     for _ in range(_PROBES):
         trial = evaluate(now.z + length * step)
-        work = float(trial.residual @ along)
+        work = float(trial.residual @ along) if np.isfinite(trial.norm) else -np.inf
         if abs(work) < least:
             least, best = abs(work), trial
-        if abs(work) <= _SLOPE * slope or trial.norm <= _SLOPE * now.norm:
+        if abs(work) <= _SLOPE * slope or trial.norm <= _SLOPE * now.norm or (work > 0.0 and length >= farthest):
             return trial
         if work > 0.0:
             shortest = length

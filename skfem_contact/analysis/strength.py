@@ -102,7 +102,7 @@ class _Strength:
     """The structure with its strength divided by a factor: a :class:`~.continuation.Branch`."""
 
     lowest = 0.0
-    search: Search = "residual"
+    search: Search = "step"
 
     def __init__(self, whole: System, load: ndarray, targets: dict[str, tuple[str, ...] | None],
                  flow: Flow) -> None:
