@@ -8,9 +8,11 @@ from .bonds import broken
 from .freezing import frozen
 from .softening import softened
 from .state import ContactState
+from .surface import Surface
 
 
-def calmed(state: ContactState, candidates: Sequence[ContactState], slave: str, law: InterfaceLaw) -> ContactState:
+def calmed(state: ContactState, candidates: Sequence[ContactState], slave: str, master: Surface, law: InterfaceLaw,
+           hardness: float) -> ContactState:
     """The state with the first remedy that is left to try, or the same one where no point goes to and fro.
 
     Points are frozen to their facet (:func:`frozen`), stick softly (:func:`softened`) or lose their bond
@@ -22,11 +24,13 @@ def calmed(state: ContactState, candidates: Sequence[ContactState], slave: str, 
         Accepted state.
     candidates
         States between which Newton's method goes to and fro.
-    slave
-        Name of the slave, for the log.
+    slave, master
+        Name of the slave, for the log; the master.
     law
         The interface law.
+    hardness
+        Tangential penalty over the stiffness of the surfaces.
     """
     new = frozen(state, candidates, slave)
-    new = softened(state, candidates, slave) if new is state else new
+    new = softened(state, candidates, slave, master, hardness) if new is state else new
     return broken(state, candidates, slave, law) if new is state else new

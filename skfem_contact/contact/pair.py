@@ -62,7 +62,9 @@ class ContactPair:
     share
         Share of the contact work, 1/2 for each of two pairs with the roles swapped (:func:`two_pass`).
     tangent
-        ``"exact"``, or ``"primary"``: the paper's eqs 20 to 22 without the rotation and curvature parts.
+        ``"exact"``, or ``"primary"``: the paper's eqs 20 to 22 without the rotation and curvature parts.  Where the
+        iterations make no progress the primary part acts alone: bodies that overlap on the way to the solution
+        exert tractions that would turn the facets.
 
     Raises
     ------
@@ -190,7 +192,7 @@ class ContactPair:
                             normal=zero, tangential=zero, status=status,
                             normal_multiplier=nodal, tangential_multiplier=nodal, stiffening=stiffening,
                             offset=offset, cuts=cuts, springs=np.zeros(1), frozen=never, recuts=np.zeros(1),
-                            softness=np.ones(1), broken=never)
+                            softness=np.ones(1), shift=zero, broken=never)
 
     # -- the form -------------------------------------------------------------------------------------------
 
@@ -225,7 +227,8 @@ class ContactPair:
         gap = np.where(np.abs(gap) <= exact, 0.0, gap)
         at = np.flatnonzero(found.found & law.reaches(gap, normal_penalty, bonded & ~state.broken))
 
-        kinematics = variations(points, self.slave, self.master, at, found, positions, state.stick_point, nodes)
+        kinematics = variations(points, self.slave, self.master, at, found, positions,
+                                state.stick_point - state.shift, nodes)
         shift = points.at(state.tangential_multiplier)[at] / tangential_penalty
         slip = kinematics.stretch * kinematics.elastic_arc + shift
         traction = tractions(law, state.broken[at], gap[at], slip, penalties)
@@ -236,7 +239,8 @@ class ContactPair:
         elastic = (traction.elastic_slip - shift) / kinematics.stretch
         return Response(self._gathering.force(kinematics.dofs, force),
                         lambda: self._candidate(state, merged(near, found, projected), at, traction, elastic),
-                        lambda: self._stiffness(kinematics, traction, weight),
+                        lambda: self._stiffness(kinematics, traction, weight, self.tangent == "exact"),
+                        lambda: self._stiffness(kinematics, traction, weight, False),
                         round_off=max(penalties) * exact * float(np.linalg.norm(weight)))
 
     def penalties(self, state: ContactState) -> tuple[float, float]:
@@ -279,8 +283,8 @@ class ContactPair:
                        normal=normal, tangential=tangential, status=status, frozen=np.zeros(len(arc), bool),
                        recuts=np.zeros(1))
 
-    def _stiffness(self, kinematics: Kinematics, traction: Traction, weight: ndarray) -> csr_matrix:
-        K = tangents(kinematics, traction, self.tangent == "exact") * weight[:, None, None]
+    def _stiffness(self, kinematics: Kinematics, traction: Traction, weight: ndarray, exact: bool) -> csr_matrix:
+        K = tangents(kinematics, traction, exact) * weight[:, None, None]
         return self._gathering.matrix(kinematics.dofs, K)
 
     # -- what the analysis asks besides ---------------------------------------------------------------------
@@ -303,7 +307,7 @@ class ContactPair:
         if accepted.springs.any():
             return release(accepted, candidate, points.weight)
         if accepted.softness[0] < 1.0:
-            return hardened(accepted)
+            return hardened(accepted, candidate, self.master)
         if self.initial == "ramped" and accepted.offset.any():
             return replace(accepted, offset=less_overlap(accepted.offset, points.size))
         again = None
@@ -318,7 +322,8 @@ class ContactPair:
 
     def calm(self, state: ContactState, *candidates: ContactState) -> ContactState:
         """The state with points that go to and fro frozen to their facet, sticking softly or without a bond."""
-        return calmed(state, candidates, self.slave.name, self.law)
+        hardness = 1.0 if self.stiffness is None else self.penalties(state)[1] / self.stiffness
+        return calmed(state, candidates, self.slave.name, self.master, self.law, hardness)
 
     def summary(self, state: ContactState) -> str:
         """Counts of open, sticking and slipping points, for the table of a result."""

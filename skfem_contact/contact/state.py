@@ -43,6 +43,8 @@ class ContactState:
         Number of times that the slave has been cut anew in this increment, (1,).
     softness
         Share of the tangential penalty with which points stick while they cycle between stick and slip, (1,).
+    shift
+        What is added to the elastic slip of points that stick softly, along the undeformed master; zero else.
     broken
         Whether the point's bond, adhesion and tension, is broken.
     correction, stalls
@@ -67,6 +69,7 @@ class ContactState:
     frozen: ndarray
     recuts: ndarray
     softness: ndarray
+    shift: ndarray
     broken: ndarray
     correction: ndarray = field(default_factory=lambda: np.zeros((2, 0)))
     stalls: ndarray = field(default_factory=lambda: np.zeros((2, 0), int))
@@ -79,7 +82,7 @@ def transferred(state: ContactState, old: SlavePoints, new: SlavePoints) -> Cont
     """
     nearest = np.abs(new.arc[:, None] - old.arc).argmin(axis=1)
     smooth = {name: np.interp(new.arc, old.arc, getattr(state, name)) for name in (
-        "slip", "normal", "tangential", "offset")}
+        "slip", "normal", "tangential", "offset", "shift")}
     elastic = np.interp(new.arc, old.arc, np.nan_to_num(state.arc - state.stick_point))
     # master and slave run in opposite directions: what lies on along the slave lies back along the master
     arc = state.arc[nearest] - (new.arc - old.arc[nearest])
