@@ -135,8 +135,7 @@ if FULL:
         for psi in (20.0, 0.0):
             factor(quads, "Q1 B-bar", ElementQuad1(), 3, psi, sc.b_bar)
             factor(quads, "Q2 reduced, 8 nodes", ElementQuadS2(), 3, psi)
-            # 280 on the finer mesh with psi = 0, where the tangent is not symmetric and four steps fail
-            assert rows[-1]["iterations"] <= (100 if psi or len(mesh.t[0]) < 200 else 300)
+            assert rows[-1]["iterations"] <= (100 if psi or len(mesh.t[0]) < 200 else 250)
     for psi in (20.0, 0.0):
         forms, fixed, load = model(meshes[1], ElementTriP2(), 2, psi)
         start = sc.run(forms, [sc.Stage("gravity", load, increments=5)], fixed, progress=False)
