@@ -183,20 +183,33 @@ def test_numbers_of_the_pin():
         assert 1 / persson_load(degrees) == pytest.approx(printed, rel=2e-6)  # digits printed
 
 
-@pytest.mark.parametrize(("degrees", "n"), [(30, 48), (45, 40), (75, 32)])
-def test_pin_in_a_plate(degrees, n):
+def growing(first: float, size: float, n: int, last: float) -> np.ndarray:
+    """Places from 0 to a last one: n of one size up to a first one, then ever larger ones."""
+    steps = [first]
+    while steps[-1] < last:
+        steps.append(steps[-1] + size * 1.25 ** len(steps))
+    beyond = np.array(steps[1:]) - first
+    return np.concatenate((np.linspace(0, first, n + 1), first + beyond * (last - first) / beyond[-1]))
+
+
+@pytest.mark.parametrize("degrees", PERSSON)
+def test_pin_in_a_plate(degrees):
     """[X] B9: a pin of radius 1 in a hole of 1.001 in a plate of radius 25: largest pressure, angle of contact.
 
-    Half of both bodies; the load acts on a hole of 0.05 at the pin's centre.
+    Half of both bodies; the load acts on a hole of 0.05 at the pin's centre.  24 elements of the pin and 36 of the
+    plate lie within twice the angle of contact.
     """
     play, modulus = 1e-3, 1000.0 / (2 * (1 - 0.3**2))
     load = persson_load(degrees) * modulus * play
-    pin = np.concatenate((np.geomspace(0.05, 0.6, 5), np.linspace(0.6, 1, 6)[1:]))
-    plate = (1 + play) * np.concatenate((np.linspace(1, 1.5, 6), np.geomspace(1.5, 25, 12)[1:]))
-    meshes = {  # they touch at the bottom
-        "pin": sector(pin, n, -90.0, 90.0, "Q2").translated((0.0, -play)),
-        "plate": sector(plate, 3 * n // 2, -90.0, 90.0, "Q2"),
-    }
+    meshes = {}
+    for name, n, depth in (("pin", 24, -0.95), ("plate", 36, 24.0)):
+        size = 2 * degrees / n
+        angles = growing(min(2.0 * degrees, 150.0), size, n, 180.0) - 90.0
+        radii = 1.0 + np.sign(depth) * growing(3 * np.radians(size), np.radians(size), 3, abs(depth))
+        flat = MeshQuad.init_tensor(np.sort(radii), np.radians(angles)).with_defaults()
+        radius = 1.0 if name == "pin" else 1.0 + play
+        meshes[name] = curved(flat, lambda r, a, R=radius: (R * r * np.cos(a), R * r * np.sin(a)))
+    meshes["pin"] = meshes["pin"].translated((0.0, -play))  # they touch at the bottom
     basis = vector_basis(sc.join_bodies(meshes), "Q2")
     pair = sc.ContactPair(basis, "pin:right", "plate:left", sc.Coulomb(), "segments")
     forms = {"bodies": sc.SolidForm(basis, sc.LinearElastic(E=1000.0, nu=0.3)), "contact": pair}
@@ -212,6 +225,6 @@ def test_pin_in_a_plate(degrees, n):
     joint = sc.tractions(pair, result.states["contact"])
     angle = np.degrees(np.arctan2(joint.x, -joint.y))
     assert 2 * (joint.weight * joint.pressure) @ np.cos(np.radians(angle)) == pytest.approx(load, rel=1e-3)  # linear
-    assert joint.pressure.max() / load == pytest.approx(PERSSON[degrees][1], rel=0.01)  # stated 2 %; measured 0.6 %
+    assert joint.pressure.max() / load == pytest.approx(PERSSON[degrees][1], rel=0.01)  # stated 2 %; measured 0.02 to 0.6 %
     edge = angle[joint.pressure > 0.01 * joint.pressure.max()].max()
-    assert edge == pytest.approx(degrees, abs=180 / n)  # an element
+    assert edge == pytest.approx(degrees, abs=degrees / 12)  # an element of the pin
