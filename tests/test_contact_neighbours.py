@@ -7,7 +7,7 @@ import pytest
 from helpers import body_along, vector_basis
 
 import skfem_contact as sc
-from skfem_contact.contact.neighbours import NeighbourList
+from skfem_contact.contact.neighbours import NeighbourList, Neighbours
 from skfem_contact.contact.search import project
 from skfem_contact.contact.smoothing import smoothed
 from skfem_contact.contact.surface import Surface
@@ -52,6 +52,23 @@ def test_kept_neighbours_serve_as_new_ones(element: str, closed: bool, alpha: fl
         assert (found.clearance <= np.abs(other.gap)).all()
     assert 1 < searches < 30
     assert np.mean(np.abs(other.gap[near]) - found.clearance[near]) < 1.0  # they tell something
+
+
+@pytest.mark.parametrize(("element", "closed"), [("P1", False), ("P1", True), ("Q2", False)])
+def test_a_segment_that_is_torn_leaves_the_others_their_neighbours(element: str, closed: bool, rng) -> None:
+    """Where a trial throws one node far away, the gaps are those among all segments, and few pairs are added."""
+    surface = wavy(element, closed)
+    points = surface.nodes + 0.05 * rng.standard_normal(surface.nodes.shape)
+    before = NeighbourList(surface).at(surface.nodes, points)
+    torn = surface.nodes.copy()
+    torn[len(torn) // 2] += (0.0, 40.0)
+    found = NeighbourList(surface).at(torn, points)
+    n, m = len(points), len(surface.segments)
+    everything = Neighbours(np.repeat(np.arange(n), m), np.tile(np.arange(m), n), np.zeros(n))
+    one = project(surface, torn, points, np.full(n, np.inf), among=found)
+    other = project(surface, torn, points, np.full(n, np.inf), among=everything)
+    np.testing.assert_allclose(one.gap, other.gap, rtol=0, atol=1e-11)  # what polishing leaves
+    assert len(found.point) < 2 * len(before.point) + 2 * n  # the two torn segments may be near to all points
 
 
 def test_points_without_neighbours_are_not_projected() -> None:

@@ -97,20 +97,22 @@ def neighbours(surface: Surface, nodes: ndarray, points: ndarray, slack: float =
     within = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
     xi = -1.0 + 2.0 * within / np.repeat(count - 1, count)
     samples = surface.curve(segment, xi, nodes, 0)[1][0]
-    stretch = max(1.0, float((np.linalg.norm(np.diff(samples, axis=0), axis=1)[np.diff(segment) == 0]).max()) / spacing)
-    margin, motion = 0.75 * spacing * stretch, slack * spacing * stretch
-    row, sample, distance = _nearest(samples, points, margin + 2.0 * motion)
+    gaps = np.append(np.linalg.norm(np.diff(samples, axis=0), axis=1), 0.0)
+    gaps[np.cumsum(count) - 1] = 0.0  # from one segment to the next
+    stretch = np.maximum(1.0, np.maximum.reduceat(gaps, np.cumsum(count) - count) / spacing)
+    margin, motion = 0.75 * spacing * stretch, slack * spacing
+    row, sample, distance = _nearest(samples, points, margin[segment] + 2.0 * motion)
     point, neighbour = np.divmod(np.unique(row * len(count) + segment[sample]), len(count))
-    beyond = EXTENSION * stretch * (max(surface.length[0], surface.length[-1]) + spacing)
-    return Neighbours(point, neighbour, distance - margin - beyond), motion
+    beyond = EXTENSION * stretch.max() * (max(surface.length[0], surface.length[-1]) + spacing)
+    return Neighbours(point, neighbour, distance - margin.max() - beyond), motion
 
 
-def _nearest(samples: ndarray, points: ndarray, margin: float) -> tuple[ndarray, ndarray, ndarray]:
-    """Pairs (point, sample) of all samples at most a margin farther away than the nearest one, and its distance."""
-    tree, k = cKDTree(samples), 4
+def _nearest(samples: ndarray, points: ndarray, margin: ndarray) -> tuple[ndarray, ndarray, ndarray]:
+    """Pairs (point, sample) of all samples at most their margin farther away than the nearest one, and its distance."""
+    tree, k, largest = cKDTree(samples), 4, margin.max()
     while True:
         k = min(2 * k, len(samples))
         distance, sample = (np.atleast_2d(found) for found in tree.query(points, k))
-        near = distance <= distance[:, :1] + margin
-        if k == len(samples) or not near[:, -1].any():
+        if k == len(samples) or (distance[:, -1] > distance[:, 0] + largest).all():
+            near = distance <= distance[:, :1] + margin[sample]
             return np.nonzero(near)[0], sample[near], distance[:, 0]
