@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers import grid, vector_basis
-from skfem import FacetBasis, LinearForm
+from skfem import FacetBasis, LinearForm, MeshQuad
 
 import skfem_contact as sc
 
@@ -87,6 +87,31 @@ def cylinder() -> int:
     return total(sc.run(forms, [stage], fixed, solver="superlu"))
 
 
+def pin() -> int:
+    """A pin falls through its clearance into a hole; the first trials press it in far too deep."""
+    mesh = sc.join_bodies({"pin": ring(0.2, 1.0, 90), "plate": ring(1.02, 3.0, 108)})
+    around = {"skin": (0.99, 1.01), "hole": (1.01, 1.03), "rim": (2.9, 3.0)}
+    mesh = mesh.with_boundaries(
+        {name: lambda x, a=a, b=b: (a < np.hypot(*x)) & (np.hypot(*x) < b) for name, (a, b) in around.items()}
+    )
+    basis = vector_basis(mesh, "Q1", intorder=2)
+    forms = {
+        "steel": sc.SolidForm(basis, sc.LinearElastic(E=2e5, nu=0.3), strain=sc.b_bar),
+        "joint": sc.ContactPair(basis, "skin", "hole", sc.Coulomb(mu=0.2), quadrature=2),
+    }
+    stage = sc.Stage("pull", sc.weight(basis, {"pin": 200.0}))
+    return total(sc.run(forms, [stage], basis.get_dofs("rim").all(), solver="superlu"))
+
+
+def ring(inner: float, outer: float, n: int) -> MeshQuad:
+    """A ring of elements, `n` around and eight across."""
+    i, j = np.meshgrid(np.arange(8), np.arange(n), indexing="ij")
+    corners = [(i + a) * n + (j + b) % n for a, b in ((0, 0), (1, 0), (1, 1), (0, 1))]
+    r, angle = np.meshgrid(np.geomspace(inner, outer, 9), 2 * np.pi * np.arange(n) / n, indexing="ij")
+    places = np.stack((r * np.cos(angle), r * np.sin(angle)))
+    return MeshQuad(places.reshape(2, -1), np.stack(corners).reshape(4, -1))
+
+
 def slope() -> int:
     """The slope of Griffiths and Lane on a coarse mesh, its strength reduced to collapse."""
     square = grid("P2", np.linspace(0, 1, 15), np.linspace(0, 1, 8))
@@ -108,6 +133,7 @@ SCENES: dict[str, Callable[[], int]] = {
     "blocks, segments": lambda: blocks("segments"),
     "culvert": culvert,
     "cylinder": cylinder,
+    "pin": pin,
     "slope, strength reduction": slope,
 }
 

@@ -52,3 +52,25 @@ def test_runaway_ends_early():
     with pytest.raises(NotConverged) as failed:
         iterate(evaluate(np.zeros(1)), evaluate, lambda now, damped: np.ones(1), Newton(max_iterations=100))
     assert len(failed.value.residuals) - 1 <= 14
+
+
+def test_a_step_into_a_wall_is_shortened():
+    """[X] A spring and a wall behind z = 1.5: the residual relative to the wall's force stays 1, the force itself not.
+
+    Of the step to z = 16, halved while the force is larger than at the start, the last share leads to z = 1, where the
+    spring bears the load.
+    """
+    evaluate = scalar(lambda z: 1.0 - z - 1e4 * np.maximum(z - 1.5, 0.0))
+    found, residuals = iterate(evaluate(np.zeros(1)), evaluate, lambda now, damped: np.full(1, 16.0),
+                               Newton(max_iterations=1))
+    assert found.z == 1.0
+    assert residuals == (1.0, 0.0)
+
+
+def test_where_no_trial_may_go_the_step_is_shortened():
+    """[X] Trials that are refused by an infinite norm, whatever their forces, as those of a negative strength are."""
+    def evaluate(z):
+        return Trial(z, {}, 1.0 - z, abs(float(1.0 - z[0]))) if z < 2.0 else Trial(z, {}, np.zeros(1), np.inf)
+
+    found, _ = iterate(evaluate(np.zeros(1)), evaluate, lambda now, damped: 8.0 * now.residual, Newton())
+    assert found.z == 1.0

@@ -172,7 +172,7 @@ def iterate(now: Trial, evaluate: Callable[[ndarray], Trial], direction: Callabl
     Collapse, NotConverged
         There is no solution; none was found.
     """
-    norms, damped = [now.norm], damp
+    norms, sizes, damped = [now.norm], [_size(now)], damp
     while len(norms) <= at_least or not (now.norm <= settings.tolerance and now.lag == 0.0):
         if len(norms) > settings.max_iterations or not now.norm < 1e8 \
                 or (_stuck(norms) if search == "energy" else _hopeless(norms)):
@@ -180,7 +180,7 @@ def iterate(now: Trial, evaluate: Callable[[ndarray], Trial], direction: Callabl
                                now.z, norms, now.worst)
         try:
             step = direction(now, damped)
-            new = _search(now, step, norms, evaluate) if search == "residual" else \
+            new = _search(now, step, sizes, evaluate) if search == "residual" else \
                 _along(now, step, evaluate, 1.0 if search == "step" else np.inf)
         except SingularSystem as error:
             raise NotConverged(str(error), now.z, norms,
@@ -191,6 +191,7 @@ def iterate(now: Trial, evaluate: Callable[[ndarray], Trial], direction: Callabl
             raise NotConverged(f"the iterations run away; {_why(now, norms)}", now.z, norms, now.worst)
         now = new
         norms.append(now.norm)
+        sizes.append(_size(now))
         logger.debug("iteration %d: residual %.3e", len(norms) - 1, now.norm)
         if search == "energy" and now.norm > settings.tolerance and far(now):
             raise Collapse(f"collapse: after {len(norms) - 1} iterations the displacements exceed {FAR:g} times the "
@@ -243,15 +244,27 @@ def _along(now: Trial, step: ndarray, evaluate: Callable[[ndarray], Trial], fart
     return best
 
 
-def _search(now: Trial, step: ndarray, norms: list[float], evaluate: Callable[[ndarray], Trial]) -> Trial:
+def _size(trial: Trial) -> float:
+    """Norm of the unbalanced forces themselves, less round-off.
+
+    The residual is relative to the largest forces of its own trial: where a step presses bodies into each other it is
+    1 however far they are pressed, and a line search by it lets everything pass.
+    """
+    whole = trial.norm + trial.hidden
+    if whole == 0.0 or not np.isfinite(whole):
+        return whole
+    return float(np.linalg.norm(trial.residual)) * trial.norm / whole
+
+
+def _search(now: Trial, step: ndarray, sizes: list[float], evaluate: Callable[[ndarray], Trial]) -> Trial:
     """Halve the step while the residual is worse than all of the last few."""
-    bound = np.inf if now.lag else max(norms[-_MEMORY:])
+    bound = np.inf if now.lag else max(sizes[-_MEMORY:])
     best = trial = evaluate(now.z + step)
     length = 1.0
-    while not trial.norm <= bound and length > _SHORTEST:
+    while not _size(trial) <= bound and length > _SHORTEST:
         length *= 0.5
         trial = evaluate(now.z + length * step)
-        if trial.norm < best.norm or np.isnan(best.norm):
+        if _size(trial) < _size(best) or np.isnan(best.norm):
             best = trial
     return best
 
