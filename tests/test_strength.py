@@ -226,6 +226,14 @@ def test_contact_is_reduced_where_it_is_named():
         reduce(forms, fixed, load)
 
 
+def test_stall_is_no_collapse():
+    """Two iterations are too few on the way to the factor of 1.44: it is told that no collapse was found, nor shown."""
+    with pytest.warns(sc.AnalysisWarning, match=r"no collapse was shown: .* ended at .* with a stall") as told:
+        result = reduce(*slope(), newton=sc.Newton(tolerance=3e-4, max_iterations=2))
+    assert [str(warning.message)[:11] for warning in told] == ["no collapse"]
+    assert result.factor < 1.4 and result.bracket[1] > 1.44
+
+
 @pytest.mark.parametrize(("settings", "message"), [
     ({"reduce": {"sand"}}, "no form or region 'sand'.*existing: all, soil"),
     ({"exclude": {"sand"}}, "no form or region 'sand'"),

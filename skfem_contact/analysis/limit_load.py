@@ -17,6 +17,7 @@ from .newton import Newton, NotConverged, Search
 from .result import Result, StageResult
 from .setup import build_system, check_load, left_by
 from .system import Form, System
+from .telling import tell_stall
 from .threads import single_threaded
 from .trials import Trials, TrialStep, describe_mesh, shear_bands, table
 
@@ -154,6 +155,11 @@ def limit_load(forms: Mapping[str, Form], fixed: ndarray, load: ndarray, start: 
     NotConverged
         No step was small enough to begin with.
 
+    Warns
+    -----
+    AnalysisWarning
+        The search ended at a stall, and the limit load may be higher.
+
     Examples
     --------
     A square of cohesive soil (c = 10) that can spread carries 2 c:
@@ -186,6 +192,7 @@ def limit_load(forms: Mapping[str, Form], fixed: ndarray, load: ndarray, start: 
                        growth=_SMALL_GROWTH if flow == "lagged" else GROWTH, longest=longest * path[-1].work,
                        until=until)
     multiplier, above = curve.limit
+    tell_stall("limit load", multiplier, curve.criterion)
     end = curve.points[-1]
     mechanism = end.x - curve.points[-2].x
     mechanism = mechanism / (np.abs(mechanism).max() or 1.0)

@@ -20,6 +20,7 @@ from .reduction import reduced_parts
 from .result import Result, StageResult
 from .setup import build_system, check_load, left_by
 from .system import Form, System
+from .telling import tell_stall
 from .threads import single_threaded
 from .trials import Trials, TrialStep, describe_mesh, shear_bands, table
 
@@ -194,7 +195,8 @@ def strength_reduction(forms: Mapping[str, Form], fixed: ndarray, load: ndarray 
     Warns
     -----
     AnalysisWarning
-        The structure is unstable under its own load: the factor is less than 1.
+        The structure is unstable under its own load: the factor is less than 1. Or the search ended at a stall, and
+        the factor of collapse may be higher: the bracket tells how far.
 
     Examples
     --------
@@ -231,9 +233,10 @@ def strength_reduction(forms: Mapping[str, Form], fixed: ndarray, load: ndarray 
         first = _first(branch, last, newton, trials)
         search = _continuation if method == "continuation" else _bracket
         factor, bracket, criterion, points, mechanism = search(branch, first, newton, tol, step, trials)
-    if factor < 1.0:
+    if factor < 1.0 and not criterion.startswith("stall"):
         warnings.warn(f"the structure is unstable under its own load: its factor of safety is {factor:.3f}",
                       AnalysisWarning, stacklevel=3)
+    tell_stall("factor of safety", factor, criterion)
     best = max(points, key=lambda p: p.parameter)
     mechanism = mechanism / (np.abs(mechanism).max() or 1.0)
     return StrengthReduction(factor, bracket, criterion, method, flow, branch.names, describe_mesh(whole.forms),

@@ -1,4 +1,4 @@
-"""What a run tells at its end: every remark of a form once, for the stage where it is worst."""
+"""What a run tells at its end: every remark of a form once, for the stage where it is worst; a search that stalled."""
 from __future__ import annotations
 
 import re
@@ -48,3 +48,13 @@ class Remarks:
                  ) -> None:
         for _, text in self._worst.values():
             warnings.warn(text, AnalysisWarning, stacklevel=self._stacklevel)
+
+
+def tell_stall(what: str, value: float, criterion: str) -> None:
+    """Warn that a search ended where Newton's method failed, and not at a collapse.
+
+    Where the stiffness of an equilibrium is singular, all that can yield does: that is a collapse.
+    """
+    if criterion.startswith("stall") and "singular" not in criterion:
+        warnings.warn(f"no collapse was shown: the search for the {what} ended at {value:.4g} with a {criterion}",
+                      AnalysisWarning, stacklevel=4)
