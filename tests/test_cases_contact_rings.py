@@ -225,6 +225,6 @@ def test_pin_in_a_plate(degrees):
     joint = sc.tractions(pair, result.states["contact"])
     angle = np.degrees(np.arctan2(joint.x, -joint.y))
     assert 2 * (joint.weight * joint.pressure) @ np.cos(np.radians(angle)) == pytest.approx(load, rel=1e-3)  # linear
-    assert joint.pressure.max() / load == pytest.approx(PERSSON[degrees][1], rel=0.01)  # stated 2 %; measured 0.02 to 0.6 %
+    assert joint.pressure.max() / load == pytest.approx(PERSSON[degrees][1], rel=0.01)  # stated 2 %; measured 0.6 %
     edge = angle[joint.pressure > 0.01 * joint.pressure.max()].max()
     assert edge == pytest.approx(degrees, abs=degrees / 12)  # an element of the pin
