@@ -139,6 +139,8 @@ def test_number_of_points_may_be_numpy():
         ({"share": 1.5}, "share must lie in"),
         ({"smoothing": 0.7}, "alpha must lie in"),
         ({"smoothing": 0.0}, "alpha must lie in"),
+        ({"enforcement": "augmented"}, "enforcement must be None or"),
+        ({"enforcement": sc.AugmentedLagrangian}, "enforcement must be None or"),
     ],
 )
 def test_bad_options(options, message):
@@ -146,9 +148,13 @@ def test_bad_options(options, message):
         pair(**options)
 
 
-@pytest.mark.parametrize("law", [0.3, sc.Coulomb, "rough"])
+class LawWithoutBonds:
+    reaches, update = sc.Coulomb.reaches, sc.Coulomb.update
+
+
+@pytest.mark.parametrize("law", [0.3, sc.Coulomb, "rough", LawWithoutBonds()])
 def test_law_that_is_none(law):
-    with pytest.raises(ValueError, match="law"):
+    with pytest.raises(ValueError, match="law must have `bonds`, `reaches` and `update`"):
         pair(law=law)
 
 

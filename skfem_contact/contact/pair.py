@@ -105,8 +105,10 @@ class ContactPair:
         _one_of("initial", initial, get_args(Fit))
         if not 0.0 < share <= 1.0:
             raise ValueError(f"share must lie in (0, 1], not {share!r}")
-        if isinstance(law, type) or not hasattr(law, "reaches"):
-            raise ValueError(f"law must be an interface law such as Coulomb(mu=.3), not {law!r}")
+        if isinstance(law, type) or not all(hasattr(law, name) for name in ("bonds", "reaches", "update")):
+            raise ValueError(f"law must have `bonds`, `reaches` and `update`, like Coulomb(mu=.3), unlike {law!r}")
+        if not isinstance(enforcement, AugmentedLagrangian | None):
+            raise ValueError(f"enforcement must be None or AugmentedLagrangian(), not {enforcement!r}")
         self.law, self.quadrature, self.tangent = law, quadrature, tangent
         self._sampling = Sampling(self.slave, self.master, quadrature)
         self._neighbours, self._gathering = NeighbourList(self.master), Gathering(basis.N)
@@ -303,7 +305,7 @@ class ContactPair:
         points = self.points(accepted)
         if passed := passed_through(self._depth(points), accepted, candidate):
             raise IncrementTooLarge(f"{passed} of {len(points.arc)} points of '{self.slave.name}' have passed through "
-                                    f"'{self.master.name}'")
+                                    f"'{self.master.name}', or the penalty, {self.penalties(accepted)[0]:.3g}, is soft")
         if accepted.springs.any():
             return release(accepted, candidate, points.weight)
         if accepted.softness[0] < 1.0:
