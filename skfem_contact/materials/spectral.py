@@ -168,8 +168,9 @@ class _PlaneFrame(NamedTuple):
     def tangent(self, moduli: Array, values: Array, shear: Parameter) -> Array:
         result = np.empty((self.cos.size, 4, 4))
         for place, (major, minor) in enumerate(((1, 2), (0, 2), (0, 1))):
-            here = np.flatnonzero(self.place == place)
-            if here.size:
+            at = self.place == place
+            if at.any():
+                here = slice(None) if at.all() else np.flatnonzero(at)  # one place for all: nothing is picked out
                 local = moduli[:, :, here]
                 shear_here = shear[here] if isinstance(shear, np.ndarray) else shear
                 modulus = _shear_modulus(
