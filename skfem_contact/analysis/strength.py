@@ -128,12 +128,13 @@ class _Strength:
                      for r in regions})
         return System(forms, self.whole.fixed, self.whole.free, self.whole.solver), self.load
 
-    def equilibrium(self, start: Point, factor: float, newton: Newton, elastic: float = 0.0) -> Point:
+    def equilibrium(self, start: Point, factor: float, newton: Newton, elastic: float = 0.0,
+                    searches: tuple[Search, ...] = ("energy", "residual")) -> Point:
         """Equilibrium at a factor from another point; there is none where everything flows from the start."""
         system, load = self.at(factor)
         try:
             found = system.equilibrium(start.x, start.states, load, start.x[system.fixed], newton,
-                                       ("energy", "residual"), elastic, at_least=1, damp=True)
+                                       searches, elastic, at_least=1, damp=True)
         except NotConverged as error:
             singular = error.__cause__
             if len(error.residuals) > 1 or not isinstance(singular, SingularSystem) \
@@ -302,7 +303,8 @@ def _approach(branch: _Strength, first: Point, newton: Newton, least: float, ste
     while last.parameter <= _HIGHEST:
         factor = last.parameter + step
         try:
-            point = branch.equilibrium(last, factor, newton, float(np.linalg.norm(response)))
+            # the collapse is still far: what leads to it is tried last
+            point = branch.equilibrium(last, factor, newton, float(np.linalg.norm(response)), ("step", "energy"))
         except NotConverged as error:
             trials.reject(factor, error, last.work)
             if step < least:
