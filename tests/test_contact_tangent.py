@@ -193,3 +193,17 @@ def test_primary_tangent_is_exact_for_a_flat_master_at_rest(rng):
     a, b = exact.assemble(x, state), primary.assemble(x, state)
     assert np.array_equal(a.force, b.force)
     assert abs(a.stiffness - b.stiffness).max() > 1e-3 * abs(a.stiffness).max()
+
+
+def test_damped_tangent_is_the_exact_one_while_the_bodies_bear_the_tractions(rng):
+    """[X] Soft bodies cannot bear them: the primary part is left, to the 1e-9 of their stiffness over the penalty.
+
+    It is not left alone at once: without its geometric part a frictionless pin in a hole is free to turn.
+    """
+    _, pair, x, state = rough_pair("P1", 2, sc.Coulomb(0.3), rng)
+    _, primary, _, _ = rough_pair("P1", 2, sc.Coulomb(0.3), rng, tangent="primary")
+    stiff, soft = (pair.with_penalty(*pair.penalty, stiffness=s * pair.penalty[0]).assemble(x, state)
+                   for s in (1e6, 1e-9))  # fmt: skip
+    exact, least = stiff.stiffness, primary.assemble(x, state).stiffness
+    assert abs(stiff.damped - exact).max() == 0.0
+    assert abs(soft.damped - least).max() < 1e-8 * abs(least).max() < 1e-2 * abs(exact - least).max()

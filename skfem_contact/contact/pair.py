@@ -30,6 +30,9 @@ from .startup import Held, release, with_springs
 from .state import ContactState
 from .surface import Surface
 
+#: Largest tractions in the damped tangent's geometric part, over those at which the surfaces give way by a segment.
+_BEARABLE = 0.1
+
 
 class ContactPair:
     """Frictional contact with finite sliding between two boundaries, or a boundary and a rigid obstacle.
@@ -63,8 +66,8 @@ class ContactPair:
         Share of the contact work, 1/2 for each of two pairs with the roles swapped (:func:`two_pass`).
     tangent
         ``"exact"``, or ``"primary"``: the paper's eqs 20 to 22 without the rotation and curvature parts.  Where the
-        iterations make no progress the primary part acts alone: bodies that overlap on the way to the solution
-        exert tractions that would turn the facets.
+        iterations make no progress these parts are limited: bodies that overlap on the way to the solution exert
+        tractions that would turn the facets.
 
     Raises
     ------
@@ -242,7 +245,7 @@ class ContactPair:
         return Response(self._gathering.force(kinematics.dofs, force),
                         lambda: self._candidate(state, merged(near, found, projected), at, traction, elastic),
                         lambda: self._stiffness(kinematics, traction, weight, self.tangent == "exact"),
-                        lambda: self._stiffness(kinematics, traction, weight, False),
+                        lambda: self._stiffness(kinematics, self._bearable(traction), weight, self.tangent == "exact"),
                         round_off=max(penalties) * exact * float(np.linalg.norm(weight)))
 
     def penalties(self, state: ContactState) -> tuple[float, float]:
@@ -288,6 +291,14 @@ class ContactPair:
     def _stiffness(self, kinematics: Kinematics, traction: Traction, weight: ndarray, exact: bool) -> csr_matrix:
         K = tangents(kinematics, traction, exact) * weight[:, None, None]
         return self._gathering.matrix(kinematics.dofs, K)
+
+    def _bearable(self, traction: Traction) -> Traction:
+        """The tractions as far as the bodies could bear them, for without any a round body could turn freely."""
+        if self.stiffness is None:
+            return traction
+        largest = _BEARABLE * self.stiffness * self.slave.spacing
+        return traction._replace(normal=np.clip(traction.normal, -largest, largest),
+                                 tangential=np.clip(traction.tangential, -largest, largest))
 
     # -- what the analysis asks besides ---------------------------------------------------------------------
 
