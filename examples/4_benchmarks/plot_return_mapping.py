@@ -21,7 +21,6 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import skfem_contact as sc
-from skfem_contact.materials import HardeningMohrCoulomb
 
 N = 1_000_000 if "--full" in sys.argv else 100_000
 PEERS = "--peers" in sys.argv
@@ -33,7 +32,7 @@ laws = {
     "Mohr-Coulomb": sc.MohrCoulomb(E, NU, C, PHI),
     "Mohr-Coulomb, psi = 10": sc.MohrCoulomb(E, NU, C, PHI, psi=10.0),
     "Mohr-Coulomb, cut-off": sc.MohrCoulomb(E, NU, C, PHI, tension=5.0),
-    "Mohr-Coulomb, softening": HardeningMohrCoulomb(E, NU, c=C, c_end=4.0, phi=PHI, phi_end=20.0, strain_end=0.2),
+    "Mohr-Coulomb, softening": sc.HardeningMohrCoulomb(E, NU, c=C, c_end=4.0, phi=PHI, phi_end=20.0, strain_end=0.2),
     "Tresca": sc.Tresca(E, NU, c=40.0),
     "von Mises": sc.VonMises(E, NU, strength=70.0),
     "Drucker-Prager": sc.DruckerPrager.plane_strain(E, NU, C, PHI, psi=10.0),
@@ -130,7 +129,7 @@ def cone_solution(trial, k, alpha=0.0, beta=0.0):
 
 def solution(law, trial, internal):
     """The independent stresses; a strength that changes is taken at the end of the increment."""
-    if isinstance(law, HardeningMohrCoulomb):
+    if isinstance(law, sc.HardeningMohrCoulomb):
         part = np.minimum(internal[0] / law.strain_end, 1)
         return planes_solution(trial, law.c + part * (law.c_end - law.c), law.phi + part * (law.phi_end - law.phi))
     if isinstance(law, sc.MohrCoulomb):

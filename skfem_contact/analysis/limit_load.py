@@ -134,7 +134,7 @@ def limit_load(forms: Mapping[str, Form], fixed: ndarray, load: ndarray, start: 
         The curve ends when the multiplier exceeds this.
     flow
         Flow rule, see :func:`reduced_strength`, or ``"lagged"``: as given, with the friction of the pressure at the
-        start of each step (:class:`~.materials.lagged.LaggedFriction`). With psi < phi the given law takes hundreds
+        start of each step (Krabbenhoft and others 2012). With psi < phi the given law takes hundreds
         of iterations or stalls; the lagged one does not, but must start from equilibrium with its own friction.
         In long steps it carries more than the given law; `longest` keeps them short.
     newton
