@@ -47,9 +47,10 @@ class ContactPair:
     law
         Interface law: :class:`Coulomb` or :class:`Tied`.
     quadrature
-        ``"nodal"``, the paper's node-to-segment with tributary lengths; the number of Gauss points on each slave
-        segment (surface-to-surface), or on each of the equal pieces that are no longer than the distance of the
-        master's nodes; or ``"segments"``, Gauss points between cuts by both meshes, which passes the patch test.
+        ``"nodal"``, the paper's node-to-segment with tributary lengths (where meshes match, see `smoothing`); the
+        number of Gauss points on each slave segment (surface-to-surface), or on each of the equal pieces that are no
+        longer than the distance of the master's nodes; or ``"segments"``, Gauss points between cuts by both meshes,
+        which passes the patch test.
     penalty
         Traction per penetration: one number for both directions, or (normal, tangential); by default
         :func:`choose_penalties` takes it from the stiffness and the size of the elements on both sides.
