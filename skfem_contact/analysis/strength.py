@@ -12,6 +12,7 @@ from numpy import ndarray
 from tqdm import tqdm
 
 from ..checks import AnalysisWarning
+from ..solid import SolidForm
 from .continuation import Point, follow, starting_point
 from .davis import FLOWS, Flow, reduced_strength
 from .linear import SingularSystem
@@ -103,11 +104,13 @@ class _Strength:
     """The structure with its strength divided by a factor: a :class:`~.continuation.Branch`."""
 
     lowest = 0.0
-    search: Search = "step"
 
     def __init__(self, whole: System, load: ndarray, targets: dict[str, tuple[str, ...] | None],
                  flow: Flow) -> None:
         self.whole, self.load, self.targets, self.flow = whole, load, targets, flow
+        # where contact opens, closes and slips on the way, the residual may rise now and then
+        alone = all(isinstance(form, SolidForm) for form in whole.forms.values())
+        self.search: Search = "step" if alone else "residual"
 
     @property
     def names(self) -> tuple[str, ...]:
