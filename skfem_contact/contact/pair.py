@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from copy import copy
 from dataclasses import replace
-from typing import Literal, get_args
+from typing import Literal
 
 import numpy as np
 from numpy import ndarray
@@ -24,6 +24,7 @@ from .quadrature import SlavePoints
 from .remarks import ROUND_OFF, passed_through, penetration, remarks
 from .sampling import Sampling
 from .search import Projection, merged, project
+from .settings import check_settings
 from .smoothing import smoothed
 from .softening import hardened
 from .startup import Held, release, with_springs
@@ -104,20 +105,11 @@ class ContactPair:
         if np.isin(self.slave.dofs[:, 0], self.master.dofs[:, 0]).any():
             raise ValueError(f"slave '{slave}' and master '{self.master.name}' share nodes: a body cannot touch "
                              "itself there; separate the bodies with join_bodies")
-        _one_of("quadrature", quadrature, ("nodal", "segments", "a positive number of Gauss points"))
-        _one_of("tangent", tangent, ("exact", "primary"))
-        _one_of("initial", initial, get_args(Fit))
-        if not 0.0 < share <= 1.0:
-            raise ValueError(f"share must lie in (0, 1], not {share!r}")
-        if isinstance(law, type) or not all(hasattr(law, name) for name in ("bonds", "reaches", "update")):
-            raise ValueError(f"law must have `bonds`, `reaches` and `update`, like Coulomb(mu=.3), unlike {law!r}")
-        if not isinstance(enforcement, AugmentedLagrangian | None):
-            raise ValueError(f"enforcement must be None or AugmentedLagrangian(), not {enforcement!r}")
+        check_settings(law, quadrature, enforcement, initial, share, tangent)
         self.law, self.quadrature, self.tangent = law, quadrature, tangent
         self._sampling = Sampling(self.slave, self.master, quadrature)
         self._neighbours, self._gathering = NeighbourList(self.master), Gathering(basis.N)
-        self.enforcement, self.initial, self.share = enforcement, initial, share
-        self.n = basis.N
+        self.enforcement, self.initial, self.share, self.n = enforcement, initial, share, basis.N
         self.penalty: tuple[float, float] | None = None
         self.stiffness: float | None = None
         if penalty is not None:
@@ -356,10 +348,3 @@ class ContactPair:
 
 def _segments(found: Projection) -> ndarray:
     return np.where(found.found, found.segment, -1)
-
-
-def _one_of(name: str, value: object, allowed: tuple[str, ...]) -> None:
-    is_number = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
-    if (name == "quadrature" and is_number and value > 0) or (isinstance(value, str) and value in allowed):  # type: ignore[operator]
-        return
-    raise ValueError(f"{name} must be one of {allowed}, not {value!r}")

@@ -1,0 +1,32 @@
+"""Settings of a contact pair are looked at before anything is computed."""
+from __future__ import annotations
+
+from typing import Any, get_args
+
+import numpy as np
+
+from .augmented import AugmentedLagrangian
+from .fit import Fit
+
+
+def check_settings(law: Any, quadrature: Any, enforcement: Any, initial: Any, share: Any, tangent: Any) -> None:
+    """Refuse a setting that means nothing to a contact pair, see there."""
+    if not _counts(quadrature):
+        _one_of("quadrature", quadrature, ("nodal", "segments"), " or a positive number of Gauss points")
+    _one_of("tangent", tangent, ("exact", "primary"))
+    _one_of("initial", initial, get_args(Fit))
+    if not 0.0 < share <= 1.0:
+        raise ValueError(f"share must lie in (0, 1], not {share!r}")
+    if isinstance(law, type) or not all(hasattr(law, name) for name in ("bonds", "reaches", "update")):
+        raise ValueError(f"law must have `bonds`, `reaches` and `update`, like Coulomb(mu=.3), unlike {law!r}")
+    if not isinstance(enforcement, AugmentedLagrangian | None):
+        raise ValueError(f"enforcement must be None or AugmentedLagrangian(), not {enforcement!r}")
+
+
+def _counts(value: object) -> bool:
+    return isinstance(value, (int, np.integer)) and not isinstance(value, bool) and int(value) > 0
+
+
+def _one_of(name: str, value: object, allowed: tuple[str, ...], other: str = "") -> None:
+    if not (isinstance(value, str) and value in allowed):
+        raise ValueError(f"{name} must be one of {allowed}{other}, not {value!r}")
