@@ -125,13 +125,7 @@ def quarter(n):
 basis = Basis(quarter(18), ElementVector(ElementQuad2()), intorder=4)
 fixed = np.concatenate((basis.get_dofs("x axis").all("u^2"), basis.get_dofs("y axis").all("u^1"),
                         basis.get_dofs("end").all()))  # fmt: skip
-at_rest = -VERTICAL * np.array([K0, 1.0, K0, 0.0])  # xx, yy, zz, xy
-
-# %%
-# The nodal forces S are those of the stresses at rest on the wall of the ground.
-
-wall = FacetBasis(basis.mesh, basis.elem, facets="ground|lining", intorder=6)
-S = LinearForm(lambda v, w: at_rest[0] * w.n[0] * v[0] + at_rest[1] * w.n[1] * v[1]).assemble(wall)
+AT_REST = -VERTICAL * np.array([K0, 1.0, K0, 0.0])  # xx, yy, zz, xy
 
 
 def tunnel(ground, mu, lining=SHOTCRETE):
@@ -142,14 +136,25 @@ def tunnel(ground, mu, lining=SHOTCRETE):
                                    enforcement=sc.AugmentedLagrangian())}  # fmt: skip
 
 
-def excavate(forms, before, after=()):
-    """Release the wall to shares of S without lining; then, from the last of them, to other shares with it."""
-    start = sc.given_state({"ground": forms["ground"]}, S, fixed, lambda x: np.multiply.outer(at_rest, 1 + 0 * x[0]),
-                           name="at rest")
-    stages = [sc.Stage(f"{share:.0%}", share * S) for share in before]
-    for k, share in enumerate(after):
-        stages.append(sc.Stage(f"{share:.0%}, lined", share * S, activate=() if k else ("lining", "skin")))
-    return sc.run(forms, stages, fixed, start=start)
+# %%
+# The nodal forces S are those of the stresses at rest on the wall of the ground. Only the ground is there at first:
+# ``given_state`` gets no other form, and finds it in equilibrium with S. The lining can go on from any of the stages.
+
+
+def release(forms, shares, at_rest=AT_REST):
+    """Take the support of the wall back to shares of S."""
+    wall = FacetBasis(basis.mesh, basis.elem, facets="ground|lining", intorder=6)
+    S = LinearForm(lambda v, w: at_rest[0] * w.n[0] * v[0] + at_rest[1] * w.n[1] * v[1]).assemble(wall)
+    start = sc.given_state({"ground": forms["ground"]}, S, fixed,
+                           lambda x: np.multiply.outer(at_rest, np.ones(x.shape[1:])), name="at rest")  # fmt: skip
+    return sc.run(forms, [sc.Stage(f"{share:g} S", share * S) for share in shares], fixed, start=start)
+
+
+def line(forms, placed, rest=(0.0,)):
+    """Place the lining in a stage, and take the support that is left there back to shares of it."""
+    stages = [sc.Stage(f"lined, {share:.0%}", share * placed.load, activate=() if k else ("lining", "skin"))
+              for k, share in enumerate(rest)]  # fmt: skip
+    return sc.run(forms, stages, fixed, start=placed)
 
 
 # %%
@@ -202,8 +207,9 @@ rows, elastic = [], {}
 for label, mu in (("full slip", 0.0), ("no slip", 1.0)):
     begin = process_time()
     forms = tunnel(ELASTIC, mu)
-    result = excavate(forms, before=[1 - RELEASED], after=[0.0])
-    cpu, last = process_time() - begin, result[-1]
+    bare = release(forms, [1 - RELEASED])
+    last = line(forms, bare[-1])[-1]
+    cpu = process_time() - begin
     fits, skin, cuts = measured(forms, last)
     exact = {name: (1 - RELEASED) * values for name, values in exact_lining(mu == 0).items()}
     elastic[label] = exact, fits, skin, cuts
@@ -215,7 +221,7 @@ for label, mu in (("full slip", 0.0), ("no slip", 1.0)):
         values = unit * np.column_stack((fits[name], exact[name])).ravel()
         print(f"{name:12}" + "{:10.3f}{:10.3f}{:10.3f}{:10.3f}".format(*values) + f"{error:8.2%}")
     rows.append({"method": f"elastic, {label}", "n": 18, "unknowns": int(basis.N), "error": max(errors.values()),
-                 "cpu_s": round(cpu, 2), "iterations": sum(sum(stage.iterations) for stage in result)})
+                 "cpu_s": round(cpu, 2), "iterations": sum(bare[-1].iterations + last.iterations)})
     assert np.mean(skin.status == sc.Status.SLIP) == (mu == 0)  # else the closed form is not that of this interface
     assert skin.pressure.min() > 0
     # The end of the ground at 40 radii holds back 0.2 % of the movement, and contact acts on the displaced bodies: the
@@ -229,7 +235,7 @@ for label, mu in (("full slip", 0.0), ("no slip", 1.0)):
 stiff = [sc.LinearElastic(E=100 * material.E, nu=material.nu) for material in (ELASTIC, SHOTCRETE)]
 forms = tunnel(stiff[0], 0.0, stiff[1])
 exact = {name: elastic["full slip"][0][name] for name in ("pressure", "thrust", "moment")}
-fits = measured(forms, excavate(forms, [1 - RELEASED], [0.0])[-1])[0]
+fits = measured(forms, line(forms, release(forms, [1 - RELEASED])[-1])[-1])[0]
 small = max(relative_errors(fits, exact).values())
 print(f"\nfull slip, a hundred times as stiff: {small:.2%}")
 assert small < 0.003  # what is left is the end of the ground
@@ -241,66 +247,92 @@ assert small < 0.003  # what is left is the end of the ground
 # elastic ground. The lining is placed after 60 %, or after 80 %, and the soil may slide along it.
 
 SOIL = sc.MohrCoulomb(E=ELASTIC.E, nu=ELASTIC.nu, c=50.0, phi=30.0, psi=5.0)
-SHARES = [0.8, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1, 0.0]
-mean = VERTICAL * (1 + K0) / 2
+SHARES = [0.8, 0.6, 0.5, 0.4, 0.38, 0.36, 0.3, 0.2, 0.195, 0.19, 0.1, 0.0]  # closer where a lining will end
 forms = tunnel(SOIL, mu=0.3)
+
+
+def inwards(stage):
+    """Mean inward movement of the wall."""
+    return -movement(stage, "ground|lining")[0]
+
+
+def reaction_curve(bare):
+    """Mean movement and mean pressure of the wall without lining."""
+    return np.array([inwards(stage) for stage in bare]), VERTICAL * (1 + K0) / 2 * np.array([1.0, *SHARES])
+
+
 begin = process_time()
-bare = excavate(forms, SHARES)
-cpu = process_time() - begin
-print(f"\n{bare}")
+bare = release(forms, SHARES)
 rows.append({"method": "yielding, no lining", "n": 18, "unknowns": int(basis.N), "error": bare[-1].residual,
-             "cpu_s": round(cpu, 2), "iterations": sum(sum(stage.iterations) for stage in bare)})
-supports = np.array([1.0, *SHARES]) * mean
-inwards = -np.array([movement(stage, "ground|lining")[0] for stage in bare])
-assert 2 < -inwards[-1] / exact_movement()[0] < 3
+             "cpu_s": round(process_time() - begin, 2),
+             "iterations": sum(sum(stage.iterations) for stage in bare)})  # fmt: skip
+curve = reaction_curve(bare)
+print(f"\n{bare}")
+assert 2 < -curve[0][-1] / exact_movement()[0] < 3
 
 # %%
-# Mean pressure and mean movement of a circular tunnel in isotropic stresses determine each other: the lining would end
-# where its own line, :math:`p = k\,(u-u_0)` with the stiffness k of a thick ring, meets the ground reaction curve. Here
-# the stresses are not isotropic, and the lining also holds the wall against becoming oval: a part of the soil that has
-# yielded is unloaded and answers as if it were elastic. So the pressure lies between that of elastic ground and that of
-# the two curves.
+# A designer takes the mean pressure on the lining from two curves: the ground reaction curve, and the line of the
+# lining :math:`p = k\,(u-u_0)`, with the stiffness k of a thick ring, from where the lining is placed.
 
-ring = SHOTCRETE.E / (1 + SHOTCRETE.nu) * (WALL**2 - INNER**2) / (
+RING = SHOTCRETE.E / (1 + SHOTCRETE.nu) * (WALL**2 - INNER**2) / (
     WALL * ((1 - 2 * SHOTCRETE.nu) * WALL**2 + INNER**2))  # fmt: skip
-lined = {}
-for released in (0.6, 0.8):
-    begin = process_time()
-    left = 1 - released
-    before = [share for share in SHARES if share > left - 1e-9]
-    after = [0.75 * left, 0.5 * left, 0.25 * left, 0.0]
-    result = excavate(forms, before, after)
-    cpu = process_time() - begin
-    placed = np.interp(left * mean, supports[::-1], inwards[::-1])
-    path = [(placed, 0.0, left * mean)]  # movement, pressure on the lining, on the wall
-    for share in after:
-        stage = result[f"{share:.0%}, lined"]
-        fits, skin, cuts = measured(forms, stage)
-        pressure = fits["pressure"][0]
-        path.append((-movement(stage, "ground|lining")[0], pressure, share * mean + pressure))
-    lined[released] = np.array(path).T, skin, cuts, stage
 
-    u = np.linspace(placed, inwards[-1], 100001)
-    met = ring * (u[np.argmax(ring * (u - placed) > np.interp(u, inwards, supports))] - placed)
+
+def intersection(curve, placed):
+    """Pressure at which the line of a lining meets a ground reaction curve."""
+    u = np.linspace(placed, curve[0][-1], 100001)
+    return float(np.interp(0.0, RING * (u - placed) - np.interp(u, *curve), RING * (u - placed)))
+
+
+# %%
+# In isotropic stresses this is exact.
+
+isotropic = release(forms, SHARES, at_rest=-VERTICAL * (1 + K0) / 2 * np.array([1.0, 1.0, 1.0, 0.0]))
+placed = isotropic["0.2 S"]
+met = intersection(reaction_curve(isotropic), inwards(placed))
+pressure = measured(forms, line(forms, placed)[-1])[0]["pressure"][0]
+print(f"\nisotropic, lining after 80%: pressure {pressure:.2f} kPa, from the two curves {met:.2f}")
+assert abs(pressure / met - 1) < 0.005  # the curve is made of straight lines between the computed points
+
+# %%
+# Here the stresses are not isotropic, and the lining also holds the wall against becoming oval: a part of the soil that
+# has yielded is unloaded, and answers as if it were elastic. So the lining gets less than the two curves say, though
+# not less than in elastic ground.
+
+lined = {}
+for left in (0.4, 0.2):
+    label, placed = f"lining after {1 - left:.0%}", bare[f"{left:g} S"]
+    begin = process_time()
+    rest = (0.75, 0.5, 0.25, 0.0)
+    result = line(forms, placed, rest)
+    cpu = process_time() - begin
+    path = [(inwards(placed), 0.0, left)]
+    for share, stage in zip(rest, result.stages[1:], strict=True):
+        fits, skin, cuts = measured(forms, stage)
+        path.append((inwards(stage), fits["pressure"][0], left * share))
+    u, pressures, supports = np.array(path).T
+    lined[label] = u, pressures, pressures + supports * curve[1][0], skin, cuts, stage
+
+    pressure, met = pressures[-1], intersection(curve, u[0])
     least = left * exact_lining(smooth=False)["pressure"][0]
     fibre = (np.abs(cuts.N) / (WALL - INNER) + 6 * np.abs(cuts.M) / (WALL - INNER) ** 2).max()
-    print(f"\nlining after {released:.0%}: pressure {pressure:.1f} kPa (elastic ground {least:.1f}, ground reaction "
-          f"curve {met:.1f}), wall {1e3 * path[-1][0]:.1f} mm inwards instead of {1e3 * inwards[-1]:.1f};\n"
-          f"    thrust {-cuts.N.max():.0f} to {-cuts.N.min():.0f} kN/m, moment up to {np.abs(cuts.M).max():.1f} kNm/m, "
-          f"shotcrete {fibre / 1e3:.1f} MPa, {np.mean(skin.status == sc.Status.SLIP):.0%} of the interface slips")
-    balance = abs(fits["thrust"][0] / (WALL * pressure) + 1)
-    rows.append({"method": f"yielding, lining after {released:.0%}", "n": 18, "unknowns": int(basis.N),
-                 "error": balance, "cpu_s": round(cpu, 2),
-                 "iterations": sum(sum(stage.iterations) for stage in result)})  # fmt: skip
-    assert least < pressure < met < 1.1 * least  # bounds that are close: the lining is stiff, the wall hardly moves
-    # Equilibrium of a ring: the mean thrust is the mean pressure times the radius. Means are those of a fit.
+    print(f"\n{label}: pressure {pressure:.1f} kPa (elastic ground {least:.1f}, two curves {met:.1f}),\n"
+          f"    wall {1e3 * u[-1]:.1f} mm inwards instead of {1e3 * curve[0][-1]:.1f}, thrust {-cuts.N.max():.0f} to "
+          f"{-cuts.N.min():.0f} kN/m, moment up to {np.abs(cuts.M).max():.1f} kNm/m,\n"
+          f"    shotcrete {fibre / 1e3:.1f} MPa, {np.mean(skin.status == sc.Status.SLIP):.0%} of the interface slips")
+    balance = float(abs(fits["thrust"][0] / (WALL * pressure) + 1))
+    rows.append({"method": f"yielding, {label}", "n": 18, "unknowns": int(basis.N), "error": balance,
+                 "cpu_s": round(cpu, 2), "iterations": sum(sum(stage.iterations) for stage in result.stages[1:])})
+    assert least < pressure < met < 1.1 * least  # the bounds are close: the lining is stiff, the wall hardly moves
+    # Equilibrium of a ring: the mean thrust is the mean pressure times the radius. The means are those of fits.
     assert balance < 2e-3
     assert skin.pressure.min() > 0
 
 # %%
-# Placed later, the lining carries half as much.
+# After 80 % only half as much of S is left as after 60 %, and a little more soil yields: the lining carries half.
 
-assert 0.45 < lined[0.8][0][1, -1] / lined[0.6][0][1, -1] < 0.55  # 20 % of S instead of 40 %, and more soil yields
+first, second = (pressures[-1] for _, pressures, *_ in lined.values())
+assert 0.5 < second / first < 0.52
 
 # %%
 # Elastic ground: pressure, thrust and moment
@@ -329,31 +361,30 @@ axes[0].legend(frameon=False)
 # contact pressure follows the ground; the contact pressure follows the lining.
 
 fig, axes = plt.subplots(2, 2, figsize=(10, 7), layout="constrained")
-curve, pressures, thrusts, moments = axes.flat
-curve.plot(1e3 * inwards, supports, "o-", color="0.4", markersize=4, label="without lining")
-for color, (released, (path, skin, cuts, _)) in zip(("#1f4e8c", "#d55e00"), lined.items(), strict=True):
-    label = f"lining after {released:.0%}"
-    curve.plot(1e3 * path[0], path[1], ".-", color=color, label=label)
-    curve.plot(1e3 * path[0], path[2], ".--", color=color, linewidth=1)
-    pressures.plot(skin.central_angle(), skin.pressure, color=color, label=label)
-    pressures.plot(skin.central_angle(), np.abs(skin.shear), "--", color=color, linewidth=1)
-    thrusts.plot(cuts.position, cuts.N, ".-", color=color)
-    moments.plot(cuts.position, cuts.M, ".-", color=color)
-curve.set(xlabel="mean inward movement of the wall [mm]", ylabel="mean pressure on the wall [kPa]", xlim=0, ylim=0)
-for ax, label in ((pressures, "pressure, and friction (dashed) [kPa]"), (thrusts, "normal force [kN/m]"),
-                  (moments, "moment [kNm/m]")):  # fmt: skip
+reaction, contact, thrust, moment = axes.flat
+reaction.plot(1e3 * curve[0], curve[1], "o-", color="0.4", markersize=4, label="without lining")
+for color, (label, (u, pressures, supports, skin, cuts, _)) in zip(("#1f4e8c", "#d55e00"), lined.items(), strict=True):
+    reaction.plot(1e3 * u, pressures, ".-", color=color, label=label)
+    reaction.plot(1e3 * u, supports, ".--", color=color, linewidth=1)
+    contact.plot(skin.central_angle(), skin.pressure, color=color)
+    contact.plot(skin.central_angle(), np.abs(skin.shear), "--", color=color, linewidth=1)
+    thrust.plot(cuts.position, cuts.N, ".-", color=color)
+    moment.plot(cuts.position, cuts.M, ".-", color=color)
+reaction.set(xlabel="mean inward movement of the wall [mm]", ylabel="mean pressure on the wall [kPa]", xlim=0, ylim=0)
+for ax, label in ((contact, "pressure, and friction (dashed) [kPa]"), (thrust, "normal force [kN/m]"),
+                  (moment, "moment [kNm/m]")):  # fmt: skip
     ax.set(xlabel="central angle from the crown [°]", ylabel=label, xlim=(0, 90), xticks=range(0, 91, 30))
 for ax in axes.flat:
     ax.grid(color="#dddddd", linewidth=0.6)
-curve.legend(frameon=False)
-pressures.set_ylim(0)
+reaction.legend(frameon=False)
+contact.set_ylim(0)
 
 # %%
 # Plastic strain of the soil at the end, with the lining placed after 80 %. The horizontal stress is the smaller one, so
 # that the sides of the tunnel yield and not its crown.
 
 # sphinx_gallery_thumbnail_number = 2
-plot.contour(forms, lined[0.8][3], "plastic", window=(0.0, 6.0, 0.0, 5.0))
+plot.contour(forms, lined["lining after 80%"][-1], "plastic", window=(0.0, 6.0, 0.0, 5.0))
 
 # %%
 # Figures
