@@ -368,7 +368,7 @@ def test_lists_of_numbers_are_arrays():
     assert len(run(forms, [sc.Stage("rest", zero, zero)], fixed.tolist())) == 1
 
 
-@pytest.mark.parametrize("increments", [0, -3])
+@pytest.mark.parametrize("increments", [0, -3, 2.5, "2"])
 def test_bad_increments(increments):
     basis, forms, _, fixed = problem()
     with pytest.raises(ValueError, match="stage 'rest': increments must be at least 1"):

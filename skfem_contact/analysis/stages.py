@@ -236,5 +236,5 @@ def _check_input(forms: Mapping[str, Form], stages: Sequence[Stage], before: lis
         if names.count(stage.name) > 1:
             which = "the start has a stage of the name" if stage.name in before else "two stages are named"
             raise ValueError(f"{which} '{stage.name}'")
-        if stage.increments < 1:
-            raise ValueError(f"stage '{stage.name}': increments must be at least 1")
+        if not isinstance(stage.increments, (int, np.integer)) or stage.increments < 1:
+            raise ValueError(f"stage '{stage.name}': increments must be at least 1, and whole, not {stage.increments!r}")
