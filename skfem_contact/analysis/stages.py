@@ -237,4 +237,4 @@ def _check_input(forms: Mapping[str, Form], stages: Sequence[Stage], before: lis
             which = "the start has a stage of the name" if stage.name in before else "two stages are named"
             raise ValueError(f"{which} '{stage.name}'")
         if not isinstance(stage.increments, (int, np.integer)) or stage.increments < 1:
-            raise ValueError(f"stage '{stage.name}': increments must be at least 1, and whole, not {stage.increments!r}")
+            raise ValueError(f"stage '{stage.name}': increments must be at least 1 and whole, not {stage.increments!r}")
