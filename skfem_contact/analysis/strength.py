@@ -339,6 +339,7 @@ def _bracket(branch: _Strength, first: Point, newton: Newton, tol: float, step: 
     last = points[-1]
     criterion = f"collapse at {shown:.4f}" if np.isfinite(shown) else _ENDLESS
     if shown > above:
-        criterion = f"stall at {above:.4f}, where neither equilibrium nor collapse was found ({criterion}): {failed}"
+        higher = criterion if np.isfinite(shown) else "no collapse above it either"
+        criterion = f"stall at {above:.4f}, where neither equilibrium nor collapse was found ({higher}): {failed}"
     mechanism = np.zeros_like(last.x) if failed.x is None else failed.x - last.x
     return last.parameter, (last.parameter, shown), criterion, points, mechanism

@@ -41,6 +41,8 @@ def usual(request) -> tuple[float, float]:
         (0.0, 0.0, 30.0, 0.499),
     ],
 )
+# next to no cohesion: all points flow at once, no force depends on the factor then, and the search tells a stall
+@pytest.mark.filterwarnings("ignore:no collapse was shown")
 def test_extreme_soils_on_an_infinite_slope(phi, psi, c, nu):
     """[X] Cases S4, S5: factors of case H13, those of Davis with psi = 0; the lowest row of elements is 1 % high."""
     exact = slopes.infinite_slope(BETA, c, phi, GAMMA, DEPTH)
