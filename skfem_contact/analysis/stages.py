@@ -169,9 +169,10 @@ def run(forms: Mapping[str, Form], stages: Sequence[Stage], fixed: ndarray,
             except NotConverged as error:
                 error.result = Result((*done, last))
                 raise
+            finally:  # what contact found, or did not find, may be the reason
+                for name, form in system.forms.items():
+                    remarks.add(stage.name, name, form.remarks(last.states[name]))
             done.append(last)
-            for name, form in system.forms.items():
-                remarks.add(stage.name, name, form.remarks(last.states[name]))
     return Result(tuple(done))
 
 

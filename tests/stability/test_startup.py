@@ -93,6 +93,7 @@ def test_ring_falls_into_a_groove():
     ],
     ids=["nothing holds it sideways", "pulled off", "pulled away", "pushed off", "pushed beyond friction"],
 )
+@pytest.mark.filterwarnings("ignore:.*no slave point found")
 def test_what_contact_cannot_hold(gap, law, pull):
     """[X] No equilibrium is a clear error, not a result that springs have made up."""
     basis = blocks(gap=gap)
@@ -170,6 +171,15 @@ def test_contact_with_nothing_opposite_is_told():
     fixed = basis.get_dofs({"lower:bottom", "upper:top"}).all()
     with pytest.warns(sc.AnalysisWarning, match="found a master within reach: nothing of 'lower:top' lies opposite"):
         run(forms, [sc.Stage("pull", traction(basis, "upper:left", (1.0, 0.0)))], fixed)
+
+
+def test_a_body_that_falls_beside_its_support_is_told_why():
+    """[X] Case S16: where an analysis fails, what contact did not find is told as well."""
+    basis = blocks(mapped=lambda mesh: mesh if mesh.p[0].min() < 0 else mesh.translated((9.0, 0.0)))
+    fixed = np.append(basis.get_dofs("lower:bottom").all(), basis.get_dofs("upper:top").all("u^1"))
+    told = "stage 'fall', joint: no slave point found a master within reach: nothing of 'lower:top' lies opposite"
+    with pytest.warns(sc.AnalysisWarning, match=told), pytest.raises(sc.NotConverged, match="singular"):
+        run(in_contact(basis), [sc.Stage("fall", traction(basis, "upper:top", (0.0, -1.0)))], fixed)
 
 
 @pytest.mark.parametrize("quadrature", ["nodal", 2, "segments"])
