@@ -161,14 +161,14 @@ for n, before in collapsed.items():
     assert rows[-1]["Nc"] < 0.7 * EXACT[30]
     ways[n] = virgin, after
 
-figure, axes = plt.subplots(figsize=(6, 4))
+figure, axes = plt.subplots(figsize=(6, 4), layout="constrained")
 for phi, result in curves.items():
     axes.plot(result.curve[:, 2], result.curve[:, 1] / EXACT[phi], ".-", label=f"P2, phi = {phi}")
 axes.plot(locked.curve[:, 2], locked.curve[:, 1] / EXACT[0], ":", label="Q1, phi = 0")
 axes.set(xlabel="largest displacement", ylabel="pressure / exact capacity", xscale="log", ylim=(0, 2))
 axes.legend()
 
-figure, axes = plt.subplots(figsize=(6, 4))
+figure, axes = plt.subplots(figsize=(6, 4), layout="constrained")
 for i, (n, (virgin, after)) in enumerate(ways.items()):
     axes.plot(virgin.curve[:, 0], virgin.curve[:, 1], f"C{i}", label=f"from the start, n = {n}")
     axes.plot(after.curve[:, 0], collapsed[n].curve[-1, 1] + after.curve[:, 1], f"C{i}--",

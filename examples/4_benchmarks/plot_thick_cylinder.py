@@ -118,7 +118,7 @@ print(f"largest error of a stress {stress_error:.2%} of the pressure; plastic ra
 assert stress_error < 0.02  # the kink of the hoop stress at the plastic radius runs through an element
 assert abs(front / RADIUS - 1) < 0.02  # half the distance of two integration points
 
-fig, ax = plt.subplots(figsize=(7, 4))
+fig, ax = plt.subplots(figsize=(7, 4), layout="constrained")
 line = np.linspace(A, B, 200)
 for values, own, label, color in ((exact_stresses(line)[0], radial, "radial", "C0"),
                                   (exact_stresses(line)[1], hoop, "hoop", "C1")):
