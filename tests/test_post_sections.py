@@ -132,6 +132,9 @@ def test_ring_under_pressure(curved):
     else:  # bars along the facets that balance the facets' loads at the corners
         np.testing.assert_allclose(section.N, -p * outer * np.cos(np.pi / n) ** 2, rtol=1e-9)
     np.testing.assert_allclose(section.V, 0.0, atol=1e-3)
+    between = sc.section_forces(form, state, sc.ring_sections((0, 0), inner, outer, 50))  # two on lines of nodes
+    for name in ("N", "M"):  # the same all around, up to the round-off of the linear solver
+        np.testing.assert_allclose(getattr(between, name), getattr(section, name)[0], rtol=1e-6)
 
     lame = np.linalg.solve(np.array([michell(0, r, 1.0, 2.2)[0] for r in (inner, outer)]), [0.0, -p])
     t, w = np.polynomial.legendre.leggauss(10)
@@ -172,7 +175,7 @@ def test_cuts_off_the_lines_of_nodes_interpolate():
         errors.append((np.abs(section.N / N - 1).max(), np.abs(section.M - M).max() / np.abs(M).max()))
     # second order in an element's angle of 5 degrees; a chord is off the circle by 0.7 mm: 0.6 % of M
     assert np.max(errors, axis=0)[0] < 0.002
-    assert np.max(errors, axis=0)[1] < 0.012
+    assert np.max(errors, axis=0)[1] < 0.0065
 
 
 def test_bodies_of_one_form_are_told_apart():

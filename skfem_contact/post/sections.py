@@ -9,7 +9,7 @@ beyond, however coarse the mesh.
 """
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy import ndarray
@@ -52,6 +52,14 @@ class Sections:
     def left(self) -> ndarray:
         """Unit normal to the left of the axis, (n, 2): outward on a ring."""
         return np.column_stack((-self.axis[:, 1], self.axis[:, 0]))
+
+    def moved(self, distance: ndarray) -> Sections:
+        """Cuts farther along the curved axis by a distance each, (n,), at the positions of these."""
+        half = 0.5 * self.curvature * distance
+        chord = (distance * np.sinc(half / np.pi))[:, None]
+        center = self.center + chord * (np.cos(half)[:, None] * self.axis - np.sin(half)[:, None] * self.left)
+        axis = np.cos(2.0 * half)[:, None] * self.axis - np.sin(2.0 * half)[:, None] * self.left
+        return replace(self, center=center, axis=axis)
 
     def local(self, section: ndarray, points: ndarray) -> tuple[ndarray, ndarray]:
         """Position along the curved axis and distance to its left, of points (m, 2) from sections (m,)."""
@@ -196,8 +204,8 @@ def section_forces(form: SolidForm, state: SolidState, sections: Sections) -> Se
     Notes
     -----
     Between two lines of nodes the forces are interpolated linearly.  At the very end of a body, where there
-    is no second layer of elements, they are those of the last layer.  The axis of a curved body has chords for its
-    arcs: with elements of length h the moment is uncertain by ``N h**2 / 8 R``, least on the lines of nodes.
+    is no second layer of elements, they are those of the last layer.  A curved body whose elements form no layers
+    has chords for its arcs: with elements of length h its moment is uncertain by ``N h**2 / 8 R``.
 
     Examples
     --------
@@ -220,11 +228,42 @@ def section_forces(form: SolidForm, state: SolidState, sections: Sections) -> Se
         raise ValueError(f"section forces are those of a solid and its state, result[stage].states[name of the solid], "
                          f"not of {type(form).__name__} and {type(state).__name__}")
     check_plane(form.basis, "section_forces")
-    n = len(sections.position)
+    if not sections.curvature.any():
+        return _cut(form, state, sections)
+    back, front = _lines(form, sections)
+    share = np.divide(-back, front - back, out=np.zeros_like(back), where=front > back)
+    ends = [_cut(form, state, sections.moved(distance)) for distance in (back, front)]
+    N, V, M = ((1.0 - share) * getattr(ends[0], name) + share * getattr(ends[1], name) for name in "NVM")
+    x, y = sections.center.T
+    return SectionForces(sections.position, x, y, N, V, M)
+
+
+def _lines(form: SolidForm, sections: Sections) -> tuple[ndarray, ndarray]:
+    """Distances to the lines of nodes behind and in front of each cut, (n,); zero for one on a line.
+
+    Between them the axis is a chord, and a moment about the arc would miss the thrust times its distance.
+    """
+    section, _, _, s = _layers(form, sections)
+    ends = np.array((s.min(axis=1), s.max(axis=1)))
+    between = (np.abs(ends).min(axis=0) > _ROUND_OFF * np.ptp(ends, axis=0)) & (ends[0] < 0.0) & (ends[1] > 0.0)
+    count = np.maximum(np.bincount(section[between], minlength=len(sections.position)), 1)
+    back, front = (np.bincount(section[between], end[between], minlength=len(count)) / count for end in ends)
+    return back, front
+
+
+def _layers(form: SolidForm, sections: Sections) -> tuple[ndarray, ndarray, ndarray, ndarray]:
+    """Pairs of a section and an element near it; nodes (pairs, nodes, 2), and their positions along the axis."""
     nodes, section, element = _near(form, sections)
-    points = form.basis.doflocs[:, 2 * nodes[element]].transpose(1, 2, 0)  # (pairs, nodes, 2)
+    points = form.basis.doflocs[:, 2 * nodes[element]].transpose(1, 2, 0)
     flat = np.repeat(section, points.shape[1])
     s = sections.local(flat, points.reshape(-1, 2))[0].reshape(points.shape[:2])
+    return section, element, points, s
+
+
+def _cut(form: SolidForm, state: SolidState, sections: Sections) -> SectionForces:
+    """Forces from the virtual motion of what is in front of each section."""
+    n = len(sections.position)
+    section, element, points, s = _layers(form, sections)
     length = np.ptp(s, axis=1)
     crossing = (s.min(axis=1) <= _ROUND_OFF * length) & (s.max(axis=1) >= -_ROUND_OFF * length)
     count = np.bincount(section[crossing], minlength=n)
