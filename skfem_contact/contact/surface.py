@@ -22,8 +22,6 @@ _GAUSS = np.polynomial.legendre.leggauss(5)
 #: An open chain goes on straight for this share of its last segment: a slave corner that starts flush with
 #: the master's end must not lose contact to the lateral strain of the bodies.
 EXTENSION = 0.05
-#: Round-off of a place on a segment, as a share of its length.
-_ON_JOINT = 1e-9
 
 
 def powers(xi: ndarray, derivatives: int = 3) -> ndarray:
@@ -203,11 +201,6 @@ class Surface:
             return difference
         total = self.total_length
         return (difference + 0.5 * total) % total - 0.5 * total
-
-    def at_joint(self, segment: ndarray, arc: ndarray) -> ndarray:
-        """Whether arc positions on segments, (n,), are ends of these, up to round-off: they belong to neither side."""
-        share = (arc - self.start[segment]) / self.length[segment]
-        return np.asarray(np.abs(np.abs(share - 0.5) - 0.5) <= _ON_JOINT)
 
     def arc(self, segment: ndarray, xi: ndarray) -> tuple[ndarray, ndarray, ndarray]:
         """Reference arc position S along the chain, dS/dxi and d2S/dxi2 at points given by segment and xi.
