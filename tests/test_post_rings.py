@@ -87,10 +87,11 @@ def test_published_figures_of_the_paper_s_ring():
     np.testing.assert_allclose(slip.section_forces(angles)[1], [14.866, 0.2797, -14.306], rtol=2e-4)
 
 
-def test_closed_form_of_the_example_equals_the_evaluator(ring):
+def test_closed_form_of_the_example_equals_the_evaluator(ring, monkeypatch):
     """[N] Two programs for the same fields; the example's first cells are run, up to its meshes."""
     cells = EXAMPLE.read_text(encoding="utf-8").split("# %%\n# Meshes")[0]
     names: dict = {}
+    monkeypatch.syspath_prepend(EXAMPLE.parent)  # as for a script that is run
     exec(compile(cells, str(EXAMPLE), "exec"), names)
     t = np.linspace(0.1, 3.0, 7)
     results = names["exact_results"](ring.slip)

@@ -23,6 +23,7 @@ from time import process_time
 
 import matplotlib.pyplot as plt
 import numpy as np
+from michell_fields import DECAYING, WAVY, harmonics, michell, thrust_and_moment
 from skfem import Basis, ElementQuad2, ElementVector, FacetBasis, LinearForm, MeshQuad, MeshQuad2
 
 import skfem_contact as sc
@@ -39,29 +40,9 @@ SHOTCRETE, ELASTIC = sc.LinearElastic(E=1.5e7, nu=0.2), sc.LinearElastic(E=1.5e5
 # In the elastic case the lining takes what is released after it is placed. Einstein and Schwartz (1979) give this
 # for a thin ring. Here the lining has a thickness: radial stress, hoop stress and radial displacement are a constant
 # plus a multiple of :math:`\cos 2\theta`, the shear stress and the tangential displacement a multiple of
-# :math:`\sin 2\theta`, with :math:`\theta` from the springline. All of Michell's six fields act in the lining, and the
-# three that decay in the ground. It does not count how the ground was compressed long ago: the stresses of the far
-# field belong to the conditions at the wall, its displacements do not.
-
-WAVY = np.array([0, 0, 1, 1, 1, 1])  # which of the fields go with 2 theta
-DECAYING = [0, 4, 5]
-
-
-def michell(r, material):
-    """Amplitudes of the six fields at a radius: rows srr, stt, srt, ur, ut."""
-    k, g = 3 - 4 * material.nu, material.E / (1 + material.nu)
-    return np.array([
-        [r**-2, 2, -2, 0, -6 * r**-4, -4 * r**-2],
-        [-(r**-2), 2, 2, 12 * r**2, 6 * r**-4, 0],
-        [0, 0, 2, 6 * r**2, -6 * r**-4, -2 * r**-2],
-        [-1 / (g * r), (k - 1) * r / g, -2 * r / g, (k - 3) * r**3 / g, 2 * r**-3 / g, (k + 1) / (g * r)],
-        [0, 0, 2 * r / g, (k + 3) * r**3 / g, 2 * r**-3 / g, (1 - k) / (g * r)],
-    ])  # fmt: skip
-
-
-def harmonics(row, factors):
-    """Constant and amplitude of the wave of a row of Michell's fields."""
-    return np.array([row @ ((1 - WAVY) * factors), row @ (WAVY * factors)])
+# :math:`\sin 2\theta`, with :math:`\theta` from the springline. All of Michell's six fields, in ``michell_fields.py``,
+# act in the lining, and the three that decay in the ground. It does not count how the ground was compressed long ago:
+# the stresses of the far field belong to the conditions at the wall, its displacements do not.
 
 
 def exact_lining(smooth):
@@ -78,11 +59,9 @@ def exact_lining(smooth):
                   for part in (1 - WAVY, WAVY)]  # fmt: skip
     matrix = np.array([np.concatenate((left, -right[DECAYING])) for left, right, _ in conditions])
     factors = np.linalg.lstsq(matrix, np.array([given @ far for *_, given in conditions]), rcond=None)[0][:6]
-    t, w = np.polynomial.legendre.leggauss(12)
-    half = (WALL - INNER) / 2
-    hoop = np.array([harmonics(michell((INNER + WALL) / 2 + half * s, SHOTCRETE)[1], factors) for s in t])
-    return {"pressure": -harmonics(srr, factors), "thrust": half * w @ hoop, "moment": half**2 * (w * t) @ hoop,
-            "movement": harmonics(ur, factors)}  # fmt: skip
+    thrust, moment = thrust_and_moment(INNER, WALL, SHOTCRETE, factors)
+    return {"pressure": -harmonics(srr, factors), "movement": harmonics(ur, factors), "thrust": thrust,
+            "moment": moment}  # fmt: skip
 
 
 # %%

@@ -19,6 +19,7 @@ from time import process_time
 
 import matplotlib.pyplot as plt
 import numpy as np
+from michell_fields import DECAYING, WAVY, harmonics, michell, thrust_and_moment
 from skfem import Basis, ElementQuad1, ElementQuad2, ElementVector, MeshQuad, MeshQuad2
 
 import skfem_contact as sc
@@ -33,24 +34,9 @@ concrete, soil = sc.LinearElastic(E=2.8e7, nu=0.2), sc.LinearElastic(E=3e4, nu=0
 # ------------------
 # Radial stress, hoop stress and radial displacement are a constant plus a multiple of :math:`\cos 2\theta`, the
 # shear stress and the tangential displacement a multiple of :math:`\sin 2\theta`; :math:`\theta` is measured
-# anticlockwise from the springline. Michell's six elementary fields have these forms. All six act in the ring;
-# in the ground three that decay are added to the far field. The stresses at the inner face, and stresses and
-# displacements at the interface, determine their nine factors.
-
-WAVY = np.array([0, 0, 1, 1, 1, 1])  # which of the fields go with 2 theta
-DECAYING = [0, 4, 5]
-
-
-def michell(r, material):
-    """Amplitudes of the six fields at a radius: rows srr, stt, srt, ur, ut."""
-    k, g = 3 - 4 * material.nu, material.E / (1 + material.nu)
-    return np.array([
-        [r**-2, 2, -2, 0, -6 * r**-4, -4 * r**-2],
-        [-(r**-2), 2, 2, 12 * r**2, 6 * r**-4, 0],
-        [0, 0, 2, 6 * r**2, -6 * r**-4, -2 * r**-2],
-        [-1 / (g * r), (k - 1) * r / g, -2 * r / g, (k - 3) * r**3 / g, 2 * r**-3 / g, (k + 1) / (g * r)],
-        [0, 0, 2 * r / g, (k + 3) * r**3 / g, 2 * r**-3 / g, (1 - k) / (g * r)],
-    ])  # fmt: skip
+# anticlockwise from the springline. Michell's six elementary fields, in ``michell_fields.py``, have these forms. All
+# six act in the ring; in the ground three that decay are added to the far field. The stresses at the inner face, and
+# stresses and displacements at the interface, determine their nine factors.
 
 
 def exact(smooth):
@@ -69,20 +55,12 @@ def exact(smooth):
     return factors[:6], far
 
 
-def harmonics(row, factors):
-    """Constant and amplitude of the wave of a row of Michell's fields."""
-    return np.array([row @ ((1 - WAVY) * factors), row @ (WAVY * factors)])
-
-
 def exact_results(smooth):
     """Constant and wave of pressure, friction (its wave goes with the sine), thrust and moment."""
     ring, _ = exact(smooth)
     srr, _, srt, _, _ = michell(outer, concrete)
-    t, w = np.polynomial.legendre.leggauss(12)
-    half = (outer - inner) / 2
-    hoop = np.array([harmonics(michell((inner + outer) / 2 + half * s, concrete)[1], ring) for s in t])
-    return {"pressure": -harmonics(srr, ring), "friction": harmonics(srt, ring),
-            "thrust": half * w @ hoop, "moment": half**2 * (w * t) @ hoop}  # fmt: skip
+    thrust, moment = thrust_and_moment(inner, outer, concrete, ring)
+    return {"pressure": -harmonics(srr, ring), "friction": harmonics(srt, ring), "thrust": thrust, "moment": moment}
 
 
 def exact_displacement(smooth, x, y):
