@@ -8,7 +8,8 @@ import warnings
 
 import numpy as np
 import pytest
-from helpers import grid, unknowns_at, unknowns_of, vector_basis
+from helpers import Springs, grid, unknowns_at, unknowns_of, vector_basis
+from scipy.sparse import identity
 from skfem import FacetBasis, LinearForm
 
 import skfem_contact as sc
@@ -320,26 +321,8 @@ def test_from_elastic_to_plastic_stage():
 def test_own_form_may_hold_a_body():
     """[X] Any object with the five calls is a form: springs under a body that nothing else holds."""
     basis = vector_basis(grid("Q1", np.linspace(0, 1, 3), np.linspace(0, 1, 3)), "Q1")
-
-    class Springs:
-        def initial_state(self):
-            return None
-
-        def assemble(self, x, state):
-            from scipy.sparse import identity
-
-            return sc.Response(7.0 * x, lambda: None, lambda: 7.0 * identity(basis.N, format="csr"))
-
-        def settle(self, x, accepted, candidate):
-            return None
-
-        def summary(self, state):
-            return "springs"
-
-        def remarks(self, state):
-            return []
-
-    forms = {"body": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.2)), "springs": Springs()}
+    springs = Springs(7.0 * identity(basis.N, format="csr"))
+    forms = {"body": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.2)), "springs": springs}
     load = np.ones(basis.N)
     result = sc.run(forms, [sc.Stage("s", load)], np.zeros(0, int), **QUIET)["s"]
     np.testing.assert_allclose(result.x, 1 / 7, rtol=1e-9)

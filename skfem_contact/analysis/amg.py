@@ -12,7 +12,7 @@ from numpy import ndarray
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import connected_components
 
-from .free_block import FreeBlock, same_pattern
+from .free_block import FreeBlock, same_matrix
 from .linear import REFINE, WRONG, DirectSolver, LinearSolver, SingularSystem, Solve
 from .newton import NotConverged
 from .supports import rigid_modes
@@ -128,7 +128,7 @@ class _Iteration:
 
     def solves(self, A: csr_matrix, symmetric: bool) -> bool:
         """Whether this is the iteration for a matrix."""
-        return symmetric == self._symmetric and same_pattern(A, self._A) and np.array_equal(A.data, self._A.data)
+        return symmetric == self._symmetric and same_matrix(A, self._A)
 
     def __call__(self, b: ndarray) -> ndarray:
         size = float(np.linalg.norm(b))

@@ -55,3 +55,8 @@ def same_pattern(A: csr_matrix, B: csr_matrix) -> bool:
     return A.nnz == B.nnz and all(
         a is b or np.array_equal(a, b) for a, b in ((A.indptr, B.indptr), (A.indices, B.indices))
     )
+
+
+def same_matrix(A: csr_matrix, B: csr_matrix) -> bool:
+    """Whether two matrices in canonical format are the same, to the last bit."""
+    return same_pattern(A, B) and np.array_equal(A.data, B.data)

@@ -26,6 +26,7 @@ from .free_block import FreeBlock, same_pattern
 from .given_solver import as_solver
 from .linear import LinearSolver, Solve
 from .ordering import nested_dissection
+from .system import are_symmetric
 
 logger = logging.getLogger("skfem_contact")
 
@@ -49,8 +50,7 @@ def linear_solver(forms: Mapping[str, Any], solver: Any, locations: ndarray, fre
         As for :func:`as_solver`.  A user's own function and multigrid are used for everything.
     """
     yielding = any(_may_yield(form) for form in forms.values())
-    symmetric = all(getattr(form, "symmetric", False) for form in forms.values())
-    if solver is None and symmetric and not yielding and amg_pays(locations, free):
+    if solver is None and are_symmetric(forms) and not yielding and amg_pays(locations, free):
         return AmgOrDirect(locations, free)
     inner = as_solver(solver, locations, free)
     touched = [form.unknowns for form in forms.values() if hasattr(form, "unknowns")]

@@ -10,7 +10,7 @@ import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix, diags
 
-from .free_block import FreeBlock, same_pattern
+from .free_block import FreeBlock, same_matrix
 from .pardiso import Pardiso
 from .superlu import SuperLU
 
@@ -158,7 +158,7 @@ class DirectSolver:
         block = self._block = self._block or self._ordered(K)
         A = block.gather(K)
         last = self._last
-        if last is not None and last.usable and last.symmetric == symmetric and _equal(A, last.A):
+        if last is not None and last.usable and last.symmetric == symmetric and same_matrix(A, last.A):
             return last
         if self._engine.outdated():
             block = self._block = self._ordered(K)
@@ -182,10 +182,6 @@ def _engine(name: str | None) -> Engine:
         return Pardiso()
     except ImportError:
         return SuperLU()
-
-
-def _equal(A: csr_matrix, B: csr_matrix) -> bool:
-    return same_pattern(A, B) and np.array_equal(A.data, B.data)
 
 
 class _Factor:

@@ -59,10 +59,15 @@ def left_by(start: StageResult | None, forms: Mapping[str, Form], fixed: ndarray
     """
     if start is None:
         return dict(forms), as_unknowns(fixed)
-    for name in start.states:
-        look_up(name, forms, "form, though the start holds it,")
-    there = {name: form for name, form in choose_penalties(forms).items() if name in start.states}
+    there = forms_there(start, forms, "start")
     return there, np.union1d(as_unknowns(fixed), np.setdiff1d(unknowns_of(forms), unknowns_of(there)))
+
+
+def forms_there(stage: StageResult, forms: Mapping[str, Form], what: str = "stage") -> dict[str, Form]:
+    """The forms that a stage holds, with penalties chosen from all; a ``ValueError`` where one is not given."""
+    for name in stage.states:
+        look_up(name, forms, f"form, though the {what} holds it,")
+    return {name: form for name, form in choose_penalties(forms).items() if name in stage.states}
 
 
 def unknowns_of(forms: Mapping[str, Form]) -> ndarray:

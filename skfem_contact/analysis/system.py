@@ -43,6 +43,11 @@ class Form(Protocol):
         """What a user should know of a state."""
 
 
+def are_symmetric(forms: Mapping[str, Any]) -> bool:
+    """Whether the tangents of all forms are symmetric: they say so by an attribute `symmetric`."""
+    return all(getattr(form, "symmetric", False) for form in forms.values())
+
+
 @dataclass(frozen=True)
 class Equilibrium:
     """A converged increment: displacements, candidate states, history of the residual, number of equilibria it took."""
@@ -80,7 +85,7 @@ class System:
     @cached_property
     def symmetric(self) -> bool:
         """Whether the tangent is symmetric: all forms say so by an attribute `symmetric`."""
-        return all(getattr(form, "symmetric", False) for form in self.forms.values())
+        return are_symmetric(self.forms)
 
     @property
     def size(self) -> int:

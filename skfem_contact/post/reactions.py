@@ -8,8 +8,7 @@ import numpy as np
 from numpy import ndarray
 
 from ..analysis.result import StageResult
-from ..checks import look_up
-from ..contact import choose_penalties
+from ..analysis.setup import forms_there
 
 
 def reactions(forms: Mapping[str, Any], step: StageResult) -> ndarray:
@@ -45,9 +44,6 @@ def reactions(forms: Mapping[str, Any], step: StageResult) -> ndarray:
     >>> round(float(sc.reactions(forms, result["weight"])[bottom.all("u^2")].sum()), 9)
     20.0
     """
-    for name in step.states:
-        look_up(name, forms, "form, though the stage holds it,")
-    there = {name: form for name, form in choose_penalties(forms).items() if name in step.states}
-    carried = sum((form.assemble(step.x, step.states[name]).force for name, form in there.items()),
+    carried = sum((form.assemble(step.x, step.states[name]).force for name, form in forms_there(step, forms).items()),
                   start=np.zeros(len(step.x)))
     return carried - step.load

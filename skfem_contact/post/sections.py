@@ -231,6 +231,8 @@ def section_forces(form: SolidForm, state: SolidState, sections: Sections) -> Se
     if not sections.curvature.any():
         return _cut(form, state, sections)
     back, front = _lines(form, sections)
+    if not (back < front).any():
+        return _cut(form, state, sections)
     share = np.divide(-back, front - back, out=np.zeros_like(back), where=front > back)
     ends = [_cut(form, state, sections.moved(distance)) for distance in (back, front)]
     N, V, M = ((1.0 - share) * getattr(ends[0], name) + share * getattr(ends[1], name) for name in "NVM")
