@@ -1,15 +1,8 @@
 """Frictional contact, soil plasticity and staged analysis for scikit-fem."""
 
-from .analysis.davis import reduced_strength
-from .analysis.initial import given_state, gravity_state, k0_state
-from .analysis.limit_load import LimitLoad, limit_load
-from .analysis.newton import Collapse, Newton, NotConverged
-from .analysis.reset import reset_displacements
-from .analysis.result import Result, StageResult, load_result
-from .analysis.stages import Stage, run
-from .analysis.strength import StrengthReduction, strength_reduction
-from .assembly import Response, StrainOperator, axisymmetric, b_bar, plane_strain, three_dimensional
-from .checks import AnalysisWarning
+from .collapse.flow import reduced_strength
+from .collapse.limit_load import LimitLoad, limit_load
+from .collapse.strength import StrengthReduction, strength_reduction
 from .contact import (
     AugmentedLagrangian,
     ContactPair,
@@ -22,12 +15,16 @@ from .contact import (
     rigid_polyline,
     two_pass,
 )
+from .contact.laws import Coulomb, Status, Tied, Traction
+from .errors import AnalysisWarning
+from .forms import Response
 from .loads import hydrostatic, water_load, weight
 from .materials import DruckerPrager, HardeningMohrCoulomb, LinearElastic, MohrCoulomb, Tresca, VonMises
-from .materials.coulomb import Coulomb, Status, Tied, Traction
-from .mesh import bodies, join_bodies
-from .mesh_check import check_mesh
-from .mesh_file import load_mesh
+from .mesh.check import check_mesh
+from .mesh.join import bodies, join_bodies
+from .mesh.read import load_mesh
+from .nonlinear.evaluation import NoEquilibrium, NotConverged
+from .nonlinear.newton import Newton
 from .post import (
     ContactReport,
     SectionForces,
@@ -43,20 +40,84 @@ from .post import (
     tractions,
 )
 from .solid import SolidForm, SolidState
+from .stages.initial import given_state, gravity_state, k0_state
+from .stages.reset import reset_displacements
+from .stages.result import Result, StageResult, load_result
+from .stages.run import run
+from .stages.stage import Stage
+from .strain import StrainOperator, axisymmetric, b_bar, plane_strain, three_dimensional
 from .testing import CheckFailed, check_form, check_interface_law, check_material
 
 __version__ = "0.1.0"
 
 __all__ = [
-    "AnalysisWarning", "AugmentedLagrangian", "CheckFailed", "Collapse", "ContactPair", "ContactReport",
-    "ContactState", "Coulomb", "DruckerPrager", "HardeningMohrCoulomb", "LimitLoad", "LinearElastic",
-    "MohrCoulomb", "Newton", "NotConverged", "Response", "Result", "SectionForces", "Sections", "SolidForm",
-    "SolidState", "Stage", "StageResult", "Status", "StrainOperator", "StrengthReduction", "Surface", "Tied",
-    "Traction", "Tractions", "Tresca", "VonMises", "axisymmetric", "b_bar", "bodies", "check_form",
-    "check_interface_law", "check_material", "check_mesh", "choose_penalties", "contact_report", "export_vtu",
-    "given_state", "gravity_state", "hydrostatic", "join_bodies", "k0_state", "limit_load", "line_sections",
-    "load_mesh", "load_result", "nodal_field", "plane_strain", "reactions", "reduced_strength",
-    "reset_displacements", "rigid_circle", "rigid_level_set", "rigid_line", "rigid_polyline", "ring_sections",
-    "run", "section_forces", "strength_reduction", "three_dimensional", "tractions", "two_pass", "water_load",
+    "AnalysisWarning",
+    "AugmentedLagrangian",
+    "CheckFailed",
+    "ContactPair",
+    "ContactReport",
+    "ContactState",
+    "Coulomb",
+    "DruckerPrager",
+    "HardeningMohrCoulomb",
+    "LimitLoad",
+    "LinearElastic",
+    "MohrCoulomb",
+    "Newton",
+    "NoEquilibrium",
+    "NotConverged",
+    "Response",
+    "Result",
+    "SectionForces",
+    "Sections",
+    "SolidForm",
+    "SolidState",
+    "Stage",
+    "StageResult",
+    "Status",
+    "StrainOperator",
+    "StrengthReduction",
+    "Surface",
+    "Tied",
+    "Traction",
+    "Tractions",
+    "Tresca",
+    "VonMises",
+    "axisymmetric",
+    "b_bar",
+    "bodies",
+    "check_form",
+    "check_interface_law",
+    "check_material",
+    "check_mesh",
+    "choose_penalties",
+    "contact_report",
+    "export_vtu",
+    "given_state",
+    "gravity_state",
+    "hydrostatic",
+    "join_bodies",
+    "k0_state",
+    "limit_load",
+    "line_sections",
+    "load_mesh",
+    "load_result",
+    "nodal_field",
+    "plane_strain",
+    "reactions",
+    "reduced_strength",
+    "reset_displacements",
+    "rigid_circle",
+    "rigid_level_set",
+    "rigid_line",
+    "rigid_polyline",
+    "ring_sections",
+    "run",
+    "section_forces",
+    "strength_reduction",
+    "three_dimensional",
+    "tractions",
+    "two_pass",
+    "water_load",
     "weight",
 ]

@@ -9,7 +9,7 @@ from numpy import ndarray
 from numpy.typing import ArrayLike
 from skfem import CellBasis, ElementQuad1, ElementTriP1, FacetBasis, LinearForm
 
-from .checks import AnalysisWarning, check_basis, check_plane, look_up
+from .errors import AnalysisWarning, check_basis, check_plane, look_up
 
 #: Pressure of water, positive: a function of places (2, ...), or values at the nodes of the mesh, (n_nodes,).
 Pressure = Callable[[ndarray], ndarray] | ndarray

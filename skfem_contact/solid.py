@@ -11,9 +11,11 @@ from numpy import ndarray
 from scipy.sparse import csr_matrix
 from skfem import CellBasis
 
-from .assembly import Pattern, Response, StrainOperator, element_stiffness, force_matrix, plane_strain, strain_matrix
-from .checks import check_basis, check_quadrature, look_up
+from .assembly import Pattern, element_stiffness, force_matrix, strain_matrix
+from .errors import check_basis, check_quadrature, look_up
+from .forms import Response
 from .materials import Material, Update
+from .strain import StrainOperator, plane_strain
 
 #: Share of the symmetric companion in a damped tangent: more of it makes Newton's method slow, less lets it stall.
 _DAMPING = 0.2
@@ -212,7 +214,7 @@ class SolidForm:
         """What a user should know of an accepted state: nothing here."""
         return []
 
-    def settle(self, x: ndarray, accepted: SolidState, candidate: SolidState) -> None:
+    def outer(self, x: ndarray, accepted: SolidState, candidate: SolidState) -> None:
         """Nothing is left to do once an increment has converged."""
 
     def element_forces(self, stress: ndarray, elements: ndarray) -> ndarray:

@@ -58,7 +58,7 @@ class WithoutState:
     def initial_state(self, x=None):
         return None
 
-    def settle(self, x, accepted, candidate):
+    def outer(self, x, accepted, candidate):
         return None
 
     def summary(self, state):

@@ -11,10 +11,10 @@ import pytest
 from skfem import Basis, ElementHex1, ElementQuad1, ElementTetP2, ElementVector, MeshHex, MeshQuad, MeshTet
 
 import skfem_contact as sc
-from skfem_contact.analysis import amg, interface
-from skfem_contact.analysis.given_solver import as_solver
-from skfem_contact.analysis.linear import DirectSolver, SingularSystem
-from skfem_contact.analysis.supports import rigid_modes
+from skfem_contact.solvers import choice, multigrid
+from skfem_contact.solvers.choice import as_solver
+from skfem_contact.solvers.direct import DirectSolver, SingularSystem
+from skfem_contact.stages.supports import rigid_modes
 
 needs_pyamg = pytest.mark.skipif(find_spec("pyamg") is None, reason="pyamg is not installed")
 ELASTIC = sc.LinearElastic(E=1e4, nu=0.3)
@@ -53,7 +53,7 @@ def blocks(n: int = 12, mu: float = 0.3):
 def iterations(monkeypatch):
     """Numbers of iterations of all solutions."""
     counts = []
-    solve = amg._Iteration.__call__
+    solve = multigrid._Iteration.__call__
 
     def counted(self, b):
         taken = []
@@ -64,7 +64,7 @@ def iterations(monkeypatch):
             self._levels = levels
             counts.append(sum(taken))
 
-    monkeypatch.setattr(amg._Iteration, "__call__", counted)
+    monkeypatch.setattr(multigrid._Iteration, "__call__", counted)
     return counts
 
 
@@ -215,7 +215,7 @@ def test_loose_body_does_not_converge():
 def test_stage_that_does_not_converge(monkeypatch):
     """The stage fails, and says why."""
     basis, forms, fixed = cantilever(3)
-    monkeypatch.setattr(amg, "MOST", 1)
+    monkeypatch.setattr(multigrid, "MOST", 1)
     with pytest.raises(sc.NotConverged, match=r"stage 'weight' stopped .*algebraic multigrid does not converge"):
         sc.run(forms, [sc.Stage("weight", sc.weight(basis, 20.0))], fixed, solver="amg")
 
@@ -254,7 +254,7 @@ def test_name_that_does_not_exist():
 
 
 def chosen(forms, basis, fixed, solver=None):
-    return interface.linear_solver(forms, solver, basis.doflocs, free_of(basis, fixed))
+    return choice.linear_solver(forms, solver, basis.doflocs, free_of(basis, fixed))
 
 
 @needs_pyamg
@@ -263,15 +263,15 @@ def test_choice(monkeypatch, caplog):
     basis, forms, fixed = cantilever(3)
     soil = cantilever(3, material=sc.MohrCoulomb(E=1e4, nu=0.3, c=20.0, phi=30.0, psi=30.0))[1]
     assert isinstance(chosen(forms, basis, fixed), DirectSolver)  # small
-    monkeypatch.setattr(amg, "LARGE", 200)
+    monkeypatch.setattr(multigrid, "LARGE", 200)
     with caplog.at_level(logging.INFO, logger="skfem_contact"):
-        assert isinstance(chosen(forms, basis, fixed), amg.AmgOrDirect)
+        assert isinstance(chosen(forms, basis, fixed), multigrid.AmgOrDirect)
     assert [r.getMessage() for r in caplog.records] == ["linear solver: algebraic multigrid (pyamg)"]
     assert isinstance(chosen(forms, basis, fixed, "superlu"), DirectSolver)  # as it was told
     assert isinstance(chosen(soil, basis, fixed), DirectSolver)  # it may yield
     plane, _, held = blocks()
     flat = plane["blocks"].basis
-    assert not isinstance(chosen(plane, flat, held), amg.AmgOrDirect)
+    assert not isinstance(chosen(plane, flat, held), multigrid.AmgOrDirect)
     assert isinstance(chosen({"blocks": plane["blocks"]}, flat, held), DirectSolver)
     monkeypatch.setitem(sys.modules, "pyamg", None)
     assert isinstance(chosen(forms, basis, fixed), DirectSolver)
@@ -283,8 +283,8 @@ def test_direct_solver_takes_over(monkeypatch, caplog):
     basis, forms, fixed = cantilever(3)
     stages = [sc.Stage(name, sc.weight(basis, gamma)) for name, gamma in (("one", 10.0), ("two", 20.0))]
     expected = sc.run(forms, stages, fixed)
-    monkeypatch.setattr(amg, "LARGE", 200)
-    monkeypatch.setattr(amg, "MOST", 1)
+    monkeypatch.setattr(multigrid, "LARGE", 200)
+    monkeypatch.setattr(multigrid, "MOST", 1)
     with caplog.at_level(logging.INFO, logger="skfem_contact"):
         result = sc.run(forms, stages, fixed)
     np.testing.assert_array_equal(result[-1].x, expected[-1].x)

@@ -13,7 +13,7 @@ from oracles.halfplane import contact_modulus, elliptic, hertz
 from skfem import FacetBasis, LinearForm, MeshQuad
 
 import skfem_contact as sc
-from skfem_contact.analysis.system import System
+from skfem_contact.nonlinear.system import System
 
 RADIUS, FORCE = 10.0, 10.0  # case B1 (iii)
 #: The exact solution is that of small displacements: radius and force of the tests are divided and multiplied by this.

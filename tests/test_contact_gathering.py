@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from skfem_contact.contact.gathering import Gathering
+from skfem_contact.sparse import Gathering
 
 
 def test_more_unknowns_than_a_short_integer_squares() -> None:

@@ -7,8 +7,8 @@ from helpers import grid, vector_basis
 from skfem import FacetBasis, LinearForm
 
 import skfem_contact as sc
+from skfem_contact.collapse.flow import AssociatedSubstitute, associated_substitute
 from skfem_contact.materials import HardeningMohrCoulomb
-from skfem_contact.materials.lagged import LaggedFriction, lagged
 
 SOIL = sc.MohrCoulomb(E=1e3, nu=0.3, c=1.0, phi=30.0, psi=5.0)
 
@@ -26,7 +26,7 @@ def at_yield(soil, n=50):
 def test_tangent_is_symmetric_and_that_of_the_stress():
     """[N] Derivative by central differences; associated flow makes it symmetric."""
     update, strain = at_yield(SOIL)
-    law = LaggedFriction(SOIL)
+    law = AssociatedSubstitute(SOIL)
     out = law.update(strain, update.stress, update.internal)
     tangent = out.tangent()
     assert len(out.plastic) > 10
@@ -49,7 +49,7 @@ def test_error_is_that_of_the_pressure():
     ratios = []
     for share in (1.0, 0.1):
         true, approximate = (law.update(share * strain, update.stress, update.internal).stress
-                             for law in (SOIL, LaggedFriction(SOIL)))
+                             for law in (SOIL, AssociatedSubstitute(SOIL)))
         ratios.append(np.abs(approximate - true).max() / np.abs(true - update.stress).max())
     # of the order of sin(phi) - sin(psi) times the change of the stress, whatever the size of the step
     assert max(ratios) < 1.0
@@ -59,17 +59,17 @@ def test_parameters_may_vary_by_element():
     """[N] Elements with the same soil answer alike, whether it is given once or for each of them."""
     update, strain = at_yield(SOIL, n=6)
     soil = sc.MohrCoulomb(E=np.full(6, 1e3), nu=0.3, c=np.ones(6), phi=np.full(6, 30.0), psi=5.0)
-    one, many = (LaggedFriction(s).update(strain, update.stress, update.internal).stress for s in (SOIL, soil))
+    one, many = (AssociatedSubstitute(s).update(strain, update.stress, update.internal).stress for s in (SOIL, soil))
     assert np.abs(one - many).max() < 1e-12
 
 
 def test_associated_soil_stays_as_it_is():
     """[X] With psi = phi there is nothing to lag behind, and other laws are refused."""
     associated = sc.MohrCoulomb(E=1e3, nu=0.3, c=1.0, phi=30.0, psi=30.0)
-    assert lagged(associated) is associated
+    assert associated_substitute(associated) is associated
     softening = HardeningMohrCoulomb(1e3, 0.3, c=2.0, c_end=1.0, phi=20.0, phi_end=20.0, strain_end=0.1)
     with pytest.raises(ValueError, match="not for HardeningMohrCoulomb"):
-        lagged(softening)
+        associated_substitute(softening)
 
 
 def footing(psi: float, phi: float = 20.0):
@@ -89,7 +89,7 @@ def test_footing_without_dilatancy_in_few_iterations():
     settings = {"tol": 0.01, "newton": sc.Newton(1e-3, 30), "progress": False}
     associated = sc.limit_load(*footing(20.0), **settings)
     free = sc.limit_load(*footing(0.0), flow="lagged", **settings)
-    assert all(trial.outcome == "equilibrium" for trial in free.trials)
+    assert all(trial.outcome == "equilibrium" for trial in free.steps)
     assert free.iterations <= 150  # 100 or so; the given law takes 500 to 1000
     # both come to Prandtl's capacity from above as the mesh is refined, the associated one from further away
     assert 14.835 < free.multiplier < associated.multiplier

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_matrix, diags
 
-pardiso = pytest.importorskip("skfem_contact.analysis.pardiso")
+pardiso = pytest.importorskip("skfem_contact.solvers.pardiso")
 pytest.importorskip("pypardiso")
 
 

@@ -10,11 +10,10 @@ from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
 from skfem.models.elasticity import linear_elasticity
 from skfem.utils import solver_iter_krylov
 
-from skfem_contact.analysis import linear, superlu
-from skfem_contact.analysis.free_block import FreeBlock
-from skfem_contact.analysis.given_solver import as_solver
-from skfem_contact.analysis.linear import DirectSolver, SingularSystem
-from skfem_contact.analysis.total import Total
+from skfem_contact.solvers import direct, superlu
+from skfem_contact.solvers.choice import as_solver
+from skfem_contact.solvers.direct import DirectSolver, SingularSystem
+from skfem_contact.sparse import FreeBlock, Total
 
 N = 8  # elements along the side of a body
 
@@ -303,7 +302,7 @@ def test_choice_is_logged_and_scipy_is_enough(blocks, monkeypatch, caplog):
     def missing():
         raise ImportError("no pypardiso")
 
-    monkeypatch.setattr(linear, "Pardiso", missing)
+    monkeypatch.setattr(direct, "Pardiso", missing)
     with caplog.at_level(logging.INFO, logger="skfem_contact"):
         solver = DirectSolver(blocks.locations, blocks.free)
         solver.factor(blocks.stiffness(1.0, 1.0))

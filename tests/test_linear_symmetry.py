@@ -9,7 +9,7 @@ import pytest
 from helpers import grid, rough_pair, vector_basis
 
 import skfem_contact as sc
-from skfem_contact.analysis.system import System
+from skfem_contact.nonlinear.system import System
 
 ASSOCIATED = {
     "elastic": sc.LinearElastic(E=1e3, nu=0.3),
@@ -135,7 +135,7 @@ SCENES = {
 def test_half_of_the_tangent_gives_the_same(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """With the whole matrix PARDISO finds the same displacements (residuals of 1e-12 times the conditioning)."""
     pytest.importorskip("pypardiso")
-    from skfem_contact.analysis import pardiso
+    from skfem_contact.solvers import pardiso
 
     kinds, analysis = [], pardiso._Analysis.__init__
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse import csr_matrix, random_array
 
-from skfem_contact.analysis.total import Total
+from skfem_contact.sparse import Total
 
 
 def some(density: float, rng: np.random.Generator) -> csr_matrix:

@@ -10,7 +10,7 @@ import pytest
 from skfem import Basis, FacetBasis, Mesh
 
 from skfem_contact import bodies, join_bodies
-from skfem_contact.mesh_file import load_mesh
+from skfem_contact.mesh.read import load_mesh
 
 DATA = files("skfem_contact") / "data"
 BODIES = {"ground": ["soft", "stiff"], "culvert": "culvert"}

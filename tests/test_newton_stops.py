@@ -4,14 +4,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from skfem_contact.analysis.newton import Newton, NotConverged, Trial, iterate
+from skfem_contact.nonlinear.evaluation import Evaluation, NotConverged
+from skfem_contact.nonlinear.newton import Newton, iterate
 
 
 def scalar(residual):
-    """Trials of a scalar equation, relative to a load of 1."""
+    """SearchLog of a scalar equation, relative to a load of 1."""
     def evaluate(z):
         value = residual(z)
-        return Trial(z, {}, value, float(np.linalg.norm(value) / max(1.0, np.linalg.norm(1.0 - value))))
+        return Evaluation(z, {}, value, float(np.linalg.norm(value) / max(1.0, np.linalg.norm(1.0 - value))))
     return evaluate
 
 
@@ -68,9 +69,9 @@ def test_a_step_into_a_wall_is_shortened():
 
 
 def test_where_no_trial_may_go_the_step_is_shortened():
-    """[X] Trials that are refused by an infinite norm, whatever their forces, as those of a negative strength are."""
+    """[X] Steps that are refused by an infinite norm, whatever their forces, as those of a negative strength are."""
     def evaluate(z):
-        return Trial(z, {}, 1.0 - z, abs(float(1.0 - z[0]))) if z < 2.0 else Trial(z, {}, np.zeros(1), np.inf)
+        return Evaluation(z, {}, 1.0 - z, abs(float(1.0 - z[0]))) if z < 2.0 else Evaluation(z, {}, np.zeros(1), np.inf)
 
     found, _ = iterate(evaluate(np.zeros(1)), evaluate, lambda now, damped: 8.0 * now.residual, Newton())
     assert found.z == 1.0

@@ -11,12 +11,13 @@ from helpers import grid, vector_basis
 
 import skfem_contact as sc
 from skfem_contact import solid
-from skfem_contact.analysis import interface, linear, setup, superlu
-from skfem_contact.analysis.given_solver import as_solver
-from skfem_contact.analysis.interface import InterfaceSolver
-from skfem_contact.analysis.predictor import Predictor
 from skfem_contact.contact import neighbours, pair
-from skfem_contact.contact.gathering import Gathering
+from skfem_contact.nonlinear.stepping import Predictor
+from skfem_contact.solvers import direct, schur, superlu
+from skfem_contact.solvers.choice import as_solver
+from skfem_contact.solvers.schur import SchurSolver
+from skfem_contact.sparse import Gathering
+from skfem_contact.stages import setup
 
 #: Displacements of two analyses whose residuals are below 1e-12 of the load, relative: conditioning times that.
 SAME = 1e-9
@@ -123,7 +124,7 @@ def test_only_elements_that_yield_are_assembled(monkeypatch: pytest.MonkeyPatch)
 
 def test_factors_are_kept_while_only_the_interface_changes(monkeypatch: pytest.MonkeyPatch) -> None:
     """Elastic bodies in contact: two factorisations, one of them with the interface last, instead of one each."""
-    kept, each = counted(monkeypatch, interface, "splu"), counted(monkeypatch, superlu, "splu")
+    kept, each = counted(monkeypatch, schur, "splu"), counted(monkeypatch, superlu, "splu")
     scene = pressed(rock)
     result = sc.run(*scene, newton=NEWTON, solver="superlu")
     assert (len(kept), len(each)) == (1, 1)
@@ -134,7 +135,7 @@ def test_factors_are_kept_while_only_the_interface_changes(monkeypatch: pytest.M
 
 def test_factors_are_not_kept_where_bodies_yield(monkeypatch: pytest.MonkeyPatch) -> None:
     """There they would be of no use."""
-    kept = counted(monkeypatch, interface, "splu")
+    kept = counted(monkeypatch, schur, "splu")
     analysed(*pressed(soil))
     assert not kept
 
@@ -146,7 +147,7 @@ def test_interface_solver_solves_as_a_new_factor_does() -> None:
     basis = forms["block"].basis
     free = np.setdiff1d(np.arange(basis.N), fixed)
     joint, rng = forms["joint"], np.random.default_rng(3)
-    solver = InterfaceSolver(as_solver(None, basis.doflocs, free), basis.doflocs, free, joint.unknowns)
+    solver = SchurSolver(as_solver(None, basis.doflocs, free), basis.doflocs, free, joint.unknowns)
     bodies = forms["layer"].elastic_stiffness + forms["block"].elastic_stiffness
     for depth in (1e-3, 2e-3, 3e-3, 1e-2):
         x = basis.zeros()
@@ -171,10 +172,10 @@ def test_bodies_in_equilibrium_inside_take_one_solution(monkeypatch: pytest.Monk
                 solutions.append(1)
             return getattr(self.factors, name)
 
-    monkeypatch.setattr(interface, "splu", lambda *args, splu=interface.splu, **kwargs: Counted(splu(*args, **kwargs)))
+    monkeypatch.setattr(schur, "splu", lambda *args, splu=schur.splu, **kwargs: Counted(splu(*args, **kwargs)))
     one = analysed(*pressed(rock))
     few, iterations = len(solutions), sum(one[-1].iterations)
-    monkeypatch.setattr(interface, "_NOTHING", 0.0)
+    monkeypatch.setattr(schur, "_NOTHING", 0.0)
     assert_same(one, analysed(*pressed(rock)))
     assert few < 1.5 * iterations < len(solutions) - few
 
@@ -248,7 +249,7 @@ def test_an_unchanged_matrix_is_not_factored_again(monkeypatch: pytest.MonkeyPat
 
     once = displacements()
     assert len(calls) == 1
-    monkeypatch.setattr(linear, "same_matrix", lambda A, B: False)
+    monkeypatch.setattr(direct, "same_matrix", lambda A, B: False)
     np.testing.assert_array_equal(displacements(), once)
     assert len(calls) == 1 + 3
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from skfem_contact.analysis.newton import Collapse, NotConverged
-from skfem_contact.analysis.stepping import Stepping
+from skfem_contact.nonlinear.evaluation import NoEquilibrium, NotConverged
+from skfem_contact.nonlinear.stepping import Stepping
 
 
 def follow(capacity: float, error: type[NotConverged], increments: int = 3) -> tuple[Stepping, int]:
@@ -22,8 +22,8 @@ def follow(capacity: float, error: type[NotConverged], increments: int = 3) -> t
 
 
 def test_collapse_next_to_an_equilibrium_is_the_limit():
-    """[X] Collapse beyond 0.35: the limit is told between both, 2 % of the load apart at most."""
-    stepping, attempts = follow(0.35, Collapse)
+    """[X] NoEquilibrium beyond 0.35: the limit is told between both, 2 % of the load apart at most."""
+    stepping, attempts = follow(0.35, NoEquilibrium)
     assert attempts < 20
     reached, beyond = (float(word.rstrip("%,")) for word in str(stepping).split() if "%" in word)
     assert 0.34 < reached / 100 <= 0.35 < beyond / 100 <= 0.3571
@@ -39,8 +39,8 @@ def test_stalls_are_no_limit():
 def test_collapse_that_was_passed_is_forgotten():
     """[X] What a large increment could not reach, small ones did."""
     stepping = Stepping(1)
-    stepping.reject(Collapse("too far at once"))
-    assert stepping.fraction == pytest.approx(0.25) and stepping.thorough and stepping.cut
+    stepping.reject(NoEquilibrium("too far at once"))
+    assert stepping.fraction == pytest.approx(0.25) and stepping.try_recovery and stepping.cut
     for _ in range(4):
         assert not stepping.exhausted
         stepping.accept(stepping.fraction, iterations=20)
@@ -52,10 +52,10 @@ def test_known_failures_are_approached_cheaply():
     """[X] After equilibria, what failed is tried again with little effort, and thoroughly in small increments."""
     stepping = Stepping(2)
     stepping.accept(0.5, iterations=20)
-    assert stepping.thorough
+    assert stepping.try_recovery
     stepping.reject(NotConverged("stall"))
-    assert stepping.fraction == pytest.approx(0.625) and not stepping.thorough
+    assert stepping.fraction == pytest.approx(0.625) and not stepping.try_recovery
     while stepping.size > 1 / 128:
-        assert not stepping.thorough
+        assert not stepping.try_recovery
         stepping.reject(NotConverged("stall"))
-    assert stepping.thorough
+    assert stepping.try_recovery

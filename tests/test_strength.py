@@ -181,7 +181,7 @@ def test_result_prints_its_trials(reference):
     text = str(reference)
     assert "factor of safety" in text and "plateau" in text and "unknowns" in text
     assert text.count("equilibrium") == len(reference.curve)
-    assert reference.iterations == sum(trial.iterations for trial in reference.trials)
+    assert reference.iterations == sum(trial.iterations for trial in reference.steps)
 
 
 def two_layers():

@@ -232,7 +232,7 @@ class WrongForm:
             return sc.Response(out.force + springs @ x, lambda: out.state, lambda: out.stiffness + springs)
         return out
 
-    def settle(self, x, accepted, candidate):
+    def outer(self, x, accepted, candidate):
         return 1.0 if self.fault == "settle" else None
 
     def summary(self, state):
@@ -253,7 +253,7 @@ class WrongForm:
         ("symmetric", "says `symmetric`"),
         ("state", "accepted candidate gives another force"),
         ("springs", "forces do not balance"),
-        ("settle", "`settle`"),
+        ("settle", "`outer`"),
         ("summary", "`summary`"),
         ("remarks", "`remarks`"),
     ],

@@ -16,15 +16,16 @@ import skfem_contact.plot as plot
 
 #: Titles of the pages, in their order, and the modules of each; the first one's docstring opens the page.
 ROOMS = {
-    "Meshes": ("mesh", "mesh_file", "mesh_check"),
-    "Solid bodies": ("solid",),
+    "Meshes": ("mesh",),
+    "Solid bodies": ("solid", "strain"),
     "Materials": ("materials",),
     "Contact": ("contact",),
     "Loads": ("loads",),
-    "Analysis": ("analysis", "checks"),
+    "Stages": ("stages",),
+    "Collapse": ("collapse",),
+    "Equilibrium": ("nonlinear", "forms", "errors"),
     "Results": ("post",),
     "Pictures": ("plot",),
-    "Assembly": ("assembly",),
     "Checks of own laws and forms": ("testing",),
 }
 

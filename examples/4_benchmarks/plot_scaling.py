@@ -29,7 +29,7 @@ import numpy as np
 from skfem import Basis, ElementQuad1, ElementTriP2, ElementVector, FacetBasis, LinearForm, MeshTri
 
 import skfem_contact as sc
-from skfem_contact.analysis.linear import DirectSolver
+from skfem_contact.solvers.direct import DirectSolver
 
 
 def culvert(refinements):

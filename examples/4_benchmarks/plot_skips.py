@@ -26,12 +26,14 @@ from contact_problems import MU, hertz
 from skfem import Basis, ElementQuad1, ElementVector, FacetBasis, LinearForm, MeshQuad
 
 import skfem_contact as sc
-from skfem_contact.analysis import interface, linear, setup, superlu, system
-from skfem_contact.analysis.given_solver import as_solver
-from skfem_contact.analysis.predictor import Predictor
-from skfem_contact.analysis.total import Total
 from skfem_contact.contact import neighbours
 from skfem_contact.materials.plastic import IsotropicPlasticity
+from skfem_contact.nonlinear import system
+from skfem_contact.nonlinear.stepping import Predictor
+from skfem_contact.solvers import direct, schur, superlu
+from skfem_contact.solvers.choice import as_solver
+from skfem_contact.sparse import Total
+from skfem_contact.stages import setup
 
 FULL = "--full" in sys.argv
 SOLVER = "superlu"  # whatever is installed
@@ -120,10 +122,10 @@ SKIPS = {
     "no tangent in the line search": (footing, sc.Response, "__init__", eager),
     "pattern of the sum kept": (footing, system, "Total", Afresh),
     "order of elimination kept": (footing, superlu.SuperLU, "outdated", lambda self: True),
-    "unchanged matrix not factored again": (elastic_block, linear, "same_matrix", lambda A, B: False),
+    "unchanged matrix not factored again": (elastic_block, direct, "same_matrix", lambda A, B: False),
     "factors of elastic bodies in contact kept": (
         elastic_contact, setup, "linear_solver", lambda forms, *args: as_solver(*args)),
-    "one solution with kept factors": (elastic_contact, interface, "_NOTHING", 0.0),
+    "one solution with kept factors": (elastic_contact, schur, "_NOTHING", 0.0),
     "increments start where the last one leads": (elastic_contact, Predictor, "start", lambda *args: None),
     "far points not projected": (elastic_contact, neighbours.NeighbourList, "at", nothing_is_far),
     "neighbours searched after motion only": (elastic_contact, neighbours, "_SLACK", 0.0),

@@ -40,8 +40,8 @@ from skfem import (
 )
 
 import skfem_contact as sc
-from skfem_contact.analysis.amg import AmgSolver
-from skfem_contact.analysis.linear import DirectSolver
+from skfem_contact.solvers.direct import DirectSolver
+from skfem_contact.solvers.multigrid import AmgSolver
 
 try:
     import pypardiso

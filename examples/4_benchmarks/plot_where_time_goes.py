@@ -24,8 +24,8 @@ import numpy as np
 from skfem import Basis, ElementQuad1, ElementVector, FacetBasis, LinearForm, MeshQuad
 
 import skfem_contact as sc
-from skfem_contact.analysis.linear import DirectSolver
-from skfem_contact.analysis.system import System
+from skfem_contact.nonlinear.system import System
+from skfem_contact.solvers.direct import DirectSolver
 
 # %%
 # Stop watches

@@ -9,7 +9,7 @@ from numpy import ndarray
 from scipy.sparse import coo_matrix, csc_matrix
 from scipy.sparse.linalg import spsolve
 
-from ..materials.coulomb import Status
+from .laws import Status
 from .quadrature import SlavePoints
 from .state import ContactState
 

@@ -22,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy import ndarray
 
-from ..materials.coulomb import Traction
+from .laws import Traction
 from .quadrature import SlavePoints
 from .search import Projection
 from .surface import Surface

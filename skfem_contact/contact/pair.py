@@ -10,29 +10,29 @@ from numpy import ndarray
 from scipy.sparse import csr_matrix
 from skfem import CellBasis
 
-from ..assembly import IncrementTooLarge, Response
-from ..checks import check_basis
-from ..materials.coulomb import InterfaceLaw, Status, Traction
+from ..errors import check_basis
+from ..forms import IncrementTooLarge, Response
+from ..sparse import Gathering
 from .augmented import AugmentedLagrangian
-from .bonds import tractions
-from .calming import calmed
-from .fit import Fit, less_overlap, touching
-from .gathering import Gathering
+from .clearance import Fit, less_overlap, touching
+from .diagnosis import ROUND_OFF, passed_through, penetration, remarks
 from .kinematics import Kinematics, tangents, variations
+from .laws import InterfaceLaw, Status, Traction
 from .neighbours import NeighbourList
 from .quadrature import SlavePoints
-from .remarks import ROUND_OFF, passed_through, penetration, remarks
-from .sampling import Sampling
+from .recovery.chattering import calmed
+from .recovery.debonding import tractions
+from .recovery.soft_stick import hardened
+from .recovery.stabilisation import Held, release, with_springs
 from .search import Projection, merged, project
+from .segmentation import Sampling
 from .settings import check_settings
 from .smoothing import smoothed
-from .softening import hardened
-from .startup import Held, release, with_springs
 from .state import ContactState
 from .surface import Surface
 
 #: Largest tractions in the damped tangent's geometric part, over those at which the surfaces give way by a segment.
-_BEARABLE = 0.1
+_LARGEST_TRACTION = 0.1
 
 
 class ContactPair:
@@ -238,7 +238,7 @@ class ContactPair:
         return Response(self._gathering.force(kinematics.dofs, force),
                         lambda: self._candidate(state, merged(near, found, projected), at, traction, elastic),
                         lambda: self._stiffness(kinematics, traction, weight, self.tangent == "exact"),
-                        lambda: self._stiffness(kinematics, self._bearable(traction), weight, self.tangent == "exact"),
+                        lambda: self._stiffness(kinematics, self._limited(traction), weight, self.tangent == "exact"),
                         round_off=max(penalties) * exact * float(np.linalg.norm(weight)))
 
     def penalties(self, state: ContactState) -> tuple[float, float]:
@@ -285,17 +285,17 @@ class ContactPair:
         K = tangents(kinematics, traction, exact) * weight[:, None, None]
         return self._gathering.matrix(kinematics.dofs, K)
 
-    def _bearable(self, traction: Traction) -> Traction:
+    def _limited(self, traction: Traction) -> Traction:
         """The tractions as far as the bodies could bear them, for without any a round body could turn freely."""
         if self.stiffness is None:
             return traction
-        largest = _BEARABLE * self.stiffness * self.slave.spacing
+        largest = _LARGEST_TRACTION * self.stiffness * self.slave.spacing
         return traction._replace(normal=np.clip(traction.normal, -largest, largest),
                                  tangential=np.clip(traction.tangential, -largest, largest))
 
     # -- what the analysis asks besides ---------------------------------------------------------------------
 
-    def settle(self, x: ndarray, accepted: ContactState, candidate: ContactState) -> ContactState | None:
+    def outer(self, x: ndarray, accepted: ContactState, candidate: ContactState) -> ContactState | None:
         """State from which the same increment must be solved once more, or None where nothing is left to do.
 
         The cuts of ``quadrature="segments"`` follow the bodies here, the augmented method improves its multipliers,
@@ -323,7 +323,7 @@ class ContactPair:
         return self._sampling.follow(again or accepted, *self._places(x)) or again
 
     def hold(self, state: ContactState) -> ContactState:
-        """The state with soft springs that close the gaps; :meth:`settle` takes them away again."""
+        """The state with soft springs that close the gaps; :meth:`outer` takes them away again."""
         return state if self.law.bonds else with_springs(state)
 
     def calm(self, state: ContactState, *candidates: ContactState) -> ContactState:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from ..checks import AnalysisWarning
+from ..errors import AnalysisWarning
 from .pair import ContactPair
 from .surface import Surface
 

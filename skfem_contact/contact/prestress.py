@@ -9,8 +9,8 @@ from numpy import ndarray
 from scipy.sparse import coo_matrix, csr_matrix, diags_array, hstack
 from scipy.sparse.linalg import lsqr
 
-from ..materials.coulomb import Status
 from .kinematics import variations
+from .laws import Status
 from .pair import ContactPair
 from .state import ContactState
 

@@ -6,11 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy import ndarray
 
-from .search import project
 from .surface import Surface
 
-#: Pieces shorter than this share of a segment are left out.
-_SLIVER = 1e-9
 #: Meshes whose sizes differ by less than this share are as fine as each other.
 _EQUAL = 1e-6
 
@@ -101,32 +98,3 @@ def between(surface: Surface, cuts: ndarray, n: int) -> SlavePoints:
     M, rho = surface.curve(segment, xi, surface.nodes, 1)
     weight = np.linalg.norm(rho[1], axis=-1) * (2.0 * half[:, None] * w).ravel()
     return SlavePoints(surface.segments[segment], M[0], weight, surface.arc(segment, xi)[0], surface.length[segment])
-
-
-def common_cuts(slave: Surface, slave_nodes: ndarray, master: Surface, master_nodes: ndarray) -> ndarray:
-    """Chain coordinates at which the slave is cut: by its own segments' ends and by those of the master.
-
-    Between the cuts gap and shape functions are smooth on both sides, so that Gauss points on the pieces integrate
-    the contact work exactly on flat interfaces: the patch test is passed.
-    """
-    ends = master.curve(np.arange(len(master.segments)), -np.ones(len(master.segments)), master_nodes, 0)[1][0]
-    if not master.closed:
-        last = np.array([len(master.segments) - 1])
-        ends = np.concatenate((ends, master.curve(last, np.ones(1), master_nodes, 0)[1][0]))
-    near = np.full(len(ends), slave.spacing)
-    found = project(slave, slave_nodes, ends, near)
-    hit = found.found & ~found.vertex & (np.abs(found.xi) < 1.0) & (found.gap < near)
-    inner = found.segment[hit] + 0.5 * (1.0 + found.xi[hit])
-    cuts = np.unique(np.concatenate((np.arange(len(slave.segments) + 1.0), inner)))
-    tiny = np.diff(cuts) < _SLIVER
-    drop = np.flatnonzero(tiny) + np.where(cuts[1:][tiny] % 1.0 == 0.0, 0, 1)  # keep the segments' own ends
-    return np.delete(cuts, drop)
-
-
-def moved(old: ndarray, new: ndarray) -> float:
-    """Largest distance of a cut, old or new, from the nearest one among the others."""
-    def farthest(a: ndarray, b: ndarray) -> float:
-        right = np.clip(np.searchsorted(b, a), 1, len(b) - 1)
-        return float(np.minimum(np.abs(a - b[right - 1]), np.abs(a - b[right])).max())
-
-    return max(farthest(old, new), farthest(new, old))

@@ -6,7 +6,7 @@ from typing import Any, get_args
 import numpy as np
 
 from .augmented import AugmentedLagrangian
-from .fit import Fit
+from .clearance import Fit
 
 
 def check_settings(law: Any, quadrature: Any, enforcement: Any, initial: Any, share: Any, tangent: Any) -> None:

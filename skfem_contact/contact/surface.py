@@ -13,7 +13,7 @@ import numpy as np
 from numpy import ndarray
 from skfem import CellBasis
 
-from ..checks import check_plane, look_up
+from ..errors import check_plane, look_up
 
 #: Coefficients of the shape functions of a facet in the powers 1, xi, xi^2, xi^3.
 LINEAR = np.array([[.5, -.5, 0, 0], [.5, .5, 0, 0]])

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from skfem import CellBasis
 
-from ..materials.coulomb import InterfaceLaw
+from .laws import InterfaceLaw
 from .pair import ContactPair
 
 

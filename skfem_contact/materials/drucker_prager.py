@@ -16,7 +16,7 @@ class DruckerPrager(ConePlasticity):
     """Linear elasticity, perfect plasticity on the Drucker-Prager cone, non-associated flow.
 
     The yield function is ``sqrt(J2) + alpha I1 - k`` (tension positive), and the plastic potential is the
-    same with beta. Trial stresses return exactly to the cone or its apex. Where c and phi are known, use
+    same with beta. Evaluation stresses return exactly to the cone or its apex. Where c and phi are known, use
     :meth:`plane_strain`: k, alpha and beta are not cohesion and angles.
 
     Parameters

@@ -6,15 +6,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from .base import (
-    Array,
-    Parameter,
-    Update,
-    along_elements,
-    as_parameter,
-    require,
-    require_same_length,
-)
+from .base import Array, Parameter, Update, along_elements, as_parameter, require, require_same_length
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,7 +16,7 @@ class MohrCoulomb(PyramidPlasticity):
 
     With principal stresses s1 >= s2 >= s3 (tension positive) the yield function is
     ``(1 + sin phi) s1 - (1 - sin phi) s3 - 2 c cos phi``, and the plastic potential is the same with psi.
-    Trial stresses return exactly to a face, an edge (s1 = s2 or s2 = s3) or the apex. phi = 0 is the Tresca
+    Evaluation stresses return exactly to a face, an edge (s1 = s2 or s2 = s3) or the apex. phi = 0 is the Tresca
     surface.
 
     Parameters

@@ -1,7 +1,7 @@
 """Return mapping to the hexagonal pyramid of Mohr and Coulomb, and its limit, the prism of Tresca.
 
 In principal stresses s1 >= s2 >= s3 the yield function is (1 + sin phi) s1 - (1 - sin phi) s3 - strength,
-and the plastic potential is the same with psi. Trial stresses return by Koiter's rule to a face, an edge or
+and the plastic potential is the same with psi. Evaluation stresses return by Koiter's rule to a face, an edge or
 the apex.
 
 An edge is a face whose two meeting principal stresses are averaged: the multipliers of the edge's two faces

@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 from numpy import ndarray
 
-from ..analysis.result import StageResult
-from ..checks import check_plane
+from ..errors import check_plane
 from ..post.fields import QUANTITIES, element_nodes, nodal_field, solids, solids_there
+from ..stages.result import StageResult
 
 #: VTK's numbers of the cells with so many nodes.
 _CELL_TYPES = {3: 5, 4: 9, 6: 22, 8: 23, 9: 28}

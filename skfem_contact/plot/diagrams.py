@@ -13,7 +13,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy import ndarray
 from numpy.typing import ArrayLike
 
-from ..materials.coulomb import Status
+from ..contact.laws import Status
 from ..post.sections import SectionForces
 from ..post.tractions import Tractions
 

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from numpy import ndarray
 
-from ..analysis.result import StageResult
-from ..checks import look_up
+from ..errors import look_up
 from ..solid import SolidForm
+from ..stages.result import StageResult
 
 
 def _principal(stress: ndarray) -> ndarray:

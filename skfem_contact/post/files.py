@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy import ndarray
 
-from ..analysis.result import StageResult
-from ..mesh import bodies
+from ..mesh.join import bodies
 from ..solid import SolidForm
+from ..stages.result import StageResult
 from .fields import element_nodes, plastic_strain, solids, solids_there
 
 #: VTK's cells by the numbers of dimensions and of nodes.

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy import ndarray
 
-from ..analysis.result import StageResult
-from ..analysis.setup import forms_there
+from ..stages.result import StageResult
+from ..stages.setup import forms_there
 
 
 def reactions(forms: Mapping[str, Any], step: StageResult) -> ndarray:

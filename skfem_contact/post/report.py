@@ -7,7 +7,7 @@ import numpy as np
 from numpy import ndarray
 
 from ..contact import ContactPair, ContactState
-from ..materials.coulomb import Status
+from ..contact.laws import Status
 from .tractions import check_state
 
 

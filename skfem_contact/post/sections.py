@@ -16,7 +16,7 @@ from numpy import ndarray
 from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
 
-from ..checks import check_plane
+from ..errors import check_plane
 from ..solid import SolidForm, SolidState
 from .fields import element_nodes
 

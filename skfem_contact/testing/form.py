@@ -10,8 +10,7 @@ import numpy as np
 from numpy import ndarray
 from scipy.sparse import issparse
 
-from ..analysis.system import Form
-from ..assembly import Response
+from ..forms import Form, Response
 from .tools import EXACT, STEP, differences, largest_error, require, same_twice
 
 
@@ -21,7 +20,7 @@ def check_form(form: Form, x: ndarray, state: Any, locations: ndarray | None = N
 
     Its answer is the same twice and leaves the arguments alone; state and tangent are not computed before they are
     asked for; the tangent is that of central differences, and symmetric if the form has an attribute `symmetric` that
-    says so; the candidate state at the same displacements gives the same force; ``settle``, ``summary`` and
+    says so; the candidate state at the same displacements gives the same force; ``outer``, ``summary`` and
     ``remarks`` answer as they should. For forms between bodies that stand on nothing else, forces and moments
     balance and rigid motions meet no resistance.
 
@@ -80,8 +79,8 @@ def check_form(form: Form, x: ndarray, state: Any, locations: ndarray | None = N
     scale = max(float(np.abs(force).max()), 1e-300)
     accepted = form.assemble(x, first.state)
     require(np.abs(accepted.force - force).max() <= 1e-7 * scale, "the accepted candidate gives another force")
-    again = form.settle(x, state, first.state)
-    require(again is None or isinstance(again, type(state)), "`settle` returns neither a state nor None")
+    again = form.outer(x, state, first.state)
+    require(again is None or isinstance(again, type(state)), "`outer` returns neither a state nor None")
     require(isinstance(form.summary(first.state), str), "`summary` returns no text")
     require(all(isinstance(remark, str) for remark in form.remarks(first.state)), "`remarks` returns no texts")
     error = _form_tangent(form, x, state, K, rng.standard_normal((directions, len(x))), tolerance)

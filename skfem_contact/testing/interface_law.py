@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..materials.coulomb import InterfaceLaw, Status, Traction
+from ..contact.laws import InterfaceLaw, Status, Traction
 from .tools import EXACT, STEP, differences, largest_error, require, require_all, same_twice
 
 

@@ -13,7 +13,7 @@ from helpers import body_along, facing, grid, moved_rigidly, traction, unknowns_
 from setups import blocks, displaced, force_on, in_contact, run
 
 import skfem_contact as sc
-from skfem_contact.contact.freezing import frozen
+from skfem_contact.contact.recovery.facet_lock import frozen
 from skfem_contact.contact.search import project
 
 QUADRATURES = ["nodal", 2, "segments"]

@@ -12,7 +12,7 @@ from helpers import traction, unknowns_of
 from setups import blocks, displaced, force_on, in_contact, run
 
 import skfem_contact as sc
-from skfem_contact.contact.softening import hardened, softened
+from skfem_contact.contact.recovery.soft_stick import hardened, softened
 
 QUADRATURES = ["nodal", 2, "segments"]
 RATIOS = [1e-3, 1e-1, 1.0, 1e2, 1e4, 1e6]

@@ -9,7 +9,7 @@ import pytest
 from helpers import grid, rotation, vector_basis
 
 import skfem_contact as sc
-from skfem_contact.analysis.setup import build_system
+from skfem_contact.stages.setup import build_system
 
 QUIET = {"progress": False}
 

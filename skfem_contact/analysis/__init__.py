@@ -1,1 +1,0 @@
-"""Newton's method, load increments and stages: they know forms by their protocol only."""

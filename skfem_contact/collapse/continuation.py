@@ -1,0 +1,232 @@
+"""Indirect continuation: the work of the load is prescribed, and the load or the strength follows.
+
+Near collapse the displacements grow without bound while the parameter of the problem (strength reduction factor,
+load multiplier) hardly changes, and beyond it there is no equilibrium at all.  The work that a reference load does
+on the displacements grows steadily through all of this.  So it is prescribed, the parameter is an unknown beside
+the displacements, and its curve over the work levels off at the limit.
+
+S. Sysala, E. Hrubesova, Z. Michalec, F. Tschuchnigg, Int. J. Numer. Anal. Methods Geomech. 45 (2021) 2388-2414.
+"""
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any, Protocol
+
+import numpy as np
+from numpy import ndarray
+
+from ..nonlinear.evaluation import Evaluation, NotConverged
+from ..nonlinear.line_search import Search
+from ..nonlinear.newton import Newton, iterate
+from ..nonlinear.system import System
+from ..stages.result import StageResult
+
+#: Relative step of the difference quotient by the parameter.
+_DIFFERENCE = 1e-6
+#: Growth of the steps.
+GROWTH = 2.0
+#: Step lengths in a row that may fail before the curve ends.
+_CUTS = 6
+_MOST_STEPS = 100
+#: Share of the work at which the curve's last part begins.
+_CHORD = 0.7
+
+
+class Branch(Protocol):
+    """A problem that depends on one parameter."""
+
+    #: The parameter must be larger than this.
+    lowest: float
+    #: Line search: along the energy where the forms do not depend on the parameter.  Where they do, the step is not
+    #: exceeded; by the norm of the residual, to which single points that yield and unload add much, many more fail.
+    search: Search
+
+    def at(self, parameter: float) -> tuple[System, ndarray]:
+        """Forms and load at a value of the parameter."""
+
+
+@dataclass(frozen=True)
+class Point:
+    """An equilibrium on the curve of parameter over work.
+
+    Attributes
+    ----------
+    x
+        Displacements, (N,).
+    states
+        Accepted states of the forms.
+    parameter
+        Factor of safety or load multiplier.
+    work
+        Work of the reference load since the curve's first point.
+    residuals
+        History of the residual.
+    """
+
+    x: ndarray
+    states: Mapping[str, Any]
+    parameter: float
+    work: float = 0.0
+    residuals: tuple[float, ...] = (0.0,)
+
+    @property
+    def iterations(self) -> int:
+        """Number of tangents factored on the way from the last point to this one."""
+        return len(self.residuals) - 1
+
+
+class Report(Protocol):
+    """Is told of every step."""
+
+    def accept(self, point: Point) -> None:
+        """An equilibrium."""
+
+    def reject(self, parameter: float, error: NotConverged, work: float) -> None:
+        """A step that failed, after the last parameter."""
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Points of the curve, and why it ends.
+
+    Attributes
+    ----------
+    points
+        Equilibria in the order they were found.
+    criterion
+        What stopped the continuation.
+    """
+
+    points: tuple[Point, ...]
+    criterion: str
+
+    @property
+    def limit(self) -> tuple[float, float]:
+        """Largest parameter on the curve, and what the last slope leaves room for.
+
+        Close to the limit the curve runs like a hyperbola, ``limit - a / work``, whose slope times the work
+        is what is left.
+        """
+        best = max(point.parameter for point in self.points)
+        return best, best + max(remainder(self.points), 0.0)
+
+
+def starting_point(system: System, last: StageResult | None) -> Point:
+    """Where a search starts: at the end of a stage, or with unstrained bodies."""
+    if last is None:
+        return Point(np.zeros(system.size), {name: form.initial_state() for name, form in system.forms.items()}, 0.0)
+    return Point(last.x, last.states, 0.0)
+
+
+def remainder(points: list[Point] | tuple[Point, ...]) -> float:
+    """How far the parameter may still rise, by the slope of the curve's last part.
+
+    That part begins where at most :data:`_CHORD` of the present work had been done: what shorter steps show may be
+    the solver's tolerance.
+    """
+    first, last = points[0], points[-1]
+    done = last.work - first.work
+    earlier = [point for point in points[:-1] if point.work - first.work <= _CHORD * done]
+    if len(points) < 3 or not earlier or not done > 0.0:
+        return np.inf
+    start = earlier[-1]
+    return (last.parameter - start.parameter) / (last.work - start.work) * done
+
+
+def follow(branch: Branch, control: ndarray, points: list[Point], newton: Newton, tolerance: float,
+           report: Report, relative: bool = False, highest: float = np.inf, growth: float = GROWTH,
+           longest: float = np.inf, until: float = 0.0) -> Curve:
+    """Follow the curve until it has levelled off.
+
+    Parameters
+    ----------
+    branch
+        The problem.
+    control
+        Reference load whose work is prescribed, (N,).
+    points
+        Two points to start from, or more.
+    newton
+        Settings of Newton's method.
+    tolerance
+        The curve ends when its last slope lets the parameter rise by no more than this.
+    relative
+        Whether the tolerance is a share of the parameter.
+    highest
+        The curve ends when the parameter exceeds this.
+    report
+        Told of every new point and of every step that failed.
+    growth
+        Ratio of a step to the one before; the step after one that failed does not grow.
+    longest
+        Work of the longest step.
+    until
+        Largest displacement that a curve that has levelled off must have reached.
+    """
+    points, length, cuts, failed = list(points), min(points[-1].work - points[-2].work, longest), 0, False
+    while len(points) < _MOST_STEPS:
+        try:
+            point = correct(branch, control, points, points[-1].work + length, newton)
+        except NotConverged as error:
+            report.reject(points[-1].parameter, error, points[-1].work + length)
+            cuts += 1
+            if cuts > _CUTS:
+                return Curve(tuple(points), f"stall: {error}")
+            length, failed = 0.5 * length, True
+            continue
+        points.append(point)
+        report.accept(point)
+        left = remainder(points)
+        reached = np.abs(point.x - points[0].x).max() >= until
+        if reached and left < tolerance * (abs(point.parameter) if relative else 1.0):
+            return Curve(tuple(points), f"plateau: the curve may rise by {max(left, 0.0):.2g} more")
+        if point.parameter > highest:
+            return Curve(tuple(points), f"the parameter {highest:g}: there is no collapse below it")
+        cuts, length, failed = 0, length if failed else min(growth * length, longest), False
+    return Curve(tuple(points), f"{_MOST_STEPS} steps without a plateau")
+
+
+def correct(branch: Branch, control: ndarray, points: list[Point], work: float, newton: Newton) -> Point:
+    """The equilibrium at which the reference load has done some work, starting from an extrapolation.
+
+    Raises
+    ------
+    NotConverged
+        Newton's method found none.
+    """
+    before, last = points[-2:]
+    share = (work - last.work) / (last.work - before.work)
+    # the curve bends: the parameter's extrapolation is a cautious one
+    guess = np.append(last.x + share * (last.x - before.x), last.parameter + 0.5 * (last.parameter - before.parameter))
+    system = branch.at(last.parameter)[0]
+    target = system.work(control, points[0].x) + work
+
+    def evaluate(z: ndarray) -> Evaluation:
+        if not z[-1] > branch.lowest:
+            return Evaluation(z, {}, np.zeros_like(control), np.inf)
+        forms, load = branch.at(float(z[-1]))
+        new = forms.evaluate(z[:-1], last.states, load)
+        return replace(new, z=z)
+
+    def direction(now: Evaluation, damped: bool) -> ndarray:
+        """Newton step of residual and work together, by two solutions with one factor."""
+        delta = _DIFFERENCE * max(abs(now.z[-1]), _DIFFERENCE)
+        beside = now.z.copy()
+        beside[-1] += delta
+        by_parameter = (evaluate(beside).residual - now.residual) / delta
+        solve = system.solver.factor(system.tangent(now, damped), system.symmetric)
+        balance, drift = solve(now.residual), solve(by_parameter)
+        lag = target - system.work(control, now.z[:-1] + balance)
+        slope = system.work(control, drift)
+        if slope == 0.0:
+            raise NotConverged("no equilibrium: the forces do not depend on the parameter any more")
+        change = lag / slope
+        return np.append(balance + change * drift, change)
+
+    try:
+        now, norms = iterate(evaluate(guess), evaluate, direction, newton, branch.search, at_least=1, damp=True)
+    except NotConverged as error:
+        error.x = None if error.x is None else error.x[:-1]
+        raise
+    return Point(now.z[:-1], now.states, float(now.z[-1]), work, norms)

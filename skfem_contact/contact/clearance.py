@@ -1,0 +1,48 @@
+"""How bodies fit together where they become active: gaps and overlaps as meshed, adjusted or ramped."""
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+from numpy import ndarray
+
+from .diagnosis import PENETRATION
+
+#: What becomes of gaps and overlaps.
+Fit = Literal["as meshed", "adjusted", "ramped"]
+
+#: Gaps of the mesh below this share of the slave segment are round-off: such bodies touch.
+_TOUCHING = 1e-8
+#: Gaps below this share of it are those of one surface meshed twice.
+_ADJUSTED = 0.5
+
+
+def touching(gap: ndarray, meshed: ndarray, size: ndarray, fit: Fit, bonded: bool) -> ndarray:
+    """Gaps that count as touching, (n,).
+
+    Parameters
+    ----------
+    gap, meshed
+        Gaps where the bodies are when they become active, and where they are meshed: bodies are built to fit into
+        displaced surfaces, so that gaps are still those of the mesh.
+    size
+        Lengths of the slave segments.
+    fit
+        What becomes of gaps and overlaps.
+    bonded
+        Whether what is near is bonded as it is meshed.
+    """
+    with np.errstate(invalid="ignore"):  # nothing near, neither now nor in the mesh: inf - inf
+        # a change of more than this is no displacement: other surfaces have come to face each other
+        moved = np.where(np.abs(gap - meshed) <= 0.5 * size, gap - meshed, 0.0)
+    if fit == "ramped":
+        moved = np.zeros_like(gap)
+    nothing = (_ADJUSTED if bonded or fit == "adjusted" else _TOUCHING) * size
+    offset = np.where(np.abs(gap - moved) <= nothing, gap, moved)
+    return np.minimum(gap, offset) if fit == "ramped" else offset
+
+
+def less_overlap(offset: ndarray, size: ndarray) -> ndarray:
+    """The next of the steps in which overlaps are resolved: half of them, and none of what is small."""
+    left = 0.5 * offset
+    return np.where(np.abs(left) < PENETRATION * size, 0.0, left)

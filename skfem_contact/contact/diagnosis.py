@@ -1,0 +1,89 @@
+"""What a user should know of a contact state: contact that is not there, or not where it should be."""
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy import ndarray
+
+from .laws import Status
+from .quadrature import SlavePoints
+from .state import ContactState
+from .surface import EXTENSION, Surface
+
+#: Penetration, as a share of the slave segment, from which the user is told.
+PENETRATION = 0.01
+#: A gap below this share of the coordinates is nothing: bodies that touch unloaded go on touching when they move.
+ROUND_OFF = 8 * np.finfo(float).eps
+#: Round-off of the shear of sticking points, as a share of the largest traction, from which the user is told.
+_LOST = 1e-3
+
+
+def penetration(points: SlavePoints, state: ContactState) -> float:
+    """Largest penetration as a share of the slave segment there."""
+    closed = state.status != Status.OPEN
+    return float(np.max((state.offset - state.gap)[closed] / points.size[closed], initial=0.0))
+
+
+def passed_through(depth: ndarray, accepted: ContactState, candidate: ContactState) -> int:
+    """Number of points that were outside the master, or near its surface, and are deep inside now."""
+    was_outside = np.isfinite(accepted.gap) & (accepted.gap >= -depth)
+    return int((was_outside & (candidate.gap < -depth)).sum())
+
+
+def remarks(slave: Surface, master: Surface, points: SlavePoints, depth: ndarray, penalties: tuple[float, float],
+            state: ContactState) -> Iterator[str]:
+    """Remarks on a state: penetration, round-off, points held to a facet that they have left, or too deep, no contact.
+
+    Parameters
+    ----------
+    slave, master
+        The surfaces.
+    points
+        The slave's points.
+    depth
+        Largest penetration that counts as contact, (n,).
+    penalties
+        Normal and tangential penalty.
+    state
+        Their state.
+    """
+    share = penetration(points, state)
+    if share > PENETRATION:
+        yield (f"the slave penetrates by {share:.1%} of its segment length: the penalty, {penalties[0]:.3g}, is "
+               "too soft for this load")
+    lost = penalties[1] * ROUND_OFF * float(np.abs(master.nodes - slave.nodes.mean(axis=0)).max())
+    largest = float(np.abs((state.normal, state.tangential)).max(initial=0.0))
+    if 0.0 < largest < lost / _LOST and (state.status == Status.STICK).any():
+        yield (f"round-off of the slip makes up to {lost / largest:.1%} of the largest traction: the tangential "
+               f"penalty, {penalties[1]:.3g}, is too hard")
+    astray = _astray(master, depth, state)
+    if astray.any():
+        yield (f"points {np.flatnonzero(astray)} of '{slave.name}' went to and fro at ends of the facets of "
+               f"'{master.name}' and were held to the ones that they have left, or to none: smoothing the master would "
+               "take away the kinks there")
+    if state.broken.any():
+        yield (f"points {np.flatnonzero(state.broken)} of '{slave.name}' opened with their bond and closed without it: "
+               "they have lost it, adhesion and tension, for good")
+    deep = state.gap < -depth
+    if deep.any():
+        yield (f"{deep.sum()} of {len(deep)} points of '{slave.name}' lie deeper in '{master.name}' than an element, "
+               f"up to {-state.gap.min():.3g}, and do not touch it; the deepest is at {_place(slave, points, state)}")
+    elif (state.status == Status.OPEN).all():
+        gap = float((state.gap - state.offset).min())
+        yield "no slave point found a master within reach: " + (
+            f"nothing of '{master.name}' lies opposite '{slave.name}'" if np.isinf(gap) else
+            f"gap is {gap:.3g} between '{slave.name}' and '{master.name}', smallest at {_place(slave, points, state)}")
+
+
+def _astray(master: Surface, depth: ndarray, state: ContactState) -> ndarray:
+    """Closed points beyond the ends of their facet by more than search lets pass, open ones that penetrate unseen."""
+    closed, none = state.status != Status.OPEN, state.segment == -1
+    start, length = master.start[state.segment], master.length[state.segment]
+    beyond = np.maximum(start - state.arc, state.arc - start - length) > EXTENSION * length
+    return (closed & ~none & beyond) | (none & (state.gap < 0.0) & (state.gap >= -depth))
+
+
+def _place(slave: Surface, points: SlavePoints, state: ContactState) -> str:
+    x, y = points.positions(slave.nodes)[np.argmin(state.gap)]
+    return f"({x:g}, {y:g}) of the mesh"

@@ -1,0 +1,145 @@
+"""How large the increments of a stage are, and how much is tried to find an equilibrium in each."""
+from __future__ import annotations
+
+import numpy as np
+from numpy import ndarray
+
+from .evaluation import NoEquilibrium, NotConverged
+
+#: Changes of the load that differ by less than this share are in proportion.
+_PROPORTIONAL = 1e-6
+#: An increment that fails at this share of the stage has failed for good.
+_SMALLEST = 1.0 / 1024.0
+#: An increment with so few iterations to an equilibrium may be followed by a larger one.
+_EASY = 8
+#: What remains of an increment that failed although everything was tried, and of one for which little was tried.
+_QUARTER, _HALF = 0.25, 0.5
+#: Share of the stage from which on everything is tried in every increment.
+_SMALL = 1.0 / 128.0
+#: Distance from the last equilibrium to a collapse, as a share of what was reached, at which the limit is found.
+_NARROW = 0.02
+_ROUND_OFF = 1e-9
+
+
+class Stepping:
+    """Sizes of the increments: cut where they fail, growing where they are easy.
+
+    Everything is tried in the first increment of a stage.  Later on, a load that failed although everything was tried
+    is approached by attempts that cost little, until these have passed it or the increments are small.
+
+    Parameters
+    ----------
+    increments
+        Number of increments to begin with.
+
+    Examples
+    --------
+    >>> from skfem_contact import NoEquilibrium
+    >>> stepping = Stepping(1)
+    >>> stepping.reject(NoEquilibrium("collapse"))
+    >>> stepping.fraction, stepping.try_recovery
+    (0.25, True)
+    >>> stepping.accept(stepping.fraction, iterations=5)
+    >>> stepping.fraction
+    0.75
+    """
+
+    def __init__(self, increments: int) -> None:
+        self._size = self._largest = 1.0 / increments
+        self._reached, self._failed, self._collapsed = 0.0, np.inf, np.inf
+        #: Whether the attempt before this one failed.
+        self.cut = False
+
+    @property
+    def fraction(self) -> float:
+        """Share of the stage's load to be tried next."""
+        fraction = self._reached + self._size
+        return fraction if 1.0 - fraction > _ROUND_OFF else 1.0
+
+    @property
+    def size(self) -> float:
+        """Size of the increment to be tried next."""
+        return self._size
+
+    @property
+    def try_recovery(self) -> bool:
+        """Whether everything is to be tried."""
+        new = self.fraction < self._failed - _ROUND_OFF and not self.cut
+        return new or self._reached == 0.0 or self._size <= _SMALL
+
+    @property
+    def exhausted(self) -> bool:
+        """Whether smaller increments would tell no more."""
+        return self._size < _SMALLEST or self._limited
+
+    @property
+    def _limited(self) -> bool:
+        """Whether an equilibrium and a collapse are next to each other."""
+        return self._collapsed - self._reached <= _NARROW * self._reached
+
+    def accept(self, fraction: float, iterations: int, equilibria: int = 1) -> None:
+        """An equilibrium was found, or several in a row."""
+        self._reached, self.cut = fraction, False
+        self._failed, self._collapsed = (f if f > fraction + _ROUND_OFF else np.inf
+                                         for f in (self._failed, self._collapsed))
+        if iterations <= _EASY * equilibria:
+            self._size = max(self._size, min(2.0 * self._size, self._largest))
+
+    def reject(self, error: NotConverged) -> None:
+        """None was found."""
+        share = _QUARTER if self.try_recovery else _HALF
+        self._failed = self.fraction
+        if isinstance(error, NoEquilibrium):
+            self._collapsed = self.fraction
+        self._size, self.cut = share * (self.fraction - self._reached), True
+
+    def __str__(self) -> str:
+        told = f"stopped at {self._reached:.2%} of its load"
+        return f"{told}, the displacements run away at {self._collapsed:.2%}" if self._limited else told
+
+
+class Predictor:
+    """Extrapolates from the last two accepted increments while loads and supports move on in proportion.
+
+    Sliding contact and yielding soil then hardly change their state within an increment, and few iterations are left.
+
+    Parameters
+    ----------
+    fixed
+        Unknowns whose values are prescribed.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> predictor = Predictor(fixed=np.array([0]))
+    >>> for step in (0.0, 1.0):
+    ...     predictor.accept(x=step * np.array([1.0, 0.4]), load=np.zeros(2))
+    >>> predictor.start(load=np.zeros(2), prescribed=np.array([3.0]))
+    array([3. , 1.2])
+    >>> predictor.start(load=np.zeros(2), prescribed=np.array([0.5])) is None   # on the way back bodies stick at first
+    True
+    """
+
+    def __init__(self, fixed: ndarray) -> None:
+        self._fixed = fixed
+        self._accepted: tuple[tuple[ndarray, ndarray], ...] = ()
+
+    def accept(self, x: ndarray, load: ndarray) -> None:
+        """Remember displacements and load of an accepted increment."""
+        self._accepted = (*self._accepted[-1:], (x, load))
+
+    def start(self, load: ndarray, prescribed: ndarray) -> ndarray | None:
+        """Displacements to start from under a load, or None where the last increment does not tell."""
+        if len(self._accepted) < 2:
+            return None
+        (x_before, load_before), (x, load_last) = self._accepted
+        moved, held = x - x_before, self._fixed
+        changes = ((load_last - load_before, load - load_last), (moved[held], prescribed - x[held]))
+        ratios = [float(old @ new / (old @ old)) for old, new in changes if old.any()]
+        if not ratios or not ratios[0] > 0.0:
+            return None
+        if any(np.linalg.norm(new - ratios[0] * old) > _PROPORTIONAL * np.linalg.norm(new) for old, new in changes):
+            return None
+        start = x + ratios[0] * moved
+        start[held] = prescribed
+        return start

@@ -1,0 +1,180 @@
+"""Forms, supports and a linear solver: the system whose equilibrium is sought."""
+from __future__ import annotations
+
+import logging
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy import ndarray
+from scipy.sparse import csr_matrix
+
+from ..forms import Form, are_symmetric
+from ..solvers.direct import SingularSystem
+from ..sparse import Total
+from .evaluation import Evaluation, NoEquilibrium, NotConverged
+from .line_search import Search
+from .newton import FAR, Newton, iterate
+
+logger = logging.getLogger("skfem_contact")
+
+#: Share of the load that may be lost in round-off.
+_HIDDEN = 1e-6
+#: Displacements whose squares are no longer numbers are not far from here.
+_ENDLESS = 1e100
+
+
+@dataclass(frozen=True)
+class Equilibrium:
+    """A converged increment: displacements, candidate states, history of the residual, number of equilibria it took."""
+
+    x: ndarray
+    states: dict[str, Any]
+    residuals: tuple[float, ...]
+    equilibria: int = 1
+
+    @property
+    def iterations(self) -> int:
+        """Number of linear systems solved."""
+        return len(self.residuals) - 1
+
+
+class System:
+    """Forms, supports and a linear solver.
+
+    Parameters
+    ----------
+    forms
+        Forms by name.
+    fixed
+        Unknowns whose values are prescribed.
+    solver
+        Linear solver: ``factor(K) -> solve``.
+    """
+
+    def __init__(self, forms: Mapping[str, Form], fixed: ndarray, free: ndarray, solver: Any) -> None:
+        self.forms = dict(forms)
+        self.fixed, self.free = fixed, free
+        self.solver = solver
+        self._total = Total()
+
+    @cached_property
+    def symmetric(self) -> bool:
+        """Whether the tangent is symmetric: all forms say so by an attribute `symmetric`."""
+        return are_symmetric(self.forms)
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns."""
+        return len(self.fixed) + len(self.free)
+
+    def work(self, load: ndarray, displacements: ndarray) -> float:
+        """Work of a load on the free unknowns."""
+        return float(load[self.free] @ displacements[self.free])
+
+    def evaluate(self, x: ndarray, states: Mapping[str, Any], load: ndarray) -> Evaluation:
+        """Answers of all forms at some displacements, unless these have run away."""
+        if not np.abs(x).max(initial=0.0) < _ENDLESS:
+            raise NotConverged("the iterations run away: the displacements are no numbers any more")
+        responses = {name: form.assemble(x, states[name]) for name, form in self.forms.items()}
+        residual = load - sum(r.force for r in responses.values())
+        residual[self.fixed] = 0.0
+        carried = float(np.linalg.norm(load))
+        scale = max(carried, *(float(np.linalg.norm(r.force)) for r in responses.values()))
+        round_off = sum(r.round_off for r in responses.values())
+        if carried > 0.0:  # displacements so large that their round-off hides the load are no equilibrium
+            round_off = min(round_off, _HIDDEN * carried)
+        norm, unit = float(np.linalg.norm(residual)), scale if scale > 0 else 1.0
+        hidden = min(norm, round_off)
+        return Evaluation(x, responses, residual, (norm - hidden) / unit, hidden=hidden / unit)
+
+    def tangent(self, now: Evaluation, damped: bool = False) -> csr_matrix:
+        """Tangent of all forms together."""
+        return self._total.of([r.damped if damped else r.stiffness for r in now.responses.values()])
+
+    def equilibrium(self, x: ndarray, states: Mapping[str, Any], load: ndarray, prescribed: ndarray,
+                    settings: Newton, searches: Sequence[Search] = ("residual", "energy"),
+                    elastic: float = 0.0, at_least: int = 0, damp: bool = False,
+                    start: ndarray | None = None) -> Equilibrium:
+        """Find the displacements at which load and internal forces balance.
+
+        Parameters
+        ----------
+        x, states
+            The last accepted displacements and states.
+        load
+            External forces, (N,).
+        prescribed
+            Values of the fixed unknowns.
+        settings
+            Tolerance and number of iterations.
+        searches
+            Line searches to try, one after the other.
+        elastic
+            Norm of the displacements that the load causes by elasticity; by default the first step's, or that of
+            `x` if it is larger.
+        at_least
+            Number of iterations even if the residual is small from the start.
+        damp
+            Damp the tangent from the start, not only where the iterations make no progress.
+        start
+            Displacements to start from; by default `x`.
+
+        Raises
+        ------
+        NoEquilibrium
+            There is no equilibrium.
+        NotConverged
+            None was found.  The message names the place and the size of the largest unbalanced force.
+        """
+        first: list[float] = [elastic] if elastic > 0.0 else []
+        regular: list[csr_matrix] = []
+
+        def evaluate(z: ndarray) -> Evaluation:
+            new = self.evaluate(z, states, load)
+            return replace(new, lag=float(np.abs(prescribed - z[self.fixed]).max(initial=0.0)))
+
+        def direction(now: Evaluation, damped: bool) -> ndarray:
+            step = self._direction(now, prescribed - now.z[self.fixed], damped, regular)
+            if not first:
+                first.append(max(float(np.linalg.norm(now.z + step - x)), float(np.linalg.norm(x))))
+            return step
+
+        def far(now: Evaluation) -> bool:
+            moved = now.z - x
+            times = np.linalg.norm(moved) / first[0]
+            return bool((times > FAR and now.residual @ moved > 0.0) or times > FAR**2)
+
+        spent: tuple[float, ...] = ()
+        for search in searches:
+            try:
+                # no name for the first new: its tangent would stay in memory
+                now, norms = iterate(evaluate(x if start is None else start), evaluate, direction, settings, search,
+                                     far, at_least, damp)
+            except NotConverged as error:
+                error.residuals = spent = spent + error.residuals[1 if spent else 0:]
+                if isinstance(error, NoEquilibrium) or search == searches[-1]:
+                    raise
+                logger.info("no equilibrium by the %s: %s", search, error)
+            else:
+                return Equilibrium(now.z, now.states, spent + norms[1 if spent else 0:])
+        raise ValueError("there is no line search to try")
+
+    def _direction(self, now: Evaluation, lag: ndarray, damped: bool, regular: list[csr_matrix]) -> ndarray:
+        """Newton step; where the tangent is singular, far out on a mechanism, with the last regular one."""
+        K = self.tangent(now, damped)
+        right = now.residual
+        step = np.zeros_like(now.z)
+        if lag.any():
+            step[self.fixed] = lag
+            right = right - K @ step
+        try:
+            solve = self.solver.factor(K, self.symmetric)
+            regular[:] = [K]  # not its factors, which would be in memory beside the next ones
+        except SingularSystem:
+            if not regular:
+                raise
+            solve = self.solver.factor(regular[0], self.symmetric)
+        return step + solve(right)

@@ -1,0 +1,1 @@
+"""Linear solvers: which one, direct ones and their ordering, multigrid, elimination down to an interface."""

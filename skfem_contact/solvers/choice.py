@@ -1,0 +1,106 @@
+"""The linear solver that a user gives: a name, a function, or nothing."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy import ndarray
+from scipy.sparse import csr_matrix
+
+from ..forms import are_symmetric
+from ..sparse import FreeBlock
+from .direct import ENGINES, DirectSolver, LinearSolver, SingularSystem, Solve
+from .multigrid import AmgOrDirect, AmgSolver, amg_pays
+from .schur import SchurSolver
+
+logger = logging.getLogger("skfem_contact")
+
+
+class FunctionSolver:
+    """A function (A, b) -> x behind the call of :class:`DirectSolver`."""
+
+    def __init__(self, function: Callable[[csr_matrix, ndarray], ndarray], free: ndarray) -> None:
+        self._function = function
+        self._block = FreeBlock(np.asarray(free))
+        self.name = getattr(function, "__qualname__", repr(function))
+        logger.info("linear solver: %s", self.name)
+
+    def factor(self, K: csr_matrix, symmetric: bool = False) -> Solve:
+        """Keep the free block of K for the function."""
+        A = self._block.gather(K)
+
+        def solve(b: ndarray) -> ndarray:
+            x = np.zeros(K.shape[0])
+            x[self._block.order] = self._function(A, b[self._block.order])
+            if not np.all(np.isfinite(x)):
+                raise SingularSystem(f"the linear solver {self.name} returned values that are not finite",
+                                     np.flatnonzero(~np.isfinite(x)))
+            return x
+
+        return solve
+
+
+def as_solver(solver: Any, locations: ndarray, free: ndarray) -> LinearSolver:
+    """The linear solver of an analysis from what its user gave.
+
+    Parameters
+    ----------
+    solver
+        None or the name of an engine for a :class:`DirectSolver`; "amg" for an :class:`AmgSolver`; or a scikit-fem
+        linear solver, that is a function (A, b) -> x such as `skfem.utils.solver_iter_krylov()` returns.
+    locations
+        (dim, N), the place of each unknown.
+    free
+        Indices of the unknowns to solve for.
+
+    Raises
+    ------
+    ValueError
+        `solver` is none of these.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scipy.sparse import eye
+    >>> from scipy.sparse.linalg import spsolve
+    >>> solver = as_solver(spsolve, np.zeros((2, 3)), np.array([0, 2]))
+    >>> solver.factor(2 * eye(3, format="csr"))(np.ones(3))
+    array([0.5, 0. , 0.5])
+    """
+    if callable(solver):
+        return FunctionSolver(solver, free)
+    if solver == "amg":
+        return AmgSolver(locations, free)
+    if solver is None or solver in tuple(ENGINES):
+        return DirectSolver(locations, free, solver)
+    names = ", ".join((*ENGINES, "amg"))
+    raise ValueError(f"solver must be None, one of {names}, or a function (A, b) -> x, not {solver!r}")
+
+
+def linear_solver(forms: Mapping[str, Any], solver: Any, locations: ndarray, free: ndarray) -> LinearSolver:
+    """The linear solver of an analysis.
+
+    Parameters
+    ----------
+    forms
+        Forms by name; those with an attribute `unknowns` act on these alone, those with `materials` yield where one
+        of these has internal variables.
+    solver, locations, free
+        As for :func:`as_solver`.  A user's own function and multigrid are used for everything.
+    """
+    yielding = any(_may_yield(form) for form in forms.values())
+    if solver is None and are_symmetric(forms) and not yielding and amg_pays(locations, free):
+        return AmgOrDirect(locations, free)
+    inner = as_solver(solver, locations, free)
+    touched = [form.unknowns for form in forms.values() if hasattr(form, "unknowns")]
+    if callable(solver) or solver == "amg" or not touched or yielding:
+        return inner
+    return SchurSolver(inner, locations, free, np.concatenate(touched))
+
+
+def _may_yield(form: Any) -> bool:
+    """Whether a form's tangent may change inside the bodies: then factors that are made to be kept do not pay."""
+    return any(material.n_internal > 0 for material in getattr(form, "materials", {}).values())

@@ -1,0 +1,294 @@
+"""Direct solution of K x = b for the free unknowns, made for many tangents on one mesh."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from typing import Protocol
+
+import numpy as np
+from numpy import ndarray
+from scipy.sparse import csr_matrix, diags
+
+from ..sparse import FreeBlock, same_matrix
+from .pardiso import Pardiso
+from .superlu import SuperLU
+
+logger = logging.getLogger("skfem_contact")
+
+Solve = Callable[[ndarray], ndarray]
+
+SOFT = 1e-11  # a probe that grows by more than 1/SOFT is looked at more closely
+SINGULAR = 1e-15  # relative stiffness of a free motion, by round-off alone
+MOVES = 1e-2  # part of the largest entry from which an unknown takes part in a motion
+REFINE = 1e-10  # relative residual from which the solution is refined
+WRONG = 1e-5  # relative residual that is refused
+HOLD = 1e-13  # relative stiffness that is added to find the unknowns that move
+
+
+class SingularSystem(ValueError):
+    """The free unknowns can move without force: a body floats.
+
+    Parameters
+    ----------
+    message
+        What is wrong.
+    unknowns
+        Indices of the unknowns that take part in the free motion.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> str(SingularSystem("body 'wall' floats", np.array([4, 5])))
+    "body 'wall' floats"
+    """
+
+    def __init__(self, message: str, unknowns: ndarray) -> None:
+        super().__init__(message)
+        self.unknowns = unknowns
+
+
+class LinearSolver(Protocol):
+    """What an analysis asks of a linear solver."""
+
+    @property
+    def name(self) -> str:
+        """What solves, for the log."""
+
+    def factor(self, K: csr_matrix, symmetric: bool = False) -> Solve:
+        """Prepare the solution of K[free, free] x[free] = b[free] for any b (N,)."""
+
+
+class Engine(Protocol):
+    """Sparse factors without checks: what :class:`DirectSolver` asks of SuperLU and PARDISO."""
+
+    name: str
+
+    def order(self, graph: csr_matrix, locations: ndarray) -> ndarray:
+        """Order of the unknowns in the matrices to come."""
+
+    def outdated(self) -> bool:
+        """Whether they should be ordered anew."""
+
+    def factor(self, A: csr_matrix, symmetric: bool, careful: bool = False) -> Solve:
+        """Solution of A x = b; RuntimeError for an exact zero among the pivots."""
+
+
+ENGINES: dict[str, Callable[[], Engine]] = {"pardiso": Pardiso, "superlu": SuperLU}  # the fastest first
+
+
+class DirectSolver:
+    """Sparse factors of the free block of K, made for many tangents on one mesh.
+
+    The order of elimination is kept as long as it keeps the factors sparse, the map that gathers the
+    block as long as the pattern of K stays, and the factor as long as the free block of K stays.
+
+    Parameters
+    ----------
+    locations
+        (dim, N), the place of each unknown (`basis.doflocs`), in any unit of length.
+    free
+        Indices of the unknowns to solve for; the others are zero in every solution.
+    engine
+        "superlu" (scipy) or "pardiso" (Intel MKL, needs the extra ``fast``); by default PARDISO where it
+        is installed.
+
+    Raises
+    ------
+    ValueError
+        There is no such engine.
+    ImportError
+        "pardiso" is asked for and not installed.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from scipy.sparse import diags
+    >>> K = diags([-1.0, 2.0, -1.0], [-1, 0, 1], shape=(4, 4)).tocsr()
+    >>> solver = DirectSolver(np.arange(4.0)[None], free=np.array([1, 2, 3]), engine="superlu")
+    >>> solver
+    DirectSolver(SuperLU with nested dissection, 3 of 4 unknowns)
+    >>> solver.factor(K)(np.ones(4)).round(12)
+    array([0. , 1.5, 2. , 1.5])
+    """
+
+    def __init__(self, locations: ndarray, free: ndarray, engine: str | None = None) -> None:
+        self._locations, self._free = locations, np.asarray(free)
+        self._engine = _engine(engine)
+        self._block: FreeBlock | None = None
+        self._last: _Factor | None = None
+        logger.info("linear solver: %s", self.name)
+
+    @property
+    def name(self) -> str:
+        """The engine that was chosen."""
+        return self._engine.name
+
+    def __repr__(self) -> str:
+        return f"DirectSolver({self.name}, {len(self._free)} of {self._locations.shape[1]} unknowns)"
+
+    def factor(self, K: csr_matrix, symmetric: bool = False) -> Solve:
+        """Factor the free block of K.
+
+        Parameters
+        ----------
+        K
+            (N, N); nonsymmetric in slip and in non-associated flow.
+        symmetric
+            K is symmetric, of which PARDISO makes use.
+
+        Returns
+        -------
+        callable
+            b (N,) -> x (N,) with K[free, free] x[free] = b[free] and zeros elsewhere.
+
+        Raises
+        ------
+        SingularSystem
+            A motion of the free unknowns meets no stiffness. The callable raises it as well, when its
+            solution leaves a residual.
+        ValueError
+            K has entries that are not finite, or another size than `locations`.
+        """
+        n = self._locations.shape[1]
+        if K.shape != (n, n):
+            raise ValueError(f"the stiffness has the shape {K.shape}, but {n} unknowns have a location")
+        if len(self._free) == 0:
+            return np.zeros_like
+        block = self._block = self._block or self._ordered(K)
+        A = block.gather(K)
+        last = self._last
+        if last is not None and last.usable and last.symmetric == symmetric and same_matrix(A, last.A):
+            return last
+        if self._engine.outdated():
+            block = self._block = self._ordered(K)
+            A = block.gather(K)
+        self._last = last = None  # its memory is free for the next one
+        factor = self._last = _Factor(A, self._engine, symmetric, block.order, n)
+        return factor
+
+    def _ordered(self, K: csr_matrix) -> FreeBlock:
+        graph = K[self._free][:, self._free]
+        return FreeBlock(self._free[self._engine.order(graph, self._locations[:, self._free])])
+
+
+def _engine(name: str | None) -> Engine:
+    """The engine of that name, or the fastest that is installed."""
+    if name is not None:
+        if name not in ENGINES:
+            raise ValueError(f"there is no engine {name!r}; there are {', '.join(ENGINES)}")
+        return ENGINES[name]()
+    try:
+        return Pardiso()
+    except ImportError:
+        return SuperLU()
+
+
+class _Factor:
+    """Factor of one free block, with the checks that the engines leave to their caller."""
+
+    def __init__(self, A: csr_matrix, engine: Engine, symmetric: bool, order: ndarray, size: int) -> None:
+        self.A, self.symmetric = A, symmetric
+        self._engine, self._order, self._size = engine, order, size
+        self._scale = self._row_norms()
+        for careful in (False, True):
+            try:
+                self._factor(careful)
+            except RuntimeError:  # an exact zero among the pivots
+                continue
+            if self._stiffness() > SINGULAR:
+                return
+        raise self._singular()
+
+    def __call__(self, b: ndarray) -> ndarray:
+        rhs = b[self._order]
+        size = float(np.linalg.norm(rhs))
+        if not np.isfinite(size):
+            raise ValueError("the right-hand side has entries that are not finite")
+        x = np.zeros(self._size)
+        if size > 0.0:
+            x[self._order] = self._checked(rhs, size)
+        return x
+
+    @property
+    def usable(self) -> bool:
+        """Whether there are factors; not once they have turned out to be singular."""
+        return "_solve" in vars(self)
+
+    def _factor(self, careful: bool) -> None:
+        self._forget()
+        self._solve = self._engine.factor(self.A, self.symmetric, careful)
+
+    def _forget(self) -> None:
+        """Free the memory of the factors for the next ones."""
+        vars(self).pop("_solve", None)
+
+    def _checked(self, rhs: ndarray, size: float) -> ndarray:
+        """Solution of small residual."""
+        x, error = self._refined(rhs, size)
+        if error > WRONG:
+            self._factor(careful=True)
+            x, error = self._refined(rhs, size)
+        if error > WRONG:
+            raise self._singular()
+        return x
+
+    def _refined(self, rhs: ndarray, size: float) -> tuple[ndarray, float]:
+        """Solution and its relative residual, improved once where it is not small."""
+        x = self._solve(rhs)
+        residual = rhs - self.A @ x
+        if np.linalg.norm(residual) > REFINE * size:
+            x = x + self._solve(residual)
+            residual = rhs - self.A @ x
+        error = float(np.linalg.norm(residual)) / size
+        return x, error if np.isfinite(error) else np.inf
+
+    def _row_norms(self) -> ndarray:
+        """Largest entry of each row, the measure of what is small: penalties may be millions of times E."""
+        A = self.A
+        filled = np.flatnonzero(np.diff(A.indptr))
+        norms = np.zeros(A.shape[0])
+        norms[filled] = np.maximum.reduceat(np.abs(A.data), A.indptr[filled])
+        if not np.all(np.isfinite(norms)):
+            raise ValueError("the stiffness has entries that are not finite")
+        if not np.all(norms):
+            raise _floating(self._order[norms == 0.0], len(norms))
+        return norms
+
+    def _stiffness(self) -> float:
+        """Stiffness of the softest motion relative to the rows, by one or two steps of inverse iteration.
+
+        It stands in for the ratio of the pivots, which SuperLU cannot tell without a copy of its factors.
+        """
+        motion = _any_motion(len(self._scale))
+        for _ in range(2):
+            motion = self._solve(self._scale * motion)
+            stiffness = 1.0 / float(np.abs(motion).max())
+            if stiffness > SOFT:
+                break
+            motion *= stiffness
+        return stiffness
+
+    def _singular(self) -> SingularSystem:
+        """The error that names the unknowns of the softest motion, found with a little stiffness added."""
+        self._forget()
+        solve = self._engine.factor((self.A + diags(HOLD * self._scale)).tocsr(), self.symmetric)
+        motion = _any_motion(len(self._scale))
+        for _ in range(2):
+            motion = solve(self._scale * motion)
+            motion /= np.abs(motion).max()
+        return _floating(self._order[np.abs(motion) > MOVES], len(motion))
+
+
+def _any_motion(n: int) -> ndarray:
+    """A start of the iteration that takes part in every motion, and is the same in every run."""
+    return np.random.default_rng(0).standard_normal(n)
+
+
+def _floating(unknowns: ndarray, n: int) -> SingularSystem:
+    unknowns = np.sort(unknowns)
+    return SingularSystem(
+        f"the system is singular: {len(unknowns)} of {n} free unknowns can move without force, "
+        f"the first is {unknowns[0]}",
+        unknowns,
+    )

@@ -1,0 +1,164 @@
+"""MKL PARDISO as an engine of the direct solver: one analysis serves for all tangents of a mesh."""
+
+from __future__ import annotations
+
+import weakref
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy import ndarray
+from numpy.ctypeslib import ndpointer
+from scipy.sparse import csr_matrix, eye
+
+from ..sparse import same_pattern
+
+UNSYMMETRIC, SYMMETRIC = 11, -2  # PARDISO's types of real matrices
+ANALYSE, FACTOR, SOLVE, RELEASE = 11, 22, 33, -1  # its phases
+OUT_OF_MEMORY = -2  # its error
+OPTIONS = {1: 1, 2: 2, 10: 18, 11: 1, 13: 1}  # own options, METIS, pivots above 1e-18, scaling, matching
+SPARE = 1.1  # entries of an analysed pattern to those of the matrix, at most
+
+
+class Pardiso:
+    """Engine of MKL, through the library that pypardiso finds.
+
+    An analysis costs as much as a factor. It is kept for all matrices whose
+    pattern lies within the analysed one, so that contacts may open and close.
+    Scaling and matching are on: without them PARDISO returns wrong solutions of
+    indefinite systems and reports no error.
+
+    Raises
+    ------
+    ImportError
+        pypardiso or MKL is not installed.
+    """
+
+    name = "MKL PARDISO"
+
+    def __init__(self) -> None:
+        self._library = _library()
+        self._analysis: _Analysis | None = None
+        self._factored: csr_matrix | None = None
+
+    def order(self, graph: csr_matrix, locations: ndarray) -> ndarray:
+        """The given order: PARDISO has one of its own."""
+        return np.arange(graph.shape[0])
+
+    def outdated(self) -> bool:
+        """Never: PARDISO orders each new pattern itself."""
+        return False
+
+    def factor(self, A: csr_matrix, symmetric: bool, careful: bool = False) -> Callable[[ndarray], ndarray]:
+        """Solution of A x = b; `careful` scales and matches by these values and makes no use of symmetry."""
+        symmetric = symmetric and not careful
+        self._prepare(A, symmetric, careful)
+
+        def solve(b: ndarray) -> ndarray:
+            if self._factored is not A:  # another matrix has taken its place since
+                self._prepare(A, symmetric, careful)
+            assert self._analysis is not None
+            return self._analysis.solve(b)
+
+        return solve
+
+    def _prepare(self, A: csr_matrix, symmetric: bool, afresh: bool) -> None:
+        analysis, self._factored = self._analysis, None
+        if analysis is None or afresh or analysis.symmetric != symmetric or not analysis.admits(A):
+            pattern = _ones(A) + eye(A.shape[0], format="csr")  # PARDISO wants every diagonal entry
+            if analysis is not None and (both := pattern + analysis.pattern).nnz < SPARE * A.nnz:
+                pattern = both
+            self._analysis = analysis = None  # its memory is free for the next one
+            self._analysis = analysis = _Analysis(self._library, pattern, A, symmetric)
+        analysis.factor(A)
+        self._factored = A
+
+
+class _Analysis:
+    """PARDISO's analysis of one pattern and the factor of the last values on it; its memory ends with it."""
+
+    def __init__(self, library: Any, pattern: csr_matrix, A: csr_matrix, symmetric: bool) -> None:
+        self.pattern, self.symmetric = _ones(pattern), symmetric
+        self._last: csr_matrix | None = None
+        n, indptr, indices = pattern.shape[0], pattern.indptr, pattern.indices
+        row = np.repeat(np.arange(n), np.diff(indptr))
+        self._stored = np.flatnonzero(indices >= row) if symmetric else np.arange(pattern.nnz)
+        self._rows = np.cumsum(np.bincount(row[self._stored] + 1, minlength=n + 1), dtype=np.int32) + 1
+        self._columns = indices[self._stored].astype(np.int32) + 1
+        self._call = _Call(library, SYMMETRIC if symmetric else UNSYMMETRIC)
+        self.admits(A)
+        self._run(ANALYSE, A)
+        weakref.finalize(self, self._call, RELEASE, np.zeros(1), self._rows, self._columns).atexit = False
+
+    def admits(self, A: csr_matrix) -> bool:
+        """Whether the pattern of `A` lies within the analysed one; if so, `A` may be factored."""
+        if self._last is not None and same_pattern(A, self._last):
+            return True
+        numbers = csr_matrix(
+            (np.arange(1.0, self.pattern.nnz + 1), self.pattern.indices, self.pattern.indptr), shape=A.shape
+        )
+        common = numbers.multiply(_ones(A)).tocsr()
+        if common.nnz < A.nnz:
+            return False
+        self._last, self._place = A, common.data.astype(np.int64) - 1
+        return True
+
+    def factor(self, A: csr_matrix) -> None:
+        """Factor `A`, which the analysis admits."""
+        self._run(FACTOR, A)
+
+    def solve(self, b: ndarray) -> ndarray:
+        """Solution for the matrix factored last."""
+        x = np.empty_like(b)
+        self._call(SOLVE, self._values, self._rows, self._columns, b, x)
+        return x
+
+    def _run(self, phase: int, A: csr_matrix) -> None:
+        values = np.zeros(self.pattern.nnz)
+        values[self._place] = A.data
+        self._values = values[self._stored]
+        self._call(phase, self._values, self._rows, self._columns)
+
+
+def _ones(A: csr_matrix) -> csr_matrix:
+    """The pattern of A with entries one, so that sums keep it."""
+    return csr_matrix((np.ones(A.nnz), A.indices, A.indptr), shape=A.shape)
+
+
+class _Call:
+    """Phases of PARDISO on one handle."""
+
+    def __init__(self, library: Any, kind: int) -> None:
+        self._library, self._kind = library, kind
+        self._handle = np.zeros(64, dtype=np.intp)
+        self._options = np.zeros(64, dtype=np.int32)
+        for number, value in OPTIONS.items():
+            self._options[number - 1] = value
+
+    def __call__(
+        self, phase: int, values: ndarray, rows: ndarray, columns: ndarray, *vectors: ndarray
+    ) -> None:
+        one, zero, error, kind, phases, size = (
+            np.array([value], dtype=np.int32) for value in (1, 0, 0, self._kind, phase, len(rows) - 1)
+        )
+        b, x = vectors or (np.zeros(1), np.zeros(1))
+        self._library(
+            self._handle, one, one, kind, phases, size, values, rows, columns,
+            zero, one, self._options, zero, b, x, error,
+        )  # fmt: skip
+        if error[0] == OUT_OF_MEMORY:
+            raise MemoryError("PARDISO: not enough memory for the factor")
+        if error[0] != 0:
+            raise RuntimeError(f"PARDISO stopped with error {error[0]}")
+
+
+def _library() -> Any:
+    """PARDISO's entry point, with argument types of our own."""
+    from pypardiso import ps
+
+    function = ps.libmkl["pardiso"]  # the subscript leaves pypardiso's own prototype alone
+    integers, reals = ndpointer(np.int32, flags="C"), ndpointer(float, flags="C")
+    handle = ndpointer(np.intp, flags="C")
+    function.argtypes = [handle, *5 * [integers], reals, *6 * [integers], reals, reals, integers]
+    function.restype = None
+    return function

@@ -1,0 +1,152 @@
+"""Tangents that differ on an interface only: elastic bodies in contact are factored once.
+
+The unknowns of the contact surfaces are eliminated last.  The trailing blocks of the factors are then those of the
+Schur complement S, the stiffness that the interface feels, and a tangent ``K + P dK P^T`` whose change dK lies on the
+interface costs two solutions with the old factors and a small dense system
+
+    z = K^-1 b,    (S + dK) x_S = S z_S,    x = K^-1 (b - P dK x_S).
+
+Once elastic bodies are in equilibrium inside, all that is left to balance acts on the interface: then S z_S = b_S, and
+one solution will do.
+"""
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+
+import numpy as np
+from numpy import ndarray
+from scipy.linalg import lu_factor, lu_solve
+from scipy.sparse import csr_matrix
+from scipy.sparse.linalg import SuperLU, splu
+
+from ..sparse import FreeBlock, same_pattern
+from .direct import LinearSolver, Solve
+from .ordering import nested_dissection
+
+logger = logging.getLogger("skfem_contact")
+
+#: The dense system may cost this share of a factorisation.
+_SHARE = 0.3
+_NOTHING = 1e-8  # relative size of the forces inside the bodies that round-off leaves of none
+_REFINE = 1e-10  # relative residual from which the solution is refined,
+_WRONG = 1e-6  # and from which it is left to the other solver
+_SINGULAR = 1e-13  # ratio of the pivots to their row's stiffness that is left to it as well
+
+
+class SchurSolver:
+    """A linear solver that keeps its factors while the tangent changes on an interface only.
+
+    Parameters
+    ----------
+    solver
+        Solver for all other tangents.
+    locations
+        Place of each unknown, (dim, N).
+    free
+        Unknowns to solve for.
+    interface
+        Unknowns of the contact surfaces.
+    """
+
+    def __init__(self, solver: LinearSolver, locations: ndarray, free: ndarray, interface: ndarray) -> None:
+        self._solver, self._locations = solver, locations
+        self._on_interface = np.zeros(locations.shape[1], bool)
+        self._on_interface[np.intersect1d(interface, free)] = True
+        self._free = free
+        self._last: csr_matrix | None = None
+        self._base: _Base | None = None
+        self._worth = True
+
+    @property
+    def name(self) -> str:
+        """What solves, for the log."""
+        return self._solver.name
+
+    def factor(self, K: csr_matrix, symmetric: bool = False) -> Solve:
+        """Prepare the solution of K[free, free] x[free] = b[free]; see :meth:`DirectSolver.factor`."""
+        base, last, self._last = self._base, self._last, K
+        if base is not None and (change := self._change(K, base.K)) is not None:
+            return base.updated(K, change, lambda: self._solver.factor(K, symmetric))
+        self._base = None
+        if self._worth and last is not None and self._change(K, last) is not None:
+            self._base = _Base.of(K, self._locations, self._free, self._on_interface)
+            if self._base is not None:
+                return self._base.updated(K, csr_matrix(K.shape), lambda: self._solver.factor(K, symmetric))
+            self._worth = False
+        return self._solver.factor(K, symmetric)
+
+    def _change(self, K: csr_matrix, old: csr_matrix) -> csr_matrix | None:
+        """K - old if it lies on the interface (as far as the unknowns are free)."""
+        if same_pattern(K, old):
+            at = np.flatnonzero(K.data != old.data)
+            row, col, data = np.searchsorted(K.indptr, at, side="right") - 1, K.indices[at], K.data[at] - old.data[at]
+        else:
+            change = (K - old).tocoo()
+            row, col, data = change.row, change.col, change.data
+        free = np.zeros(K.shape[0], bool)
+        free[self._free] = True
+        keep = (data != 0.0) & free[row] & free[col]
+        row, col = row[keep], col[keep]
+        if not (self._on_interface[row].all() and self._on_interface[col].all()):
+            return None
+        return csr_matrix((data[keep], (row, col)), shape=K.shape)
+
+
+class _Base:
+    """Factors of one tangent with the interface eliminated last."""
+
+    def __init__(self, K: csr_matrix, order: ndarray, m: int, lu: SuperLU, schur: ndarray) -> None:
+        self.K, self._order, self._m, self._lu, self._schur = K, order, m, lu, schur
+
+    @classmethod
+    def of(cls, K: csr_matrix, locations: ndarray, free: ndarray, on_interface: ndarray) -> _Base | None:
+        """The factors, or None where the interface is too large or the pivots are not to be trusted."""
+        inner, last = free[~on_interface[free]], free[on_interface[free]]
+        m = len(last)
+        if m == 0 or len(inner) == 0:
+            return None
+        order = np.concatenate((inner[nested_dissection(K[inner][:, inner], locations[:, inner])], last))
+        block = FreeBlock(order).gather(K)
+        try:
+            lu = splu(block.tocsc(), permc_spec="NATURAL", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+        except RuntimeError:  # an exact zero among the pivots
+            return None
+        columns = np.diff(lu.L.indptr).astype(float)
+        identity = np.arange(len(order))
+        sound = (np.abs(lu.U.diagonal()) > _SINGULAR * np.abs(block.diagonal())).all()
+        if not (sound and np.array_equal(lu.perm_r, identity) and np.array_equal(lu.perm_c, identity)) \
+                or m**3 > 3.0 * _SHARE * (columns**2).sum():
+            return None
+        schur = (lu.L.tocsc()[-m:, -m:] @ lu.U.tocsc()[-m:, -m:]).toarray()
+        logger.info("elastic bodies in contact: factored once, %d unknowns on the interface", m)
+        return cls(K, order, m, lu, schur)
+
+    def updated(self, K: csr_matrix, change: csr_matrix, other: Callable[[], Solve]) -> Solve:
+        """Solution with a tangent that differs from the factored one by `change`; `other` is called if it is bad."""
+        order, m = self._order, self._m
+        delta = change[order[-m:]][:, order[-m:]].toarray()
+        dense = lu_factor(self._schur + delta, overwrite_a=True, check_finite=False)
+
+        def once(b: ndarray, inside: bool = True) -> ndarray:
+            rhs, x = b[order], np.zeros_like(b)
+            x_interface = lu_solve(dense, self._schur @ self._lu.solve(rhs)[-m:] if inside else rhs[-m:])
+            rhs[-m:] -= delta @ x_interface
+            x[order] = self._lu.solve(rhs)
+            return x
+
+        def unbalanced(x: ndarray, b: ndarray) -> tuple[ndarray, float]:
+            residual = np.zeros_like(b)
+            residual[order] = (b - K @ x)[order]
+            return residual, float(np.linalg.norm(residual)) / max(float(np.linalg.norm(b[order])), 1e-300)
+
+        def solve(b: ndarray) -> ndarray:
+            inside = bool(np.linalg.norm(b[order[:-m]]) > _NOTHING * np.linalg.norm(b[order[-m:]]))
+            x = once(b, inside)
+            residual, error = unbalanced(x, b)
+            if error > (_REFINE if inside else 10.0 * _NOTHING):
+                x = x + once(residual)
+                error = unbalanced(x, b)[1]
+            return x if error <= _WRONG else other()(b)
+
+        return solve

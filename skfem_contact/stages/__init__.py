@@ -1,0 +1,1 @@
+"""Stages of construction: what is there, where it starts, what it leaves."""

@@ -1,0 +1,323 @@
+"""Initial states: the stresses that the ground has before anything is built."""
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy import ndarray
+from scipy.spatial import cKDTree
+
+from ..contact.pair import ContactPair
+from ..contact.penalty import choose_penalties
+from ..contact.prestress import prestressed
+from ..errors import AnalysisWarning, check_plane, look_up, place
+from ..forms import Form
+from ..materials.elastic import LinearElastic
+from ..solid import SolidForm
+from .activation import acts_on, check_contacts
+from .reset import reset_displacements
+from .result import Result, StageResult
+from .run import run
+from .setup import build_system, check_vector, unknowns_of
+from .stage import Stage
+from .supports import as_unknowns
+
+#: Forces out of balance, as a share of the load, of which the user is told.
+_BALANCED = 1e-6
+
+#: Stress at places (2, ...) in elements of the mesh.
+_Field = Callable[[ndarray, ndarray], ndarray]
+
+
+def given_state(forms: Mapping[str, Form], load: ndarray, fixed: ndarray, stress: Callable[[ndarray], ndarray],
+                name: str = "initial") -> Result:
+    """Start from a given field of stresses; nothing has moved.
+
+    Where a material cannot bear a stress it is returned to the yield surface, and counted as yielded. Contact
+    pairs get the tractions that balance the stresses on both sides.
+
+    Parameters
+    ----------
+    forms
+        Solids and contact pairs that are there at first. Other bodies of the mesh stay where they are.
+    load
+        External forces that the stresses are in equilibrium with, (N,).
+    fixed
+        Unknowns that are held.
+    stress
+        Stress (xx, yy, zz, xy), tension positive, at places (2, n_elements, n_points): (4, n_elements, n_points); in
+        three dimensions 6 components at places (3, n_elements, n_points).
+    name
+        Name of the state in the result.
+
+    Returns
+    -------
+    Result
+        A start for :func:`run`; its residual tells how good the equilibrium is. A stage with the same load, a *null
+        step*, removes what is left of it.
+
+    Raises
+    ------
+    ValueError
+        A field of another shape or with NaN, and whatever :func:`run` refuses.
+
+    Warns
+    -----
+    AnalysisWarning
+        The forces out of balance exceed 1e-6 of the load.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+    >>> import skfem_contact as sc
+    >>> basis = Basis(MeshQuad().refined(1).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+    >>> forms = {"ground": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=.3))}
+    >>> fixed = np.append(basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1"))
+    >>> above = lambda x: 20. * (x[1] - 1.)
+    >>> start = sc.given_state(forms, sc.weight(basis, 20.), fixed,
+    ...                        lambda x: np.stack((.5 * above(x), above(x), .5 * above(x), 0. * above(x))))
+    >>> print(sc.run(forms, [sc.Stage("null step", sc.weight(basis, 20.))], fixed, start=start))
+    stage            increments  iterations  residual  load    what the bodies carry
+    initial                   0           0   ...  100%
+    null step                 1           0   ...  100%
+    """
+    return _balanced(forms, load, fixed, lambda x, elements: stress(x), name)
+
+
+def k0_state(forms: Mapping[str, Form], load: ndarray, fixed: ndarray, unit_weights: float | Mapping[str, float],
+             K0: float | Mapping[str, float], surcharge: float = 0.0, water: Callable[[ndarray], ndarray] | None = None,
+             name: str = "initial") -> Result:
+    """K0 procedure for level ground: vertical stress from the weight above, horizontal stress K0 times as much.
+
+    Where the surface or the layers are not level use :func:`gravity_state`.
+
+    Parameters
+    ----------
+    forms
+        Solids and contact pairs that are there at first. Other bodies of the mesh stay where they are.
+    load
+        External forces: weight, surcharge and :func:`water_load`, (N,).
+    fixed
+        Unknowns that are held.
+    unit_weights
+        As for :func:`weight`: one number, or by subdomain; subdomains that are not named are weightless.
+    K0
+        Ratio of the effective stresses: one number, or by subdomain.
+    surcharge
+        Pressure on the surface, that of water above it included.
+    water
+        Pore pressure as a function of the place, for instance :func:`hydrostatic`; with it stresses are effective,
+        everywhere. A wall that is wished in place, which has no pores, begins as the ground in its place: with that
+        weight and with :func:`water_load` on it too. Both become its own in the next stage.
+    name
+        Name of the state in the result.
+
+    Returns
+    -------
+    Result
+        As of :func:`given_state`.
+
+    Raises
+    ------
+    ValueError
+        Unknown subdomain, elements without K0, different unit weights at the same height (the ground is not level), or
+        bodies in three dimensions.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+    >>> import skfem_contact as sc
+    >>> basis = Basis(MeshQuad().refined(1).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+    >>> forms = {"ground": sc.SolidForm(basis, sc.MohrCoulomb(E=1e4, nu=.3, c=1., phi=30.))}
+    >>> fixed = np.append(basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1"))
+    >>> start = sc.k0_state(forms, sc.weight(basis, 20.), fixed, unit_weights=20., K0=.5)
+    >>> stress = start["initial"].states["ground"].stress
+    >>> bool(np.allclose(stress[0], .5 * stress[1])), bool(start["initial"].residual < 1e-12)
+    (True, True)
+    """
+    basis = next(iter(_solids(forms).values())).basis
+    check_plane(basis, "k0_state")
+    mesh = basis.mesh
+    elements = np.concatenate([_elements(form)[:, 0] for form in _solids(forms).values()])
+    overburden, ratios = _overburden(mesh, elements, unit_weights), _by_element(mesh, K0)
+    missing = elements[np.isnan(ratios[elements])]
+    if len(missing):
+        tags = [tag for tag, part in (mesh.subdomains or {}).items() if np.isin(part, missing).any()]
+        raise ValueError(f"{len(missing)} elements have no K0; they lie in the subdomains {tags}")
+
+    def stress(x: ndarray, elements: ndarray) -> ndarray:
+        vertical = -surcharge - overburden(x[1])
+        if water is not None:
+            vertical = vertical + water(x)
+        horizontal = ratios[elements] * vertical
+        return np.stack((horizontal, vertical, horizontal, np.zeros_like(vertical)))
+
+    return _balanced(forms, load, fixed, stress, name)
+
+
+def gravity_state(forms: Mapping[str, Form], load: ndarray, fixed: ndarray,
+                  K0: float | Mapping[str, float] | None = None, name: str = "initial", increments: int = 1) -> Result:
+    """Turn gravity on in ground of any shape; the displacements are then set to zero.
+
+    Parameters
+    ----------
+    forms
+        Solids and contact pairs that are there at first. Other bodies of the mesh stay where they are.
+    load
+        External forces, (N,).
+    fixed
+        Unknowns that are held.
+    K0
+        Where it is given, for all regions or by the name of a region, gravity first acts on elastic ground with
+        Poisson's ratio K0 / (1 + K0), which gives this ratio under a level surface; then the ground's own
+        materials find their equilibrium.
+    name
+        Name of the state in the result.
+    increments
+        Number of increments to begin with.
+
+    Returns
+    -------
+    Result
+        A start for :func:`run`.
+
+    Raises
+    ------
+    ValueError
+        K0 outside (0, 1), or of a region that does not exist.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+    >>> import skfem_contact as sc
+    >>> basis = Basis(MeshQuad().refined(1).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+    >>> forms = {"ground": sc.SolidForm(basis, sc.MohrCoulomb(E=1e4, nu=.3, c=10., phi=30.))}
+    >>> fixed = np.append(basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1"))
+    >>> start = sc.gravity_state(forms, sc.weight(basis, 20.), fixed, K0=.5)
+    >>> stress = start["initial"].states["ground"].stress
+    >>> bool(np.allclose(stress[0], .5 * stress[1])), bool(start["initial"].x.any())
+    (True, False)
+    """
+    stages, fixed = [Stage(name, load, increments=increments)], _held(forms, load, fixed)
+    if K0 is None:
+        return reset_displacements(forms, run(forms, stages, fixed, progress=False))
+    forms = choose_penalties(forms)  # the same for elastic ground
+    elastic = dict(forms)
+    regions = {region for form in _solids(forms).values() for region in form.materials}
+    for region in K0 if isinstance(K0, Mapping) else ():
+        look_up(region, dict.fromkeys(regions), "region of the solids")
+    for key, form in _solids(forms).items():
+        ratios = K0 if isinstance(K0, Mapping) else dict.fromkeys(form.materials, K0)
+        given = {region: _elastic(m, ratios[region]) for region, m in form.materials.items() if region in ratios}
+        elastic[key] = form.with_materials(given)
+    first = run(elastic, [Stage(f"{name}, elastic", load)], fixed, progress=False)
+    last = run(forms, stages, fixed, start=first, progress=False)[name]
+    return reset_displacements(forms, Result((last,)))
+
+
+def _solids(forms: Mapping[str, Form]) -> dict[str, SolidForm]:
+    found = {name: form for name, form in forms.items() if isinstance(form, SolidForm)}
+    if not found:
+        raise ValueError("there is no SolidForm among the forms: nothing carries load")
+    return found
+
+
+def _held(forms: Mapping[str, Form], load: ndarray, fixed: ndarray) -> ndarray:
+    """Supported unknowns, and those of bodies that are not there yet: neither load nor contact may act on these."""
+    solids = _solids(forms)
+    check_vector(load, n := int(next(iter(solids.values())).basis.N), "the load")
+    away = np.setdiff1d(np.arange(n), unknowns_of(forms))
+    check_contacts(forms, away)
+    if acts_on(np.asarray(load), away):
+        raise ValueError(f"a part of the load acts on bodies that are not there; the solids are {list(solids)}")
+    return np.union1d(as_unknowns(fixed), away)
+
+
+def _elements(form: SolidForm) -> ndarray:
+    """Numbers of a solid's elements in the mesh, (n_elements, 1)."""
+    basis = form.basis
+    return (np.arange(basis.mesh.nelements) if basis.tind is None else np.asarray(basis.tind))[:, None]
+
+
+def _balanced(forms: Mapping[str, Form], load: ndarray, fixed: ndarray, stress: _Field, name: str) -> Result:
+    """A result with these stresses, tractions to balance them, and the residual that is left."""
+    load, fixed = np.asarray(load, dtype=float), _held(forms, load, fixed)
+    system = build_system(forms, fixed)
+    x = np.zeros(system.size)
+    states = {key: form.initial_state() for key, form in system.forms.items()}
+    solids = _solids(system.forms)
+    for key, form in solids.items():
+        values = np.array(stress(np.asarray(form.basis.global_coordinates()), _elements(form)), dtype=float)
+        if values.shape != states[key].stress.shape or not np.isfinite(values).all():
+            raise ValueError(f"the stress of '{key}' must be finite and of shape {states[key].stress.shape}; its shape "
+                             f"is {values.shape}")
+        states[key] = form.assemble(x, replace(states[key], stress=values)).state
+    pairs = {key: form for key, form in system.forms.items() if isinstance(form, ContactPair)}
+    if pairs:
+        force = sum((form.assemble(x, states[key]).force for key, form in solids.items()), start=np.zeros(len(x)))
+        near = {key: _stress_at(pair, stress, solids) for key, pair in pairs.items()}
+        states.update(prestressed(pairs, x, {k: states[k] for k in pairs}, load - force, system.free, near))
+    now = system.evaluate(x, states, load)
+    if now.norm > _BALANCED:
+        at = place(next(iter(solids.values())).basis.doflocs[:, now.worst])
+        names = [key for key, response in now.responses.items() if response.force[now.worst] != 0.0]
+        warnings.warn(f"the initial stresses are out of balance by {now.norm:.2g} of the load, most at {at} of {names}"
+                      ": begin with a stage of the same load to let them find equilibrium", AnalysisWarning,
+                      stacklevel=3)
+    summary = {key: form.summary(states[key]) for key, form in system.forms.items()}
+    return Result((StageResult(name, x, load, states, (), now.norm, 1.0, summary),))
+
+
+def _stress_at(pair: ContactPair, stress: _Field, solids: Mapping[str, SolidForm]) -> ndarray:
+    """A field of stresses at the points of a pair, (4, n_points); their elements are those of the nearest points."""
+    points = pair.points(pair.initial_state())
+    places = points.positions(pair.slave.nodes)
+    inside = [np.asarray(form.basis.global_coordinates()).reshape(2, -1).T for form in solids.values()]
+    elements = [np.broadcast_to(_elements(form), form.weight.shape).ravel() for form in solids.values()]
+    nearest = cKDTree(np.concatenate(inside)).query(places)[1]
+    return np.asarray(stress(places.T[:, :, None], np.concatenate(elements)[nearest][:, None]))[:, :, 0]
+
+
+def _overburden(mesh: Any, elements: ndarray, unit_weights: float | Mapping[str, float]
+                ) -> Callable[[ndarray], ndarray]:
+    """Weight above a height, from layers that must be level."""
+    everything = {"the solids": elements}
+    layers, subdomains = (unit_weights, mesh.subdomains or {}) if isinstance(unit_weights, Mapping) else (
+        dict.fromkeys(everything, unit_weights), everything)
+    extent = {}
+    for name in layers:
+        heights = mesh.p[1, mesh.t[:, look_up(name, subdomains, "subdomain")]]
+        extent[name] = float(heights.min()), float(heights.max())
+    levels = np.unique(np.array([level for ends in extent.values() for level in ends]))
+    weights = np.zeros(len(levels) - 1)
+    for k, (bottom, top) in enumerate(pairwise(levels)):
+        here = {name: layers[name] for name, (low, high) in extent.items() if low <= bottom and top <= high}
+        if len(set(here.values())) > 1:
+            raise ValueError(f"the ground is not level: from height {bottom:g} to {top:g} there are the unit weights "
+                             f"{here}; use gravity_state, or equal weights now and the difference in a later stage")
+        weights[k] = next(iter(here.values()), 0.0)
+    above = np.append(np.cumsum((weights * np.diff(levels))[::-1])[::-1], 0.0)
+    return lambda y: np.interp(y, levels, above)
+
+
+def _by_element(mesh: Any, values: float | Mapping[str, float]) -> ndarray:
+    """Values of all elements of the mesh; NaN where none is given."""
+    if not isinstance(values, Mapping):
+        return np.full(mesh.nelements, float(values))
+    result = np.full(mesh.nelements, np.nan)
+    for name, value in values.items():
+        result[look_up(name, mesh.subdomains or {}, "subdomain")] = value
+    return result
+
+
+def _elastic(material: Any, K0: float) -> LinearElastic:
+    if not 0.0 < K0 < 1.0:
+        raise ValueError(f"K0 must lie between 0 and 1 for elastic ground, not {K0!r}; k0_state has no such limit")
+    return LinearElastic(E=material.E, nu=K0 / (1.0 + K0))

@@ -1,0 +1,180 @@
+"""Stages that follow each other, each starting from what the bodies carry."""
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy import ndarray
+from tqdm import tqdm
+
+from ..errors import place
+from ..forms import Form
+from ..nonlinear.evaluation import NotConverged
+from ..nonlinear.increment import solve_increment
+from ..nonlinear.newton import Newton
+from ..nonlinear.stepping import Predictor, Stepping
+from ..nonlinear.system import System
+from ..remarks import Remarks
+from ..solid import SolidForm
+from ..solvers.threads import single_threaded
+from .activation import begin, check_start, plan
+from .result import Result, StageResult
+from .setup import build_system
+from .stage import Stage
+from .supports import as_unknowns
+
+logger = logging.getLogger("skfem_contact")
+
+
+@single_threaded
+def run(forms: Mapping[str, Form], stages: Sequence[Stage], fixed: ndarray,
+        start: Result | StageResult | None = None,
+        newton: Newton | None = None, solver: Any = None, progress: bool | None = None) -> Result:
+    """Run stages one after the other.
+
+    Parameters
+    ----------
+    forms
+        Solids and contact pairs by name, those included that are there in some stages only.
+    stages
+        Stages in their order.
+    fixed
+        Unknowns that are held (or moved by ``Stage.prescribed``).
+    start
+        Result to go on from, whose last stage is where the first stage starts, or one stage of a result. Forms that
+        it does not hold are inactive.
+    newton
+        Settings of Newton's method.
+    solver
+        A scikit-fem linear solver ``(A, b) -> x``, or ``"amg"``, algebraic multigrid by pyamg. By default a direct
+        solver with an ordering of its own; for large elastic bodies in space multigrid, where pyamg is installed.
+    progress
+        Show a progress bar; by default where the output is a terminal.
+
+    Returns
+    -------
+    Result
+        The stages of ``start``, if any, and the new ones.
+
+    Raises
+    ------
+    ValueError
+        Bad input, before anything is computed: sizes, NaN, names that do not exist or that two stages would have, and
+        in any stage a body that nothing holds.
+    NotConverged
+        With the partial result, whose last entry is the last increment that was accepted.
+
+    Examples
+    --------
+    A square under its own weight:
+
+    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+    >>> import skfem_contact as sc
+    >>> basis = Basis(MeshQuad().refined(2).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+    >>> forms = {"square": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.))}
+    >>> fixed = basis.get_dofs("bottom").all()
+    >>> result = sc.run(forms, [sc.Stage("gravity", sc.weight(basis, 20.))], fixed)
+    >>> print(result)
+    stage            increments  iterations  residual  load    what the bodies carry
+    gravity                   1           1   ...  100%
+    """
+    done = [start] if isinstance(start, StageResult) else list(start or ())
+    _check_input(forms, stages, [stage.name for stage in done])
+    phases = plan(forms, stages, as_unknowns(fixed), done[-1] if done else None)
+    last = done[-1] if done else _nothing(phases[0].forms, len(stages[0].load))
+    if done:
+        check_start(phases[0].before, last)
+    with Remarks(stacklevel=3) as remarks:
+        for stage, phase in zip(stages, phases, strict=True):
+            released = np.zeros(len(last.x))
+            if phase.changed:
+                x, states, released = begin(phase, last)
+                last = replace(last, x=x, states=states)
+            if phase.changed or stage is stages[0]:
+                system = build_system(phase.forms, phase.fixed, solver)
+                predictor = Predictor(system.fixed)
+                predictor.accept(last.x, last.load)
+            last = replace(last, name=stage.name, iterations=(), fraction=0.0)
+            try:
+                with tqdm(total=1.0, desc=stage.name, disable=None if progress is None else not progress,
+                          bar_format="{desc:16} {percentage:3.0f}% |{bar}|{postfix}") as bar:
+                    for accepted in _increments(system, predictor, stage, last, released, newton or Newton()):
+                        last = accepted
+                        bar.update(last.fraction - bar.n)
+                        bar.set_postfix_str(f"{len(last.iterations)} increments, {sum(last.iterations)} iterations")
+            except NotConverged as error:
+                error.result = Result((*done, last))
+                raise
+            finally:  # what contact found, or did not find, may be the reason
+                for name, form in system.forms.items():
+                    remarks.add(stage.name, name, form.remarks(last.states[name]))
+            done.append(last)
+    return Result(tuple(done))
+
+
+def _increments(system: System, predictor: Predictor, stage: Stage, last: StageResult, released: ndarray,
+                newton: Newton) -> Iterator[StageResult]:
+    """Accepted increments of a stage, one after the other; forces of what has gone are released in proportion."""
+    first_load, first = last.load, last.x[system.fixed]
+    target = first if stage.prescribed is None else np.asarray(stage.prescribed)[system.fixed]
+    stepping = Stepping(stage.increments)
+    while last.fraction < 1.0:
+        fraction = stepping.fraction
+        load = first_load + fraction * (stage.load - first_load) - (1.0 - fraction) * released
+        prescribed = first + fraction * (target - first)
+        start = None if stepping.cut else predictor.start(load, prescribed)
+        try:
+            new = solve_increment(system, last.x, last.states, load, prescribed, newton, start, stepping.try_recovery)
+        except NotConverged as error:
+            stepping.reject(error)
+            logger.info("stage '%s': increment to %.4f failed, cut to %.4f: %s", stage.name, fraction, stepping.size,
+                        error)
+            if stepping.exhausted:
+                where = _place(system, error.unknown)
+                raise NotConverged(f"stage '{stage.name}' {stepping}: {error}{where}{_so_far(system, last)}") from error
+            continue
+        logger.info("stage '%s': %.2f%% in %d iterations", stage.name, 100 * fraction, new.iterations)
+        stepping.accept(fraction, new.iterations, new.equilibria)
+        summary = {name: form.summary(new.states[name]) for name, form in system.forms.items()}
+        last = StageResult(stage.name, new.x, load, new.states, (*last.iterations, new.iterations),
+                           new.residuals[-1], fraction, summary)
+        predictor.accept(last.x, last.load)
+        yield last
+
+
+def _place(system: System, unknown: int | None) -> str:
+    """Where an unknown is, for a message."""
+    if unknown is None:
+        return ""
+    return f", at {place(next(f.basis.doflocs[:, unknown] for f in system.forms.values() if isinstance(f, SolidForm)))}"
+
+
+def _so_far(system: System, last: StageResult) -> str:
+    """What the bodies carried when it was accepted last, for a message."""
+    carried = {name: form.summary(last.states[name]) for name, form in system.forms.items()}
+    told = "; ".join(f"{name}: {text}" for name, text in carried.items() if text)
+    return f". Accepted last: {told}" if told else ""
+
+
+def _nothing(forms: Mapping[str, Form], n: int) -> StageResult:
+    """What the first stage starts from: nothing has moved, nothing is loaded."""
+    states = {name: form.initial_state() for name, form in forms.items()}
+    return StageResult("start", np.zeros(n), np.zeros(n), states, (), 0.0)
+
+
+def _check_input(forms: Mapping[str, Form], stages: Sequence[Stage], before: list[str]) -> None:
+    """One clear error before the analysis starts."""
+    if not isinstance(forms, Mapping):
+        raise ValueError(f"forms must be a dictionary {{name: form}}, not {type(forms).__name__}")
+    if isinstance(stages, Stage) or not stages:
+        raise ValueError("there is no stage to run" if not stages else "stages must be a list; write [Stage(...)]")
+    names = before + [stage.name for stage in stages]
+    for stage in stages:
+        if names.count(stage.name) > 1:
+            which = "the start has a stage of the name" if stage.name in before else "two stages are named"
+            raise ValueError(f"{which} '{stage.name}'")
+        if not isinstance(stage.increments, (int, np.integer)) or stage.increments < 1:
+            raise ValueError(f"stage '{stage.name}': increments must be at least 1 and whole, not {stage.increments!r}")
