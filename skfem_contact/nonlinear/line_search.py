@@ -51,8 +51,8 @@ def bisect_work(now: Evaluation, step: ndarray, evaluate: Callable[[ndarray], Ev
 def unbalanced(new: Evaluation) -> float:
     """Norm of the unbalanced forces themselves, less round-off.
 
-    The residual is relative to the largest forces of its own evaluation: where a step presses bodies into each other it is
-    1 however far they are pressed, and a line search by it lets everything pass.
+    The residual is relative to the largest forces of its own evaluation: where a step presses bodies into each
+    other it is 1 however far they are pressed, and a line search by it lets everything pass.
     """
     whole = new.norm + new.hidden
     if whole == 0.0 or not np.isfinite(whole):
