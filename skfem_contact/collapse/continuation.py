@@ -16,7 +16,8 @@ from typing import Any, Protocol
 import numpy as np
 from numpy import ndarray
 
-from ..nonlinear.evaluation import Evaluation, NotConverged
+from ..errors import NotConverged
+from ..nonlinear.evaluation import Evaluation
 from ..nonlinear.line_search import Search
 from ..nonlinear.newton import Newton, iterate
 from ..nonlinear.system import System
@@ -215,7 +216,7 @@ def correct(branch: Branch, control: ndarray, points: list[Point], work: float, 
         beside = now.z.copy()
         beside[-1] += delta
         by_parameter = (evaluate(beside).residual - now.residual) / delta
-        solve = system.solver.factor(system.tangent(now, damped), system.symmetric)
+        solve = system.factor(system.tangent(now, damped))
         balance, drift = solve(now.residual), solve(by_parameter)
         lag = target - system.work(control, now.z[:-1] + balance)
         slope = system.work(control, drift)

@@ -10,9 +10,8 @@ from typing import Any
 import numpy as np
 from numpy import ndarray
 
-from ..errors import AnalysisWarning
+from ..errors import AnalysisWarning, NoEquilibrium, NotConverged
 from ..materials.spectral import extremes
-from ..nonlinear.evaluation import NoEquilibrium, NotConverged
 from ..solid import SolidForm, SolidState
 from .continuation import Point
 

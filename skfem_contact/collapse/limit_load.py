@@ -9,8 +9,8 @@ import numpy as np
 from numpy import ndarray
 from tqdm import tqdm
 
+from ..errors import NotConverged
 from ..forms import Form
-from ..nonlinear.evaluation import NotConverged
 from ..nonlinear.line_search import Search
 from ..nonlinear.newton import Newton
 from ..nonlinear.system import System
@@ -179,7 +179,7 @@ def limit_load(forms: Mapping[str, Form], fixed: ndarray, load: ndarray, start: 
         raise ValueError(f"tol, step and longest must be positive, not {tol!r}, {step!r} and {longest!r}")
     last = start[-1] if isinstance(start, Result) else start
     system = build_system(*left_by(last, _flowing(forms, flow), fixed), solver)
-    reference = check_load(load, system.size)
+    reference = check_load(load, system.unknowns)
     branch = _Load(system, np.zeros(system.size) if last is None else last.load, reference)
     newton = newton or Newton(tolerance=0.03 * tol, max_iterations=30)
     path: list[Point] = []

@@ -11,9 +11,8 @@ import numpy as np
 from numpy import ndarray
 from tqdm import tqdm
 
-from ..errors import AnalysisWarning
+from ..errors import AnalysisWarning, NoEquilibrium, NotConverged
 from ..forms import Form
-from ..nonlinear.evaluation import NoEquilibrium, NotConverged
 from ..nonlinear.line_search import Search
 from ..nonlinear.newton import Newton
 from ..nonlinear.system import System
@@ -129,9 +128,9 @@ class _Strength:
                 forms[name] = form.with_law(form.law.reduced(parameter))  # type: ignore[attr-defined]
             else:
                 forms[name] = form.with_materials(  # type: ignore[attr-defined]
-                    {r: reduced_strength(form.materials[r], parameter, self.flow)  # type: ignore[attr-defined]
+                    {r: reduced_strength(form.materials[r], parameter, self.flow)
                      for r in regions})
-        return System(forms, self.whole.fixed, self.whole.free, self.whole.solver), self.load
+        return self.whole.with_forms(forms), self.load
 
     def equilibrium(self, start: Point, factor: float, newton: Newton, elastic: float = 0.0,
                     searches: tuple[Search, ...] = ("energy", "residual")) -> Point:
@@ -229,7 +228,7 @@ def strength_reduction(forms: Mapping[str, Form], fixed: ndarray, load: ndarray 
     if load is None and last is None:
         raise ValueError("there is no load: give `load`, or a `start` that carries one")
     whole = build_system(*left_by(last, forms, fixed), solver)
-    load = check_load(load if last is None or load is not None else last.load, whole.size)
+    load = check_load(load if last is None or load is not None else last.load, whole.unknowns)
     branch = _Strength(whole, load, reduced_parts(whole.forms, reduce, exclude), flow)
     newton = newton or Newton(tolerance=0.03 * tol, max_iterations=30)
     step = max(step, tol)
@@ -279,7 +278,7 @@ def _first(branch: _Strength, last: StageResult | None, newton: Newton, log: Sea
 def _elastic(branch: _Strength, first: Point) -> ndarray:
     """Displacements under the whole load with the stiffness of the first point."""
     system, load = branch.at(first.parameter)
-    return system.solver.factor(system.tangent(system.evaluate(first.x, first.states, load)), system.symmetric)(load)
+    return system.factor(system.tangent(system.evaluate(first.x, first.states, load)))(load)
 
 
 def _continuation(branch: _Strength, first: Point, newton: Newton, tol: float, step: float,
