@@ -220,7 +220,7 @@ class SolidForm(Form):
         """Whether a state has stresses at the points of this body; internal variables may be others than at first."""
         return np.shape(state.stress) == (self._ncomp, *self.weight.shape)
 
-    def moved_back(self, state: SolidState) -> SolidState:
+    def moved_back(self, x: ndarray, state: SolidState) -> SolidState:
         """The state with its stresses, of a body that counts as undeformed from here on."""
         return replace(state, strain=np.zeros_like(state.strain))
 

@@ -73,8 +73,8 @@ def remarks(slave: Surface, master: Surface, points: SlavePoints, depth: ndarray
     deep = state.gap < -depth
     if deep.any():
         yield Remark("too deep", -state.gap.min(),
-                     f"{deep.sum()} of {len(deep)} points of '{slave.name}' lie deeper in '{master.name}' than "
-                     f"an element, up to {-state.gap.min():.3g}, and do not touch it; the deepest is at "
+                     f"{deep.sum()} of {len(deep)} points of '{slave.name}' lie deeper in "
+                     f"'{master.name}' than an element, up to {-state.gap.min():.3g}, and do not touch it; the deepest is at "
                      f"{_place(slave, points, state)}")
     elif (state.status == Status.OPEN).all():
         gap = float((state.gap - state.offset).min())

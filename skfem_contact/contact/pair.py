@@ -353,7 +353,7 @@ class ContactPair(Form):
         """How tractions at the points that are not open make nodal forces."""
         return TractionOperator(self, x, state)
 
-    def moved_back(self, state: ContactState) -> ContactState:
+    def moved_back(self, x: ndarray, state: ContactState) -> ContactState:
         """The state of bodies that are back in their places, with all it carries."""
         return moved_back(self, state)
 
