@@ -48,7 +48,7 @@ class MatrixForm(Form):
         self.elastic_stiffness = csr_matrix(K)
         self.size: int = int(self.elastic_stiffness.shape[1])
         if self.elastic_stiffness.shape[0] != self.size or not np.isfinite(self.elastic_stiffness.data).all():
-            raise ValueError(f"K must be a square matrix of finite numbers, its shape is {self.elastic_stiffness.shape}")
+            raise ValueError(f"K must be a square matrix of finite numbers, not {self.elastic_stiffness.shape}")
         largest = abs(self.elastic_stiffness).max() if self.elastic_stiffness.nnz else 0.0
         self.symmetric = abs(self.elastic_stiffness - self.elastic_stiffness.T).max() <= 1e-12 * largest
         self.changing = np.zeros(0, int)

@@ -131,7 +131,8 @@ def test_what_is_no_form():
         def initial_state(self, x=None):
             return None
 
-    for wrong, what in ((Half(), "no assemble"), (Half, "no assemble"), (sc.Form(), "no assemble and no initial_state")):
+    wrongs = {Half(): "no assemble", Half: "no assemble", sc.Form(): "no assemble and no initial_state"}
+    for wrong, what in wrongs.items():
         with pytest.raises(ValueError, match=f"'own' is no form: .* has {what}"):
             sc.run({"solid": solid, "own": wrong}, [sc.Stage("load", load)], basis.get_dofs("bottom").all())
 
