@@ -1,8 +1,8 @@
 """Frictional contact, soil plasticity and staged analysis for scikit-fem."""
 
-from .collapse.flow import reduced_strength
-from .collapse.limit_load import LimitLoad, limit_load
-from .collapse.strength import StrengthReduction, strength_reduction
+from .collapse.limit_load import limit_load
+from .collapse.result import CollapseResult
+from .collapse.strength import strength_reduction
 from .contact import (
     AugmentedLagrangian,
     ContactPair,
@@ -20,6 +20,7 @@ from .errors import AnalysisWarning
 from .forms import Response
 from .loads import hydrostatic, water_load, weight
 from .materials import DruckerPrager, HardeningMohrCoulomb, LinearElastic, MohrCoulomb, Tresca, VonMises
+from .materials.reduction import reduced_strength
 from .mesh.check import check_mesh
 from .mesh.join import bodies, join_bodies
 from .mesh.read import load_mesh
@@ -54,13 +55,13 @@ __all__ = [
     "AnalysisWarning",
     "AugmentedLagrangian",
     "CheckFailed",
+    "CollapseResult",
     "ContactPair",
     "ContactReport",
     "ContactState",
     "Coulomb",
     "DruckerPrager",
     "HardeningMohrCoulomb",
-    "LimitLoad",
     "LinearElastic",
     "MohrCoulomb",
     "Newton",
@@ -76,7 +77,6 @@ __all__ = [
     "StageResult",
     "Status",
     "StrainOperator",
-    "StrengthReduction",
     "Surface",
     "Tied",
     "Traction",

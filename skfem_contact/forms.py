@@ -1,9 +1,10 @@
 """What carries load: the calls that solids, contact pairs and forms of a user answer."""
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from functools import cached_property
-from typing import Any, Protocol
+from types import MappingProxyType
+from typing import Any
 
 from numpy import ndarray
 from scipy.sparse import csr_matrix
@@ -74,7 +75,7 @@ class Response:
         return self.stiffness if self._damped is None else self._damped()
 
 
-class Form(Protocol):
+class Form:
     """Whatever carries load: solids and contact pairs answer the same calls."""
 
     def initial_state(self, x: ndarray | None = None) -> Any:
@@ -91,6 +92,39 @@ class Form(Protocol):
 
     def remarks(self, state: Any) -> list[str]:
         """What a user should know of a state."""
+        return []
+
+    unilateral: bool = False
+    materials: Mapping[str, Any] = MappingProxyType({})
+    strengths: tuple[str, ...] = ()
+
+    # -- in a search for a collapse --------------------------------------------------------------------------
+
+    def reduced(self, factor: float, flow: str, names: Collection[str]) -> Form:
+        """The form with the strength of some of its parts divided by a factor, and its flow as assumed."""
+        return self
+
+    def yielding(self, before: Any, after: Any) -> tuple[int, int]:
+        """Number of points of solids that have flowed from one state to another, and of all of them."""
+        return 0, 0
+
+    def shear_strain(self, x: ndarray) -> ndarray | None:
+        """Largest shear strain of displacements at the points of a solid."""
+
+
+def as_forms(forms: Mapping[str, Any]) -> dict[str, Form]:
+    """Stand-in."""
+    return {name: form if isinstance(form, Form) else _Completed(form) for name, form in forms.items()}
+
+
+class _Completed(Form):
+    """Stand-in."""
+
+    def __init__(self, form: Any) -> None:
+        self._form = form
+        for name in dir(form):
+            if not name.startswith("_"):
+                setattr(self, name, getattr(form, name))
 
 
 def are_symmetric(forms: Mapping[str, Any]) -> bool:

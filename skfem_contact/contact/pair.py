@@ -1,6 +1,7 @@
 """The contact pair: two surfaces, a law and a quadrature rule that answer like any other form."""
 from __future__ import annotations
 
+from collections.abc import Collection
 from copy import copy
 from dataclasses import replace
 from typing import Literal
@@ -11,7 +12,7 @@ from scipy.sparse import csr_matrix
 from skfem import CellBasis
 
 from ..errors import check_basis
-from ..forms import IncrementTooLarge, Response
+from ..forms import Form, IncrementTooLarge, Response
 from ..sparse import Gathering
 from .augmented import AugmentedLagrangian
 from .clearance import Fit, less_overlap, touching
@@ -35,7 +36,7 @@ from .surface import Surface
 _LARGEST_TRACTION = 0.1
 
 
-class ContactPair:
+class ContactPair(Form):
     """Frictional contact with finite sliding between two boundaries, or a boundary and a rigid obstacle.
 
     Parameters
@@ -125,6 +126,17 @@ class ContactPair:
         """The unknowns that the pair acts on: those of the two surfaces."""
         dofs = np.unique(np.concatenate((self.slave.dofs.ravel(), self.master.dofs.ravel())))
         return dofs[dofs >= 0]
+
+    unilateral = True
+
+    @property
+    def strengths(self) -> tuple[str, ...]:
+        """``""``, the pair as a whole, where its law can be reduced."""
+        return ("",) if hasattr(self.law, "reduced") else ()
+
+    def reduced(self, factor: float, flow: str, names: Collection[str]) -> ContactPair:
+        """The same pair with the strength of its law divided by a factor."""
+        return self.with_law(self.law.reduced(factor)) if names else self  # type: ignore[attr-defined]
 
     @property
     def symmetric(self) -> bool:

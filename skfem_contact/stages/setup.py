@@ -9,7 +9,7 @@ from numpy import ndarray
 
 from ..contact.penalty import choose_penalties
 from ..errors import look_up
-from ..forms import Form
+from ..forms import Form, as_forms
 from ..nonlinear.system import System
 from ..solid import SolidForm
 from ..solvers.choice import linear_solver
@@ -36,7 +36,7 @@ def build_system(forms: Mapping[str, Form], fixed: ndarray, solver: Any = None) 
     """
     fixed = as_unknowns(fixed)
     locations = check_supports(forms, fixed)
-    forms = choose_penalties(forms)
+    forms = as_forms(choose_penalties(forms))
     free = np.setdiff1d(np.arange(locations.shape[1]), fixed)
     return System(forms, fixed, free, linear_solver(forms, solver, locations, free))
 
