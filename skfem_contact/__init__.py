@@ -1,8 +1,8 @@
 """Frictional contact, soil plasticity and staged analysis for scikit-fem."""
 
-from .collapse.flow import reduced_strength
-from .collapse.limit_load import LimitLoad, limit_load
-from .collapse.strength import StrengthReduction, strength_reduction
+from .collapse.limit_load import limit_load
+from .collapse.result import CollapseResult
+from .collapse.strength import strength_reduction
 from .contact import (
     AugmentedLagrangian,
     ContactPair,
@@ -21,6 +21,7 @@ from .forms import Form, Response
 from .links import Bar, BarState, MatrixForm, Spring
 from .loads import hydrostatic, water_load, weight
 from .materials import DruckerPrager, HardeningMohrCoulomb, LinearElastic, MohrCoulomb, Tresca, VonMises
+from .materials.reduction import reduced_strength
 from .mesh.check import check_mesh
 from .mesh.join import bodies, join_bodies
 from .mesh.read import load_mesh
@@ -55,13 +56,13 @@ __all__ = [
     "AnalysisWarning",
     "AugmentedLagrangian", "Bar", "BarState",
     "CheckFailed",
+    "CollapseResult",
     "ContactPair",
     "ContactReport",
     "ContactState",
     "Coulomb",
     "DruckerPrager", "Field", "Form",
     "HardeningMohrCoulomb",
-    "LimitLoad",
     "LinearElastic",
     "MatrixForm", "MohrCoulomb",
     "Newton",
@@ -77,7 +78,6 @@ __all__ = [
     "StageResult",
     "Status",
     "StrainOperator",
-    "StrengthReduction",
     "Surface",
     "Tied",
     "Traction",

@@ -1,7 +1,7 @@
 """What carries load: the calls that solids, contact pairs and forms of a user answer."""
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import fields as dataclass_fields
 from dataclasses import is_dataclass
 from functools import cached_property
@@ -204,6 +204,19 @@ class Form:
     def moved_back(self, x: ndarray, state: Any) -> Any:
         """The state once displacements are counted from x on."""
         return state
+
+    # -- in a search for a collapse --------------------------------------------------------------------------
+
+    def reduced(self, factor: float, flow: Any, names: Collection[str]) -> Form:
+        """The form with the strength of some of its parts divided by a factor, and its flow as assumed."""
+        return self
+
+    def yielding(self, before: Any, after: Any) -> tuple[int, int]:
+        """Number of points of solids that have flowed from one state to another, and of all of them."""
+        return 0, 0
+
+    def shear_strain(self, x: ndarray) -> ndarray | None:
+        """Largest shear strain of displacements at the points of a solid."""
 
     # -- what is told ----------------------------------------------------------------------------------------
 

@@ -1,7 +1,7 @@
 """A body that carries load: a basis, a strain measure and the materials of its regions."""
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -15,6 +15,8 @@ from .assembly import Pattern, element_stiffness, force_matrix, strain_matrix
 from .errors import check_basis, check_quadrature, look_up
 from .forms import Form, Response
 from .materials import Material, Update
+from .materials.reduction import Flow, reduced_strength
+from .materials.spectral import extremes
 from .strain import StrainOperator, axisymmetric, plane_strain
 
 #: Share of the symmetric companion in a damped tangent: more of it makes Newton's method slow, less lets it stall.
@@ -124,6 +126,7 @@ class SolidForm(Form):
         self.symmetric = all(getattr(material, "symmetric", False) for material in self.materials.values())
         elastic = all(material.n_internal == 0 for material in self.materials.values())
         self.changing = self.joins if elastic else None
+        self.strengths = tuple(name for name, material in self.materials.items() if hasattr(material, "reduced"))
 
     def with_materials(self, materials: Mapping[str, Material]) -> SolidForm:
         """The same body with some materials replaced; what does not change is shared, not computed again.
@@ -143,6 +146,25 @@ class SolidForm(Form):
             for name in ("_elasticity", "elastic_stiffness", "_diagonal"):
                 new.__dict__.pop(name, None)
         return new
+
+    def reduced(self, factor: float, flow: Flow, names: Collection[str]) -> SolidForm:
+        """The same body with the strength of some regions divided by a factor, see :func:`reduced_strength`."""
+        return self.with_materials({name: reduced_strength(self.materials[name], factor, flow) for name in names})
+
+    def yielding(self, before: SolidState, after: SolidState) -> tuple[int, int]:
+        """Number of points whose plastic strain has grown from one state to another, and of all points."""
+        if not len(after.internal):
+            return 0, after.stress[0].size
+        earlier = before.internal[0] if len(before.internal) else 0.0
+        return int((after.internal[0] > earlier).sum()), after.stress[0].size
+
+    def shear_strain(self, x: ndarray) -> ndarray:
+        """Largest shear strain of displacements, of plane bodies that in their plane, (n_elements, n_points)."""
+        strain = self._strains(x)
+        if len(strain) == 4:
+            return np.hypot(strain[0] - strain[1], strain[3])
+        largest, smallest = extremes(np.concatenate((strain[:3], 0.5 * strain[3:])))
+        return largest - smallest
 
     def initial_state(self, x: ndarray | None = None) -> SolidState:
         """Stress-free: undeformed or, when the body is built after others have deformed, at the displacements `x`.

@@ -74,8 +74,8 @@ def remarks(slave: Surface, master: Surface, points: SlavePoints, depth: ndarray
     if deep.any():
         yield Remark("too deep", -state.gap.min(),
                      f"{deep.sum()} of {len(deep)} points of '{slave.name}' lie deeper in "
-                     f"'{master.name}' than an element, up to {-state.gap.min():.3g}, and do not touch it; the deepest is "
-                     f"at {_place(slave, points, state)}")
+                     f"'{master.name}' than an element, up to {-state.gap.min():.3g}, and do not touch it; the "
+                     f"deepest is at {_place(slave, points, state)}")
     elif (state.status == Status.OPEN).all():
         gap = float((state.gap - state.offset).min())
         yield Remark("open", np.nan_to_num(gap), "no slave point found a master within reach: " + (

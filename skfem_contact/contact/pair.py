@@ -1,7 +1,7 @@
 """The contact pair: two surfaces, a law and a quadrature rule that answer like any other form."""
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from copy import copy
 from dataclasses import fields, replace
 from functools import cached_property
@@ -132,6 +132,17 @@ class ContactPair(Form):
     def joins(self) -> ndarray:  # type: ignore[override]
         """The unknowns of the two surfaces; -1 among them for a rigid obstacle."""
         return np.unique(np.concatenate((self.slave.dofs.ravel(), self.facets.dofs.ravel())))
+
+    unilateral = True
+
+    @property
+    def strengths(self) -> tuple[str, ...]:  # type: ignore[override]
+        """``""``, the pair as a whole, where its law can be reduced."""
+        return ("",) if hasattr(self.law, "reduced") else ()
+
+    def reduced(self, factor: float, flow: str, names: Collection[str]) -> ContactPair:
+        """The same pair with the strength of its law divided by a factor."""
+        return self.with_law(self.law.reduced(factor)) if names else self  # type: ignore[attr-defined]
 
     @property
     def nodes(self) -> tuple[ndarray, ndarray]:  # type: ignore[override]
@@ -311,8 +322,6 @@ class ContactPair(Form):
                                  tangential=np.clip(traction.tangential, -largest, largest))
 
     # -- what the analysis asks besides ---------------------------------------------------------------------
-
-    unilateral = True
 
     def completed(self, forms: Mapping[str, Form]) -> ContactPair:
         """The pair with the stiffness of its surfaces, and a penalty that suits it where none is given."""
