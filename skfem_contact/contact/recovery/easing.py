@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from numpy import ndarray
 
+from ...forms import Failure
 from ..laws import InterfaceLaw
 from ..state import ContactState
 from .debonding import Debonding
@@ -16,7 +17,6 @@ from .soft_stick import SoftStick
 from .stabilisation import Stabilisation
 
 if TYPE_CHECKING:
-    from ...forms import Failure
     from ..pair import ContactPair
 
 #: In the order in which they are tried.
@@ -67,11 +67,6 @@ class Easing:
         for member in self.members:
             state = member.seen(state, law)
         return state
-
-    @property
-    def locked(self) -> ndarray | None:
-        """Points that stay on their facet, (n_points,), or None."""
-        return next((member.locked for member in self.members if member.locked is not None), None)
 
     @property
     def reason(self) -> str:
