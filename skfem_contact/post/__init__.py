@@ -8,6 +8,7 @@ from .strength import PointStatus
 from .tractions import Tractions, tractions
 
 __all__ = [
-    "ContactReport", "PointStatus", "SectionForces", "Sections", "Tractions", "contact_report", "export_pvd", "export_vtu",
-    "line_sections", "nodal_field", "reactions", "ring_sections", "section_forces", "to_frame", "to_pyvista", "tractions",
+    "ContactReport", "PointStatus", "SectionForces", "Sections", "Tractions", "contact_report", "export_pvd",
+    "export_vtu", "line_sections", "nodal_field", "reactions", "ring_sections", "section_forces", "to_frame",
+    "to_pyvista", "tractions",
 ]

@@ -36,8 +36,9 @@ def nodal_field(forms: Mapping[str, Any], step: StageResult, quantity: str, sinc
         ``"ux"``, ``"uy"``, ``"u"`` (length of the displacement); stresses ``"sxx"``, ``"syy"``, ``"szz"``, ``"sxy"``;
         principal stresses ``"s1"`` >= ``"s2"`` >= ``"s3"``; ``"mean"``, ``"mises"``; strains ``"exx"``, ``"eyy"``,
         ``"exy"`` (engineering shear), ``"gamma"`` (largest shear strain, in the plane), ``"ev"`` (volumetric);
-        ``"plastic"``, the equivalent plastic strain (zero in elastic bodies); ``"mobilised"``, the share of the shear strength
-        that is used; ``"pore"``, the pore pressure of `water`. In three dimensions also ``"uz"``, ``"syz"``, ``"szx"``.
+        ``"plastic"``, the equivalent plastic strain (zero in elastic bodies); ``"mobilised"``, the share of the shear
+        strength that is used; ``"pore"``, the pore pressure of `water`. In three dimensions also ``"uz"``, ``"syz"``,
+        ``"szx"``.
     since
         An earlier stage: the change from there on. Displacements and strains are those of the change; invariants of
         stresses are subtracted.

@@ -18,9 +18,10 @@ def export_vtu(file: str | Path, forms: Mapping[str, Any], step: StageResult) ->
 
     Points carry the ``displacement``, the recovered ``stress`` and ``strain`` (xx, yy, zz, xy, yz, xz; engineering
     shear) and the equivalent ``plastic_strain``; regions share no points, so that nothing is averaged between them.
-    Cells carry means of ``stress`` and ``plastic_strain``, the number of the ``body``, in the order of :func:`bodies`, and
-    of the ``region``, counted through the materials of all solids. The slave's facets of every contact pair are line cells
-    with ``pressure``, ``shear``, ``gap``, ``slip`` and ``status``. Quadratic elements stay quadratic.
+    Cells carry means of ``stress`` and ``plastic_strain``, the number of the ``body``, in the order of
+    :func:`bodies`, and of the ``region``, counted through the materials of all solids. The slave's facets of every
+    contact pair are line cells with ``pressure``, ``shear``, ``gap``, ``slip`` and ``status``. Quadratic elements
+    stay quadratic.
 
     Parameters
     ----------
@@ -126,8 +127,8 @@ def to_pyvista(forms: Mapping[str, Any], step: StageResult) -> Any:
 def to_frame(forms: Mapping[str, Any], step: StageResult) -> Any:
     """All nodal fields of a stage as a pandas data frame: a row for each node that a solid uses.
 
-    Columns are the place, ``x``, ``y`` (and ``z``), and the quantities of :func:`nodal_field`. Tractions, section forces
-    and other dataclasses of arrays become one by ``pandas.DataFrame(vars(tractions))``.
+    Columns are the place, ``x``, ``y`` (and ``z``), and the quantities of :func:`nodal_field`. Tractions, section
+    forces and other dataclasses of arrays become one by ``pandas.DataFrame(vars(tractions))``.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Names of fields: what they are called, what unit they have, and how they follow from displacements, strains or stresses."""
+"""Names of fields: their titles and units, and how they follow from displacements, strains or stresses."""
 from __future__ import annotations
 
 from collections.abc import Callable
@@ -18,8 +18,8 @@ class Quantity(NamedTuple):
     unit
         Kind of unit: ``"length"``, ``"stress"``, or none.
     source
-        What it follows from: ``"displacement"`` (dim, n), ``"strain"`` or ``"stress"`` (ncomp, n), or ``"points"``, values
-        of the integration points as they are.
+        What it follows from: ``"displacement"`` (dim, n), ``"strain"`` or ``"stress"`` (ncomp, n), or ``"points"``,
+        values of the integration points as they are.
     value
         Function of the source.
     """

@@ -8,9 +8,9 @@ Methods Eng. 40 (1997) 137-164), recovery by equilibrium in patches. Around ever
           + \beta \int_p |\sigma^* - \sigma_h|^2 \to \min,
 
 for these balance the loads even where the elements are too stiff in bending (full integration) or too soft
-(B-bar), and a surface without load gets no stress from the inside. Around vertices of elements of second order the field is
-quadratic. What is no stress has no forces: the second term alone is left, superconvergent patch recovery (Zienkiewicz and
-Zhu, Int. J. Numer. Methods Eng. 33 (1992) 1331-1364).
+(B-bar), and a surface without load gets no stress from the inside. Around vertices of elements of second order the
+field is quadratic. What is no stress has no forces: the second term alone is left, superconvergent patch recovery
+(Zienkiewicz and Zhu, Int. J. Numer. Methods Eng. 33 (1992) 1331-1364).
 """
 from __future__ import annotations
 
@@ -196,8 +196,8 @@ def _solve(A: ndarray, r: ndarray) -> ndarray:
 def _sources(form: SolidForm, field: RegionField, vertex: ndarray, incidence: csr_matrix) -> csr_matrix:
     """Patches whose fits give the value at a node, (n_nodes, n_patches): rows sum to one.
 
-    A vertex inside a region has its own patch. On the boundary patches are one-sided: there, and between vertices, those of
-    the vertices inside that share an element with the node count, or the largest there are.
+    A vertex inside a region has its own patch. On the boundary patches are one-sided: there, and between vertices,
+    those of the vertices inside that share an element with the node count, or the largest there are.
     """
     mesh = form.basis.mesh
     elements = np.arange(mesh.nelements) if form.basis.tind is None else np.asarray(form.basis.tind)

@@ -50,7 +50,8 @@ def _shear_and_strength(form: SolidForm, state: Any) -> tuple[ndarray, ndarray]:
     shear = np.zeros(state.stress.shape[1:])
     strength = np.full_like(shear, np.inf)
     for region in form.regions:
-        law, part = region.material, region.elements
+        law: Any = region.material
+        part = region.elements
         stress = state.stress[:, part]
         if hasattr(law, "c"):  # Mohr and Coulomb, or Tresca: there is no friction
             values = principal(stress)
