@@ -1,8 +1,8 @@
 """Frictional contact, soil plasticity and staged analysis for scikit-fem."""
 
-from .collapse.flow import reduced_strength
-from .collapse.limit_load import LimitLoad, limit_load
-from .collapse.strength import StrengthReduction, strength_reduction
+from .collapse.limit_load import limit_load
+from .collapse.result import CollapseResult
+from .collapse.strength import strength_reduction
 from .contact import (
     AugmentedLagrangian,
     ContactPair,
@@ -16,14 +16,15 @@ from .contact import (
     two_pass,
 )
 from .contact.laws import Coulomb, Status, Tied, Traction
-from .errors import AnalysisWarning
-from .forms import Response
+from .errors import AnalysisWarning, NoEquilibrium, NotConverged
+from .forms import Form, Response
+from .links import Bar, BarState, MatrixForm, Spring
 from .loads import hydrostatic, water_load, weight
 from .materials import DruckerPrager, HardeningMohrCoulomb, LinearElastic, MohrCoulomb, Tresca, VonMises
+from .materials.reduction import reduced_strength
 from .mesh.check import check_mesh
 from .mesh.join import bodies, join_bodies
 from .mesh.read import load_mesh
-from .nonlinear.evaluation import NoEquilibrium, NotConverged
 from .nonlinear.newton import Newton
 from .post import (
     ContactReport,
@@ -51,22 +52,23 @@ from .stages.run import run
 from .stages.stage import Stage
 from .strain import StrainOperator, axisymmetric, b_bar, plane_strain, three_dimensional
 from .testing import CheckFailed, check_form, check_interface_law, check_material
+from .unknowns import Field, unknowns_at
 
 __version__ = "0.1.0"
 
 __all__ = [
     "AnalysisWarning",
-    "AugmentedLagrangian",
+    "AugmentedLagrangian", "Bar", "BarState",
     "CheckFailed",
+    "CollapseResult",
     "ContactPair",
     "ContactReport",
     "ContactState",
     "Coulomb",
-    "DruckerPrager",
+    "DruckerPrager", "Field", "Form",
     "HardeningMohrCoulomb",
-    "LimitLoad",
     "LinearElastic",
-    "MohrCoulomb",
+    "MatrixForm", "MohrCoulomb",
     "Newton",
     "NoEquilibrium",
     "NotConverged",
@@ -76,12 +78,11 @@ __all__ = [
     "SectionForces",
     "Sections",
     "SolidForm",
-    "SolidState",
+    "SolidState", "Spring",
     "Stage",
     "StageResult",
     "Status",
     "StrainOperator",
-    "StrengthReduction",
     "Surface",
     "Tied",
     "Traction",
@@ -125,7 +126,7 @@ __all__ = [
     "to_frame",
     "to_pyvista",
     "tractions",
-    "two_pass",
+    "two_pass", "unknowns_at",
     "water_load",
     "weight",
 ]

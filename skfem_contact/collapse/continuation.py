@@ -16,11 +16,13 @@ from typing import Any, Protocol
 import numpy as np
 from numpy import ndarray
 
-from ..nonlinear.evaluation import Evaluation, NotConverged
+from ..errors import NotConverged
+from ..nonlinear.evaluation import Evaluation
 from ..nonlinear.line_search import Search
 from ..nonlinear.newton import Newton, iterate
 from ..nonlinear.system import System
-from ..stages.result import StageResult
+from ..stages.result import Result, StageResult
+from .result import Stop, no_collapse_below
 
 #: Relative step of the difference quotient by the parameter.
 _DIFFERENCE = 1e-6
@@ -94,22 +96,27 @@ class Curve:
     ----------
     points
         Equilibria in the order they were found.
-    criterion
-        What stopped the continuation.
+    stop
+        Why it ends there.
     """
 
     points: tuple[Point, ...]
-    criterion: str
+    stop: Stop
 
     @property
-    def limit(self) -> tuple[float, float]:
-        """Largest parameter on the curve, and what the last slope leaves room for.
+    def limit(self) -> tuple[float, tuple[float, float]]:
+        """Largest parameter on the curve, and its bracket: what the last slope leaves room for.
 
         Close to the limit the curve runs like a hyperbola, ``limit - a / work``, whose slope times the work
         is what is left.
         """
         best = max(point.parameter for point in self.points)
-        return best, best + max(remainder(self.points), 0.0)
+        return best, (best, best + max(remainder(self.points), 0.0))
+
+
+def last_stage(start: Result | StageResult | None) -> StageResult | None:
+    """The stage that a search starts from: the last one of a result."""
+    return start[-1] if isinstance(start, Result) else start
 
 
 def starting_point(system: System, last: StageResult | None) -> Point:
@@ -172,7 +179,7 @@ def follow(branch: Branch, control: ndarray, points: list[Point], newton: Newton
             report.reject(points[-1].parameter, error, points[-1].work + length)
             cuts += 1
             if cuts > _CUTS:
-                return Curve(tuple(points), f"stall: {error}")
+                return Curve(tuple(points), Stop("stall", str(error)))
             length, failed = 0.5 * length, True
             continue
         points.append(point)
@@ -180,11 +187,11 @@ def follow(branch: Branch, control: ndarray, points: list[Point], newton: Newton
         left = remainder(points)
         reached = np.abs(point.x - points[0].x).max() >= until
         if reached and left < tolerance * (abs(point.parameter) if relative else 1.0):
-            return Curve(tuple(points), f"plateau: the curve may rise by {max(left, 0.0):.2g} more")
+            return Curve(tuple(points), Stop("plateau", f"the curve may rise by {max(left, 0.0):.2g} more"))
         if point.parameter > highest:
-            return Curve(tuple(points), f"the parameter {highest:g}: there is no collapse below it")
+            return Curve(tuple(points), no_collapse_below(highest))
         cuts, length, failed = 0, length if failed else min(growth * length, longest), False
-    return Curve(tuple(points), f"{_MOST_STEPS} steps without a plateau")
+    return Curve(tuple(points), Stop("steps", f"{_MOST_STEPS} of them without a plateau"))
 
 
 def correct(branch: Branch, control: ndarray, points: list[Point], work: float, newton: Newton) -> Point:
@@ -215,7 +222,7 @@ def correct(branch: Branch, control: ndarray, points: list[Point], work: float, 
         beside = now.z.copy()
         beside[-1] += delta
         by_parameter = (evaluate(beside).residual - now.residual) / delta
-        solve = system.solver.factor(system.tangent(now, damped), system.symmetric)
+        solve = system.factor(system.tangent(now, damped))
         balance, drift = solve(now.residual), solve(by_parameter)
         lag = target - system.work(control, now.z[:-1] + balance)
         slope = system.work(control, drift)

@@ -8,6 +8,7 @@ import numpy as np
 
 from .base import Parameter, require
 from .pyramid import PyramidConstants, PyramidPlasticity
+from .reduction import Flow, check_reduction
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,13 +49,15 @@ class Tresca(PyramidPlasticity):
         super().__post_init__()
         require("c", self.c, np.greater_equal(self.c, 0), "not be negative")
 
-    def reduced(self, factor: float) -> Tresca:
+    def reduced(self, factor: float, flow: Flow = "given") -> Tresca:
         """The material with its shear strength divided by a factor.
 
         Parameters
         ----------
         factor : float
             Positive.
+        flow : str
+            Without effect: the volume never changes.
 
         Returns
         -------
@@ -63,14 +66,14 @@ class Tresca(PyramidPlasticity):
         Raises
         ------
         ValueError
-            If the factor is not positive.
+            If the factor is not positive, or the flow unknown.
 
         Examples
         --------
         >>> Tresca(E=1e4, nu=0.3, c=10.0).reduced(2.0).c
         5.0
         """
-        require("factor", factor, np.isfinite(factor) and factor > 0, "be positive")
+        check_reduction(factor, flow)
         return replace(self, c=self.c / factor)
 
     def _constants(self) -> PyramidConstants:
