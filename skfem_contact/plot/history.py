@@ -82,15 +82,12 @@ def load_curve(found: Any, *, file: str | Path | None = None) -> Figure:
     _, parameter, displacement = np.asarray(found.curve).T
     begin = int(np.argmin(displacement))  # what is before has moved the structure to where the search starts
     figure, ax = plt.subplots(figsize=(7.0, 4.5), layout="constrained")
-    reduced = getattr(found, "multiplier", None) is None
-    name = "factor of safety" if reduced else "load multiplier"
-    reached = found.factor if reduced else found.multiplier
     (style,) = styles(1)
     ax.plot(displacement[begin:], parameter[begin:], marker="o", markersize=4, **style)
-    ax.axhline(reached, color="#888888", linewidth=1.0, linestyle=":")
-    ax.annotate(f"{reached:.4g}", (0.0, reached), xycoords=("axes fraction", "data"), xytext=(6, 4),
+    ax.axhline(found.value, color="#888888", linewidth=1.0, linestyle=":")
+    ax.annotate(f"{found.value:.4g}", (0.0, found.value), xycoords=("axes fraction", "data"), xytext=(6, 4),
                 textcoords="offset points", fontsize=11)
-    ax.set(xlabel=labelled("largest displacement", "length"), ylabel=name)
+    ax.set(xlabel=labelled("largest displacement", "length"), ylabel=found.what)
     ax.set_xlim(left=0.0)
     tidy(ax, 1)
     return saved(figure, file)

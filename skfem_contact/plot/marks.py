@@ -128,13 +128,12 @@ def _table(water: Water, x: ndarray, low: float, high: float) -> ndarray:
 
 def _draw_supports(plotter: Any, scene: Scene, fixed: ndarray) -> None:
     """Triangles that point at the nodes that are held: along the axis of one unknown, from below for both."""
-    held = np.zeros(scene.displacement.size, bool)
-    held[fixed.astype(int) if fixed.dtype != bool else np.flatnonzero(fixed)] = True
-    both: ndarray = held.reshape(-1, 2)
+    held = np.isin(np.arange(scene.displacement.size), np.flatnonzero(fixed) if fixed.dtype == bool else fixed)
     used = np.unique(scene.sides)
     middle = scene.places[used].mean(axis=0)
     for kind in ("both", "x", "y"):
-        mask = both.all(axis=1) if kind == "both" else both[:, "xy".index(kind)] & ~both.all(axis=1)
+        fast = held[0::2] & held[1::2]
+        mask = fast if kind == "both" else held["xy".index(kind)::2] & ~fast
         nodes = _thinned(scene, used[mask[used]])
         at = scene.moved[nodes]
         out = np.zeros_like(at)
@@ -162,7 +161,7 @@ def _thinned(scene: Scene, nodes: ndarray) -> ndarray:
 
 def _draw_loads(plotter: Any, scene: Scene, load: ndarray) -> None:
     """Nodal forces as arrows that end at their nodes."""
-    force = load.reshape(-1, 2)
+    force = load[:scene.displacement.size].reshape(-1, 2)
     size = np.linalg.norm(force, axis=1)
     nodes = np.flatnonzero(size > _SMALL * size.max(initial=0.0))
     if len(nodes):

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,6 @@ import numpy as np
 from ..errors import check_plane
 from ..post.fields import Water, solids
 from ..post.recovery import recovered
-from ..stages.result import StageResult
 from .contours import View, Window, draw
 from .marks import Marks
 from .scales import make_scale
@@ -31,7 +31,7 @@ def mechanism(forms: Mapping[str, Any], found: Any, *, deformed: bool = False, v
         Forms by name.
     found
         What :func:`~skfem_contact.strength_reduction` or :func:`~skfem_contact.limit_load` has found; anything with
-        a ``mechanism`` (N,), its shear strains ``bands`` by solid, and a ``factor`` or a ``multiplier``.
+        a ``mechanism`` (N,), its shear strains ``bands`` by solid, and what it is and its ``value``.
     deformed
         Whether to draw the bodies as the mechanism moves them.
     vectors
@@ -59,7 +59,7 @@ def mechanism(forms: Mapping[str, Any], found: Any, *, deformed: bool = False, v
     """
     check_plane(next(iter(solids(forms).values())).basis, "plot.mechanism")
     moved = found.mechanism
-    stage = StageResult("mechanism", moved, 0.0 * moved, found.states, (), 0.0)
+    stage = replace(found.end, x=moved)
     there = {name: form for name, form in solids(forms).items() if name in found.bands}
     fields = [field for name, form in there.items() for field in recovered(form, found.bands[name][None], limited=True)]
     strain = np.concatenate([field.values[0] for field in fields])
@@ -70,7 +70,7 @@ def mechanism(forms: Mapping[str, Any], found: Any, *, deformed: bool = False, v
     strain = strain / _most(strain, scene.area)
     scale = make_scale(strain, scene.area, (0.0, 1.0), levels, "YlOrRd")
     marks = Marks(there, stage, water=water, vectors=vectors)
-    title = f"{_verdict(found)}: shear strain of the mechanism, relative"
+    title = f"{found.what[0].upper()}{found.what[1:]} {found.value:.4g}: shear strain of the mechanism, relative"
     return draw([View(scene, strain, "")], [marks], scale, title, "", window, mesh, file, show)
 
 
@@ -79,10 +79,3 @@ def _most(strain: np.ndarray, area: np.ndarray) -> float:
     order = np.argsort(strain)
     share = np.cumsum(area[order]) / area.sum()
     return float(np.interp(0.99, share, strain[order])) or float(strain.max()) or 1.0
-
-
-def _verdict(found: Any) -> str:
-    """The factor in words."""
-    if getattr(found, "multiplier", None) is not None:
-        return f"Limit load {found.multiplier:.4g} times the given one"
-    return f"Factor of safety {found.factor:.3f}"

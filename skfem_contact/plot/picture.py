@@ -53,7 +53,7 @@ class Frame:
         columns = 1 if views == 1 else 2 if views in (2, 4) else 3
         self.rows, self.columns = -(-views // columns), columns
         self.pixel = float(max((high - low) / (width / columns, width / _ASPECT / self.rows)))
-        wide, high = np.ceil((high - low) / self.pixel).astype(int)
+        wide, high = np.ceil((high - low) / self.pixel - 1e-6).astype(int)
         self.view = (max(int(wide), int(_NARROWEST * width) // columns), int(high))
         self.head = _HEAD if titled else 0
 

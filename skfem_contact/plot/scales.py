@@ -59,8 +59,8 @@ def make_scale(values: ndarray, area: ndarray, limits: tuple[float, float] | Non
         Name of a matplotlib colour map; by default one colour for one sign and two for both.
     """
     if limits is not None:
-        low, high = limits
-        if not (np.isfinite(limits).all() and low < high):
+        low, high = float(limits[0]), float(limits[1])
+        if not -np.inf < low < high < np.inf:
             raise ValueError(f"limits are two finite numbers, the smaller one first, not {limits!r}")
         levels = _round_levels(low, high, n)
         levels = np.unique(np.concatenate(([low], levels[(levels > low) & (levels < high)], [high])))
@@ -78,16 +78,17 @@ def _robust(values: ndarray, area: ndarray) -> tuple[float, float]:
     order = np.argsort(values)
     share = np.cumsum(area[order]) / area.sum()
     most = [float(np.interp(part, share, values[order])) for part in (_TAIL, 1.0 - _TAIL)]
-    ends, room = (float(values.min()), float(values.max())), 0.5 * (_LONGER - 1.0) * (most[1] - most[0])
-    low = ends[0] if most[0] - ends[0] <= room or room == 0.0 else float(most[0])
-    high = ends[1] if ends[1] - most[1] <= room or room == 0.0 else float(most[1])
+    low, high = float(values.min()), float(values.max())
+    if (room := 0.5 * (_LONGER - 1.0) * (most[1] - most[0])) > 0.0:
+        low = low if most[0] - low <= room else most[0]
+        high = high if high - most[1] <= room else most[1]
     apart = 1e-9 * max(abs(low), abs(high)) or 1.0
     return (low, high) if high - low > apart else (low - apart, high + apart)
 
 
 def _round_levels(low: float, high: float, n: int) -> ndarray:
     """Multiples of a round step from below the smallest to above the largest value."""
-    levels = MaxNLocator(nbins=n, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high)
+    levels = np.asarray(MaxNLocator(nbins=n, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high))
     step, slack = levels[1] - levels[0], 1e-6 * (high - low)
     levels = levels[(levels > low - step + slack) & (levels < high + step - slack)]
     return np.where(np.abs(levels) < 1e-9 * step, 0.0, levels)

@@ -46,7 +46,8 @@ class Scene:
         self.cells = np.concatenate([field.cells + first for field, first in zip(self.regions, offset)])
         self.corners = len(basis.mesh.t)  # of an element
         self.places = basis.doflocs[:, 0::2].T
-        self.displacement = (step.x - (0.0 if since is None else since.x)).reshape(-1, 2)
+        moved = step.x[:basis.N] - (0.0 if since is None else since.x[:basis.N])
+        self.displacement = moved.reshape(-1, 2)
         self.factor = self._factor(deformed)
         self.moved = self.places + self.factor * self.displacement
         self.area = self._areas()

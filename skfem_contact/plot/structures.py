@@ -111,7 +111,7 @@ def _ordinates(ax: Axes, axis: ndarray, tips: ndarray, ordinate: ndarray, closed
     pieces = np.stack((axis[first], axis[second], tips[second], tips[first]), axis=1)
     positive = ordinate[first] + ordinate[second] > 0.0
     for sign, color in ((positive, _POSITIVE), (~positive, _NEGATIVE)):
-        style = {"facecolor": color, "edgecolor": color, "alpha": 0.45, "linewidth": 0.4}
+        style: dict[str, Any] = {"facecolor": color, "edgecolor": color, "alpha": 0.45, "linewidth": 0.4}
         ax.add_collection(PolyCollection(list(pieces[sign]), **style))
     line = np.concatenate((tips, tips[:1])) if closed else tips
     ax.plot(*line.T, color="#222222", linewidth=1.4)

@@ -69,7 +69,8 @@ def nodal_field(forms: Mapping[str, Any], step: StageResult, quantity: str, sinc
     array([-20., -10.,   0.])
     """
     fields = region_fields(forms, step, quantity, since, water)
-    n = len(step.x) // next(iter(solids(forms).values())).basis.mesh.dim()
+    basis = next(iter(solids(forms).values())).basis
+    n = basis.N // basis.mesh.dim()
     total, count = np.zeros(n), np.zeros(n)
     for field in fields:
         total[field.nodes] += field.values[0]
@@ -104,7 +105,7 @@ def solids(forms: Mapping[str, Any]) -> dict[str, SolidForm]:
 
 
 def solids_there(forms: Mapping[str, Any], step: StageResult) -> dict[str, SolidForm]:
-    """The solids among the forms that are there in a stage: neither taken away nor still to come."""
+    """The solids among the forms that are there in a stage, with the materials that they have there."""
     if not hasattr(step, "states"):
         raise ValueError(f"one stage is needed, result[name of the stage], not {type(step).__name__}")
     given = solids(forms)
@@ -112,7 +113,7 @@ def solids_there(forms: Mapping[str, Any], step: StageResult) -> dict[str, Solid
     if not found:
         raise ValueError(f"none of the solids {list(given)} is there in stage '{step.name}', which holds "
                          f"{list(step.states)}")
-    return found
+    return solids({name: step.forms.get(name, form) for name, form in found.items()})
 
 
 def plastic_strain(state: Any) -> ndarray:
@@ -147,7 +148,7 @@ def _valued(what: Quantity, fields: list[RegionField]) -> list[RegionField]:
 
 def _displaced(form: SolidForm, x: ndarray) -> list[RegionField]:
     """Displacements at the nodes of the regions."""
-    u = x.reshape(-1, form.basis.mesh.dim()).T
+    u = x[:form.basis.N].reshape(-1, form.basis.mesh.dim()).T
     return [field._replace(values=u[:, field.nodes]) for field in regions_of(form)]
 
 

@@ -48,7 +48,7 @@ def grid_of(forms: Mapping[str, Any], step: StageResult) -> Grid:
     found = solids_there(forms, step)
     basis = next(iter(found.values())).basis
     dim = basis.mesh.dim()
-    u = step.x.reshape(-1, dim)
+    u = step.x[:basis.N].reshape(-1, dim)
     parts, data, cell_data = [], [], []
     for name, form in found.items():
         fields = recovered_stress(form, step.states[name].stress)
