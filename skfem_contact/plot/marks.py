@@ -180,21 +180,20 @@ def _draw_vectors(plotter: Any, scene: Scene) -> None:
 
 
 def _draw_contact(plotter: Any, scene: Scene, forms: Mapping[str, Any], step: StageResult) -> None:
-    """Status of contact points, and their tractions on the slave as lines that end at them."""
+    """Status of contact points, and what the slave exerts on the master there as lines that end at them."""
     found = interfaces(forms, step).values()
     sizes = [np.hypot(i.tractions.pressure, i.tractions.shear).max(initial=0.0) for i in found]
     largest = float(max(sizes, default=0.0))
     for interface in found:
         t = interface.tractions
-        at = np.column_stack((t.x, t.y)) + scene.factor * interface.displacement
+        at = np.column_stack((t.x, t.y)) + scene.factor * interface.moved_by(scene.displacement)
         if largest > 0.0:
             # shear of the slave on the master is positive along the master's chain, which runs against the slave's
             along = np.column_stack((interface.normal[:, 1], -interface.normal[:, 0]))
             drawn = (t.pressure[:, None] * interface.normal + t.shear[:, None] * -along) / largest
-            ends = at + _LONG_TRACTION * scene.pixel * drawn
-            n = len(at)
-            sides = np.column_stack((np.arange(n), n + np.arange(n)))
-            plotter.add_mesh(scene.lines(sides, np.concatenate((at, ends)), MARK), color="#5b2c83", line_width=2.5)
+            tails = at - _LONG_TRACTION * scene.pixel * drawn
+            sides = np.arange(2 * len(at)).reshape(2, -1).T
+            plotter.add_mesh(scene.lines(sides, np.concatenate((tails, at)), MARK), color="#5b2c83", line_width=2.5)
         for status, (_, color) in _STATUS.items():
             chosen = t.status == status
             if chosen.any():

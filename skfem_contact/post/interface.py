@@ -21,8 +21,8 @@ class Interface(NamedTuple):
         At the points of the slave.
     normal
         Outward normals of the slave there, undeformed, (n, 2).
-    displacement
-        Of these points, (n, 2).
+    nodes, shares
+        Nodes that move each of them, and their shape functions, (n, k).
     facets
         Nodes of the slave's facets, (n_facets, k): ends, middle.
     members
@@ -31,9 +31,14 @@ class Interface(NamedTuple):
 
     tractions: Tractions
     normal: ndarray
-    displacement: ndarray
+    nodes: ndarray
+    shares: ndarray
     facets: ndarray
     members: ndarray
+
+    def moved_by(self, u: ndarray) -> ndarray:
+        """Displacements of the points, (n, 2), from those of all nodes, (n_nodes, 2)."""
+        return np.einsum("nk,nkc->nc", self.shares, u[self.nodes])
 
     def on_facets(self) -> dict[str, ndarray]:
         """Means over the facets; the status is that of the point that carries most."""
@@ -58,14 +63,14 @@ def interfaces(forms: Mapping[str, Any], step: StageResult) -> dict[str, Interfa
 def _interface(pair: ContactPair, step: StageResult, name: str) -> Interface:
     state = step.states[name]
     points, slave = pair.points(state), pair.slave
-    moved = points.positions(slave.positions(step.x)) - points.positions(slave.nodes)
     at = tractions(pair, state)
     end = slave.start + slave.length
     slack = 1e-6 * slave.length
     inside = (at.arc >= (slave.start - slack)[:, None]) & (at.arc <= (end + slack)[:, None])
     if slave.closed:  # its last facet ends where the first begins
         inside[-1] |= at.arc <= slack[-1]
-    return Interface(at, _normals(slave, at.arc), moved, slave.dofs[slave.segments, 0] // 2,
+    node = slave.dofs[:, 0] // 2
+    return Interface(at, _normals(slave, at.arc), node[points.nodes], points.values, node[slave.segments],
                      np.array(np.nonzero(inside)))
 
 

@@ -25,9 +25,9 @@ from ..solid import SolidForm
 from ..strain import b_bar, plane_strain, three_dimensional
 
 #: Weight of the stresses themselves beside the forces, by the order of the elements and whether they are triangles or
-#: tetrahedra. Fibre of a beam of one to four layers, largest error for weights of .007, .1, .3 and 1: four-node elements
-#: 1.3, 4.5, 9 and 13 % (below .007, one-sided patches at corners lose digits); six-node triangles 2.1, 1.4, .9 and .3 %;
-#: three-node ones, of three and four layers, 15, 9, 5 and 11 %.
+#: tetrahedra. Fibre of a beam of one to four layers, largest error for weights of .007, .1, .3 and 1: four-node
+#: elements 1.3, 4.5, 9 and 13 % (below .007, one-sided patches at corners lose digits); six-node triangles 2.1, 1.4,
+#: .9 and .3 %; three-node ones, of three and four layers, 15, 9, 5 and 11 %.
 _BETA = {(1, False): 0.007, (1, True): 0.3, (2, False): 1.0, (2, True): 1.0}
 _CHUNK = 500  # patches at a time
 
