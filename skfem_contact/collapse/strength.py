@@ -6,7 +6,6 @@ from typing import Any, Literal
 
 import numpy as np
 from numpy import ndarray
-from tqdm import tqdm
 
 from ..errors import NoEquilibrium, NotConverged
 from ..forms import Form
@@ -14,6 +13,7 @@ from ..materials.reduction import Flow, check_reduction
 from ..nonlinear.line_search import Search
 from ..nonlinear.newton import Newton
 from ..nonlinear.system import System
+from ..progress import progress_bar
 from ..solvers.direct import SingularSystem
 from ..solvers.threads import single_threaded
 from ..stages.result import Result, StageResult
@@ -156,8 +156,7 @@ def strength_reduction(forms: Mapping[str, Form], fixed: ndarray, load: ndarray 
     branch = _Strength(whole, load, reduced_parts(whole.forms, reduce, exclude), flow)
     newton = newton or Newton(tolerance=0.03 * tol, max_iterations=30)
     step = max(step, tol)
-    with tqdm(desc=FACTOR, disable=None if progress is None else not progress,
-              bar_format="{desc} {postfix} {elapsed}") as bar:
+    with progress_bar(progress, desc=FACTOR, bar_format="{desc} {postfix} {elapsed}") as bar:
         log = SearchLog(whole.forms, bar)
         first = _first(branch, last, newton, log)
         search = _continuation if method == "continuation" else _bracket

@@ -18,6 +18,7 @@ from numpy import ndarray
 from ..contact.penalty import choose_penalties
 from ..errors import look_up
 from ..forms import Form, arrays_of, as_forms, with_arrays
+from ..tables import html_table
 
 if TYPE_CHECKING:
     from ..post import ContactReport, SectionForces, Sections, Tractions
@@ -135,6 +136,11 @@ class Result:
         return "\n".join(lines)
 
     __repr__ = __str__  # the arrays of all stages would fill a notebook
+
+    def _repr_html_(self) -> str:
+        rows = [(s.name, len(s.iterations), sum(s.iterations), f"{s.residual:.1e}", f"{s.fraction:.0%}",
+                 "; ".join(f"{k}: {v}" for k, v in s.summary.items() if v)) for s in self.stages]
+        return html_table(("stage", "increments", "iterations", "residual", "load", "what the bodies carry"), rows)
 
     def save(self, file: str | Path) -> None:
         """Write all stages to one compressed file, from which :func:`load_result` resumes; it gets the end ``.npz``.
