@@ -16,10 +16,11 @@ from typing import Any, Protocol
 import numpy as np
 from numpy import ndarray
 
-from ..nonlinear.evaluation import Evaluation, NotConverged
+from ..nonlinear.evaluation import Evaluation, NoEquilibrium, NotConverged
 from ..nonlinear.line_search import Search
 from ..nonlinear.newton import Newton, iterate
 from ..nonlinear.system import System
+from ..solvers.direct import SingularSystem
 from ..stages.result import Result, StageResult
 from .result import Stop, no_collapse_below
 
@@ -29,6 +30,10 @@ _DIFFERENCE = 1e-6
 GROWTH = 2.0
 #: Step lengths in a row that may fail before the curve ends.
 _CUTS = 6
+#: Iterations of failed steps after which it ends, too.
+_VAIN = 150
+_FALLS = 2
+class _Fall(NotConverged): pass
 _MOST_STEPS = 100
 #: Share of the work at which the curve's last part begins.
 _CHORD = 0.7
@@ -89,7 +94,7 @@ class Report(Protocol):
 
 @dataclass(frozen=True)
 class Curve:
-    """Points of the curve, and why it ends.
+    """Points of the curve, why it ends, and a value of the parameter that it does not reach.
 
     Attributes
     ----------
@@ -97,20 +102,18 @@ class Curve:
         Equilibria in the order they were found.
     stop
         Why it ends there.
+    above
+        The smallest parameter that is known not to be reached; infinite where nothing is known.
     """
 
     points: tuple[Point, ...]
     stop: Stop
+    above: float = np.inf
 
     @property
-    def limit(self) -> tuple[float, tuple[float, float]]:
-        """Largest parameter on the curve, and its bracket: what the last slope leaves room for.
-
-        Close to the limit the curve runs like a hyperbola, ``limit - a / work``, whose slope times the work
-        is what is left.
-        """
-        best = max(point.parameter for point in self.points)
-        return best, (best, best + max(remainder(self.points), 0.0))
+    def highest(self) -> Point:
+        """The point of the largest parameter."""
+        return max(self.points, key=lambda point: point.parameter)
 
 
 def last_stage(start: Result | StageResult | None) -> StageResult | None:
@@ -170,14 +173,25 @@ def follow(branch: Branch, control: ndarray, points: list[Point], newton: Newton
     until
         Largest displacement that a curve that has levelled off must have reached.
     """
-    points, length, cuts, failed = list(points), min(points[-1].work - points[-2].work, longest), 0, False
+    points, length, cuts, falls, vain, failed = list(points), min(points[-1].work - points[-2].work, longest), 0, 0, 0, False
     while len(points) < _MOST_STEPS:
+        last = points[-1]
+        margin = tolerance * (abs(last.parameter) if relative else 1.0)
         try:
-            point = correct(branch, control, points, points[-1].work + length, newton)
+            point = correct(branch, control, points, last.work + length, newton)
+            if until == 0.0 and point.parameter < last.parameter - margin:
+                raise _Fall("it falls", point.x, point.residuals)
         except NotConverged as error:
-            report.reject(points[-1].parameter, error, points[-1].work + length)
-            cuts += 1
-            if cuts > _CUTS:
+            report.reject(last.parameter, error, last.work + length)
+            rise = length * (last.parameter - points[-2].parameter) / (last.work - points[-2].work)
+            if isinstance(error, NoEquilibrium) and rise < margin:
+                return Curve(tuple(points), Stop("collapse", str(error)), last.parameter + rise)
+            cuts += not isinstance(error, NoEquilibrium)
+            falls += isinstance(error, _Fall)
+            if falls > _FALLS:
+                return Curve(tuple(points), Stop("peak", "x"))
+            vain += max(len(error.residuals) - 1, 0)
+            if cuts > _CUTS or vain > _VAIN:
                 return Curve(tuple(points), Stop("stall", str(error)))
             length, failed = 0.5 * length, True
             continue
@@ -185,11 +199,13 @@ def follow(branch: Branch, control: ndarray, points: list[Point], newton: Newton
         report.accept(point)
         left = remainder(points)
         reached = np.abs(point.x - points[0].x).max() >= until
-        if reached and left < tolerance * (abs(point.parameter) if relative else 1.0):
-            return Curve(tuple(points), Stop("plateau", f"the curve may rise by {max(left, 0.0):.2g} more"))
+        if reached and left < margin:
+            best = max(point.parameter for point in points)
+            stop = Stop("plateau", f"the curve may rise by {max(left, 0.0):.2g} more")
+            return Curve(tuple(points), stop, best + (left if left > 0.0 else margin))
         if point.parameter > highest:
             return Curve(tuple(points), no_collapse_below(highest))
-        cuts, length, failed = 0, length if failed else min(growth * length, longest), False
+        cuts, falls, length, failed = 0, 0, length if failed else min(growth * length, longest), False
     return Curve(tuple(points), Stop("steps", f"{_MOST_STEPS} of them without a plateau"))
 
 
@@ -234,5 +250,14 @@ def correct(branch: Branch, control: ndarray, points: list[Point], work: float, 
         now, norms = iterate(evaluate(guess), evaluate, direction, newton, branch.search, at_least=1, damp=True)
     except NotConverged as error:
         error.x = None if error.x is None else error.x[:-1]
-        raise
+        raise as_collapse(error, system) from error
     return Point(now.z[:-1], now.states, float(now.z[-1]), work, norms)
+
+
+def as_collapse(error: NotConverged, system: System) -> NotConverged:
+    """The error, or :class:`NoEquilibrium` where all points flow from the start and nothing resists any more."""
+    singular = error.__cause__
+    if len(error.residuals) > 1 or not isinstance(singular, SingularSystem) \
+            or len(singular.unknowns) < len(system.free):
+        return error
+    return NoEquilibrium("all points flow at once, and nothing resists any more", error.x, error.residuals, error.unknown)

@@ -129,7 +129,8 @@ def limit_load(forms: Mapping[str, Form], fixed: ndarray, load: ndarray, start: 
                        growth=_SMALL_GROWTH if flow == "lagged" else GROWTH, longest=longest * points[-1].work,
                        until=until)
     end = curve.points[-1]
-    found = Found(*curve.limit, curve.stop, curve.points, end, end.x - curve.points[-2].x)
+    value = curve.highest.parameter
+    found = Found(value, (value, curve.above), curve.stop, curve.points, end, end.x - curve.points[-2].x)
     return conclude(LOAD, found, system, branch.at(end.parameter)[1], log.steps, "continuation", flow)
 
 

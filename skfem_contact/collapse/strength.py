@@ -14,11 +14,10 @@ from ..nonlinear.evaluation import NoEquilibrium, NotConverged
 from ..nonlinear.line_search import Search
 from ..nonlinear.newton import Newton
 from ..nonlinear.system import System
-from ..solvers.direct import SingularSystem
 from ..solvers.threads import single_threaded
 from ..stages.result import Result, StageResult
 from ..stages.setup import build_system, check_load, left_by
-from .continuation import Point, follow, last_stage, starting_point
+from .continuation import Point, as_collapse, follow, last_stage, starting_point
 from .history import SearchLog
 from .reduction import reduced_parts
 from .result import FACTOR, CollapseResult, Found, Stop, conclude, no_collapse_below
@@ -62,12 +61,7 @@ class _Strength:
             found = system.equilibrium(start.x, start.states, load, start.x[system.fixed], newton,
                                        searches, elastic, at_least=1, damp=True)
         except NotConverged as error:
-            singular = error.__cause__
-            if len(error.residuals) > 1 or not isinstance(singular, SingularSystem) \
-                    or len(singular.unknowns) < len(system.free):
-                raise
-            raise NoEquilibrium("collapse: with all points flowing at once nothing resists any more", error.x,
-                           error.residuals, error.unknown) from error
+            raise as_collapse(error, system) from error
         return Point(found.x, found.states, factor, start.work + system.work(load, found.x - start.x),
                      found.residuals)
 
@@ -200,13 +194,15 @@ def _continuation(branch: _Strength, first: Point, newton: Newton, tol: float, s
     last = points[-1]
     if len(points) > 1:
         curve = follow(branch, branch.load, points, newton, _OPEN * tol, log, highest=highest)
-        best = max(curve.points, key=lambda point: point.parameter)
-        return Found(*curve.limit, curve.stop, curve.points, best, curve.points[-1].x - curve.points[-2].x)
+        best, motion = curve.highest, curve.points[-1].x - curve.points[-2].x
+        return Found(best.parameter, (best.parameter, curve.above), curve.stop, curve.points, best, motion)
     if failed is None:
         return Found(last.parameter, (last.parameter, np.inf), no_collapse_below(highest), points, last, 0 * last.x)
     where = "the first equilibrium is at its limit" if log.ever_yielding else "the bodies are elastic up to there"
-    stop = Stop("collapse" if isinstance(failed, NoEquilibrium) else "stall", where)
-    return Found(last.parameter, (last.parameter, log.steps[-1].parameter), stop, points, last, _motion(last, failed))
+    shown = isinstance(failed, NoEquilibrium)
+    above = log.steps[-1].parameter if shown else np.inf
+    stop = Stop("collapse" if shown else "stall", where)
+    return Found(last.parameter, (last.parameter, above), stop, points, last, _motion(last, failed))
 
 
 def _motion(last: Point, failed: NotConverged | None) -> ndarray:
