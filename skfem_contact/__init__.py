@@ -16,15 +16,14 @@ from .contact import (
     two_pass,
 )
 from .contact.laws import Coulomb, Status, Tied, Traction
-from .errors import AnalysisWarning
-from .forms import Response
+from .errors import AnalysisWarning, NoEquilibrium, NotConverged
+from .forms import Form, Response
 from .loads import hydrostatic, water_load, weight
 from .materials import DruckerPrager, HardeningMohrCoulomb, LinearElastic, MohrCoulomb, Tresca, VonMises
 from .materials.reduction import reduced_strength
 from .mesh.check import check_mesh
 from .mesh.join import bodies, join_bodies
 from .mesh.read import load_mesh
-from .nonlinear.evaluation import NoEquilibrium, NotConverged
 from .nonlinear.newton import Newton
 from .post import (
     ContactReport,
@@ -60,7 +59,7 @@ __all__ = [
     "ContactReport",
     "ContactState",
     "Coulomb",
-    "DruckerPrager",
+    "DruckerPrager", "Form",
     "HardeningMohrCoulomb",
     "LinearElastic",
     "MohrCoulomb",

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
 from copy import copy
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -15,9 +15,9 @@ from .assembly import Pattern, element_stiffness, force_matrix, strain_matrix
 from .errors import check_basis, check_quadrature, look_up
 from .forms import Form, Response
 from .materials import Material, Update
-from .materials.reduction import Flow, reduced_strength
-from .materials.spectral import extremes
-from .strain import StrainOperator, plane_strain
+from .materials.reduction import reduced_strength
+from .materials.spectral import largest_shear
+from .strain import StrainOperator, axisymmetric, plane_strain
 
 #: Share of the symmetric companion in a damped tangent: more of it makes Newton's method slow, less lets it stall.
 _DAMPING = 0.2
@@ -101,11 +101,12 @@ class SolidForm(Form):
                  strain: Callable[[CellBasis], StrainOperator] = plane_strain) -> None:
         check_basis(basis)
         check_quadrature(basis)
-        self.basis, self.regions = _by_region(basis, materials)
-        self.strain = strain
+        self.basis, regions = _by_region(basis, materials)  # state arrays follow this order of the elements
+        self.size, self.strain = int(self.basis.N), strain
+        self.joins, self.axisymmetric = np.zeros(0, int), strain is axisymmetric
         B, self.weight = strain(self.basis)
         self._ncomp = B.shape[2]
-        _check_materials(self.regions, self.basis.nelems, self._ncomp)
+        self._set(regions)
         self._pattern = Pattern.of(self.basis)
         self._force_matrix = force_matrix(strain_matrix(B, self.basis.element_dofs, self.basis.N), self.weight)
         self._element_dofs = np.ascontiguousarray(self.basis.element_dofs.T)
@@ -117,15 +118,15 @@ class SolidForm(Form):
         regions = ", ".join(f"{r.name}: {r.material!r}" for r in self.regions)
         return f"<SolidForm {self.basis.nelems} elements, {regions}>"
 
-    @property
-    def materials(self) -> dict[str, Material]:
-        """Materials by the name of their subdomain (``"all"`` where one material was given)."""
-        return {region.name: region.material for region in self.regions}
-
-    @property
-    def symmetric(self) -> bool:
-        """Whether the tangent is symmetric: all materials say so by an attribute `symmetric`."""
-        return all(getattr(material, "symmetric", False) for material in self.materials.values())
+    def _set(self, regions: tuple[_Region, ...]) -> None:
+        """Regions with their materials, and what follows from these."""
+        _check_materials(regions, self.basis.nelems, self._ncomp)
+        self.regions = regions
+        self.materials = {region.name: region.material for region in regions}
+        self.symmetric = all(getattr(material, "symmetric", False) for material in self.materials.values())
+        self.strengths = tuple(name for name, material in self.materials.items() if hasattr(material, "reduced"))
+        elastic = all(material.n_internal == 0 for material in self.materials.values())
+        self.changing = self.joins if elastic else None
 
     def with_materials(self, materials: Mapping[str, Material]) -> SolidForm:
         """The same body with some materials replaced; what does not change is shared, not computed again.
@@ -138,8 +139,7 @@ class SolidForm(Form):
         for name in materials:
             look_up(name, self.materials, "region of this solid")
         new = copy(self)
-        new.regions = tuple(_Region(r.name, materials.get(r.name, r.material), r.elements) for r in self.regions)
-        _check_materials(new.regions, new.basis.nelems, new._ncomp)
+        new._set(tuple(_Region(r.name, materials.get(r.name, r.material), r.elements) for r in self.regions))
         same = all(np.array_equal(a.material.elasticity(self._ncomp), b.material.elasticity(self._ncomp))
                    for a, b in zip(self.regions, new.regions, strict=True))
         if not same:
@@ -147,12 +147,7 @@ class SolidForm(Form):
                 new.__dict__.pop(name, None)
         return new
 
-    @property
-    def strengths(self) -> tuple[str, ...]:
-        """Names of the regions whose strength can be reduced."""
-        return tuple(name for name, material in self.materials.items() if hasattr(material, "reduced"))
-
-    def reduced(self, factor: float, flow: Flow, names: Collection[str]) -> SolidForm:
+    def reduced(self, factor: float, flow: str, names: Collection[str]) -> SolidForm:
         """The same body with the strength of some regions divided by a factor, see :func:`reduced_strength`."""
         return self.with_materials({name: reduced_strength(self.materials[name], factor, flow) for name in names})
 
@@ -165,11 +160,7 @@ class SolidForm(Form):
 
     def shear_strain(self, x: ndarray) -> ndarray:
         """Largest shear strain of displacements, of plane bodies that in their plane, (n_elements, n_points)."""
-        strain = self._strains(x)
-        if len(strain) == 4:
-            return np.hypot(strain[0] - strain[1], strain[3])
-        largest, smallest = extremes(np.concatenate((strain[:3], 0.5 * strain[3:])))
-        return largest - smallest
+        return largest_shear(self._strains(x))
 
     def initial_state(self, x: ndarray | None = None) -> SolidState:
         """Stress-free: undeformed or, when the body is built after others have deformed, at the displacements `x`.
@@ -236,12 +227,20 @@ class SolidForm(Form):
             return ""
         return f"{yielded.mean():.1%} yielded"
 
-    def remarks(self, state: SolidState) -> list[str]:
-        """What a user should know of an accepted state: nothing here."""
-        return []
+    def continues(self, old: Form) -> SolidForm:
+        """The form in the place of another one of the same elements."""
+        if not isinstance(old, SolidForm) or old.weight.shape != self.weight.shape \
+                or not np.array_equal(old.basis.element_dofs, self.basis.element_dofs):
+            raise ValueError("its elements are others")
+        return self
 
-    def outer(self, x: ndarray, accepted: SolidState, candidate: SolidState) -> None:
-        """Nothing is left to do once an increment has converged."""
+    def fits(self, state: SolidState) -> bool:
+        """Whether a state has stresses at the points of this body; internal variables may be others than at first."""
+        return np.shape(state.stress) == (self._ncomp, *self.weight.shape)
+
+    def moved_back(self, state: SolidState) -> SolidState:
+        """The state with its stresses, of a body that counts as undeformed from here on."""
+        return replace(state, strain=np.zeros_like(state.strain))
 
     def element_forces(self, stress: ndarray, elements: ndarray) -> ndarray:
         """Internal forces that the nodes exert on some elements, (n_local_dofs, len(elements))."""

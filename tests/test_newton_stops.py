@@ -4,7 +4,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from skfem_contact.nonlinear.evaluation import Evaluation, NotConverged
+from skfem_contact.errors import NotConverged
+from skfem_contact.nonlinear.evaluation import Evaluation
 from skfem_contact.nonlinear.newton import Newton, iterate
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from skfem_contact.nonlinear.evaluation import NoEquilibrium, NotConverged
+from skfem_contact.errors import NoEquilibrium, NotConverged
 from skfem_contact.nonlinear.stepping import Stepping
 
 

@@ -9,14 +9,16 @@ S. Sysala, E. Hrubesova, Z. Michalec, F. Tschuchnigg, Int. J. Numer. Anal. Metho
 """
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from typing import Any, Literal, Protocol
 
 import numpy as np
 from numpy import ndarray
 
-from ..nonlinear.evaluation import Evaluation, NoEquilibrium, NotConverged
+from ..errors import NoEquilibrium, NotConverged
+from ..nonlinear.evaluation import Evaluation
 from ..nonlinear.line_search import Search
 from ..nonlinear.newton import Newton, iterate
 from ..nonlinear.system import System
@@ -28,15 +30,17 @@ from .result import Stop, no_collapse_below
 _DIFFERENCE = 1e-6
 #: Growth of the steps.
 GROWTH = 2.0
-#: Step lengths in a row that may fail before the curve ends.
-_CUTS = 6
+#: Step lengths in a row that may fail before the curve ends: no equilibrium is found, or one below the last.
+_CUTS = {"stall": 6, "peak": 2}
 #: Iterations of failed steps after which it ends, too.
 _VAIN = 150
-_FALLS = 2
-class _Fall(NotConverged): pass
 _MOST_STEPS = 100
 #: Share of the work at which the curve's last part begins.
 _CHORD = 0.7
+
+
+class Fall(NotConverged):
+    """An equilibrium was found, but below the last one: the step was too long, or the curve has a peak."""
 
 
 class Branch(Protocol):
@@ -173,27 +177,25 @@ def follow(branch: Branch, control: ndarray, points: list[Point], newton: Newton
     until
         Largest displacement that a curve that has levelled off must have reached.
     """
-    points, length, cuts, falls, vain, failed = list(points), min(points[-1].work - points[-2].work, longest), 0, 0, 0, False
+    points, length, failures, vain = list(points), min(points[-1].work - points[-2].work, longest), Counter[str](), 0
     while len(points) < _MOST_STEPS:
         last = points[-1]
         margin = tolerance * (abs(last.parameter) if relative else 1.0)
         try:
             point = correct(branch, control, points, last.work + length, newton)
             if until == 0.0 and point.parameter < last.parameter - margin:
-                raise _Fall("it falls", point.x, point.residuals)
+                raise Fall("the curve falls", point.x, point.residuals)
         except NotConverged as error:
             report.reject(last.parameter, error, last.work + length)
             rise = length * (last.parameter - points[-2].parameter) / (last.work - points[-2].work)
             if isinstance(error, NoEquilibrium) and rise < margin:
                 return Curve(tuple(points), Stop("collapse", str(error)), last.parameter + rise)
-            cuts += not isinstance(error, NoEquilibrium)
-            falls += isinstance(error, _Fall)
-            if falls > _FALLS:
-                return Curve(tuple(points), Stop("peak", "x"))
+            kind = kind_of(error)
+            failures[kind] += 1
             vain += max(len(error.residuals) - 1, 0)
-            if cuts > _CUTS or vain > _VAIN:
-                return Curve(tuple(points), Stop("stall", str(error)))
-            length, failed = 0.5 * length, True
+            if kind != "collapse" and (failures[kind] > _CUTS[kind] or vain > _VAIN):
+                return Curve(tuple(points), Stop(kind, str(error)))
+            length *= 0.5
             continue
         points.append(point)
         report.accept(point)
@@ -205,7 +207,8 @@ def follow(branch: Branch, control: ndarray, points: list[Point], newton: Newton
             return Curve(tuple(points), stop, best + (left if left > 0.0 else margin))
         if point.parameter > highest:
             return Curve(tuple(points), no_collapse_below(highest))
-        cuts, falls, length, failed = 0, 0, length if failed else min(growth * length, longest), False
+        length = length if failures else min(growth * length, longest)
+        failures.clear()
     return Curve(tuple(points), Stop("steps", f"{_MOST_STEPS} of them without a plateau"))
 
 
@@ -237,7 +240,7 @@ def correct(branch: Branch, control: ndarray, points: list[Point], work: float, 
         beside = now.z.copy()
         beside[-1] += delta
         by_parameter = (evaluate(beside).residual - now.residual) / delta
-        solve = system.solver.factor(system.tangent(now, damped), system.symmetric)
+        solve = system.factor(system.tangent(now, damped))
         balance, drift = solve(now.residual), solve(by_parameter)
         lag = target - system.work(control, now.z[:-1] + balance)
         slope = system.work(control, drift)
@@ -260,4 +263,10 @@ def as_collapse(error: NotConverged, system: System) -> NotConverged:
     if len(error.residuals) > 1 or not isinstance(singular, SingularSystem) \
             or len(singular.unknowns) < len(system.free):
         return error
-    return NoEquilibrium("all points flow at once, and nothing resists any more", error.x, error.residuals, error.unknown)
+    return NoEquilibrium("all points flow at once, and nothing resists any more", error.x, error.residuals,
+                         error.unknown)
+
+
+def kind_of(error: NotConverged) -> Literal["collapse", "peak", "stall"]:
+    """How a step failed."""
+    return "collapse" if isinstance(error, NoEquilibrium) else "peak" if isinstance(error, Fall) else "stall"

@@ -8,9 +8,9 @@ import numpy as np
 from numpy import ndarray
 from tqdm import tqdm
 
+from ..errors import NotConverged
 from ..forms import Form
 from ..materials.reduction import Flow, check_reduction
-from ..nonlinear.evaluation import NotConverged
 from ..nonlinear.line_search import Search
 from ..nonlinear.newton import Newton
 from ..nonlinear.system import System
@@ -112,11 +112,11 @@ def limit_load(forms: Mapping[str, Form], fixed: ndarray, load: ndarray, start: 
     if not tol > 0 or not step > 0 or not longest > 0:
         raise ValueError(f"tol, step and longest must be positive, not {tol!r}, {step!r} and {longest!r}")
     last = last_stage(start)
-    there, held = left_by(last, forms, fixed)
+    there, held, unknowns = left_by(last, forms, fixed)
     if flow != "given":
         there = {name: form.reduced(1.0, flow, form.strengths) for name, form in there.items()}
-    system = build_system(there, held, solver)
-    reference = check_load(load, system.size)
+    system = build_system(there, held, unknowns, solver)
+    reference = check_load(load, system.unknowns)
     branch = _Load(system, np.zeros(system.size) if last is None else last.load, reference)
     newton = newton or Newton(tolerance=0.03 * tol, max_iterations=30)
     with tqdm(desc=LOAD, disable=None if progress is None else not progress,

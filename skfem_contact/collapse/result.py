@@ -29,7 +29,7 @@ class Stop:
     ----------
     kind
         ``"plateau"``: the curve has levelled off; ``"collapse"``: there is no equilibrium close above; these show the
-        limit.  The others do not: ``"stall"``: Newton's method found neither equilibrium nor collapse; ``"highest"``:
+        limit.  The others do not: ``"peak"``: the curve falls, though another path may lead higher; ``"stall"``: Newton's method found neither equilibrium nor collapse; ``"highest"``:
         the parameter reached the bound of the search; ``"steps"``: their number did.
     text
         What a reader should know of it.
@@ -41,7 +41,7 @@ class Stop:
     highest: there is no collapse below 100
     """
 
-    kind: Literal["plateau", "collapse", "stall", "highest", "steps"]
+    kind: Literal["plateau", "collapse", "peak", "stall", "highest", "steps"]
     text: str
 
     @property
@@ -67,7 +67,7 @@ class Step:
     parameter
         Factor of safety or load multiplier.
     outcome
-        ``"equilibrium"``, ``"collapse"`` or ``"stall"``.
+        ``"equilibrium"``, ``"collapse"``, ``"stall"``, or ``"peak"``: an equilibrium below the last one.
     iterations
         Number of tangents factored.
     residual
@@ -81,7 +81,7 @@ class Step:
     """
 
     parameter: float
-    outcome: Literal["equilibrium", "collapse", "stall"]
+    outcome: Literal["equilibrium", "collapse", "peak", "stall"]
     iterations: int
     residual: float
     displacement: float
@@ -207,7 +207,7 @@ class CollapseResult:
 
 def describe_mesh(forms: Mapping[str, Form]) -> str:
     """Elements and unknowns in one line, such as ``576 ElementTriP2, 2442 unknowns``."""
-    bases = [basis for form in forms.values() if (basis := getattr(form, "basis", None)) is not None]
+    bases = [form.basis for form in forms.values() if form.basis is not None]
     count = Counter[str]()
     for basis in bases:
         count[type(basis.elem.elem).__name__] += basis.nelems

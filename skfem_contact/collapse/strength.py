@@ -8,9 +8,9 @@ import numpy as np
 from numpy import ndarray
 from tqdm import tqdm
 
+from ..errors import NoEquilibrium, NotConverged
 from ..forms import Form
 from ..materials.reduction import Flow, check_reduction
-from ..nonlinear.evaluation import NoEquilibrium, NotConverged
 from ..nonlinear.line_search import Search
 from ..nonlinear.newton import Newton
 from ..nonlinear.system import System
@@ -51,7 +51,7 @@ class _Strength:
         forms = dict(self.whole.forms)
         for name, parts in self.targets.items():
             forms[name] = forms[name].reduced(parameter, self.flow, parts)
-        return System(forms, self.whole.fixed, self.whole.free, self.whole.solver), self.load
+        return self.whole.with_forms(forms), self.load
 
     def equilibrium(self, start: Point, factor: float, newton: Newton, elastic: float = 0.0,
                     searches: tuple[Search, ...] = ("energy", "residual")) -> Point:
@@ -145,8 +145,8 @@ def strength_reduction(forms: Mapping[str, Form], fixed: ndarray, load: ndarray 
     last = last_stage(start)
     if load is None and last is None:
         raise ValueError("there is no load: give `load`, or a `start` that carries one")
-    whole = build_system(*left_by(last, forms, fixed), solver)
-    load = check_load(load if last is None or load is not None else last.load, whole.size)
+    whole = build_system(*left_by(last, forms, fixed), solver=solver)
+    load = check_load(load if last is None or load is not None else last.load, whole.unknowns)
     branch = _Strength(whole, load, reduced_parts(whole.forms, reduce, exclude), flow)
     newton = newton or Newton(tolerance=0.03 * tol, max_iterations=30)
     step = max(step, tol)
@@ -185,7 +185,7 @@ def _first(branch: _Strength, last: StageResult | None, newton: Newton, log: Sea
 def _elastic(branch: _Strength, first: Point) -> ndarray:
     """Displacements under the whole load with the stiffness of the first point."""
     system, load = branch.at(first.parameter)
-    return system.solver.factor(system.tangent(system.evaluate(first.x, first.states, load)), system.symmetric)(load)
+    return system.factor(system.tangent(system.evaluate(first.x, first.states, load)))(load)
 
 
 def _continuation(branch: _Strength, first: Point, newton: Newton, tol: float, step: float, highest: float,

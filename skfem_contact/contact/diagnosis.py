@@ -6,6 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy import ndarray
 
+from ..remarks import Remark
 from .laws import Status
 from .quadrature import SlavePoints
 from .state import ContactState
@@ -32,7 +33,7 @@ def passed_through(depth: ndarray, accepted: ContactState, candidate: ContactSta
 
 
 def remarks(slave: Surface, master: Surface, points: SlavePoints, depth: ndarray, penalties: tuple[float, float],
-            state: ContactState) -> Iterator[str]:
+            state: ContactState) -> Iterator[Remark]:
     """Remarks on a state: penetration, round-off, points held to a facet that they have left, or too deep, no contact.
 
     Parameters
@@ -50,30 +51,36 @@ def remarks(slave: Surface, master: Surface, points: SlavePoints, depth: ndarray
     """
     share = penetration(points, state)
     if share > PENETRATION:
-        yield (f"the slave penetrates by {share:.1%} of its segment length: the penalty, {penalties[0]:.3g}, is "
-               "too soft for this load")
+        yield Remark("penetration", share,
+                     f"the slave penetrates by {share:.1%} of its segment length: the penalty, {penalties[0]:.3g}, is "
+                     "too soft for this load")
     lost = penalties[1] * ROUND_OFF * float(np.abs(master.nodes - slave.nodes.mean(axis=0)).max())
     largest = float(np.abs((state.normal, state.tangential)).max(initial=0.0))
     if 0.0 < largest < lost / _LOST and (state.status == Status.STICK).any():
-        yield (f"round-off of the slip makes up to {lost / largest:.1%} of the largest traction: the tangential "
-               f"penalty, {penalties[1]:.3g}, is too hard")
+        yield Remark("round-off", lost / largest,
+                     f"round-off of the slip makes up to {lost / largest:.1%} of the largest traction: the tangential "
+                     f"penalty, {penalties[1]:.3g}, is too hard")
     astray = _astray(master, depth, state)
     if astray.any():
-        yield (f"points {np.flatnonzero(astray)} of '{slave.name}' went to and fro at ends of the facets of "
-               f"'{master.name}' and were held to the ones that they have left, or to none: smoothing the master would "
-               "take away the kinks there")
+        yield Remark("facet lock", astray.sum(),
+                     f"points {np.flatnonzero(astray)} of '{slave.name}' went to and fro at ends of the facets of "
+                     f"'{master.name}' and were held to the ones that they have left, or to none: smoothing the master "
+                     "would take away the kinks there")
     if state.broken.any():
-        yield (f"points {np.flatnonzero(state.broken)} of '{slave.name}' opened with their bond and closed without it: "
-               "they have lost it, adhesion and tension, for good")
+        yield Remark("bond", state.broken.sum(),
+                     f"points {np.flatnonzero(state.broken)} of '{slave.name}' opened with their bond and closed without "
+                     "it: they have lost it, adhesion and tension, for good")
     deep = state.gap < -depth
     if deep.any():
-        yield (f"{deep.sum()} of {len(deep)} points of '{slave.name}' lie deeper in '{master.name}' than an element, "
-               f"up to {-state.gap.min():.3g}, and do not touch it; the deepest is at {_place(slave, points, state)}")
+        yield Remark("too deep", -state.gap.min(),
+                     f"{deep.sum()} of {len(deep)} points of '{slave.name}' lie deeper in '{master.name}' than "
+                     f"an element, up to {-state.gap.min():.3g}, and do not touch it; the deepest is at "
+                     f"{_place(slave, points, state)}")
     elif (state.status == Status.OPEN).all():
         gap = float((state.gap - state.offset).min())
-        yield "no slave point found a master within reach: " + (
+        yield Remark("open", np.nan_to_num(gap), "no slave point found a master within reach: " + (
             f"nothing of '{master.name}' lies opposite '{slave.name}'" if np.isinf(gap) else
-            f"gap is {gap:.3g} between '{slave.name}' and '{master.name}', smallest at {_place(slave, points, state)}")
+            f"gap is {gap:.3g} between '{slave.name}' and '{master.name}', smallest at {_place(slave, points, state)}"))
 
 
 def _astray(master: Surface, depth: ndarray, state: ContactState) -> ndarray:

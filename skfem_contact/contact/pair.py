@@ -1,9 +1,10 @@
 """The contact pair: two surfaces, a law and a quadrature rule that answer like any other form."""
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from copy import copy
-from dataclasses import replace
+from dataclasses import fields, replace
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -11,8 +12,9 @@ from numpy import ndarray
 from scipy.sparse import csr_matrix
 from skfem import CellBasis
 
-from ..errors import check_basis
-from ..forms import Form, IncrementTooLarge, Response
+from ..errors import IncrementTooLarge, check_basis
+from ..forms import Form, Response
+from ..remarks import Remark
 from ..sparse import Gathering
 from .augmented import AugmentedLagrangian
 from .clearance import Fit, less_overlap, touching
@@ -20,6 +22,8 @@ from .diagnosis import ROUND_OFF, passed_through, penetration, remarks
 from .kinematics import Kinematics, tangents, variations
 from .laws import InterfaceLaw, Status, Traction
 from .neighbours import NeighbourList
+from .penalty import with_chosen_penalty
+from .prestress import TractionOperator, moved_back
 from .quadrature import SlavePoints
 from .recovery.chattering import calmed
 from .recovery.debonding import tractions
@@ -34,6 +38,8 @@ from .surface import Surface
 
 #: Largest tractions in the damped tangent's geometric part, over those at which the surfaces give way by a segment.
 _LARGEST_TRACTION = 0.1
+#: Tractions that differ by this share come from another penalty.
+_SAME = 1e-6
 
 
 class ContactPair(Form):
@@ -110,7 +116,8 @@ class ContactPair(Form):
         self.law, self.quadrature, self.tangent = law, quadrature, tangent
         self._sampling = Sampling(self.slave, self.master, quadrature)
         self._neighbours, self._gathering = NeighbourList(self.master), Gathering(basis.N)
-        self.enforcement, self.initial, self.share, self.n = enforcement, initial, share, basis.N
+        self.enforcement, self.initial, self.share = enforcement, initial, share
+        self.size: int = int(basis.N)
         self.penalty: tuple[float, float] | None = None
         self.stiffness: float | None = None
         if penalty is not None:
@@ -121,25 +128,23 @@ class ContactPair(Form):
         return (f"<ContactPair {self.slave.name} on {self.master.name}, {len(self.slave.segments)} segments, "
                 f"quadrature {self.quadrature}, {self.law!r}>")
 
-    @property
-    def unknowns(self) -> ndarray:
-        """The unknowns that the pair acts on: those of the two surfaces."""
-        dofs = np.unique(np.concatenate((self.slave.dofs.ravel(), self.master.dofs.ravel())))
-        return dofs[dofs >= 0]
-
-    unilateral = True
+    @cached_property
+    def joins(self) -> ndarray:  # type: ignore[override]
+        """The unknowns of the two surfaces; -1 among them for a rigid obstacle."""
+        return np.unique(np.concatenate((self.slave.dofs.ravel(), self.facets.dofs.ravel())))
 
     @property
-    def strengths(self) -> tuple[str, ...]:
-        """``""``, the pair as a whole, where its law can be reduced."""
-        return ("",) if hasattr(self.law, "reduced") else ()
+    def nodes(self) -> tuple[ndarray, ndarray]:  # type: ignore[override]
+        """Unknowns of the slave's nodes, and their places."""
+        return self.slave.dofs[:, 0], self.slave.nodes.T
 
-    def reduced(self, factor: float, flow: str, names: Collection[str]) -> ContactPair:
-        """The same pair with the strength of its law divided by a factor."""
-        return self.with_law(self.law.reduced(factor)) if names else self  # type: ignore[attr-defined]
+    @cached_property
+    def changing(self) -> ndarray:  # type: ignore[override]
+        """The unknowns that the pair acts on."""
+        return self.joins[self.joins >= 0]
 
     @property
-    def symmetric(self) -> bool:
+    def symmetric(self) -> bool:  # type: ignore[override]
         """Whether the tangent is symmetric: the law has an attribute `symmetric` that says so.
 
         Points that stick have no symmetric tangent once they carry shear or have slipped elastically.
@@ -185,7 +190,7 @@ class ContactPair(Form):
             Displacements, (N,), that the bodies have when the pair becomes active. Gaps are still those of the mesh,
             or as adjusted: bodies are built to fit into displaced surfaces, and touch them without traction.
         """
-        mesh = self._places(np.zeros(self.n))
+        mesh = self._places(np.zeros(self.size))
         slave, master = mesh if x is None else self._places(x)
         cuts = self._sampling.cuts(slave, master)
         points = self._sampling.points(cuts)
@@ -307,6 +312,60 @@ class ContactPair(Form):
 
     # -- what the analysis asks besides ---------------------------------------------------------------------
 
+    unilateral = True
+
+    @property
+    def strengths(self) -> tuple[str, ...]:  # type: ignore[override]
+        """The pair as a whole, where its law has a strength."""
+        return ("",) if hasattr(self.law, "reduced") else ()
+
+    def reduced(self, factor: float, flow: str, names: Collection[str]) -> ContactPair:
+        """The same pair with the strength of its law divided by a factor."""
+        return self.with_law(self.law.reduced(factor)) if names else self  # type: ignore[attr-defined]
+
+    def completed(self, forms: Mapping[str, Form]) -> ContactPair:
+        """The pair with the stiffness of its surfaces, and a penalty that suits it where none is given."""
+        return self if self.stiffness is not None else with_chosen_penalty(self, forms)
+
+    def continues(self, old: Form) -> ContactPair:
+        """The pair in the place of another one between the same surfaces, with its penalty unless it has its own."""
+        if not isinstance(old, ContactPair) or (old.slave.name, old.facets.name, old.quadrature) \
+                != (self.slave.name, self.facets.name, self.quadrature):
+            raise ValueError("its surfaces are others")
+        if self.penalty is not None or old.penalty is None:
+            return self
+        return self.with_penalty(*old.penalty, stiffness=old.stiffness)
+
+    def replaces(self, old: Form) -> bool:
+        """Whether an old form was a pair between the same surfaces."""
+        return isinstance(old, ContactPair) and \
+            {old.slave.name, old.facets.name} == {self.slave.name, self.facets.name}
+
+    def fits(self, state: ContactState) -> bool:
+        """Whether a state has the points of this pair."""
+        if self.quadrature == "segments":
+            return len(state.cuts) > 0 and state.cuts[-1] == len(self.slave.segments)
+        changes = ("correction", "stalls")  # empty before multipliers are corrected
+        initial = self.initial_state()
+        return all(np.shape(getattr(state, f.name)) == np.shape(getattr(initial, f.name))
+                   for f in fields(initial) if f.name not in changes)
+
+    def check_start(self, x: ndarray, state: ContactState) -> None:
+        """Refuse a state that another penalty has led to."""
+        new = self.assemble(x, state).state
+        both = (new.status != Status.OPEN) & (state.status != Status.OPEN)
+        if np.abs(new.normal - state.normal)[both].max(initial=0.0) > _SAME * np.abs(state.normal).max(initial=0.0):
+            raise ValueError("its penalty is another one than in the start: give `penalty=`, or use "
+                             "choose_penalties(forms) of the same forms in both analyses")
+
+    def tractions_at(self, x: ndarray, state: ContactState) -> TractionOperator:
+        """How tractions at the points that are not open make nodal forces."""
+        return TractionOperator(self, x, state)
+
+    def moved_back(self, state: ContactState) -> ContactState:
+        """The state of bodies that are back in their places, with all it carries."""
+        return moved_back(self, state)
+
     def outer(self, x: ndarray, accepted: ContactState, candidate: ContactState) -> ContactState | None:
         """State from which the same increment must be solved once more, or None where nothing is left to do.
 
@@ -352,7 +411,7 @@ class ContactPair(Form):
         """Largest penetration as a share of the slave segment there."""
         return penetration(self.points(state), state)
 
-    def remarks(self, state: ContactState) -> list[str]:
+    def remarks(self, state: ContactState) -> list[Remark]:
         """What a user should know of an accepted state: contact that is not there, or not where it should be."""
         points = self.points(state)
         return list(remarks(self.slave, self.master, points, self._depth(points), self.penalties(state), state))

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy import ndarray
@@ -11,15 +12,17 @@ from scipy.sparse.linalg import lsqr
 
 from .kinematics import variations
 from .laws import Status
-from .pair import ContactPair
-from .state import ContactState
+from .state import ContactState, transferred
+
+if TYPE_CHECKING:
+    from .pair import ContactPair
 
 _ACCURACY = 1e-14
 _MOST = 10_000
 
 
-def prestressed(pairs: Mapping[str, ContactPair], x: ndarray, states: Mapping[str, ContactState], force: ndarray,
-                where: ndarray | None = None, guess: Mapping[str, ndarray] | None = None) -> dict[str, ContactState]:
+def prestressed(operators: Mapping[str, TractionOperator], force: ndarray, where: ndarray | None = None,
+                guess: Mapping[str, ndarray] | None = None) -> dict[str, ContactState]:
     """States in which pairs carry given nodal forces.
 
     Of all tractions with these nodal forces those of least norm are taken, or those nearest to a guess. Gap and
@@ -28,12 +31,8 @@ def prestressed(pairs: Mapping[str, ContactPair], x: ndarray, states: Mapping[st
 
     Parameters
     ----------
-    pairs
-        Contact pairs by name, with penalties.
-    x
-        Displacements, (N,).
-    states
-        Their states; points that are not open take part.
+    operators
+        How the tractions of each pair make nodal forces (:meth:`ContactPair.tractions_at`), by name.
     force
         Internal forces that the pairs are to exert together, (N,).
     where
@@ -42,18 +41,17 @@ def prestressed(pairs: Mapping[str, ContactPair], x: ndarray, states: Mapping[st
         Stresses (xx, yy, zz, xy) at the points whose tractions to be near to, (4, n_points), by pair.
     """
     where = np.arange(len(force)) if where is None else where
-    acting = {name: _Tractions(pair, x, states[name]) for name, pair in pairs.items()}
     near = {name: np.zeros(a.forces.shape[1]) if guess is None else a.of_stress(guess[name])
-            for name, a in acting.items()}
-    left = force - sum(acting[name].forces @ near[name] for name in pairs)
-    operator = csr_matrix(hstack([a.forces @ diags_array(a.scale) for a in acting.values()]))[where]
+            for name, a in operators.items()}
+    left = force - sum(a.forces @ near[name] for name, a in operators.items())
+    operator = csr_matrix(hstack([a.forces @ diags_array(a.scale) for a in operators.values()]))[where]
     found = lsqr(operator, left[where], atol=_ACCURACY, btol=_ACCURACY, conlim=0.0, iter_lim=_MOST)[0]
-    ends = np.cumsum([0] + [len(a.scale) for a in acting.values()])
+    ends = np.cumsum([0] + [len(a.scale) for a in operators.values()])
     return {name: a.state_with(near[name] + a.scale * found[ends[k]:ends[k + 1]])
-            for k, (name, a) in enumerate(acting.items())}
+            for k, (name, a) in enumerate(operators.items())}
 
 
-class _Tractions:
+class TractionOperator:
     """Tractions at the points of a pair, and their nodal forces.
 
     Attributes
@@ -62,12 +60,15 @@ class _Tractions:
         Matrix from normal and tangential tractions at all points, (2 n_points,), to nodal forces (N,).
     scale
         Tractions for each of which the integral of the square is one, (2 n_points,).
+    places
+        Where the points are in the mesh, (n_points, 2).
     """
 
     def __init__(self, pair: ContactPair, x: ndarray, state: ContactState) -> None:
         self._pair, self._x, self._state = pair, x, state
         self._points = points = pair.points(state)
         slave, nodes = pair._places(x)
+        self.places = points.positions(pair.slave.nodes)
         positions = points.positions(slave)
         found = pair._project(points, nodes, positions, state.segment)
         at = np.flatnonzero(found.found & (state.status != Status.OPEN))
@@ -81,7 +82,7 @@ class _Tractions:
         rows, n = np.tile(frame.dofs, (2, 1)), len(points.weight)
         columns = np.broadcast_to(np.concatenate((at, at + n))[:, None], rows.shape)
         moving = rows >= 0
-        self.forces = coo_matrix((values[moving], (rows[moving], columns[moving])), shape=(pair.n, 2 * n)).tocsr()
+        self.forces = coo_matrix((values[moving], (rows[moving], columns[moving])), shape=(pair.size, 2 * n)).tocsr()
         self.scale = np.tile(1.0 / np.sqrt(points.weight), 2)
 
     def of_stress(self, stress: ndarray) -> ndarray:
@@ -107,3 +108,17 @@ class _Tractions:
         offset = np.where(state.status != Status.OPEN, state.gap - normal / by_gap, state.offset)
         stick_point = state.arc - tangential / by_slip / self._stretch
         return pair.assemble(self._x, replace(state, offset=offset, stick_point=stick_point)).state
+
+
+def moved_back(pair: ContactPair, state: ContactState) -> ContactState:
+    """The state of a pair whose bodies are back in their places, with all it carries."""
+    home = pair.initial_state()
+    old, new = pair.points(state), pair.points(home)
+    if pair.quadrature == "segments":
+        excess = np.interp(new.arc, old.arc, np.where(np.isfinite(state.gap), state.gap - state.offset, 0.0))
+        state = replace(transferred(state, old, new), cuts=home.cuts, offset=np.zeros(len(excess)), gap=excess)
+    elastic = np.nan_to_num(pair.master.along(state.arc - state.stick_point))
+    near = np.isfinite(home.gap) & np.isfinite(state.gap)
+    offset = np.where(near, home.gap - (state.gap - state.offset), 0.0)
+    return replace(state, arc=home.arc, stick_point=home.arc - elastic, segment=home.segment, gap=home.gap,
+                   slip=np.zeros_like(state.slip), offset=offset)

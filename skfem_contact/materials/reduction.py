@@ -22,7 +22,7 @@ Flow = Literal["given", "associated", "davis_a", "davis_b", "davis_c", "lagged"]
 FLOWS: tuple[str, ...] = get_args(Flow)
 
 
-def reduced_strength(material: Any, factor: float, flow: Flow = "given") -> Any:
+def reduced_strength(material: Any, factor: float, flow: str = "given") -> Any:
     """A material with its strength divided by a factor: ``material.reduced(factor, flow)``.
 
     Parameters

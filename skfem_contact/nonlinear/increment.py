@@ -8,9 +8,8 @@ from typing import Any
 
 from numpy import ndarray
 
-from ..forms import IncrementTooLarge
+from ..errors import IncrementTooLarge, NoEquilibrium, NotConverged
 from ..solvers.direct import SingularSystem
-from .evaluation import NoEquilibrium, NotConverged
 from .line_search import Search
 from .newton import Newton
 from .system import Equilibrium, System
@@ -124,7 +123,7 @@ def _candidates(system: System, x: ndarray, states: Mapping[str, Any], load: nda
     """Candidate states where the method stopped, and at several places along its next step."""
     now = system.evaluate(x, states, load)
     try:
-        step = system.solver.factor(system.tangent(now), system.symmetric)(now.residual)
+        step = system.factor(system.tangent(now))(now.residual)
     except SingularSystem:
         return [now.states]
     return [now.states, *(system.evaluate(x + length * step, states, load).states for length in _LENGTHS)]

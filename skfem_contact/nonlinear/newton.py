@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy import ndarray
 
+from ..errors import NoEquilibrium, NotConverged
 from ..solvers.direct import SingularSystem
-from .evaluation import Evaluation, NoEquilibrium, NotConverged
+from .evaluation import Evaluation
 from .line_search import Search, backtrack, bisect_work, unbalanced
 
 logger = logging.getLogger("skfem_contact")

@@ -3,16 +3,23 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
+from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy import ndarray
 
-from ..contact.pair import ContactPair
-from ..forms import Form
-from ..solid import SolidForm
+from ..contact.penalty import choose_penalties
+from ..errors import look_up
+from ..forms import Form, arrays_of, as_forms, with_arrays
+
+if TYPE_CHECKING:
+    from ..post import ContactReport, SectionForces, Sections, Tractions
+
+#: Layout of saved files: another number for other states.
+_LAYOUT = 1
 
 
 @dataclass(frozen=True)
@@ -37,6 +44,8 @@ class StageResult:
         Share of the stage's load that was reached: 1 unless the analysis failed.
     summary
         One line for every form.
+    forms
+        The forms themselves, as they are in the stage.
     """
 
     name: str
@@ -47,6 +56,40 @@ class StageResult:
     residual: float
     fraction: float = 1.0
     summary: Mapping[str, str] = field(default_factory=dict)
+    forms: Mapping[str, Form] = field(default_factory=dict, repr=False)
+
+    def _form(self, name: str) -> Any:
+        return look_up(name, self.forms, f"form in stage '{self.name}'")
+
+    def reactions(self) -> ndarray:
+        """Forces of the supports, see :func:`~skfem_contact.reactions`."""
+        from ..post import reactions  # what a stage shows stands above it, and is called from here for short
+
+        return reactions(self.forms, self)
+
+    def tractions(self, pair: str) -> Tractions:
+        """Contact tractions of a pair, see :func:`~skfem_contact.tractions`."""
+        from ..post import tractions
+
+        return tractions(self._form(pair), self.states[pair])
+
+    def report(self, pair: str) -> ContactReport:
+        """Resultants and status of a contact pair, see :func:`~skfem_contact.contact_report`."""
+        from ..post import contact_report
+
+        return contact_report(self._form(pair), self.x, self.states[pair])
+
+    def section_forces(self, solid: str, sections: Sections) -> SectionForces:
+        """Section forces of a body, see :func:`~skfem_contact.section_forces`."""
+        from ..post import section_forces
+
+        return section_forces(self._form(solid), self.states[solid], sections)
+
+    def contour(self, quantity: str, **options: Any) -> Any:
+        """A picture of a field, see :func:`~skfem_contact.plot.contour`."""
+        from ..plot import contour
+
+        return contour(self.forms, self, quantity, **options)
 
     def __repr__(self) -> str:
         return (f"<StageResult '{self.name}', {self.fraction:.0%} of its load, {len(self.x)} unknowns, "
@@ -91,28 +134,19 @@ class Result:
 
     def save(self, file: str | Path) -> None:
         """Write all stages to one compressed file, from which :func:`load_result` resumes; it gets the end ``.npz``."""
-        arrays, head = {}, []
+        arrays, stages = {}, []
         for i, stage in enumerate(self.stages):
-            head.append({"name": stage.name, "iterations": stage.iterations, "residual": stage.residual,
-                         "fraction": stage.fraction, "summary": dict(stage.summary), "forms": list(stage.states)})
+            stages.append({"name": stage.name, "iterations": stage.iterations, "residual": stage.residual,
+                           "fraction": stage.fraction, "summary": dict(stage.summary), "forms": list(stage.states)})
             arrays[f"{i}/x"], arrays[f"{i}/load"] = stage.x, stage.load
             for name, state in stage.states.items():
-                for f in fields(state):
-                    arrays[f"{i}/{name}/{f.name}"] = getattr(state, f.name)
+                for k, values in enumerate(arrays_of(state)):
+                    arrays[f"{i}/{name}/{k}"] = values
+        head = {"layout": _LAYOUT, "version": version("skfem-contact"), "stages": stages}
         np.savez_compressed(file, head=np.array(json.dumps(head)), **arrays)  # type: ignore[arg-type]  # in the stubs
 
 
-def _fits(form: Form, state: Any, initial: Any) -> bool:
-    """Whether a state belongs to a form; cuts of the slave and internal variables may be others than at first."""
-    if isinstance(form, ContactPair) and form.quadrature == "segments":
-        return len(state.cuts) > 0 and state.cuts[-1] == len(form.slave.segments)
-    if isinstance(form, SolidForm):
-        return np.shape(state.stress) == np.shape(initial.stress)
-    names = {f.name for f in fields(initial)} - {"correction", "stalls"}  # empty before multipliers are corrected
-    return all(np.shape(getattr(state, name)) == np.shape(getattr(initial, name)) for name in names)
-
-
-def load_result(file: str | Path, forms: Mapping[str, Form]) -> Result:
+def load_result(file: str | Path, forms: Mapping[str, Any]) -> Result:
     """Read a saved result.
 
     Parameters
@@ -125,7 +159,8 @@ def load_result(file: str | Path, forms: Mapping[str, Form]) -> Result:
     Raises
     ------
     ValueError
-        The file is no result, speaks of other forms, or their sizes differ.
+        The file is no result, another version of this library wrote it, it speaks of other forms, or their sizes
+        differ.
 
     Examples
     --------
@@ -137,22 +172,39 @@ def load_result(file: str | Path, forms: Mapping[str, Form]) -> Result:
     0
     """
     stages, path = [], str(file) if str(file).endswith(".npz") else f"{file}.npz"
+    given = choose_penalties(as_forms(forms))
     with np.load(path, allow_pickle=False) as data:
-        if "head" not in data:
-            raise ValueError(f"{path} is not a saved result")
-        for i, head in enumerate(json.loads(str(data["head"]))):
-            if not set(head["forms"]) <= set(forms):
-                raise ValueError(f"the file holds the forms {head['forms']}, not {list(forms)}")
-            states = {}
-            for name in head["forms"]:  # those that were active
-                form = forms[name]
-                initial = form.initial_state()
-                if missing := [f.name for f in fields(initial) if f"{i}/{name}/{f.name}" not in data]:
-                    raise ValueError(f"'{name}' in the file has no {', '.join(missing)}: it was another form, "
-                                     "or another version of this library wrote it")
-                states[name] = type(initial)(**{f.name: data[f"{i}/{name}/{f.name}"] for f in fields(initial)})
-                if not _fits(form, states[name], initial):
-                    raise ValueError(f"'{name}' in the file has another size: the mesh or the element differs")
+        for i, head in enumerate(_stages_in(data, path)):
+            if not set(head["forms"]) <= set(given):
+                raise ValueError(f"the file holds the forms {head['forms']}, not {list(given)}")
+            there = {name: given[name] for name in head["forms"]}  # those that were active
+            states = {name: _state_in(data, f"{i}/{name}", form) for name, form in there.items()}
             stages.append(StageResult(head["name"], data[f"{i}/x"], data[f"{i}/load"], states,
-                                      tuple(head["iterations"]), head["residual"], head["fraction"], head["summary"]))
+                                      tuple(head["iterations"]), head["residual"], head["fraction"], head["summary"],
+                                      there))
     return Result(tuple(stages))
+
+
+def _stages_in(data: Any, path: str) -> list[dict[str, Any]]:
+    """What a file says of its stages."""
+    if "head" not in data:
+        raise ValueError(f"{path} is not a saved result")
+    head = json.loads(str(data["head"]))
+    layout, writer = (head["layout"], head["version"]) if isinstance(head, dict) else (0, "0.1.0")
+    if layout != _LAYOUT:
+        raise ValueError(f"{path} was written by version {writer} of this library, with another layout than that of "
+                         f"{version('skfem-contact')}: read it there, or compute it anew")
+    return list(head["stages"])
+
+
+def _state_in(data: Any, key: str, form: Form) -> Any:
+    """The state of a form in a file."""
+    initial, name = form.initial_state(), key.partition("/")[2]
+    arrays = [data[f"{key}/{k}"] for k in range(len(arrays_of(initial))) if f"{key}/{k}" in data]
+    if len(arrays) != len(arrays_of(initial)):
+        raise ValueError(f"'{name}' in the file has {len(arrays)} arrays, not {len(arrays_of(initial))}: it was "
+                         "another form")
+    state = with_arrays(initial, arrays)
+    if not form.fits(state):
+        raise ValueError(f"'{name}' in the file has another size: the mesh or the element differs")
+    return state

@@ -262,7 +262,7 @@ def test_point_that_goes_to_and_fro(caplog):
     for stage in result:
         joint = stage.states["joint"]
         assert not joint.frozen.any()
-        assert not any("to and fro" in remark for remark in forms["joint"].remarks(joint))
+        assert not any("to and fro" in remark.text for remark in forms["joint"].remarks(joint))
         forces = [form.assemble(stage.x, stage.states[name]).force for name, form in forms.items()]
         assert np.linalg.norm(np.sum(forces, axis=0)[free]) <= 1e-7 * np.linalg.norm(forces[0])
         assert (np.abs(joint.tangential) <= 0.2 * np.abs(joint.normal) * (1 + 1e-8)).all()

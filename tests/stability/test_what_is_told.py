@@ -150,7 +150,7 @@ def test_penalty_that_round_off_hides():
     """[X] Case S1: at 1e12 E/h the user hears of it before the analysis, whatever comes of that."""
     basis = blocks()
     forms = in_contact(basis, penalty=1e12 * 1e3 / 0.2)
-    with pytest.warns(sc.AnalysisWarning, match=r"contact 'joint': the penalty, 5e\+15, is .* times the stiffness"):
+    with pytest.warns(sc.AnalysisWarning, match=r"'upper:bottom' on 'lower:top': the penalty, 5e\+15, is .* times"):
         sc.choose_penalties(forms)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -165,15 +165,15 @@ def test_points_held_astray():
     basis = facing(body_along(floor[1:-1][::-1] + np.array([0.0, -1e-3])), body_along(floor))
     pair = sc.ContactPair(basis, "slave:face", "master:face", sc.Coulomb(0.3), penalty=1e4)
     state = pair.assemble(basis.zeros(), pair.initial_state()).state
-    assert not any("to and fro" in remark for remark in pair.remarks(state))
+    assert not any("to and fro" in remark.text for remark in pair.remarks(state))
     x = displaced(basis, "slave:face", (0.05, 0.0))  # a tenth of a facet beyond its end
     segment = pair.assemble(x, state).state.segment
     held = replace(state, segment=segment - 1, frozen=np.array([True, False, False]))
     told = pair.remarks(pair.assemble(x, held).state)
-    assert any(r"points [0] of 'slave:face' went to and fro at ends of the facets of 'master:face'" in s for s in told)
+    assert any("points [0] of 'slave:face' went to and fro at ends of the facets" in s.text for s in told)
     nowhere = replace(state, segment=np.array([segment[0], -1, segment[2]]), frozen=np.array([False, True, False]))
     told = pair.remarks(pair.assemble(x, nowhere).state)
-    assert any("points [1] of 'slave:face' went to and fro" in s for s in told)
+    assert any("points [1] of 'slave:face' went to and fro" in s.text for s in told)
 
 
 def test_isolated_element():
