@@ -69,8 +69,8 @@ def limit_load(forms: Mapping[str, Form], fixed: ndarray, load: ndarray, start: 
         The curve ends when the multiplier exceeds this.
     flow
         Flow rule, see :func:`reduced_strength`.  With psi < phi the law as given takes hundreds of iterations or
-        stalls; one that is ``"lagged"`` (Krabbenhoft and others 2012) does not, but must start from equilibrium with its
-        own friction, and in long steps it carries more than the given law: `longest` keeps them short.
+        stalls; one that is ``"lagged"`` (Krabbenhoft and others 2012) does not, but must start from equilibrium with
+        its own friction, and in long steps it carries more than the given law: `longest` keeps them short.
     newton
         Settings of Newton's method; by default the residual is at most 0.03 ``tol`` of the load.
     solver
@@ -131,7 +131,9 @@ def limit_load(forms: Mapping[str, Form], fixed: ndarray, load: ndarray, start: 
     end = curve.points[-1]
     value = curve.highest.parameter
     found = Found(value, (value, curve.above), curve.stop, curve.points, end, end.x - curve.points[-2].x)
-    return conclude(LOAD, found, system, branch.at(end.parameter)[1], log.steps, "continuation", flow)
+    result = conclude(LOAD, found, system, branch.at(end.parameter)[1], log.steps, "continuation", flow)
+    result.warn(stacklevel=3)
+    return result
 
 
 def _first(branch: _Load, origin: Point, step: float, newton: Newton, log: SearchLog) -> Point:

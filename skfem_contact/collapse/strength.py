@@ -1,7 +1,9 @@
 """Factor of safety by reduction of the strength."""
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+import logging
+from collections.abc import Callable, Collection, Mapping
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
@@ -10,7 +12,7 @@ from tqdm import tqdm
 
 from ..errors import NoEquilibrium, NotConverged
 from ..forms import Form
-from ..materials.reduction import Flow, check_reduction
+from ..materials.reduction import Flow, associated_bound, check_reduction, dilates_less
 from ..nonlinear.line_search import Search
 from ..nonlinear.newton import Newton
 from ..nonlinear.system import System
@@ -22,6 +24,8 @@ from .history import SearchLog
 from .reduction import reduced_parts
 from .result import FACTOR, CollapseResult, Found, Stop, conclude, no_collapse_below
 
+logger = logging.getLogger("skfem_contact")
+
 #: Factors at which a structure that is unstable as it is gets its first equilibrium.
 _FIRST = (1.0, 0.7, 0.5, 0.35, 0.25)
 #: Share of the tolerance that the curve's end may leave open.
@@ -31,12 +35,16 @@ _NOTICEABLE = 1e-4
 
 
 class _Strength:
-    """The structure with its strength divided by a factor: a :class:`~.continuation.Branch`."""
+    """The structure with its strength divided by a factor: a :class:`~.continuation.Branch`.
+
+    It is known to stand at all factors up to ``safe``, and at none from ``above`` on.
+    """
 
     lowest = 0.0
 
     def __init__(self, whole: System, load: ndarray, targets: dict[str, tuple[str, ...]], flow: Flow) -> None:
         self.whole, self.load, self.targets, self.flow = whole, load, targets, flow
+        self.safe, self.above = 0.0, np.inf
         # where contact opens, closes and slips on the way, the residual may rise now and then
         unilateral = any(form.unilateral for form in whole.forms.values())
         self.search: Search = "residual" if unilateral else "step"
@@ -45,6 +53,19 @@ class _Strength:
     def names(self) -> tuple[str, ...]:
         """What is reduced."""
         return tuple(f"{name}.{part}" if part else name for name, parts in self.targets.items() for part in parts)
+
+    @property
+    def materials(self) -> list[Any]:
+        """Materials of what is reduced."""
+        forms = self.whole.forms
+        return [forms[name].materials[part] for name, parts in self.targets.items() for part in parts if part]
+
+    def bound(self, davis: CollapseResult) -> float:
+        """Factor that is not reached with any dilatancy, if all that flows obeys Radenkovic's theorem."""
+        rest = [form.reduced(1.0, "associated", self.targets.get(name, ())) for name, form in self.whole.forms.items()]
+        if not davis.stop.shows_limit or not all(form.symmetric for form in rest):
+            return np.inf
+        return max(associated_bound(material, davis.bracket[1]) for material in self.materials)
 
     def at(self, parameter: float) -> tuple[System, ndarray]:
         """Forms of reduced strength, and the load."""
@@ -57,6 +78,8 @@ class _Strength:
                     searches: tuple[Search, ...] = ("energy", "residual")) -> Point:
         """Equilibrium at a factor from another point; there is none where everything flows from the start."""
         system, load = self.at(factor)
+        if factor <= self.safe:  # there is no collapse to be looked for
+            searches = searches[:1]
         try:
             found = system.equilibrium(start.x, start.states, load, start.x[system.fixed], newton,
                                        searches, elastic, at_least=1, damp=True)
@@ -149,14 +172,37 @@ def strength_reduction(forms: Mapping[str, Form], fixed: ndarray, load: ndarray 
     load = check_load(load if last is None or load is not None else last.load, whole.unknowns)
     branch = _Strength(whole, load, reduced_parts(whole.forms, reduce, exclude), flow)
     newton = newton or Newton(tolerance=0.03 * tol, max_iterations=30)
-    step = max(step, tol)
+    search = partial(_search, last=last, newton=newton, tol=tol, step=max(step, tol), highest=highest)
     with tqdm(desc=FACTOR, disable=None if progress is None else not progress,
               bar_format="{desc} {postfix} {elapsed}") as bar:
-        log = SearchLog(whole.forms, bar)
-        first = _first(branch, last, newton, log)
-        search = _continuation if method == "continuation" else _bracket
-        found = search(branch, first, newton, tol, step, highest, log)
-    return conclude(FACTOR, found, whole, load, log.steps, method, flow, branch.names)
+        davis = _davis(branch, search, bar) if flow == "given" else None
+        result = search(branch, method=method, bar=bar, davis=davis)
+    result.warn(stacklevel=3)
+    return result
+
+
+def _search(branch: _Strength, last: StageResult | None, newton: Newton, tol: float, step: float, highest: float,
+            method: str, bar: Any, davis: CollapseResult | None = None) -> CollapseResult:
+    log = SearchLog(branch.whole.forms, bar)
+    if davis is not None:
+        branch.safe, branch.above = davis.factor, branch.bound(davis)
+    first = _first(branch, last, newton, log)
+    search = _continuation if method == "continuation" else _bracket
+    found = search(branch, first, newton, tol, step, highest, log)
+    if davis is not None and found.stop.kind != "collapse":
+        found = found._replace(bracket=(found.value, max(found.value, branch.above)))
+    return conclude(FACTOR, found, branch.whole, branch.load, log.steps, method, branch.flow, branch.names, davis)
+
+
+def _davis(branch: _Strength, search: Callable[..., CollapseResult], bar: Any) -> CollapseResult | None:
+    """The search with the soils of Davis where dilatancy is less than friction: on the safe side, whatever the path."""
+    if not any(dilates_less(material) for material in branch.materials):
+        return None
+    try:
+        return search(_Strength(branch.whole, branch.load, branch.targets, "davis_b"), method="continuation", bar=bar)
+    except (ValueError, NotConverged) as error:  # materials without that flow, or nothing to begin with
+        logger.info("no factor after Davis: %s", error)
+        return None
 
 
 def _first(branch: _Strength, last: StageResult | None, newton: Newton, log: SearchLog) -> Point:
@@ -164,7 +210,7 @@ def _first(branch: _Strength, last: StageResult | None, newton: Newton, log: Sea
     nothing = starting_point(branch.whole, last)
     log.begin(nothing)
     error: NotConverged | None = None
-    for factor in _FIRST:
+    for factor in (factor for factor in _FIRST if factor < branch.above):
         try:
             point = branch.equilibrium(nothing, factor, newton)
         except NotConverged as reason:

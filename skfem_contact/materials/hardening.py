@@ -130,8 +130,10 @@ class HardeningMohrCoulomb(IsotropicPlasticity):
                 f"flow '{flow}' needs one friction angle: the constant psi of a HardeningMohrCoulomb cannot follow "
                 "phi to another phi_end"
             )
-        soils = (MohrCoulomb(self.E, self.nu, *own, self.psi) for own in ((self.c, self.phi), (self.c_end, self.phi_end)))
-        first, last = (cast(MohrCoulomb, soil.reduced(factor, flow)) for soil in soils)
+        first, last = (
+            cast(MohrCoulomb, MohrCoulomb(self.E, self.nu, c, phi, self.psi).reduced(factor, flow))
+            for c, phi in ((self.c, self.phi), (self.c_end, self.phi_end))
+        )
         least, reduced = np.minimum(self.phi, self.phi_end), np.minimum(first.phi, last.phi)
         psi = reduced_dilatancy(self.psi, least, reduced) if flow == "given" else first.psi
         return replace(self, c=first.c, c_end=last.c, phi=first.phi, phi_end=last.phi, psi=psi)
