@@ -18,6 +18,7 @@ from .contact import (
 from .contact.laws import Coulomb, Status, Tied, Traction
 from .errors import AnalysisWarning, NoEquilibrium, NotConverged
 from .forms import Form, Response
+from .links import Bar, BarState, MatrixForm, Spring
 from .loads import hydrostatic, water_load, weight
 from .materials import DruckerPrager, HardeningMohrCoulomb, LinearElastic, MohrCoulomb, Tresca, VonMises
 from .materials.reduction import reduced_strength
@@ -47,22 +48,23 @@ from .stages.run import run
 from .stages.stage import Stage
 from .strain import StrainOperator, axisymmetric, b_bar, plane_strain, three_dimensional
 from .testing import CheckFailed, check_form, check_interface_law, check_material
+from .unknowns import Field, unknowns_at
 
 __version__ = "0.1.0"
 
 __all__ = [
     "AnalysisWarning",
-    "AugmentedLagrangian",
+    "AugmentedLagrangian", "Bar", "BarState",
     "CheckFailed",
     "CollapseResult",
     "ContactPair",
     "ContactReport",
     "ContactState",
     "Coulomb",
-    "DruckerPrager", "Form",
+    "DruckerPrager", "Field", "Form",
     "HardeningMohrCoulomb",
     "LinearElastic",
-    "MohrCoulomb",
+    "MatrixForm", "MohrCoulomb",
     "Newton",
     "NoEquilibrium",
     "NotConverged",
@@ -71,7 +73,7 @@ __all__ = [
     "SectionForces",
     "Sections",
     "SolidForm",
-    "SolidState",
+    "SolidState", "Spring",
     "Stage",
     "StageResult",
     "Status",
@@ -116,7 +118,7 @@ __all__ = [
     "strength_reduction",
     "three_dimensional",
     "tractions",
-    "two_pass",
+    "two_pass", "unknowns_at",
     "water_load",
     "weight",
 ]

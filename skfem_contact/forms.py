@@ -201,8 +201,8 @@ class Form:
     def tractions_at(self, x: ndarray, state: Any) -> Any | None:
         """How tractions at its points make nodal forces, where it can begin with given ones (see contact.prestress)."""
 
-    def moved_back(self, state: Any) -> Any:
-        """The state once displacements are counted from here on."""
+    def moved_back(self, x: ndarray, state: Any) -> Any:
+        """The state once displacements are counted from x on."""
         return state
 
     # -- in a search for a collapse --------------------------------------------------------------------------
@@ -240,8 +240,9 @@ def as_forms(forms: Mapping[str, Any]) -> dict[str, Form]:
     if not isinstance(forms, Mapping):
         raise ValueError(f"forms must be a dictionary {{name: form}}, not {type(forms).__name__}")
     for name, form in forms.items():
-        missing = [call for call in ("assemble", "initial_state")
-                   if not callable(getattr(form, call, None)) or getattr(type(form), call, None) is getattr(Form, call)]
+        given = {call: getattr(form, call, None) for call in ("assemble", "initial_state")}
+        missing = [name for name, call in given.items()
+                   if not callable(call) or getattr(call, "__func__", None) is getattr(Form, name)]
         if missing or isinstance(form, type):
             raise ValueError(f"'{name}' is no form: {form!r} has no {' and no '.join(missing) or 'values'}; every form "
                              "has assemble(x, state) and initial_state()")
@@ -259,6 +260,16 @@ class _Completed(Form):
 
     def __repr__(self) -> str:
         return repr(self._form)
+
+
+def answers(forms: Mapping[str, Form], x: ndarray, states: Mapping[str, Any]) -> dict[str, Response]:
+    """What the forms answer to all unknowns, of which each knows the first ones."""
+    return {name: form.assemble(x[:form.size], states[name]).among(len(x)) for name, form in forms.items()}
+
+
+def carried(forms: Mapping[str, Form], x: ndarray, states: Mapping[str, Any]) -> ndarray:
+    """Sum of the internal forces of all forms, (N,)."""
+    return sum((response.force for response in answers(forms, x, states).values()), start=np.zeros(len(x)))
 
 
 def arrays_of(state: Any) -> tuple[Any, ...]:

@@ -11,7 +11,7 @@ from numpy import ndarray
 from scipy.sparse import csr_matrix
 from skfem import CellBasis
 
-from .assembly import Pattern, element_stiffness, force_matrix, strain_matrix
+from .assembly import Pattern, damped, element_stiffness, force_matrix, strain_matrix
 from .errors import check_basis, check_quadrature, look_up
 from .forms import Form, Response
 from .materials import Material, Update
@@ -19,8 +19,6 @@ from .materials.reduction import reduced_strength
 from .materials.spectral import largest_shear
 from .strain import StrainOperator, axisymmetric, plane_strain
 
-#: Share of the symmetric companion in a damped tangent: more of it makes Newton's method slow, less lets it stall.
-_DAMPING = 0.2
 #: Round-off of the forces of a displaced body, relative to those of its displacements taken one by one.
 _ROUND_OFF = 8 * np.finfo(float).eps
 
@@ -124,9 +122,9 @@ class SolidForm(Form):
         self.regions = regions
         self.materials = {region.name: region.material for region in regions}
         self.symmetric = all(getattr(material, "symmetric", False) for material in self.materials.values())
-        self.strengths = tuple(name for name, material in self.materials.items() if hasattr(material, "reduced"))
         elastic = all(material.n_internal == 0 for material in self.materials.values())
         self.changing = self.joins if elastic else None
+        self.strengths = tuple(name for name, material in self.materials.items() if hasattr(material, "reduced"))
 
     def with_materials(self, materials: Mapping[str, Material]) -> SolidForm:
         """The same body with some materials replaced; what does not change is shared, not computed again.
@@ -210,7 +208,7 @@ class SolidForm(Form):
         stress = updates[0].stress if len(updates) == 1 else np.concatenate([u.stress for u in updates], axis=1)
         force = self._force_matrix @ stress.ravel()
         return Response(force, lambda: SolidState(strain, stress, self._internal(before, updates)),
-                        lambda: self._tangent(updates), lambda: self._tangent(updates, damped=True),
+                        lambda: self._tangent(updates), lambda: self._tangent(updates, damping=True),
                         _ROUND_OFF * float(np.linalg.norm(self._diagonal * x)))
 
     def _internal(self, before: ndarray, updates: list[Update]) -> ndarray:
@@ -238,7 +236,7 @@ class SolidForm(Form):
         """Whether a state has stresses at the points of this body; internal variables may be others than at first."""
         return np.shape(state.stress) == (self._ncomp, *self.weight.shape)
 
-    def moved_back(self, state: SolidState) -> SolidState:
+    def moved_back(self, x: ndarray, state: SolidState) -> SolidState:
         """The state with its stresses, of a body that counts as undeformed from here on."""
         return replace(state, strain=np.zeros_like(state.strain))
 
@@ -269,7 +267,7 @@ class SolidForm(Form):
     def _diagonal(self) -> ndarray:
         return self.elastic_stiffness.diagonal()
 
-    def _tangent(self, updates: list[Update], damped: bool = False) -> csr_matrix:
+    def _tangent(self, updates: list[Update], damping: bool = False) -> csr_matrix:
         """Elastic stiffness corrected in the elements that hold a plastic point."""
         n_points = self.weight.shape[1]
         points, tangents = [], []
@@ -277,11 +275,11 @@ class SolidForm(Form):
             if len(update.plastic):
                 points.append(update.plastic + n_points * (region.elements.start or 0))
                 tangent = update.tangent()
-                if damped:
+                if damping:
                     n_elements = len(range(self.basis.nelems)[region.elements])
                     n = self._ncomp
                     elasticity = np.broadcast_to(region.material.elasticity(n), (n_elements, n, n))
-                    tangent = _damped(tangent, elasticity[update.plastic // n_points])
+                    tangent = damped(tangent, elasticity[update.plastic // n_points])
                 tangents.append(tangent)
         if not points:
             return self.elastic_stiffness
@@ -298,20 +296,6 @@ class SolidForm(Form):
         correction = self._pattern.scatter(element_stiffness(self._B[elements], change), elements)
         correction += self.elastic_stiffness.data
         return self._pattern.matrix(correction)
-
-
-def _damped(tangent: ndarray, elasticity: ndarray) -> ndarray:
-    r"""Move tangents of non-associated flow, (n, ncomp, ncomp), towards a symmetric and positive neighbour.
-
-    :math:`D = D_e P` with a projector P along the plastic flow. Its companion :math:`P^T D_e P = D^T D_e^{-1} D`
-    resists all strains but the same flow, and is symmetric.
-    """
-    skew = np.abs(tangent - tangent.transpose(0, 2, 1)).max(axis=(1, 2))
-    at = np.flatnonzero(skew > 1e-9 * np.abs(elasticity).max(axis=(1, 2)))
-    new = tangent.copy()
-    companion = tangent[at].transpose(0, 2, 1) @ np.linalg.solve(elasticity[at], tangent[at])
-    new[at] += _DAMPING * (companion - tangent[at])
-    return new
 
 
 def _check_materials(regions: tuple[_Region, ...], n_elements: int, ncomp: int) -> None:

@@ -9,7 +9,14 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy import ndarray
+from numpy.typing import ArrayLike
+from scipy.spatial import cKDTree
 from skfem import CellBasis
+
+from .errors import look_up, place
+
+#: A node lies at a place if it is nearer than this share of the mesh.
+_AT = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,6 +123,50 @@ def nodes(basis: CellBasis) -> ndarray:
 def displacements(x: ndarray, dim: int) -> ndarray:
     """Displacements of the nodes, (n_nodes, dim), from those of the unknowns."""
     return x.reshape(-1, dim)
+
+
+def unknowns_at(basis: CellBasis, places: ArrayLike, part: str | None = None) -> ndarray:
+    """Unknowns of the nodes at some places.
+
+    Parameters
+    ----------
+    basis
+        ``Basis`` of the mesh.
+    places
+        Where the nodes are, (n, dim) or (dim,).
+    part
+        Subdomain to which they belong, where bodies touch and a place alone does not tell.
+
+    Returns
+    -------
+    ndarray
+        Unknowns of the components, (n, dim).
+
+    Raises
+    ------
+    ValueError
+        No node at a place, or several; places that are not finite.
+
+    Examples
+    --------
+    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+    >>> from skfem_contact.unknowns import unknowns_at
+    >>> unknowns_at(Basis(MeshQuad(), ElementVector(ElementQuad1())), (1., 0.)).tolist()
+    [[2, 3]]
+    """
+    dim = basis.mesh.dim()
+    x = np.atleast_2d(np.asarray(places, float))
+    if x.ndim != 2 or x.shape[1] != dim or not np.isfinite(x).all():
+        raise ValueError(f"places must be finite points of {dim} coordinates, not {places!r}")
+    elements = slice(None) if part is None else look_up(part, basis.mesh.subdomains or {}, "subdomain")
+    numbers = np.unique(basis.dofs.element_dofs[::dim, elements])
+    tree, near = cKDTree(basis.doflocs[:, numbers].T), _AT * float(np.ptp(basis.doflocs, axis=1).max())
+    for point, found in zip(x, tree.query_ball_point(x, near)):
+        if len(found) != 1:
+            at = place(basis.doflocs[:, numbers[tree.query(point)[1]]])
+            raise ValueError(f"there are {len(found)} nodes at {place(point)}" + (
+                "; tell by `part` which body is meant" if found else f"; the nearest one is at {at}"))
+    return numbers[tree.query(x)[1]][:, None] + np.arange(dim)
 
 
 def rigid_modes(locations: ndarray, unknowns: ndarray) -> ndarray:

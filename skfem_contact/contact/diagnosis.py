@@ -68,14 +68,14 @@ def remarks(slave: Surface, master: Surface, points: SlavePoints, depth: ndarray
                      "would take away the kinks there")
     if state.broken.any():
         yield Remark("bond", state.broken.sum(),
-                     f"points {np.flatnonzero(state.broken)} of '{slave.name}' opened with their bond and closed without "
-                     "it: they have lost it, adhesion and tension, for good")
+                     f"points {np.flatnonzero(state.broken)} of '{slave.name}' opened with their bond and closed "
+                     "without it: they have lost it, adhesion and tension, for good")
     deep = state.gap < -depth
     if deep.any():
         yield Remark("too deep", -state.gap.min(),
-                     f"{deep.sum()} of {len(deep)} points of '{slave.name}' lie deeper in '{master.name}' than "
-                     f"an element, up to {-state.gap.min():.3g}, and do not touch it; the deepest is at "
-                     f"{_place(slave, points, state)}")
+                     f"{deep.sum()} of {len(deep)} points of '{slave.name}' lie deeper in "
+                     f"'{master.name}' than an element, up to {-state.gap.min():.3g}, and do not touch it; the "
+                     f"deepest is at {_place(slave, points, state)}")
     elif (state.status == Status.OPEN).all():
         gap = float((state.gap - state.offset).min())
         yield Remark("open", np.nan_to_num(gap), "no slave point found a master within reach: " + (

@@ -133,6 +133,17 @@ class ContactPair(Form):
         """The unknowns of the two surfaces; -1 among them for a rigid obstacle."""
         return np.unique(np.concatenate((self.slave.dofs.ravel(), self.facets.dofs.ravel())))
 
+    unilateral = True
+
+    @property
+    def strengths(self) -> tuple[str, ...]:  # type: ignore[override]
+        """``""``, the pair as a whole, where its law can be reduced."""
+        return ("",) if hasattr(self.law, "reduced") else ()
+
+    def reduced(self, factor: float, flow: str, names: Collection[str]) -> ContactPair:
+        """The same pair with the strength of its law divided by a factor."""
+        return self.with_law(self.law.reduced(factor)) if names else self  # type: ignore[attr-defined]
+
     @property
     def nodes(self) -> tuple[ndarray, ndarray]:  # type: ignore[override]
         """Unknowns of the slave's nodes, and their places."""
@@ -312,17 +323,6 @@ class ContactPair(Form):
 
     # -- what the analysis asks besides ---------------------------------------------------------------------
 
-    unilateral = True
-
-    @property
-    def strengths(self) -> tuple[str, ...]:  # type: ignore[override]
-        """The pair as a whole, where its law has a strength."""
-        return ("",) if hasattr(self.law, "reduced") else ()
-
-    def reduced(self, factor: float, flow: str, names: Collection[str]) -> ContactPair:
-        """The same pair with the strength of its law divided by a factor."""
-        return self.with_law(self.law.reduced(factor)) if names else self  # type: ignore[attr-defined]
-
     def completed(self, forms: Mapping[str, Form]) -> ContactPair:
         """The pair with the stiffness of its surfaces, and a penalty that suits it where none is given."""
         return self if self.stiffness is not None else with_chosen_penalty(self, forms)
@@ -362,7 +362,7 @@ class ContactPair(Form):
         """How tractions at the points that are not open make nodal forces."""
         return TractionOperator(self, x, state)
 
-    def moved_back(self, state: ContactState) -> ContactState:
+    def moved_back(self, x: ndarray, state: ContactState) -> ContactState:
         """The state of bodies that are back in their places, with all it carries."""
         return moved_back(self, state)
 

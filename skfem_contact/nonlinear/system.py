@@ -12,7 +12,7 @@ from numpy import ndarray
 from scipy.sparse import csr_matrix
 
 from ..errors import NoEquilibrium, NotConverged
-from ..forms import Form, Response, are_symmetric
+from ..forms import Form, Response, answers, are_symmetric
 from ..solvers.direct import LinearSolver, SingularSystem, Solve
 from ..sparse import Total, with_data
 from ..unknowns import Unknowns
@@ -100,8 +100,7 @@ class System:
         """Answers of all forms at some displacements, unless these have run away."""
         if not np.abs(x).max(initial=0.0) < _ENDLESS:
             raise NotConverged("the iterations run away: the displacements are no numbers any more")
-        responses = {name: form.assemble(x[:form.size], states[name]).among(len(x))
-                     for name, form in self.forms.items()}
+        responses = answers(self.forms, x, states)
         residual = load - sum(r.force for r in responses.values())
         residual[self.fixed] = 0.0
         norm, hidden = max(self._relative(part, residual, load, responses) for part in self.unknowns.parts)

@@ -12,7 +12,7 @@ from scipy.sparse import csr_matrix, diags_array
 from ..contact.penalty import choose_penalties
 from ..contact.prestress import prestressed
 from ..errors import look_up
-from ..forms import Form, as_forms
+from ..forms import Form, as_forms, carried
 from ..solvers.choice import as_solver
 from ..sparse import padded
 from ..unknowns import Unknowns
@@ -184,9 +184,8 @@ def begin(phase: Phase, last: StageResult) -> tuple[ndarray, dict[str, Any], nda
         gone = {k: f for k, f in phase.before.items() if k not in phase.forms and form.replaces(f)}
         operator = form.tractions_at(x, states[name]) if gone else None
         if operator is not None:
-            carried = sum((f.assemble(last.x, last.states[k]).force for k, f in gone.items()), start=np.zeros(len(x)))
-            states[name] = prestressed({name: operator}, carried)[name]
-    lost = last.load - sum(form.assemble(x, states[name]).force for name, form in phase.forms.items())
+            states[name] = prestressed({name: operator}, carried(gone, last.x, last.states)[:form.size])[name]
+    lost = last.load - carried(phase.forms, x, states)
     lost[phase.fixed] = 0.0
     return x, states, lost
 

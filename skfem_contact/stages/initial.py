@@ -14,7 +14,7 @@ from scipy.spatial import cKDTree
 from ..contact.penalty import choose_penalties
 from ..contact.prestress import prestressed
 from ..errors import AnalysisWarning, check_plane, look_up, place
-from ..forms import Form, as_forms
+from ..forms import Form, as_forms, carried
 from ..materials.elastic import LinearElastic
 from .activation import acts_on, check_contacts
 from .reset import reset_displacements
@@ -258,7 +258,7 @@ def _balanced(forms: Mapping[str, Form], load: ndarray, fixed: ndarray, stress: 
     bearing = {key: form.tractions_at(x, states[key]) for key, form in system.forms.items()}
     operators = {key: operator for key, operator in bearing.items() if operator is not None}
     if operators:
-        force = sum((form.assemble(x, states[key]).force for key, form in solids.items()), start=np.zeros(len(x)))
+        force = carried(solids, x, states)
         near = {key: _stress_at(operator.places, stress, solids) for key, operator in operators.items()}
         states.update(prestressed(operators, load - force, system.free, near))
     now = system.evaluate(x, states, load)

@@ -40,5 +40,5 @@ def reset_displacements(forms: Mapping[str, Form], result: Result) -> Result:
     """
     last = result[-1]
     given = as_forms(forms)
-    states = {name: look_up(name, given, "form").moved_back(state) for name, state in last.states.items()}
+    states = {name: look_up(name, given, "form").moved_back(last.x, state) for name, state in last.states.items()}
     return Result((*result.stages[:-1], replace(last, x=np.zeros_like(last.x), states=states)))
