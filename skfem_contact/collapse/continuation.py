@@ -125,11 +125,16 @@ def last_stage(start: Result | StageResult | None) -> StageResult | None:
     return start[-1] if isinstance(start, Result) else start
 
 
-def starting_point(system: System, last: StageResult | None) -> Point:
-    """Where a search starts: at the end of a stage, or with unstrained bodies."""
-    if last is None:
-        return Point(np.zeros(system.size), {name: form.initial_state() for name, form in system.forms.items()}, 0.0)
-    return Point(last.x, last.states, 0.0)
+def starting_point(system: System, last: StageResult | None) -> tuple[System, Point]:
+    """Where a search starts, at the end of a stage or with unstrained bodies, and the system with its geometry there.
+
+    What follows displaced bodies is held where it is: limits are those of one geometry, whatever the stiffness.
+    """
+    x = np.zeros(system.size) if last is None else last.x
+    states = {name: form.initial_state() for name, form in system.forms.items()} if last is None else last.states
+    held = {name: form.first_geometry(x, states[name]) for name, form in system.forms.items()}
+    forms, states = ({name: pair[i] for name, pair in held.items()} for i in (0, 1))
+    return system.with_forms(forms), Point(x, states, 0.0)
 
 
 def remainder(points: list[Point] | tuple[Point, ...]) -> float:

@@ -115,14 +115,13 @@ def limit_load(forms: Mapping[str, Form], fixed: ndarray, load: ndarray, start: 
     there, held, unknowns = left_by(last, forms, fixed)
     if flow != "given":
         there = {name: form.reduced(1.0, flow, form.strengths) for name, form in there.items()}
-    system = build_system(there, held, unknowns, solver)
+    system, origin = starting_point(build_system(there, held, unknowns, solver), last)
     reference = check_load(load, system.unknowns)
     branch = _Load(system, np.zeros(system.size) if last is None else last.load, reference)
     newton = newton or Newton(tolerance=0.03 * tol, max_iterations=30)
     with tqdm(desc=LOAD, disable=None if progress is None else not progress,
               bar_format="{desc} {postfix} {elapsed}") as bar:
         log = SearchLog(system.forms, bar)
-        origin = starting_point(system, last)
         log.begin(origin)
         points = [origin, _first(branch, origin, step, newton, log)]
         curve = follow(branch, reference, points, newton, tol, log, relative=True, highest=highest,

@@ -266,7 +266,9 @@ def conclude(what: str, found: Found, system: System, load: ndarray, steps: Sequ
     less = any(dilates_less(material) for form in system.forms.values() for material in form.materials.values())
     iterations = sum(step.iterations for step in steps)
     residual = next(step.residual for step in reversed(steps) if step.outcome == "equilibrium")
-    end = StageResult(what, found.end.x, load, found.end.states, (iterations,), residual)
+    released = {name: form.released(found.end.x, found.end.states[name]) for name, form in system.forms.items()}
+    forms, states = ({name: pair[i] for name, pair in released.items()} for i in (0, 1))
+    end = StageResult(what, found.end.x, load, states, (iterations,), residual, forms=forms)
     return CollapseResult(what, found.value, found.bracket, found.stop, method, flow, reduced,
                           describe_mesh(system.forms), tuple(steps), end, mechanism, bands,
                           tuple((point.parameter, point.x) for point in found.points), less, davis)

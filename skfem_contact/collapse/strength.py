@@ -168,11 +168,11 @@ def strength_reduction(forms: Mapping[str, Form], fixed: ndarray, load: ndarray 
     last = last_stage(start)
     if load is None and last is None:
         raise ValueError("there is no load: give `load`, or a `start` that carries one")
-    whole = build_system(*left_by(last, forms, fixed), solver=solver)
+    whole, origin = starting_point(build_system(*left_by(last, forms, fixed), solver=solver), last)
     load = check_load(load if last is None or load is not None else last.load, whole.unknowns)
     branch = _Strength(whole, load, reduced_parts(whole.forms, reduce, exclude), flow)
     newton = newton or Newton(tolerance=0.03 * tol, max_iterations=30)
-    search = partial(_search, last=last, newton=newton, tol=tol, step=max(step, tol), highest=highest)
+    search = partial(_search, origin=origin, newton=newton, tol=tol, step=max(step, tol), highest=highest)
     with tqdm(desc=FACTOR, disable=None if progress is None else not progress,
               bar_format="{desc} {postfix} {elapsed}") as bar:
         davis = _davis(branch, search, bar) if flow == "given" else None
@@ -181,17 +181,18 @@ def strength_reduction(forms: Mapping[str, Form], fixed: ndarray, load: ndarray 
     return result
 
 
-def _search(branch: _Strength, last: StageResult | None, newton: Newton, tol: float, step: float, highest: float,
+def _search(branch: _Strength, origin: Point, newton: Newton, tol: float, step: float, highest: float,
             method: str, bar: Any, davis: CollapseResult | None = None) -> CollapseResult:
     log = SearchLog(branch.whole.forms, bar)
     if davis is not None:
         branch.safe, branch.above = davis.factor, branch.bound(davis)
-    first = _first(branch, last, newton, log)
+    first = _first(branch, origin, newton, log)
     search = _continuation if method == "continuation" else _bracket
     found = search(branch, first, newton, tol, step, highest, log)
-    if davis is not None and found.stop.kind != "collapse":
+    if np.isfinite(branch.above) and found.stop.kind != "collapse":
         found = found._replace(bracket=(found.value, max(found.value, branch.above)))
-    return conclude(FACTOR, found, branch.whole, branch.load, log.steps, method, branch.flow, branch.names, davis)
+    system, load = branch.at(found.value)
+    return conclude(FACTOR, found, system, load, log.steps, method, branch.flow, branch.names, davis)
 
 
 def _davis(branch: _Strength, search: Callable[..., CollapseResult], bar: Any) -> CollapseResult | None:
@@ -205,14 +206,13 @@ def _davis(branch: _Strength, search: Callable[..., CollapseResult], bar: Any) -
         return None
 
 
-def _first(branch: _Strength, last: StageResult | None, newton: Newton, log: SearchLog) -> Point:
+def _first(branch: _Strength, origin: Point, newton: Newton, log: SearchLog) -> Point:
     """The first equilibrium: at factor 1, or below where there is none."""
-    nothing = starting_point(branch.whole, last)
-    log.begin(nothing)
+    log.begin(origin)
     error: NotConverged | None = None
     for factor in (factor for factor in _FIRST if factor < branch.above):
         try:
-            point = branch.equilibrium(nothing, factor, newton)
+            point = branch.equilibrium(origin, factor, newton)
         except NotConverged as reason:
             error = reason
             log.reject(factor, reason, 0.0)
