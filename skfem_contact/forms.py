@@ -250,16 +250,24 @@ class Form:
 
     # -- in a search for a collapse --------------------------------------------------------------------------
 
-    def reduced(self, factor: float, flow: Any, names: Collection[str]) -> Form:
-        """The form with the strength of some of its parts divided by a factor, and its flow as assumed."""
+    def reduced(self, factor: float, flow: str, names: Collection[str]) -> Form:
+        """The form with some of its :attr:`strengths` divided by a factor, and with the flow that is assumed."""
         return self
+
+    def first_geometry(self, x: ndarray, state: Any) -> tuple[Form, Any]:
+        """The form with its geometry held as it is at some displacements, and its state: for contact, which follows."""
+        return self, state
+
+    def released(self, x: ndarray, state: Any) -> tuple[Form, Any]:
+        """The form whose geometry is not held, and its state: the inverse of :meth:`first_geometry`."""
+        return self, state
 
     def yielding(self, before: Any, after: Any) -> tuple[int, int]:
         """Number of points of solids that have flowed from one state to another, and of all of them."""
         return 0, 0
 
     def shear_strain(self, x: ndarray) -> ndarray | None:
-        """Largest shear strain of displacements at the points of a solid."""
+        """Largest shear strain of displacements at the points of a solid, (n_elements, n_points)."""
 
     # -- what is told ----------------------------------------------------------------------------------------
 

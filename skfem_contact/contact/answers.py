@@ -11,6 +11,7 @@ from numpy import ndarray
 from ..forms import Form, arrays_of
 from ..remarks import Remark
 from .diagnosis import penetration, remarks
+from .first_geometry import FirstGeometry, HeldState
 from .laws import InterfaceLaw, Status
 from .penalty import with_chosen_penalty
 from .prestress import TractionOperator, moved_back
@@ -74,6 +75,11 @@ class Answers(Form):
     def reduced(self, factor: float, flow: str, names: Collection[str]) -> ContactPair:
         """The same pair with the strength of its law divided by a factor."""
         return self._pair.with_law(self.law.reduced(factor)) if names else self._pair  # type: ignore[attr-defined]
+
+    def first_geometry(self, x: ndarray, state: ContactState) -> tuple[FirstGeometry, HeldState]:
+        """The pair with its geometry held as it is at some displacements, and its state."""
+        held = FirstGeometry(self._pair, x, state)
+        return held, held.held(state)
 
     # -- from stage to stage --------------------------------------------------------------------------------
 

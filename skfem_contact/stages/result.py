@@ -5,7 +5,7 @@ import json
 import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from tempfile import NamedTemporaryFile
 from typing import TYPE_CHECKING, Any
@@ -18,6 +18,7 @@ from numpy import ndarray
 from ..contact.penalty import choose_penalties
 from ..errors import look_up
 from ..forms import Form, arrays_of, as_forms, with_arrays
+from ..tables import html_table
 
 if TYPE_CHECKING:
     from ..post import ContactReport, SectionForces, Sections, Tractions
@@ -136,6 +137,11 @@ class Result:
 
     __repr__ = __str__  # the arrays of all stages would fill a notebook
 
+    def _repr_html_(self) -> str:
+        rows = [(s.name, len(s.iterations), sum(s.iterations), f"{s.residual:.1e}", f"{s.fraction:.0%}",
+                 "; ".join(f"{k}: {v}" for k, v in s.summary.items() if v)) for s in self.stages]
+        return html_table(("stage", "increments", "iterations", "residual", "load", "what the bodies carry"), rows)
+
     def save(self, file: str | Path) -> None:
         """Write all stages to one compressed file, from which :func:`load_result` resumes; it gets the end ``.npz``.
 
@@ -149,7 +155,7 @@ class Result:
             arrays[f"{i}/x"], arrays[f"{i}/load"] = stage.x, stage.load
             for name, state in stage.states.items():
                 arrays |= {f"{i}/{name}/{key}": np.asarray(values) for key, values in arrays_of(state).items()}
-        head = {"layout": _LAYOUT, "version": version("skfem-contact"), "stages": stages,
+        head = {"layout": _LAYOUT, "version": _version(), "stages": stages,
                 "sums": {key: _checksum(values) for key, values in arrays.items()}}
         path = Path(_with_end(file))
         with NamedTemporaryFile(dir=path.parent, suffix=".npz", delete=False) as part:
@@ -159,6 +165,13 @@ class Result:
                 os.unlink(part.name)
                 raise
         os.replace(part.name, path)
+
+
+def _version() -> str:
+    try:
+        return version("skfem-contact")
+    except PackageNotFoundError:  # not installed, but found in a folder
+        return "unknown"
 
 
 def _with_end(file: str | Path) -> str:
@@ -219,7 +232,7 @@ def _contents(path: str) -> tuple[dict[str, Any], dict[str, ndarray]]:
         layout, writer = (head["layout"], head["version"]) if "layout" in head else (0, "0.1.0")
         if layout != _LAYOUT:
             raise ValueError(f"version {writer} of this library wrote it, with another layout than that of "
-                             f"{version('skfem-contact')}: read it there, or compute it anew")
+                             f"{_version()}: read it there, or compute it anew")
         arrays = {key: data[key] for key in head["sums"]}
     if damaged := [key for key, values in arrays.items() if _checksum(values) != head["sums"][key]]:
         raise ValueError(f"{damaged} are not what was written")

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 from numpy import ndarray
-from tqdm import tqdm
 
 from ..errors import NotConverged, place
 from ..forms import as_forms
@@ -16,6 +15,7 @@ from ..nonlinear.increment import solve_increment
 from ..nonlinear.newton import Newton
 from ..nonlinear.stepping import Predictor, Stepping
 from ..nonlinear.system import System
+from ..progress import progress_bar
 from ..remarks import Remarks
 from ..solvers.threads import single_threaded
 from .activation import Phase, among, begin, check_start, plan
@@ -105,8 +105,8 @@ def run(forms: Mapping[str, Any], stages: Sequence[Stage], fixed: ndarray,
             remarks.add(stage.name, "the stage", phase.remarks)
             last = replace(last, name=stage.name, iterations=(), fraction=0.0, forms=system.forms)
             try:
-                with tqdm(total=1.0, desc=stage.name, disable=None if progress is None else not progress,
-                          bar_format="{desc:16} {percentage:3.0f}% |{bar}|{postfix}") as bar:
+                with progress_bar(progress, total=1.0, desc=stage.name,
+                                  bar_format="{desc:16} {percentage:3.0f}% |{bar}|{postfix}") as bar:
                     for accepted in _increments(system, predictor, stage, phase, last, released, newton or Newton()):
                         last = accepted
                         bar.update(last.fraction - bar.n)
