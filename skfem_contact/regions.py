@@ -13,6 +13,8 @@ from .materials import Material
 
 @dataclass(frozen=True)
 class Region:
+    """Elements of one material: their subdomain, and their slice of a basis ordered by regions."""
+
     name: str
     material: Material
     elements: slice = field(default_factory=lambda: slice(None))
