@@ -50,14 +50,14 @@ __version__ = "0.1.0"
 
 __all__ = [
     "AnalysisWarning", "AugmentedLagrangian", "CheckFailed", "Collapse", "ContactPair", "ContactReport",
-    "ContactState", "Coulomb", "DruckerPrager", "HardeningMohrCoulomb", "LimitLoad", "LinearElastic",
-    "MohrCoulomb", "Newton", "NotConverged", "Ramp", "Response", "Result", "SectionForces", "Sections", "Seepage", "SolidForm",
+    "ContactState", "Coulomb", "DruckerPrager", "HardeningMohrCoulomb", "LimitLoad", "LinearElastic", "MohrCoulomb",
+    "Newton", "NotConverged", "Ramp", "Response", "Result", "SectionForces", "Sections", "Seepage", "SolidForm",
     "SolidState", "Stage", "StageResult", "Status", "StrainOperator", "StrengthReduction", "Surface", "Tied",
     "Traction", "Tractions", "Tresca", "VanGenuchten", "VonMises", "axisymmetric", "b_bar", "bodies", "check_form",
     "check_interface_law", "check_material", "check_mesh", "choose_penalties", "contact_report", "export_vtu",
     "given_state", "gravity_state", "hydrostatic", "join_bodies", "k0_state", "limit_load", "line_sections",
     "load_mesh", "load_result", "nodal_field", "plane_strain", "reactions", "reduced_strength",
     "reset_displacements", "rigid_circle", "rigid_level_set", "rigid_line", "rigid_polyline", "ring_sections",
-    "run", "section_forces", "seepage", "strength_reduction", "three_dimensional", "tractions", "two_pass", "water_load",
-    "weight",
+    "run", "section_forces", "seepage", "strength_reduction", "three_dimensional", "tractions", "two_pass",
+    "water_load", "weight",
 ]

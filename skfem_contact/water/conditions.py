@@ -90,8 +90,8 @@ def _below(name: str, value: Head, x: ndarray, tolerance: float) -> tuple[ndarra
     heads = np.broadcast_to(heads, x.shape[1:])
     wet = x[-1] <= heads + tolerance
     if not wet.any():
-        raise ValueError(f"the head of boundary '{name}', {heads.max():.4g} at most, is below all of it, which begins at "
-                         f"the height {x[-1].min():.4g}: no water stands there; name it in face= if water may leave")
+        raise ValueError(f"the head of boundary '{name}', {heads.max():.4g} at most, is below all of it, from "
+                         f"{x[-1].min():.4g} up: no water stands there; name it in face= if water may leave")
     return wet, heads
 
 
