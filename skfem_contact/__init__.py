@@ -23,7 +23,7 @@ from .contact import (
     two_pass,
 )
 from .loads import hydrostatic, water_load, weight
-from .materials import DruckerPrager, HardeningMohrCoulomb, LinearElastic, MohrCoulomb, Tresca, VonMises
+from .materials import DruckerPrager, HardeningMohrCoulomb, LinearElastic, MohrCoulomb, Tresca, Undrained, VonMises
 from .materials.coulomb import Coulomb, Status, Tied, Traction
 from .mesh import bodies, join_bodies
 from .mesh_check import check_mesh
@@ -37,10 +37,12 @@ from .post import (
     export_vtu,
     line_sections,
     nodal_field,
+    pore_pressure,
     reactions,
     ring_sections,
     section_forces,
     tractions,
+    undrained_strength,
 )
 from .solid import SolidForm, SolidState
 from .testing import CheckFailed, check_form, check_interface_law, check_material
@@ -53,11 +55,11 @@ __all__ = [
     "ContactState", "Coulomb", "DruckerPrager", "HardeningMohrCoulomb", "LimitLoad", "LinearElastic", "MohrCoulomb",
     "Newton", "NotConverged", "Ramp", "Response", "Result", "SectionForces", "Sections", "Seepage", "SolidForm",
     "SolidState", "Stage", "StageResult", "Status", "StrainOperator", "StrengthReduction", "Surface", "Tied",
-    "Traction", "Tractions", "Tresca", "VanGenuchten", "VonMises", "axisymmetric", "b_bar", "bodies", "check_form",
-    "check_interface_law", "check_material", "check_mesh", "choose_penalties", "contact_report", "export_vtu",
-    "given_state", "gravity_state", "hydrostatic", "join_bodies", "k0_state", "limit_load", "line_sections",
-    "load_mesh", "load_result", "nodal_field", "plane_strain", "reactions", "reduced_strength",
-    "reset_displacements", "rigid_circle", "rigid_level_set", "rigid_line", "rigid_polyline", "ring_sections",
-    "run", "section_forces", "seepage", "strength_reduction", "three_dimensional", "tractions", "two_pass",
-    "water_load", "weight",
+    "Traction", "Tractions", "Tresca", "Undrained", "VanGenuchten", "VonMises", "axisymmetric", "b_bar", "bodies",
+    "check_form", "check_interface_law", "check_material", "check_mesh", "choose_penalties", "contact_report",
+    "export_vtu", "given_state", "gravity_state", "hydrostatic", "join_bodies", "k0_state", "limit_load",
+    "line_sections", "load_mesh", "load_result", "nodal_field", "plane_strain", "pore_pressure", "reactions",
+    "reduced_strength", "reset_displacements", "rigid_circle", "rigid_level_set", "rigid_line", "rigid_polyline",
+    "ring_sections", "run", "section_forces", "seepage", "strength_reduction", "three_dimensional", "tractions",
+    "two_pass", "undrained_strength", "water_load", "weight",
 ]

@@ -16,6 +16,8 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 
+from ..materials.undrained import Undrained
+
 Flow = Literal["given", "associated", "davis_a", "davis_b", "davis_c"]
 FLOWS: tuple[str, ...] = get_args(Flow)
 
@@ -49,6 +51,8 @@ def reduced_strength(material: Any, factor: float, flow: Flow = "given") -> Any:
     """
     if flow not in FLOWS:
         raise ValueError(f"flow must be one of {', '.join(FLOWS)}, not {flow!r}")
+    if isinstance(material, Undrained):
+        return replace(material, soil=reduced_strength(material.soil, factor, flow))
     if flow == "given" or not hasattr(material, "psi"):
         return material.reduced(factor)
     if flow == "associated":

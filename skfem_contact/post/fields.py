@@ -10,6 +10,7 @@ from numpy import ndarray
 from ..analysis.result import StageResult
 from ..checks import look_up
 from ..solid import SolidForm
+from .undrained import pore_pressure
 
 
 def _principal(stress: ndarray) -> ndarray:
@@ -33,7 +34,8 @@ QUANTITIES = {
     "ux": "horizontal displacement", "uy": "vertical displacement", "u": "displacement",
     "sxx": "horizontal stress", "syy": "vertical stress", "szz": "out-of-plane stress", "sxy": "shear stress",
     "s1": "largest principal stress", "s2": "middle principal stress", "s3": "smallest principal stress",
-    "mean": "mean stress", "mises": "von Mises stress", "plastic": "equivalent plastic strain"}
+    "mean": "mean stress", "mises": "von Mises stress", "plastic": "equivalent plastic strain",
+    "pore": "excess pore pressure"}
 
 _IN_SPACE = {"uz": "displacement along z", "syz": "shear stress", "szx": "shear stress"}
 
@@ -62,7 +64,7 @@ def nodal_field(forms: Mapping[str, Any], step: StageResult, quantity: str) -> n
         ``"ux"``, ``"uy"``, ``"u"`` (length of the displacement); ``"sxx"``, ``"syy"``, ``"szz"``, ``"sxy"``; in three
         dimensions also ``"uz"``, ``"syz"``, ``"szx"``;
         principal stresses ``"s1"`` >= ``"s2"`` >= ``"s3"``; ``"mean"``, ``"mises"``; ``"plastic"``, the
-        equivalent plastic strain (zero in elastic bodies).
+        equivalent plastic strain (zero in elastic bodies); ``"pore"``, the excess pore pressure of undrained ground.
 
     Returns
     -------
@@ -95,6 +97,9 @@ def nodal_field(forms: Mapping[str, Any], step: StageResult, quantity: str) -> n
         field[used] = _OF_DISPLACEMENT[quantity](step.x.reshape(-1, dim)[used].T)
     elif quantity == "plastic":
         field[used] = _average(forms, {name: plastic_strain(step.states[name]) for name in forms})[0, used]
+    elif quantity == "pore":
+        field[used] = _average(forms, {name: pore_pressure(form, step.states[name])[None]
+                                       for name, form in forms.items()})[0, used]
     else:
         stress = _average(forms, {name: step.states[name].stress for name in forms})
         field[used] = _OF_STRESS[quantity](stress[:, used])

@@ -119,9 +119,9 @@ class Seepage:
         >>> bool(abs(water.flux("top")[1] / 1e-5 + .5).max() < 1e-12)
         True
         """
-        size = self._size(look_up(boundary, self._passing, "boundary through which water passes"))
-        nodes = np.flatnonzero(size)
-        return nodes, self.inflow[nodes] / size[nodes]
+        facets = look_up(boundary, self._passing, "boundary through which water passes")
+        nodes = np.intersect1d(self.basis.mesh.facets[:, facets], self.basis.element_dofs)
+        return nodes, self.inflow[nodes] / self._size(facets)[nodes]
 
     def head_at(self, x: ndarray) -> ndarray:
         """Head at places (dim, ...); linear between the corners of triangles and tetrahedra.
@@ -160,11 +160,12 @@ class Seepage:
 
     def _size(self, facets: ndarray) -> ndarray:
         """Area of a boundary that belongs to each node, (n_nodes,)."""
-        if len(facets) == 0:
-            return np.zeros(len(self.head))
-        around = FacetBasis(self.basis.mesh, self.basis.elem, facets=facets)
-        size = LinearForm(lambda v, w: (w.x[0] if self._axisymmetric else 1.0) * v)
-        return np.asarray(size.assemble(around))
+        size, nodes = np.zeros(len(self.head)), np.unique(self.basis.mesh.facets[:, facets])
+        if len(facets):
+            around = FacetBasis(self.basis.mesh, self.basis.elem, facets=facets)
+            part = LinearForm(lambda v, w: (w.x[0] if self._axisymmetric else 1.0) * v)
+            size[nodes] = part.assemble(around)[nodes]
+        return size
 
 
 def seepage(basis: CellBasis, k: Permeability | Mapping[str, Permeability], head: Mapping[str, Head],
