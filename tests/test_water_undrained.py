@@ -7,8 +7,8 @@ import warnings
 import numpy as np
 import pytest
 from helpers import grid, vector_basis
-from slope_meshes import held, slope_mesh
 from skfem import Basis, ElementTetP2, ElementTriP2, ElementVector, FacetBasis, LinearForm, MeshTet
+from slope_meshes import held, slope_mesh
 
 import skfem_contact as sc
 
@@ -18,7 +18,7 @@ SOIL = sc.MohrCoulomb(E=E, nu=NU, c=5.0, phi=25.0, psi=0.0)
 
 
 def compressed(soil, axisymmetric: bool, steps: tuple[float, ...]):
-    """A sample under an isotropic effective stress, compressed at constant pressure on its side: p and q after steps."""
+    """A sample under an isotropic effective stress, compressed while its side is pressed: p and q after steps."""
     mesh = grid("Q1", [0.0, 1.0], [0.0, 1.0])
     basis = vector_basis(mesh, "Q1", intorder=2)
     form = sc.SolidForm(basis, soil, strain=sc.axisymmetric if axisymmetric else sc.plane_strain)
@@ -65,7 +65,7 @@ def test_strengths():
 
 
 def test_poisson_ratio_of_soil_and_water():
-    """[X] With nu_u the moduli of soil and water are those of an elastic body of that Poisson's ratio and the same G."""
+    """[X] With nu_u the moduli are those of an elastic body of that Poisson's ratio and the same shear modulus."""
     clay = sc.Undrained(sc.LinearElastic(E=E, nu=NU), nu_u=0.49)
     whole = sc.LinearElastic(E=E / (1 + NU) * 1.49, nu=0.49)
     for ncomp in (4, 6):
@@ -102,8 +102,9 @@ def test_pressure_is_not_taken_for_plastic_strain():
 
 def test_in_space():
     """[X] A cube of tetrahedra under a quick load between smooth walls: Kw / (Kw + M) of it is carried by the water."""
-    mesh = MeshTet().refined(1).with_boundaries({name: lambda x, i=i, v=v: np.isclose(x[i], v) for name, i, v in
-                                                 [("bottom", 2, 0), ("x", 0, 0), ("X", 0, 1), ("y", 1, 0), ("Y", 1, 1)]})
+    sides = [("bottom", 2, 0), ("x", 0, 0), ("X", 0, 1), ("y", 1, 0), ("Y", 1, 1)]
+    mesh = MeshTet().refined(1).with_boundaries(
+        {name: lambda x, axis=axis, at=at: np.isclose(x[axis], at) for name, axis, at in sides})
     basis = Basis(mesh, ElementVector(ElementTetP2()), intorder=2)
     form = sc.SolidForm(basis, sc.Undrained(SOIL, Kw=BULK), strain=sc.three_dimensional)
     names = {"u^1": {"x", "X"}, "u^2": {"y", "Y"}, "u^3": {"bottom"}}

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy import ndarray
-from scipy.sparse import coo_matrix
+from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import connected_components
 from skfem import CellBasis
 
@@ -52,7 +52,7 @@ def conditions(basis: CellBasis, head: Mapping[str, Head], face: str | Sequence[
     ------
     ValueError
         Unknown boundaries, heads that are not finite, that lie below their whole boundary or contradict each other,
-        boundaries without porous ground, ground without any head.
+        boundaries without porous ground.
     """
     mesh, faces = basis.mesh, (face,) if isinstance(face, str) else tuple(face)
     if not isinstance(head, Mapping) or not head:
@@ -77,7 +77,6 @@ def conditions(basis: CellBasis, head: Mapping[str, Head], face: str | Sequence[
     on_face = np.zeros(basis.N, dtype=bool)
     for name in faces:
         on_face[nodes[name]] = True
-    _check_connected(basis, held, porous)
     return Conditions(held, values, on_face & ~held, passing)
 
 
@@ -95,11 +94,17 @@ def _below(name: str, value: Head, x: ndarray, tolerance: float) -> tuple[ndarra
     return wet, heads
 
 
-def _check_connected(basis: CellBasis, held: ndarray, porous: ndarray) -> None:
-    """Every connected part of the ground needs a head."""
-    dofs = basis.element_dofs
+def check_connected(basis: CellBasis, held: ndarray, tie: csr_matrix) -> None:
+    """Every part of the ground that is connected, by elements or by tied nodes, needs a head.
+
+    Raises
+    ------
+    ValueError
+        With the place of a part that has none.
+    """
+    dofs, porous = basis.element_dofs, np.unique(basis.element_dofs)
     first = np.broadcast_to(dofs[0], dofs.shape)
-    graph = coo_matrix((np.ones(dofs.size), (first.ravel(), dofs.ravel())), shape=(basis.N, basis.N))
+    graph = csr_matrix((np.ones(dofs.size), (first.ravel(), dofs.ravel())), shape=tie.shape) + tie
     part = connected_components(graph, directed=False)[1]
     lost = porous[~np.isin(part[porous], part[held])]
     if len(lost):

@@ -19,7 +19,7 @@ _PAIRS = 200_000
 def tied_heads(basis: CellBasis, joints: Sequence[tuple[str, str]], held: ndarray) -> csr_matrix:
     """Heads of all nodes from those of the nodes that are not tied, (N, N).
 
-    A node of the first boundary of a joint has the head of the place on the second one that is nearest to it, unless
+    A node on the side with the smaller facets has the head of the place on the other side that is nearest to it, unless
     its head is given.
 
     Raises
@@ -33,6 +33,7 @@ def tied_heads(basis: CellBasis, joints: Sequence[tuple[str, str]], held: ndarra
         if len(joint) != 2 or isinstance(joint, str):
             raise ValueError(f"a joint is a pair of boundaries, not {joint!r}")
         sides = [np.asarray(look_up(name, mesh.boundaries or {}, "boundary")) for name in joint]
+        sides.sort(key=lambda facets: float(np.ptp(mesh.p[:, mesh.facets[:, facets]], axis=1).max(axis=0).mean()))
         nodes = np.setdiff1d(mesh.facets[:, sides[0]], np.flatnonzero(held | tied))
         corners, weights, near = _nearest(mesh, nodes, sides[1])
         if not near.any():

@@ -10,7 +10,7 @@ from skfem import CellBasis, FacetBasis, LinearForm
 
 from ..checks import look_up
 from .balance import WaterBalance
-from .conditions import Head, conditions
+from .conditions import Head, check_connected, conditions
 from .darcy import DarcyFlow, head_basis
 from .free_surface import zero_lines
 from .joints import tied_heads
@@ -194,7 +194,7 @@ def seepage(basis: CellBasis, k: Permeability | Mapping[str, Permeability], head
         too. All other boundaries are tight.
     joints
         Pairs of boundaries of bodies that share no nodes, ``("core|shell", "shell|core")``, between which water passes
-        freely: the heads on the first are those of the second. Other joints are tight.
+        freely: the nodes of the side with the smaller facets take the heads of the other. Other joints are tight.
     retention
         :class:`Ramp` or :class:`VanGenuchten`, for all ground or by subdomain.
     unit_weight
@@ -244,6 +244,7 @@ def seepage(basis: CellBasis, k: Permeability | Mapping[str, Permeability], head
     datum = float(np.nanmean(given.head))
     flow = DarcyFlow(porous, tensors, axisymmetric, datum)
     tie = tied_heads(porous, joints, given.held)
+    check_connected(porous, given.held, tie)
     found = WaterBalance(flow, given.lowered(datum), tie, porous.mesh.p[:, :porous.N]).solve(laws)
     heads = np.full(porous.N, np.nan)
     used = np.unique(porous.element_dofs)
