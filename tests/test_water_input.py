@@ -44,7 +44,7 @@ HEADS = {"left": 2.0, "right": 1.0}
     ({"joints": ["left"]}, "a joint is a pair of boundaries"),
     ({"joints": [("left", "rihgt")]}, "no boundary 'rihgt'"),
     ({"joints": [("bottom", "top")]}, "the boundaries 'bottom' and 'top' are nowhere next to each other"),
-    ({"basis": BODIES, "head": {"p:left": 2.0}}, r"no head is given in the part of the ground around \(4, 0\), 15 nodes"),
+    ({"basis": BODIES, "head": {"p:left": 2.0}}, r"no head is given in the part of the ground around \(4, 0\), 15"),
     ({"basis": BODIES, "head": {"p:left": 2.0}, "joints": [("p:right", "q:left"), ("q:left", "p:right")]},
      "in a circle"),
     ({"basis": BASIS.with_elements("a"), "head": {"right": 1.0}}, "'right' has no node of the porous ground"),

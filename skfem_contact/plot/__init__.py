@@ -5,5 +5,6 @@ function returns what it has drawn and writes it to ``file`` if one is given.
 """
 from .contours import contour
 from .diagrams import contact_diagram, ring_diagram, section_diagram
+from .water import flow_diagram
 
-__all__ = ["contact_diagram", "contour", "ring_diagram", "section_diagram"]
+__all__ = ["contact_diagram", "contour", "flow_diagram", "ring_diagram", "section_diagram"]

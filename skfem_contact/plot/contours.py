@@ -17,17 +17,19 @@ from numpy import ndarray
 from ..analysis.result import StageResult
 from ..checks import check_plane
 from ..post.fields import QUANTITIES, element_nodes, nodal_field, solids, solids_there
+from ..water import Seepage
 
 #: VTK's numbers of the cells with so many nodes.
 _CELL_TYPES = {3: 5, 4: 9, 6: 22, 8: 23, 9: 28}
 _BANDS = 12
+_WATER = "#1f4e8c"
 _WIDTH, _HEIGHT, _BAR = 1400, 1000, 120  # pixels of the bodies at most, and of the colour bar below them
 
 
 def contour(forms: Mapping[str, Any], step: StageResult, quantity: str, deformed: float = 0.0,
             file: str | Path | None = None, limits: tuple[float, float] | None = None,
             window: tuple[float, float, float, float] | None = None, colors: str = "viridis",
-            edges: bool = True) -> Any:
+            edges: bool = True, water: Seepage | None = None) -> Any:
     """Contour picture of a field on the bodies.
 
     Parameters
@@ -50,6 +52,8 @@ def contour(forms: Mapping[str, Any], step: StageResult, quantity: str, deformed
         Name of a matplotlib colour map.
     edges
         Whether to draw the elements.
+    water
+        Seepage through the bodies, whose free surface is drawn.
 
     Returns
     -------
@@ -91,6 +95,9 @@ def contour(forms: Mapping[str, Any], step: StageResult, quantity: str, deformed
     if deformed:
         plotter.add_mesh(scene.lines(scene.outline, scene.points, 2), color="#999999", line_width=3)
     plotter.add_mesh(scene.lines(scene.outline, scene.moved, 3), color="black", line_width=4)
+    for line in water.free_surface if water is not None else ():
+        sides = np.column_stack((np.arange(len(line) - 1), np.arange(1, len(line))))
+        plotter.add_mesh(scene.lines(sides, line, 4), color=_WATER, line_width=6)
     scene.look_from_above(plotter)
     _add_bar(plotter, mapper, QUANTITIES[quantity] + (f", deformed {deformed:g} times" if deformed else ""))
     plotter.screenshot(file, return_img=False) if file else plotter.render()

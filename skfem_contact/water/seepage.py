@@ -1,6 +1,7 @@
 """Steady flow of water through the ground."""
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -8,7 +9,7 @@ import numpy as np
 from numpy import ndarray
 from skfem import CellBasis, FacetBasis, LinearForm
 
-from ..checks import look_up
+from ..checks import AnalysisWarning, look_up, place
 from .balance import WaterBalance
 from .conditions import Head, check_connected, conditions
 from .darcy import DarcyFlow, head_basis
@@ -19,6 +20,10 @@ from .places import Interpolation
 from .retention import Ramp, Retention
 
 _RAMP = Ramp()
+#: Ground is dry below the first relative permeability and wet above the second one.
+_DRY, _WET = 0.01, 0.5
+#: Share of the flow through dry ground of which the user is told.
+_SHARE = 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -214,6 +219,12 @@ def seepage(basis: CellBasis, k: Permeability | Mapping[str, Permeability], head
     NotConverged
         The water does not balance: see the message.
 
+    Warns
+    -----
+    AnalysisWarning
+        The transition between wet and dry had to be wider than asked for; or water flows off through dry ground that
+        conducts better than the wet ground it comes from, whose free surface is then drawn down.
+
     Examples
     --------
     A dam with vertical faces lets k (h1² - h2²) / 2L through (I. A. Charny 1951):
@@ -246,9 +257,30 @@ def seepage(basis: CellBasis, k: Permeability | Mapping[str, Permeability], head
     tie = tied_heads(porous, joints, given.held)
     check_connected(porous, given.held, tie)
     found = WaterBalance(flow, given.lowered(datum), tie, porous.mesh.p[:, :porous.N]).solve(laws)
+    velocity = flow.velocity(found.head, found.relative)
+    _warn_of_dry_ground(porous, tensors, found.relative, velocity)
     heads = np.full(porous.N, np.nan)
     used = np.unique(porous.element_dofs)
     heads[used] = found.head[used] + datum
     pressure = unit_weight * np.maximum(heads - porous.mesh.p[-1, :porous.N], 0.0)
-    return Seepage(porous, heads, pressure, found.inflow, flow.velocity(found.head, found.relative), found.iterations,
-                   given.passing, flow.by_element(found.head, found.relative), unit_weight, axisymmetric)
+    return Seepage(porous, heads, pressure, found.inflow, velocity, found.iterations, given.passing,
+                   flow.by_element(found.head, found.relative), unit_weight, axisymmetric)
+
+
+def _warn_of_dry_ground(basis: CellBasis, tensors: ndarray, relative: ndarray, velocity: ndarray) -> None:
+    """Tell of water that flows off through dry ground which conducts better than wet ground elsewhere.
+
+    A dam whose core is 1e-2, 1e-3, 1e-4 and 1e-6 times as permeable as its shell leaks .6, .7, -5 and -7 % too much
+    with 20 elements over the height if dry ground keeps 1e-3 of its permeability. In the last two cases .26 of the flow
+    is of this kind; where the discharge is right to 1 % less than .005 is.
+    """
+    k = np.trace(tensors, axis1=1, axis2=2) / basis.mesh.dim()
+    wet, left = (relative >= _WET).any(axis=1), relative.min(axis=1) * k
+    draining = (relative < _DRY).all(axis=1) & (left > 1.5 * k[wet].min(initial=np.inf))
+    flow = np.linalg.norm(velocity, axis=0) * basis.dx.sum(axis=1)
+    if flow[draining].sum() > _SHARE * flow.sum():
+        x = np.asarray(basis.global_coordinates())[:, np.where(draining, flow, 0.0).argmax()].mean(axis=1)
+        warnings.warn(f"water flows off through dry ground at {place(x)}, which conducts better than the wet ground that "
+                      "it comes from: the free surface there is several per cent off; leave drained ground out of the "
+                      "basis and name the boundary towards it in face=, or give a smaller `least` in retention=",
+                      AnalysisWarning, stacklevel=3)
