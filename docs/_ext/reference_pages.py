@@ -21,6 +21,7 @@ ROOMS = {
     "Materials": ("materials",),
     "Contact": ("contact",),
     "Loads": ("loads",),
+    "Water": ("water",),
     "Analysis": ("analysis", "checks"),
     "Results": ("post",),
     "Pictures": ("plot",),

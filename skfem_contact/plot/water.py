@@ -7,7 +7,9 @@ from typing import Literal
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 from matplotlib.tri import Triangulation
 from numpy import ndarray
 
@@ -15,13 +17,14 @@ from ..water import Seepage
 from ..water.permeability import elements_of
 from ..water.places import simplices
 
-_LEVELS, _ARROWS = 14, 24  # lines of equal head or pressure; arrows along the longer side of the picture
+_LEVELS, _ARROWS = 14, 24  # most bands of the head or pressure; arrows along the longer side of the picture
+_WIDTH, _HEIGHT = 9.0, 5.0  # inches of a picture at most
 _LABELS = {"head": "hydraulic head", "pressure": "pore pressure"}
 
 
 def flow_diagram(water: Seepage, quantity: Literal["head", "pressure"] = "head", arrows: bool = True,
                  ax: Axes | None = None, file: str | Path | None = None) -> Figure:
-    """Contours of the head or of the pore pressure, with the free surface and the directions of flow.
+    """Contours of the head or of the pore pressure in wet ground, with the free surface and the directions of flow.
 
     Parameters
     ----------
@@ -61,18 +64,25 @@ def flow_diagram(water: Seepage, quantity: Literal["head", "pressure"] = "head",
     mesh = water.basis.mesh
     if mesh.dim() != 2:
         raise ValueError("plot.flow_diagram is for plane seepage")
-    ax = plt.subplots(figsize=(9.0, 4.5), layout="constrained")[1] if ax is None else ax
-    n = len(water.head)
-    triangles = Triangulation(*mesh.p[:, :n], simplices(mesh, elements_of(water.basis)).T)
+    x, y = mesh.p[:, :len(water.head)]
+    corners = simplices(mesh, elements_of(water.basis)).T
+    if ax is None:
+        width, height = np.ptp(mesh.p[:, corners.ravel()], axis=1)
+        scale = min((_WIDTH - 2.0) / width, _HEIGHT / height)
+        ax = plt.subplots(figsize=(scale * width + 2.0, scale * height + 0.5), layout="constrained")[1]
+    wet = (water.head >= y)[corners].any(axis=1)
+    triangles = Triangulation(x, y, corners[wet | ~wet.any()])
     values = np.nan_to_num(water.head if quantity == "head" else water.pressure)
-    filled = ax.tricontourf(triangles, values, _levels(values[triangles.triangles]), cmap="Blues")
-    ax.tricontour(triangles, values, filled.levels, colors="white", linewidths=0.5)
+    shown = values[triangles.triangles]
+    levels = MaxNLocator(_LEVELS).tick_values(shown.min(), shown.max())
+    filled = ax.tricontourf(triangles, values, levels, cmap="Blues")
+    ax.tricontour(triangles, values, levels, colors="white", linewidths=0.5)
+    ax.add_collection(LineCollection(mesh.p[:, _outline(water)].transpose(2, 1, 0), colors="black"))
     for line in water.free_surface:
         ax.plot(*line.T, color="#1f4e8c", linewidth=2.0)
     if arrows:
         _draw_arrows(ax, water)
-    bar = ax.figure.colorbar(filled, ax=ax, label=_LABELS[quantity], shrink=0.8)
-    bar.outline.set_visible(False)  # type: ignore[operator]
+    ax.figure.colorbar(filled, ax=ax, label=_LABELS[quantity], shrink=0.8)
     ax.set(aspect="equal")
     figure = ax.get_figure()
     assert isinstance(figure, Figure)
@@ -81,9 +91,11 @@ def flow_diagram(water: Seepage, quantity: Literal["head", "pressure"] = "head",
     return figure
 
 
-def _levels(values: ndarray) -> ndarray:
-    low, high = float(values.min()), float(values.max())
-    return np.linspace(low, high if high > low else low + 1.0, _LEVELS + 1)
+def _outline(water: Seepage) -> ndarray:
+    """Ends of the facets with porous ground on one side only, (2, n)."""
+    mesh = water.basis.mesh
+    count = np.bincount(mesh.t2f[:, elements_of(water.basis)].ravel(), minlength=mesh.nfacets)
+    return mesh.facets[:, count == 1]
 
 
 def _draw_arrows(ax: Axes, water: Seepage) -> None:

@@ -280,7 +280,7 @@ def _warn_of_dry_ground(basis: CellBasis, tensors: ndarray, relative: ndarray, v
     flow = np.linalg.norm(velocity, axis=0) * basis.dx.sum(axis=1)
     if flow[draining].sum() > _SHARE * flow.sum():
         x = np.asarray(basis.global_coordinates())[:, np.where(draining, flow, 0.0).argmax()].mean(axis=1)
-        warnings.warn(f"water flows off through dry ground at {place(x)}, which conducts better than the wet ground that "
-                      "it comes from: the free surface there is several per cent off; leave drained ground out of the "
-                      "basis and name the boundary towards it in face=, or give a smaller `least` in retention=",
+        warnings.warn(f"water flows off through dry ground at {place(x)}, which conducts better than the wet ground "
+                      "that it comes from: the free surface there is several per cent off; leave drained ground out of "
+                      "the basis and name the boundary towards it in face=, or give a smaller `least` in retention=",
                       AnalysisWarning, stacklevel=3)
