@@ -26,6 +26,8 @@ HEADS = {"left": 2.0, "right": 1.0}
     ({"k": [[1.0, 0.2], [0.1, 1.0]]}, "permeability must be positive"),
     ({"k": (1.0, 1.0, 1.0)}, r"a number, 2 numbers along the axes or a tensor \(2, 2\)"),
     ({"k": "clay"}, "a permeability is a number"),
+    ({"k": {"a": 1e-12, "b": 1.0}}, "the permeabilities from 1e-12 to 1 are too far apart"),
+    ({"k": (1e12, 1.0)}, "too far apart"),
     ({"k": {"a": 1.0}}, r"8 elements have no permeability; they lie in the subdomains \['b', 'b, c'\]"),
     ({"k": {"a": 1.0, "b": 1.0, "b, c": 1.0}}, "12 elements have more than one permeability"),
     ({"k": {"a": 1.0, "bb": 1.0}}, "no subdomain 'bb'; existing: a, b"),

@@ -74,10 +74,10 @@ def test_discharge_does_not_depend_on_the_vertical_permeability(k):
     assert water.discharge("left") == pytest.approx(np.ravel(k)[0] * 4.8, rel=3e-3)
 
 
-@pytest.mark.parametrize("contrast", [3.0, 0.3, 0.1])
+@pytest.mark.parametrize("contrast", [3.0, 0.1])
 def test_dam_with_a_core(contrast):
     """[X] Zones side by side: q = (h1² - h2²) / (2 sum of L / k), by the same argument."""
-    mesh = dam(40, 10.0).with_subdomains({"core": lambda x: abs(x[0] - 5) < 1, "shell": lambda x: abs(x[0] - 5) > 1})
+    mesh = dam(20, 10.0).with_subdomains({"core": lambda x: abs(x[0] - 5) < 1, "shell": lambda x: abs(x[0] - 5) > 1})
     water = flow_through(mesh, 10.0, 2.0, {"core": contrast, "shell": 1.0})
     assert water.discharge("left") == pytest.approx(48 / (8 + 2 / contrast), rel=1e-3)
 
@@ -112,7 +112,7 @@ def test_dam_in_space():
 
 def test_retention_of_the_soil():
     """[X] A capillary fringe carries water too; without one the discharge is that of a free surface."""
-    fringe = [flow_through(dam(40, 5.0), 10.0, 2.0, retention=sc.VanGenuchten(alpha, 3.0)).discharge("left")
+    fringe = [flow_through(dam(20, 5.0), 10.0, 2.0, retention=sc.VanGenuchten(alpha, 3.0)).discharge("left")
               for alpha in (1.0, 4.0, 16.0)]
     assert fringe[0] > fringe[1] > fringe[2] > 0.99 * 9.6
     # the fringe is about 1 / (3 alpha) high, below the size of the elements

@@ -147,7 +147,9 @@ class WaterBalance:
         """Heads in balance."""
         flow, head, leaking = self.flow, now.head, now.leaking
         residuals: list[float] = []
-        for iteration in range(1, _ITERATIONS + 1):
+        # in saturated ground faces may open and close node by node
+        most = _ITERATIONS if laws else _ITERATIONS + int(self._face.sum())
+        for iteration in range(1, most + 1):
             fixed = self.given.held | leaking | self._idle
             head = self._step(self.tie @ np.where(leaking, flow.elevation, head), fixed, laws, residuals)
             relative = flow.relative(head, laws)[0]
@@ -158,8 +160,8 @@ class WaterBalance:
             if settled and unbalanced <= max(tolerance * np.linalg.norm(inflow), np.linalg.norm(round_off)):
                 return _State(head, leaking, (*now.iterations, iteration))
             leaking = leaks
-        raise _Unbalanced(f"{unbalanced / float(np.linalg.norm(inflow)):.1e} of it is too much after {_ITERATIONS} "
-                          "iterations" if settled else "the seepage faces open and close again and again")
+        raise _Unbalanced(f"{unbalanced:.1g} of {np.linalg.norm(inflow):.2g} are too much after {most} iterations"
+                          if settled else "the seepage faces open and close again and again")
 
     def _step(self, head: ndarray, fixed: ndarray, laws: Laws, residuals: list[float]) -> ndarray:
         """Heads after a step of Newton's method, shortened until less water is out of balance than of late."""

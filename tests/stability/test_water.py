@@ -29,7 +29,7 @@ def flow(mesh, heads, k=1.0, face="right", **options) -> sc.Seepage:
 
 
 @pytest.mark.parametrize("kind", [MeshTri, MeshQuad])
-@pytest.mark.parametrize("core", [1e-3, 1e-2, 0.1, 10.0, 1e2, 1e4, 1e6, 1e8])
+@pytest.mark.parametrize("core", [1e-3, 0.1, 1e2, 1e5, 1e8])
 def test_core_of_another_permeability(core, kind):
     """[X] Sum of L / k of the zones; a contrast of 1e8 leaves 1e8 times the round-off between in and outflow."""
     water = flow(dam(kind), {"left": 10.0}, {"core": core, "shell": 1.0})
@@ -102,13 +102,12 @@ def test_drained_everywhere():
     assert water.inflow.sum() == pytest.approx(0.0, abs=1e-8 * water.discharge("left"))
 
 
-@pytest.mark.parametrize(("length", "time", "height"), [(1e3, 1.0, 0.0), (1e-3, 1e9, 0.0), (1.0, 1e-12, 1e4),
-                                                        (1.0, 1e12, -50.0)])  # fmt: skip
+@pytest.mark.parametrize(("length", "time", "height"), [(1e3, 1e-12, 0.0), (1e-3, 1e9, 0.0), (1.0, 1.0, 1e4)])
 def test_units_and_datum(length, time, height):
     """[X] Other units of length and time and another zero of the heights scale the answer and nothing else."""
     k = {"core": 0.1, "shell": 1.0}
-    base = flow(dam(), {"left": 10.0, "right": 2.0}, k)
-    other = flow(dam(size=10 * length, up=height), {"left": 10 * length + height, "right": 2 * length + height},
+    base = flow(dam(n=10), {"left": 10.0, "right": 2.0}, k)
+    other = flow(dam(n=10, size=10 * length, up=height), {"left": 10 * length + height, "right": 2 * length + height},
                  {name: value * length / time for name, value in k.items()})
     # the heights above a zero that is 1e4 away are known to 1e-12 of the dam's height
     np.testing.assert_allclose((other.head - height) / length, base.head, atol=1e-7)
@@ -117,9 +116,9 @@ def test_units_and_datum(length, time, height):
 
 def test_mirrored():
     """[X] The mirrored dam, and one whose elements run the other way round, leak the same."""
-    base = flow(dam(), {"left": 10.0, "right": 2.0}, {"core": 0.1, "shell": 1.0})
-    mesh = MeshTri(np.stack((10 - dam().p[0], dam().p[1])), dam().t[::-1])
-    mesh = mesh.with_defaults().with_subdomains(dam().subdomains)
+    base = flow(dam(n=10), {"left": 10.0, "right": 2.0}, {"core": 0.1, "shell": 1.0})
+    mesh = MeshTri(np.stack((10 - dam(n=10).p[0], dam(n=10).p[1])), dam(n=10).t[::-1])
+    mesh = mesh.with_defaults().with_subdomains(dam(n=10).subdomains)
     other = flow(mesh, {"right": 10.0, "left": 2.0}, {"core": 0.1, "shell": 1.0}, face="left")
     assert other.discharge("right") == pytest.approx(base.discharge("left"), rel=1e-8)
     np.testing.assert_allclose(other.head, base.head, atol=1e-7)
