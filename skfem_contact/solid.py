@@ -201,20 +201,22 @@ class SolidForm(Form):
         strain = self._strains(x)
         increment = strain - state.strain
         before = self._remembered(state)
-        updates = [r.material.update(increment[:, r.elements], state.stress[:, r.elements],
-                                     before[:r.material.n_internal, r.elements]) for r in self.regions]
+        given = [before[:r.material.n_internal, r.elements] for r in self.regions]
+        updates = [r.material.update(increment[:, r.elements], state.stress[:, r.elements], internal)
+                   for r, internal in zip(self.regions, given, strict=True)]
         # one region's stress is not copied
         stress = updates[0].stress if len(updates) == 1 else np.concatenate([u.stress for u in updates], axis=1)
         force = self._force_matrix @ stress.ravel()
-        return Response(force, lambda: SolidState(strain, stress, self._internal(before, updates)),
+        return Response(force, lambda: SolidState(strain, stress, self._internal(before, given, updates)),
                         lambda: self._tangent(updates), lambda: self._tangent(updates, damping=True),
                         _ROUND_OFF * float(np.linalg.norm(self._diagonal * x)))
 
-    def _internal(self, before: ndarray, updates: list[Update]) -> ndarray:
-        """Internal variables after the updates; where no point yields, those before."""
-        yielding = [(r, update) for r, update in zip(self.regions, updates, strict=True) if len(update.plastic)]
-        after = before.copy() if yielding else before
-        for region, update in yielding:
+    def _internal(self, before: ndarray, given: list[ndarray], updates: list[Update]) -> ndarray:
+        """Internal variables after the updates; what a material hands back as it was given has not changed."""
+        changed = [(r, update) for r, i, update in zip(self.regions, given, updates, strict=True)
+                   if update.internal is not i]
+        after = before.copy() if changed else before
+        for region, update in changed:
             after[:region.material.n_internal, region.elements] = update.internal
         return after
 

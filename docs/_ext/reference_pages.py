@@ -24,6 +24,7 @@ ROOMS = {
     "Loads": ("loads",),
     "Stages": ("stages",),
     "Collapse": ("collapse",),
+    "Water": ("water",),
     "Equilibrium": ("nonlinear", "forms", "unknowns", "errors"),
     "Results": ("post",),
     "Pictures": ("plot",),
