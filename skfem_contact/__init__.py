@@ -19,7 +19,7 @@ from .contact.laws import Coulomb, Status, Tied, Traction
 from .errors import AnalysisWarning, NoEquilibrium, NotConverged
 from .forms import Form, Response
 from .links import Bar, BarState, MatrixForm, Spring
-from .loads import hydrostatic, water_load, weight
+from .loads import hydrostatic, traction, water_load, weight
 from .materials import DruckerPrager, HardeningMohrCoulomb, LinearElastic, MohrCoulomb, Tresca, VonMises
 from .materials.reduction import reduced_strength
 from .mesh.check import check_mesh
@@ -52,7 +52,7 @@ from .stages.run import run
 from .stages.stage import Stage
 from .strain import StrainOperator, axisymmetric, b_bar, plane_strain, three_dimensional
 from .testing import CheckFailed, check_form, check_interface_law, check_material
-from .unknowns import Field, unknowns_at
+from .unknowns import Field, rollers, unknowns_at
 
 __version__ = "0.1.0"
 
@@ -119,12 +119,14 @@ __all__ = [
     "rigid_line",
     "rigid_polyline",
     "ring_sections",
+    "rollers",
     "run",
     "section_forces",
     "strength_reduction",
     "three_dimensional",
     "to_frame",
     "to_pyvista",
+    "traction",
     "tractions",
     "two_pass", "unknowns_at",
     "water_load",

@@ -13,7 +13,7 @@ import matplotlib.pyplot as plt
 import pytest
 
 ROOT = Path(__file__).parents[1]
-CHAPTERS = ("1_first_steps", "2_contact", "3_geotechnics")
+CHAPTERS = ("1_first_steps", "1_short_scripts", "2_contact", "3_geotechnics")
 SCRIPTS = [path for chapter in CHAPTERS for path in sorted((ROOT / "examples" / chapter).glob("plot_*.py"))]
 KEYS = {"method", "n", "unknowns", "error", "cpu_s", "iterations"}
 
