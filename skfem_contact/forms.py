@@ -1,7 +1,7 @@
 """What carries load: the calls that solids, contact pairs and forms of a user answer."""
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import fields as dataclass_fields
 from dataclasses import is_dataclass
 from functools import cached_property
@@ -178,7 +178,8 @@ class Form:
 
     def fits(self, state: Any) -> bool:
         """Whether a state may be one of this form: by default, whether its arrays have their initial shapes."""
-        return [np.shape(a) for a in arrays_of(state)] == [np.shape(a) for a in arrays_of(self.initial_state())]
+        given, initial = arrays_of(state), arrays_of(self.initial_state())
+        return {k: np.shape(a) for k, a in given.items()} == {k: np.shape(a) for k, a in initial.items()}
 
     def check_start(self, x: ndarray, state: Any) -> None:
         """Refuse to go on from a state of other settings, by a ``ValueError``."""
@@ -207,16 +208,24 @@ class Form:
 
     # -- in a search for a collapse --------------------------------------------------------------------------
 
-    def reduced(self, factor: float, flow: Any, names: Collection[str]) -> Form:
-        """The form with the strength of some of its parts divided by a factor, and its flow as assumed."""
+    def reduced(self, factor: float, flow: str, names: Collection[str]) -> Form:
+        """The form with some of its :attr:`strengths` divided by a factor, and with the flow that is assumed."""
         return self
+
+    def first_geometry(self, x: ndarray, state: Any) -> tuple[Form, Any]:
+        """The form with its geometry held as it is at some displacements, and its state: for contact, which follows."""
+        return self, state
+
+    def released(self, x: ndarray, state: Any) -> tuple[Form, Any]:
+        """The form whose geometry is not held, and its state: the inverse of :meth:`first_geometry`."""
+        return self, state
 
     def yielding(self, before: Any, after: Any) -> tuple[int, int]:
         """Number of points of solids that have flowed from one state to another, and of all of them."""
         return 0, 0
 
     def shear_strain(self, x: ndarray) -> ndarray | None:
-        """Largest shear strain of displacements at the points of a solid."""
+        """Largest shear strain of displacements at the points of a solid, (n_elements, n_points)."""
 
     # -- what is told ----------------------------------------------------------------------------------------
 
@@ -272,18 +281,22 @@ def carried(forms: Mapping[str, Form], x: ndarray, states: Mapping[str, Any]) ->
     return sum((response.force for response in answers(forms, x, states).values()), start=np.zeros(len(x)))
 
 
-def arrays_of(state: Any) -> tuple[Any, ...]:
+def arrays_of(state: Any) -> dict[str, Any]:
     """What a state consists of: the fields of a dataclass, the items of a tuple, an array or number, or nothing."""
     if is_dataclass(state):
-        return tuple(getattr(state, field.name) for field in dataclass_fields(state))
-    return () if state is None else tuple(state) if isinstance(state, tuple) else (state,)
+        return {field.name: getattr(state, field.name) for field in dataclass_fields(state)}
+    if isinstance(state, tuple):
+        return {str(k): values for k, values in enumerate(state)}
+    return {} if state is None else {"values": state}
 
 
-def with_arrays(like: Any, arrays: Sequence[ndarray]) -> Any:
+def with_arrays(like: Any, arrays: Mapping[str, ndarray]) -> Any:
     """A state like another one of these arrays; the inverse of :func:`arrays_of`."""
-    if is_dataclass(like) or hasattr(like, "_fields"):
-        return type(like)(*arrays)
-    return None if like is None else tuple(arrays) if isinstance(like, tuple) else arrays[0]
+    if is_dataclass(like):
+        return type(like)(**arrays)  # type: ignore[misc]
+    if isinstance(like, tuple):
+        return type(like)(*arrays.values()) if hasattr(like, "_fields") else tuple(arrays.values())
+    return arrays.get("values")
 
 
 def are_symmetric(forms: Mapping[str, Form]) -> bool:

@@ -15,8 +15,8 @@ from .assembly import Pattern, damped, element_stiffness, force_matrix, strain_m
 from .errors import check_basis, check_quadrature, look_up
 from .forms import Form, Response
 from .materials import Material, Update
-from .materials.reduction import Flow, reduced_strength
-from .materials.spectral import extremes
+from .materials.reduction import reduced_strength
+from .materials.spectral import largest_shear
 from .strain import StrainOperator, axisymmetric, plane_strain
 
 #: Round-off of the forces of a displaced body, relative to those of its displacements taken one by one.
@@ -145,7 +145,7 @@ class SolidForm(Form):
                 new.__dict__.pop(name, None)
         return new
 
-    def reduced(self, factor: float, flow: Flow, names: Collection[str]) -> SolidForm:
+    def reduced(self, factor: float, flow: str, names: Collection[str]) -> SolidForm:
         """The same body with the strength of some regions divided by a factor, see :func:`reduced_strength`."""
         return self.with_materials({name: reduced_strength(self.materials[name], factor, flow) for name in names})
 
@@ -158,11 +158,7 @@ class SolidForm(Form):
 
     def shear_strain(self, x: ndarray) -> ndarray:
         """Largest shear strain of displacements, of plane bodies that in their plane, (n_elements, n_points)."""
-        strain = self._strains(x)
-        if len(strain) == 4:
-            return np.hypot(strain[0] - strain[1], strain[3])
-        largest, smallest = extremes(np.concatenate((strain[:3], 0.5 * strain[3:])))
-        return largest - smallest
+        return largest_shear(self._strains(x))
 
     def initial_state(self, x: ndarray | None = None) -> SolidState:
         """Stress-free: undeformed or, when the body is built after others have deformed, at the displacements `x`.
@@ -203,6 +199,8 @@ class SolidForm(Form):
         state
             The last accepted state.
         """
+        if len(x) != self.size:
+            raise ValueError(f"there are {len(x)} displacements for {self.size} unknowns")
         strain = self._strains(x)
         increment = strain - state.strain
         before = self._remembered(state)

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from numpy import ndarray
 
-from ..errors import NoEquilibrium, NotConverged
+from ..errors import NotConverged
 from ..forms import Form
-from .continuation import Point
+from .continuation import Point, kind_of
 from .result import Step
 
 
@@ -41,9 +41,8 @@ class SearchLog:
 
     def reject(self, parameter: float, error: NotConverged, work: float) -> None:
         """A step without equilibrium."""
-        self._add(Step(parameter, "collapse" if isinstance(error, NoEquilibrium) else "stall",
-                       max(len(error.residuals) - 1, 0), error.residuals[-1] if error.residuals else np.nan,
-                       self._moved(error.x), np.nan, work))
+        self._add(Step(parameter, kind_of(error), max(len(error.residuals) - 1, 0),
+                       error.residuals[-1] if error.residuals else np.nan, self._moved(error.x), np.nan, work))
 
     @property
     def ever_yielding(self) -> bool:

@@ -115,21 +115,23 @@ def limit_load(forms: Mapping[str, Form], fixed: ndarray, load: ndarray, start: 
     there, held, unknowns = left_by(last, forms, fixed)
     if flow != "given":
         there = {name: form.reduced(1.0, flow, form.strengths) for name, form in there.items()}
-    system = build_system(there, held, unknowns, solver)
+    system, origin = starting_point(build_system(there, held, unknowns, solver), last)
     reference = check_load(load, system.unknowns)
     branch = _Load(system, np.zeros(system.size) if last is None else last.load, reference)
     newton = newton or Newton(tolerance=0.03 * tol, max_iterations=30)
     with progress_bar(progress, desc=LOAD, bar_format="{desc} {postfix} {elapsed}") as bar:
         log = SearchLog(system.forms, bar)
-        origin = starting_point(system, last)
         log.begin(origin)
         points = [origin, _first(branch, origin, step, newton, log)]
         curve = follow(branch, reference, points, newton, tol, log, relative=True, highest=highest,
                        growth=_SMALL_GROWTH if flow == "lagged" else GROWTH, longest=longest * points[-1].work,
                        until=until)
     end = curve.points[-1]
-    found = Found(*curve.limit, curve.stop, curve.points, end, end.x - curve.points[-2].x)
-    return conclude(LOAD, found, system, branch.at(end.parameter)[1], log.steps, "continuation", flow)
+    value = curve.highest.parameter
+    found = Found(value, (value, curve.above), curve.stop, curve.points, end, end.x - curve.points[-2].x)
+    result = conclude(LOAD, found, system, branch.at(end.parameter)[1], log.steps, "continuation", flow)
+    result.warn(stacklevel=3)
+    return result
 
 
 def _first(branch: _Load, origin: Point, step: float, newton: Newton, log: SearchLog) -> Point:

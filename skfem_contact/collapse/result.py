@@ -12,6 +12,7 @@ from numpy import ndarray
 
 from ..errors import AnalysisWarning
 from ..forms import Form
+from ..materials.reduction import dilates_less
 from ..nonlinear.system import System
 from ..stages.result import StageResult
 from ..tables import html_table
@@ -30,8 +31,9 @@ class Stop:
     ----------
     kind
         ``"plateau"``: the curve has levelled off; ``"collapse"``: there is no equilibrium close above; these show the
-        limit.  The others do not: ``"stall"``: Newton's method found neither equilibrium nor collapse; ``"highest"``:
-        the parameter reached the bound of the search; ``"steps"``: their number did.
+        limit.  The others do not: ``"peak"``: the curve falls, and another path may lead higher; ``"stall"``: neither
+        equilibrium nor collapse was found; ``"highest"``: the parameter reached the bound of the search; ``"steps"``:
+        their number did.
     text
         What a reader should know of it.
 
@@ -42,7 +44,7 @@ class Stop:
     highest: there is no collapse below 100
     """
 
-    kind: Literal["plateau", "collapse", "stall", "highest", "steps"]
+    kind: Literal["plateau", "collapse", "peak", "stall", "highest", "steps"]
     text: str
 
     @property
@@ -68,7 +70,7 @@ class Step:
     parameter
         Factor of safety or load multiplier.
     outcome
-        ``"equilibrium"``, ``"collapse"`` or ``"stall"``.
+        ``"equilibrium"``, ``"collapse"``, ``"stall"``, or ``"peak"``: an equilibrium below the last one.
     iterations
         Number of tangents factored.
     residual
@@ -82,7 +84,7 @@ class Step:
     """
 
     parameter: float
-    outcome: Literal["equilibrium", "collapse", "stall"]
+    outcome: Literal["equilibrium", "collapse", "peak", "stall"]
     iterations: int
     residual: float
     displacement: float
@@ -122,6 +124,11 @@ class CollapseResult:
         Largest shear strain of the mechanism by solid, in the plane for plane ones, (n_elements, n_points).
     path
         Factor or multiplier and displacements of every equilibrium.
+    dilates_less
+        Whether soil has psi < phi, so that the value depends on mesh and path.
+    davis
+        The search with the soils of Davis (procedure B), of a strength reduction with psi < phi: its factor is on the
+        safe side.
     """
 
     what: str
@@ -137,6 +144,8 @@ class CollapseResult:
     mechanism: ndarray = field(repr=False)
     bands: Mapping[str, ndarray] = field(repr=False)
     path: tuple[tuple[float, ndarray], ...] = field(repr=False)
+    dilates_less: bool = False
+    davis: CollapseResult | None = field(default=None, repr=False)
 
     @property
     def factor(self) -> float:
@@ -180,7 +189,8 @@ class CollapseResult:
 
     def __str__(self) -> str:
         reduced = f"reduced: {', '.join(self.reduced)}\n" if self.reduced else ""
-        return (f"{self.what} {self.value:.4g}, bracket [{self.bracket[0]:.4g}, {self.bracket[1]:.4g}]\n"
+        davis = f"with psi < phi: {self.davis.value:.4g} after Davis, on the safe side\n" if self.davis else ""
+        return (f"{self.what} {self.value:.4g}, bracket [{self.bracket[0]:.4g}, {self.bracket[1]:.4g}]\n{davis}"
                 f"{self.method}, flow {self.flow}\n{reduced}{self.mesh}; {self.iterations} Newton iterations\n"
                 f"stopped by {self.stop}\n{self._table()}")
 
@@ -202,11 +212,21 @@ class CollapseResult:
                          f"{yielding:>8}")
         return "\n".join(lines)
 
+    def _advice(self) -> str:
+        """What may help where no limit was shown."""
+        if self.stop.kind in ("highest", "steps"):
+            return "; elements of order 1 may lock (strain=b_bar), or what is not reduced carries the load"
+        if self.flow == "given" and self.dilates_less:
+            safe = "" if self.davis is None else f", here {self.davis.value:.4g}"
+            lagged = " or 'lagged'" if self.what == LOAD else ""
+            return f"; with psi < phi a path may end like this: flow='davis_b'{lagged} goes on (Davis is safe{safe})"
+        return ""
+
     def warn(self, stacklevel: int) -> None:
         """Warn where the search has shown no limit, and where a structure is unstable under its own load."""
         if not self.stop.shows_limit:
             warnings.warn(f"no collapse was shown: the search for the {self.what} ended at {self.value:.4g} with a "
-                          f"{self.stop}", AnalysisWarning, stacklevel=stacklevel + 1)
+                          f"{self.stop}{self._advice()}", AnalysisWarning, stacklevel=stacklevel + 1)
         elif self.what == FACTOR and self.value < 1.0:
             warnings.warn(f"the structure is unstable under its own load: its factor of safety is {self.value:.3f}",
                           AnalysisWarning, stacklevel=stacklevel + 1)
@@ -214,7 +234,7 @@ class CollapseResult:
 
 def describe_mesh(forms: Mapping[str, Form]) -> str:
     """Elements and unknowns in one line, such as ``576 ElementTriP2, 2442 unknowns``."""
-    bases = [basis for form in forms.values() if (basis := getattr(form, "basis", None)) is not None]
+    bases = [form.basis for form in forms.values() if form.basis is not None]
     count = Counter[str]()
     for basis in bases:
         count[type(basis.elem.elem).__name__] += basis.nelems
@@ -234,8 +254,8 @@ class Found(NamedTuple):
 
 
 def conclude(what: str, found: Found, system: System, load: ndarray, steps: Sequence[Step], method: str, flow: str,
-             reduced: tuple[str, ...] = ()) -> CollapseResult:
-    """The result of a search, and the warning that belongs to it.
+             reduced: tuple[str, ...] = (), davis: CollapseResult | None = None) -> CollapseResult:
+    """The result of a search.
 
     Parameters
     ----------
@@ -245,16 +265,17 @@ def conclude(what: str, found: Found, system: System, load: ndarray, steps: Sequ
         What the search ended with.
     system, load
         Forms and load at the end.
-    steps, method, flow, reduced
+    steps, method, flow, reduced, davis
         As for :class:`CollapseResult`.
     """
     mechanism = found.motion / (np.abs(found.motion).max() or 1.0)
     bands = {name: band for name, form in system.forms.items() if (band := form.shear_strain(mechanism)) is not None}
+    less = any(dilates_less(material) for form in system.forms.values() for material in form.materials.values())
     iterations = sum(step.iterations for step in steps)
     residual = next(step.residual for step in reversed(steps) if step.outcome == "equilibrium")
-    end = StageResult(what, found.end.x, load, found.end.states, (iterations,), residual)
-    result = CollapseResult(what, found.value, found.bracket, found.stop, method, flow, reduced,
-                            describe_mesh(system.forms), tuple(steps), end, mechanism, bands,
-                            tuple((point.parameter, point.x) for point in found.points))
-    result.warn(stacklevel=4)
-    return result
+    released = {name: form.released(found.end.x, found.end.states[name]) for name, form in system.forms.items()}
+    forms, states = ({name: pair[i] for name, pair in released.items()} for i in (0, 1))
+    end = StageResult(what, found.end.x, load, states, (iterations,), residual, forms=forms)
+    return CollapseResult(what, found.value, found.bracket, found.stop, method, flow, reduced,
+                          describe_mesh(system.forms), tuple(steps), end, mechanism, bands,
+                          tuple((point.parameter, point.x) for point in found.points), less, davis)

@@ -1,7 +1,9 @@
 """Factor of safety by reduction of the strength."""
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+import logging
+from collections.abc import Callable, Collection, Mapping
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
@@ -9,19 +11,20 @@ from numpy import ndarray
 
 from ..errors import NoEquilibrium, NotConverged
 from ..forms import Form
-from ..materials.reduction import Flow, check_reduction
+from ..materials.reduction import Flow, associated_bound, check_reduction, dilates_less
 from ..nonlinear.line_search import Search
 from ..nonlinear.newton import Newton
 from ..nonlinear.system import System
 from ..progress import progress_bar
-from ..solvers.direct import SingularSystem
 from ..solvers.threads import single_threaded
 from ..stages.result import Result, StageResult
 from ..stages.setup import build_system, check_load, left_by
-from .continuation import Point, follow, last_stage, starting_point
+from .continuation import Point, as_collapse, follow, last_stage, starting_point
 from .history import SearchLog
 from .reduction import reduced_parts
 from .result import FACTOR, CollapseResult, Found, Stop, conclude, no_collapse_below
+
+logger = logging.getLogger("skfem_contact")
 
 #: Factors at which a structure that is unstable as it is gets its first equilibrium.
 _FIRST = (1.0, 0.7, 0.5, 0.35, 0.25)
@@ -32,12 +35,16 @@ _NOTICEABLE = 1e-4
 
 
 class _Strength:
-    """The structure with its strength divided by a factor: a :class:`~.continuation.Branch`."""
+    """The structure with its strength divided by a factor: a :class:`~.continuation.Branch`.
+
+    It is known to stand at all factors up to ``safe``, and at none from ``above`` on.
+    """
 
     lowest = 0.0
 
     def __init__(self, whole: System, load: ndarray, targets: dict[str, tuple[str, ...]], flow: Flow) -> None:
         self.whole, self.load, self.targets, self.flow = whole, load, targets, flow
+        self.safe, self.above = 0.0, np.inf
         # where contact opens, closes and slips on the way, the residual may rise now and then
         unilateral = any(form.unilateral for form in whole.forms.values())
         self.search: Search = "residual" if unilateral else "step"
@@ -46,6 +53,19 @@ class _Strength:
     def names(self) -> tuple[str, ...]:
         """What is reduced."""
         return tuple(f"{name}.{part}" if part else name for name, parts in self.targets.items() for part in parts)
+
+    @property
+    def materials(self) -> list[Any]:
+        """Materials of what is reduced."""
+        forms = self.whole.forms
+        return [forms[name].materials[part] for name, parts in self.targets.items() for part in parts if part]
+
+    def bound(self, davis: CollapseResult) -> float:
+        """Factor that is not reached with any dilatancy, if all that flows obeys Radenkovic's theorem."""
+        rest = [form.reduced(1.0, "associated", self.targets.get(name, ())) for name, form in self.whole.forms.items()]
+        if not davis.stop.shows_limit or not all(form.symmetric for form in rest):
+            return np.inf
+        return max(associated_bound(material, davis.bracket[1]) for material in self.materials)
 
     def at(self, parameter: float) -> tuple[System, ndarray]:
         """Forms of reduced strength, and the load."""
@@ -58,16 +78,13 @@ class _Strength:
                     searches: tuple[Search, ...] = ("energy", "residual")) -> Point:
         """Equilibrium at a factor from another point; there is none where everything flows from the start."""
         system, load = self.at(factor)
+        if factor <= self.safe:  # there is no collapse to be looked for
+            searches = searches[:1]
         try:
             found = system.equilibrium(start.x, start.states, load, start.x[system.fixed], newton,
                                        searches, elastic, at_least=1, damp=True)
         except NotConverged as error:
-            singular = error.__cause__
-            if len(error.residuals) > 1 or not isinstance(singular, SingularSystem) \
-                    or len(singular.unknowns) < len(system.free):
-                raise
-            raise NoEquilibrium("collapse: with all points flowing at once nothing resists any more", error.x,
-                           error.residuals, error.unknown) from error
+            raise as_collapse(error, system) from error
         return Point(found.x, found.states, factor, start.work + system.work(load, found.x - start.x),
                      found.residuals)
 
@@ -151,27 +168,50 @@ def strength_reduction(forms: Mapping[str, Form], fixed: ndarray, load: ndarray 
     last = last_stage(start)
     if load is None and last is None:
         raise ValueError("there is no load: give `load`, or a `start` that carries one")
-    whole = build_system(*left_by(last, forms, fixed), solver)
+    whole, origin = starting_point(build_system(*left_by(last, forms, fixed), solver=solver), last)
     load = check_load(load if last is None or load is not None else last.load, whole.unknowns)
     branch = _Strength(whole, load, reduced_parts(whole.forms, reduce, exclude), flow)
     newton = newton or Newton(tolerance=0.03 * tol, max_iterations=30)
-    step = max(step, tol)
+    search = partial(_search, origin=origin, newton=newton, tol=tol, step=max(step, tol), highest=highest)
     with progress_bar(progress, desc=FACTOR, bar_format="{desc} {postfix} {elapsed}") as bar:
-        log = SearchLog(whole.forms, bar)
-        first = _first(branch, last, newton, log)
-        search = _continuation if method == "continuation" else _bracket
-        found = search(branch, first, newton, tol, step, highest, log)
-    return conclude(FACTOR, found, whole, load, log.steps, method, flow, branch.names)
+        davis = _davis(branch, search, bar) if flow == "given" else None
+        result = search(branch, method=method, bar=bar, davis=davis)
+    result.warn(stacklevel=3)
+    return result
 
 
-def _first(branch: _Strength, last: StageResult | None, newton: Newton, log: SearchLog) -> Point:
+def _search(branch: _Strength, origin: Point, newton: Newton, tol: float, step: float, highest: float,
+            method: str, bar: Any, davis: CollapseResult | None = None) -> CollapseResult:
+    log = SearchLog(branch.whole.forms, bar)
+    if davis is not None:
+        branch.safe, branch.above = davis.factor, branch.bound(davis)
+    first = _first(branch, origin, newton, log)
+    search = _continuation if method == "continuation" else _bracket
+    found = search(branch, first, newton, tol, step, highest, log)
+    if np.isfinite(branch.above) and found.stop.kind != "collapse":
+        found = found._replace(bracket=(found.value, max(found.value, branch.above)))
+    system, load = branch.at(found.value)
+    return conclude(FACTOR, found, system, load, log.steps, method, branch.flow, branch.names, davis)
+
+
+def _davis(branch: _Strength, search: Callable[..., CollapseResult], bar: Any) -> CollapseResult | None:
+    """The search with the soils of Davis where dilatancy is less than friction: on the safe side, whatever the path."""
+    if not any(dilates_less(material) for material in branch.materials):
+        return None
+    try:
+        return search(_Strength(branch.whole, branch.load, branch.targets, "davis_b"), method="continuation", bar=bar)
+    except (ValueError, NotConverged) as error:  # materials without that flow, or nothing to begin with
+        logger.info("no factor after Davis: %s", error)
+        return None
+
+
+def _first(branch: _Strength, origin: Point, newton: Newton, log: SearchLog) -> Point:
     """The first equilibrium: at factor 1, or below where there is none."""
-    nothing = starting_point(branch.whole, last)
-    log.begin(nothing)
+    log.begin(origin)
     error: NotConverged | None = None
-    for factor in _FIRST:
+    for factor in (factor for factor in _FIRST if factor < branch.above):
         try:
-            point = branch.equilibrium(nothing, factor, newton)
+            point = branch.equilibrium(origin, factor, newton)
         except NotConverged as reason:
             error = reason
             log.reject(factor, reason, 0.0)
@@ -199,13 +239,15 @@ def _continuation(branch: _Strength, first: Point, newton: Newton, tol: float, s
     last = points[-1]
     if len(points) > 1:
         curve = follow(branch, branch.load, points, newton, _OPEN * tol, log, highest=highest)
-        best = max(curve.points, key=lambda point: point.parameter)
-        return Found(*curve.limit, curve.stop, curve.points, best, curve.points[-1].x - curve.points[-2].x)
+        best, motion = curve.highest, curve.points[-1].x - curve.points[-2].x
+        return Found(best.parameter, (best.parameter, curve.above), curve.stop, curve.points, best, motion)
     if failed is None:
         return Found(last.parameter, (last.parameter, np.inf), no_collapse_below(highest), points, last, 0 * last.x)
     where = "the first equilibrium is at its limit" if log.ever_yielding else "the bodies are elastic up to there"
-    stop = Stop("collapse" if isinstance(failed, NoEquilibrium) else "stall", where)
-    return Found(last.parameter, (last.parameter, log.steps[-1].parameter), stop, points, last, _motion(last, failed))
+    shown = isinstance(failed, NoEquilibrium)
+    above = log.steps[-1].parameter if shown else np.inf
+    stop = Stop("collapse" if shown else "stall", where)
+    return Found(last.parameter, (last.parameter, above), stop, points, last, _motion(last, failed))
 
 
 def _motion(last: Point, failed: NotConverged | None) -> ndarray:

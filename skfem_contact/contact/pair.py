@@ -19,6 +19,7 @@ from ..sparse import Gathering
 from .augmented import AugmentedLagrangian
 from .clearance import Fit, less_overlap, touching
 from .diagnosis import ROUND_OFF, passed_through, penetration, remarks
+from .first_geometry import FirstGeometry, HeldState
 from .kinematics import Kinematics, tangents, variations
 from .laws import InterfaceLaw, Status, Traction
 from .neighbours import NeighbourList
@@ -143,6 +144,11 @@ class ContactPair(Form):
     def reduced(self, factor: float, flow: str, names: Collection[str]) -> ContactPair:
         """The same pair with the strength of its law divided by a factor."""
         return self.with_law(self.law.reduced(factor)) if names else self  # type: ignore[attr-defined]
+
+    def first_geometry(self, x: ndarray, state: ContactState) -> tuple[FirstGeometry, HeldState]:
+        """The pair with its geometry held as it is at some displacements, and its state."""
+        held = FirstGeometry(self, x, state)
+        return held, held.held(state)
 
     @property
     def nodes(self) -> tuple[ndarray, ndarray]:  # type: ignore[override]

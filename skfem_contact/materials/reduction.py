@@ -22,7 +22,7 @@ Flow = Literal["given", "associated", "davis_a", "davis_b", "davis_c", "lagged"]
 FLOWS: tuple[str, ...] = get_args(Flow)
 
 
-def reduced_strength(material: Any, factor: float, flow: Flow = "given") -> Any:
+def reduced_strength(material: Any, factor: float, flow: str = "given") -> Any:
     """A material with its strength divided by a factor: ``material.reduced(factor, flow)``.
 
     Parameters
@@ -82,3 +82,35 @@ def without_dilatancy(c: Parameter, phi: Parameter, psi: Parameter) -> tuple[Par
     friction, dilatancy = np.radians(phi), np.radians(psi)
     beta = np.cos(dilatancy) * np.cos(friction) / (1 - np.sin(dilatancy) * np.sin(friction))
     return beta * c, np.degrees(np.arctan(beta * np.tan(friction)))
+
+
+def dilates_less(material: Any) -> bool:
+    """Whether a material has an angle of friction and a smaller one of dilatancy.
+
+    Examples
+    --------
+    >>> import skfem_contact as sc
+    >>> dilates_less(sc.MohrCoulomb(E=1e5, nu=.3, c=10., phi=20., psi=0.)), dilates_less(sc.Tresca(E=1e5, nu=.3, c=10.))
+    (True, False)
+    """
+    return hasattr(material, "psi") and bool(np.any(material.psi < material.phi))
+
+
+def associated_bound(material: Any, factor: float) -> float:
+    """Factor from which the associated material has no more strength than that of Davis (B) at another factor.
+
+    Where the soils of Davis collapse at ``factor``, associated ones cannot stand at the largest bound of all materials,
+    for they have less strength; nor can any with less dilatancy (Radenkovic's theorem).
+
+    Examples
+    --------
+    >>> import skfem_contact as sc
+    >>> soil = sc.MohrCoulomb(E=1e5, nu=.3, c=10., phi=20., psi=0.)
+    >>> bound = associated_bound(soil, 1.2)
+    >>> print(f"{soil.reduced(bound, 'associated').c:.6f} {soil.reduced(1.2, 'davis_b').c:.6f}")
+    7.973640 7.973640
+    """
+    if not dilates_less(material):
+        return factor
+    friction, reduced = np.radians(material.phi), np.radians(material.reduced(factor, "davis_b").phi)
+    return float(np.max(np.tan(friction) / np.tan(reduced), initial=factor, where=np.greater(friction, 0.0)))
