@@ -146,4 +146,5 @@ class FirstGeometry(Form):
 
 def _of(kinematics: Kinematics, on: ndarray) -> Kinematics:
     """The variations of some points; what the geometric tangent needs is left behind."""
-    return kinematics._replace(**{name: getattr(kinematics, name)[on] for name in Kinematics._fields if name != "second"})
+    names = (name for name in Kinematics._fields if name != "second")
+    return kinematics._replace(**{name: getattr(kinematics, name)[on] for name in names})

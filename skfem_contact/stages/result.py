@@ -5,7 +5,7 @@ import json
 import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from tempfile import NamedTemporaryFile
 from typing import TYPE_CHECKING, Any
@@ -155,7 +155,7 @@ class Result:
             arrays[f"{i}/x"], arrays[f"{i}/load"] = stage.x, stage.load
             for name, state in stage.states.items():
                 arrays |= {f"{i}/{name}/{key}": np.asarray(values) for key, values in arrays_of(state).items()}
-        head = {"layout": _LAYOUT, "version": version("skfem-contact"), "stages": stages,
+        head = {"layout": _LAYOUT, "version": _version(), "stages": stages,
                 "sums": {key: _checksum(values) for key, values in arrays.items()}}
         path = Path(_with_end(file))
         with NamedTemporaryFile(dir=path.parent, suffix=".npz", delete=False) as part:
@@ -165,6 +165,13 @@ class Result:
                 os.unlink(part.name)
                 raise
         os.replace(part.name, path)
+
+
+def _version() -> str:
+    try:
+        return version("skfem-contact")
+    except PackageNotFoundError:  # not installed, but found in a folder
+        return "unknown"
 
 
 def _with_end(file: str | Path) -> str:
@@ -225,7 +232,7 @@ def _contents(path: str) -> tuple[dict[str, Any], dict[str, ndarray]]:
         layout, writer = (head["layout"], head["version"]) if "layout" in head else (0, "0.1.0")
         if layout != _LAYOUT:
             raise ValueError(f"version {writer} of this library wrote it, with another layout than that of "
-                             f"{version('skfem-contact')}: read it there, or compute it anew")
+                             f"{_version()}: read it there, or compute it anew")
         arrays = {key: data[key] for key in head["sums"]}
     if damaged := [key for key, values in arrays.items() if _checksum(values) != head["sums"][key]]:
         raise ValueError(f"{damaged} are not what was written")
