@@ -75,6 +75,7 @@ sphinx_gallery_conf = {
     "doc_module": ("skfem_contact",),
     "reference_url": {"skfem_contact": None},
     "inspect_global_variables": False,
+    "reset_modules": ("matplotlib", "gallery_output.reset_units"),
     "show_signature": False,
     "download_all_examples": False,
     "plot_gallery": True,

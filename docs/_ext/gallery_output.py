@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import re
 
+import skfem_contact.plot as plot
+
 #: An output block that holds nothing any more.
 EMPTY = re.compile(r"^ \.\. rst-class:: sphx-glr-script-out\n\n \.\. code-block:: none\n\n\s*(?=\n \S|\n\S|\Z)", re.MULTILINE)
 
@@ -12,6 +14,11 @@ def without_figures(app, name: str, source: list[str]) -> None:
     """Take the line out of a gallery page."""
     if name.startswith("gallery/"):
         source[0] = EMPTY.sub("", re.sub(r'^ +\{"case": .*\}$\n?', "", source[0], flags=re.MULTILINE))
+
+
+def reset_units(gallery_conf, name: str) -> None:
+    """Units that an example has set are its own."""
+    plot.set_units()
 
 
 def setup(app):

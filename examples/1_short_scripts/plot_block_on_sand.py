@@ -10,8 +10,6 @@ In Gmsh's mesh both bodies share the nodes between them. ``join_bodies`` takes t
 sides of the joint ``sand|block`` and ``block|sand``.
 """
 
-from pathlib import Path
-
 import numpy as np
 from skfem import Basis, ElementTriP2, ElementVector
 
@@ -19,7 +17,7 @@ import skfem_contact as sc
 import skfem_contact.plot as plot
 
 plot.set_units("kN", "m")
-welded = sc.load_mesh(Path(__file__).parent / "block_on_sand.msh")
+welded = sc.load_mesh("block_on_sand.msh")
 mesh = sc.join_bodies(welded, bodies={"sand": "sand", "block": "concrete"})
 basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=4)
 

@@ -7,6 +7,8 @@ stage; the load is the sum of the reactions below it. The clay carries :math:`(2
 are kN and m.
 """
 
+# sphinx_gallery_thumbnail_number = 2
+
 import matplotlib.pyplot as plt
 import numpy as np
 from skfem import Basis, ElementTriP2, ElementVector, MeshTri

@@ -17,10 +17,11 @@ import skfem_contact as sc
 import skfem_contact.plot as plot
 
 plot.set_units("kN", "m")
-flat = MeshTri.init_tensor(np.linspace(0, 1, 29), np.linspace(0, 1, 13))
+flat = MeshTri.init_tensor(np.linspace(0, 1, 29), np.linspace(0, 1, 15))
 crest = 5 + 10 * (1 - np.clip((40 * flat.p[0] - 10) / 20, 0, 1))
-mesh = MeshTri(np.stack((40 * flat.p[0], crest * flat.p[1])), flat.t).with_subdomains({
-    "clay": lambda x: x[1] < 5 + 2.5 * (x[0] < 20), "sand": lambda x: x[1] >= 5 + 2.5 * (x[0] < 20)})
+upper = flat.p[1, flat.t].mean(axis=0) > 0.5
+mesh = MeshTri(np.stack((40 * flat.p[0], crest * flat.p[1])), flat.t).with_subdomains(
+    {"clay": np.flatnonzero(~upper), "sand": np.flatnonzero(upper)})
 basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
 fixed = sc.rollers(basis)
 
