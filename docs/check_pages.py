@@ -26,7 +26,7 @@ for (const e of document.querySelectorAll('main *')) {
   const box = e.getBoundingClientRect();
   if (box.width && box.right > wide + 1) {
     let p = e.parentElement, inside = false;
-    while (p) { if (/auto|scroll|hidden/.test(getComputedStyle(p).overflowX)) { inside = true; break; } p = p.parentElement; }
+    for (; p && !inside; p = p.parentElement) inside = /auto|scroll|hidden/.test(getComputedStyle(p).overflowX);
     if (!inside) out.push(e.tagName + '.' + e.className + ' ' + Math.round(box.right));
   }
 }

@@ -1,9 +1,9 @@
-"""
+r"""
 A footing and its load-settlement curve
 =======================================
 
 A rough strip footing, 2 m wide, is pressed into clay. Half of it is computed. Its settlement is prescribed, stage by
-stage; the load is the sum of the reactions below it. The clay carries :math:`(2 + \\pi) c` at last (Prandtl). Units
+stage; the load is the sum of the reactions below it. The clay carries :math:`(2 + \pi) c` at last (Prandtl). Units
 are kN and m.
 """
 

@@ -25,9 +25,11 @@ class Bed(sc.Form):
         self.k = -k * sc.traction(basis, "bottom", (0.0, -1.0))  # of every node, by its share of the length
 
     def initial_state(self, x=None):
+        """Springs remember nothing."""
         return None
 
     def assemble(self, x, state):
+        """Force and tangent at the displacements x."""
         pressed = self.k * (x <= 0.0)
         return sc.Response(pressed * x, lambda: state, lambda: diags(pressed).tocsr())
 

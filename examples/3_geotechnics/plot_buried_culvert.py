@@ -22,7 +22,6 @@ Units are kN and m. Tension is positive.
 # interface gets nodes of its own, and a name. ``ground|culvert`` is the side of the ground.
 
 import json
-from dataclasses import replace
 from importlib.resources import files
 from time import process_time
 
