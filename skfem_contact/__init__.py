@@ -19,7 +19,7 @@ from .contact.laws import Coulomb, InterfaceLaw, Status, Tied
 from .errors import AnalysisWarning, NoEquilibrium, NotConverged
 from .forms import Form, Response
 from .links import Bar, BarState, MatrixForm, Spring
-from .loads import hydrostatic, water_load, weight
+from .loads import hydrostatic, traction, water_load, weight
 from .materials import DruckerPrager, HardeningMohrCoulomb, LinearElastic, MohrCoulomb, Tresca, Undrained, VonMises
 from .materials.reduction import reduced_strength
 from .mesh.check import check_mesh
@@ -54,7 +54,7 @@ from .stages.run import run
 from .stages.stage import Stage
 from .strain import StrainOperator, axisymmetric, b_bar, plane_strain, three_dimensional
 from .testing import CheckFailed, check_form, check_interface_law, check_material
-from .unknowns import Field, unknowns_at
+from .unknowns import Field, rollers, unknowns_at
 from .water import Ramp, Seepage, VanGenuchten, seepage
 
 __version__ = "0.1.0"
@@ -133,6 +133,7 @@ __all__ = [
     "rigid_line",
     "rigid_polyline",
     "ring_sections",
+    "rollers",
     "run",
     "section_forces",
     "seepage",
@@ -140,6 +141,7 @@ __all__ = [
     "three_dimensional",
     "to_frame",
     "to_pyvista",
+    "traction",
     "tractions",
     "two_pass",
     "undrained_strength",

@@ -416,3 +416,21 @@ def test_diagram_stands_on_the_structure():
     assert {text.get_text() for text in axes.texts} == {"10", "0"}
     with pytest.raises(ValueError, match="no quantity of SectionForces 'pressure'; existing: M, N, V"):
         plot.diagram_on(forms, step, "pressure", forces)
+
+
+def test_tractions_are_drawn_as_the_slave_exerts_them():
+    """[X] Their sum is the opposite of what the report says of the slave; normals are those of the undeformed slave."""
+    from skfem_contact.demo import culvert
+    from skfem_contact.post.interface import interfaces
+
+    model = culvert()
+    stage = model.result["surcharge"]
+    (interface,) = interfaces(model.forms, stage).values()
+    t, normal = interface.tractions, interface.normal
+    against = np.column_stack((-normal[:, 1], normal[:, 0]))
+    total = (t.weight[:, None] * (t.pressure[:, None] * normal + t.shear[:, None] * against)).sum(axis=0)
+    report = sc.contact_report(model.forms["skin"], stage.x, stage.states["skin"])
+    scale = (t.weight * t.pressure).sum()
+    np.testing.assert_allclose(total / scale, -report.force / scale, atol=0.01)
+    data = interface.on_facets()
+    assert len(data["pressure"]) == 72 and np.isfinite(data["pressure"]).all() and (data["status"] == 1).all()

@@ -16,6 +16,8 @@ with the pile is a result.
 Units are kN and m. Tension is positive.
 """
 
+# sphinx_gallery_thumbnail_number = 2
+
 import json
 import sys
 from dataclasses import replace
@@ -27,6 +29,8 @@ from skfem import Basis, ElementTriP2, ElementVector, MeshQuad
 
 import skfem_contact as sc
 import skfem_contact.plot as plot
+
+plot.set_units("kN", "m")
 
 # %%
 # Geometry
@@ -203,7 +207,7 @@ plot.contour(forms, moved, "ux")
 # The pile, displacements as they are. It has two hinges: one below the interface, where the firm ground holds it, and
 # one in the sliding ground. Near its head the soil uphill falls behind, and a gap opens.
 
-plot.contour(forms, moved, "ux", deformed=1.0, window=(-8.0, 6.0, -17.0, 4.0), edges=True)
+plot.contour(forms, moved, "ux", deformed=1.0, window=(-8.0, 6.0, -17.0, 4.0))
 
 # %%
 # What the soil does to the pile
