@@ -15,7 +15,7 @@ from .contact import (
     rigid_polyline,
     two_pass,
 )
-from .contact.laws import Coulomb, Status, Tied, Traction
+from .contact.laws import Coulomb, InterfaceLaw, Status, Tied
 from .errors import AnalysisWarning, NoEquilibrium, NotConverged
 from .forms import Form, Response
 from .links import Bar, BarState, MatrixForm, Spring
@@ -28,16 +28,20 @@ from .mesh.read import load_mesh
 from .nonlinear.newton import Newton
 from .post import (
     ContactReport,
+    PointStatus,
     SectionForces,
     Sections,
     Tractions,
     contact_report,
+    export_pvd,
     export_vtu,
     line_sections,
     nodal_field,
     reactions,
     ring_sections,
     section_forces,
+    to_frame,
+    to_pyvista,
     tractions,
 )
 from .solid import SolidForm, SolidState
@@ -63,11 +67,13 @@ __all__ = [
     "Coulomb",
     "DruckerPrager", "Field", "Form",
     "HardeningMohrCoulomb",
+    "InterfaceLaw",
     "LinearElastic",
     "MatrixForm", "MohrCoulomb",
     "Newton",
     "NoEquilibrium",
     "NotConverged",
+    "PointStatus",
     "Response",
     "Result",
     "SectionForces",
@@ -80,7 +86,6 @@ __all__ = [
     "StrainOperator",
     "Surface",
     "Tied",
-    "Traction",
     "Tractions",
     "Tresca",
     "VonMises",
@@ -93,6 +98,7 @@ __all__ = [
     "check_mesh",
     "choose_penalties",
     "contact_report",
+    "export_pvd",
     "export_vtu",
     "given_state",
     "gravity_state",
@@ -117,6 +123,8 @@ __all__ = [
     "section_forces",
     "strength_reduction",
     "three_dimensional",
+    "to_frame",
+    "to_pyvista",
     "tractions",
     "two_pass", "unknowns_at",
     "water_load",

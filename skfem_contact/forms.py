@@ -1,9 +1,9 @@
 """What carries load: the calls that solids, contact pairs and forms of a user answer."""
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping
+from dataclasses import dataclass, is_dataclass
 from dataclasses import fields as dataclass_fields
-from dataclasses import is_dataclass
 from functools import cached_property
 from types import MappingProxyType
 from typing import Any
@@ -76,6 +76,21 @@ class Response:
             return self
         return Response(np.pad(self.force, (0, n - len(self.force))), lambda: self.state,
                         lambda: padded(self.stiffness, n), lambda: padded(self.damped, n), self.round_off)
+
+@dataclass(frozen=True)
+class Failure:
+    """How Newton's method failed, for a form that is asked for an easier one to begin with.
+
+    Attributes
+    ----------
+    loose
+        Whether bodies can move freely, or ran away.
+    seen
+        Candidate states of the form between which the iterations chatter, if any.
+    """
+
+    loose: bool
+    seen: tuple[Any, ...] = ()
 
 
 class Form:
@@ -178,7 +193,8 @@ class Form:
 
     def fits(self, state: Any) -> bool:
         """Whether a state may be one of this form: by default, whether its arrays have their initial shapes."""
-        return [np.shape(a) for a in arrays_of(state)] == [np.shape(a) for a in arrays_of(self.initial_state())]
+        given, initial = arrays_of(state), arrays_of(self.initial_state())
+        return {k: np.shape(a) for k, a in given.items()} == {k: np.shape(a) for k, a in initial.items()}
 
     def check_start(self, x: ndarray, state: Any) -> None:
         """Refuse to go on from a state of other settings, by a ``ValueError``."""
@@ -189,8 +205,35 @@ class Form:
         """The form of a step in time; itself where time does not matter."""
         return self
 
-    def outer(self, x: ndarray, accepted: Any, candidate: Any) -> Any | None:
-        """An improved accepted state to solve again from, or None."""
+    def begin(self, accepted: Any, failure: Failure | None = None) -> Form:
+        """An easier form to begin an increment with, whose family ends at this one; itself where it knows none.
+
+        Parameters
+        ----------
+        accepted
+            The accepted state.
+        failure
+            How Newton's method failed; None before the first attempt.
+        """
+        return self
+
+    def outer(self, x: ndarray, accepted: Any, found: Any) -> tuple[Form, Any] | None:
+        """Form and accepted state with which the increment is to be solved once more, or None.
+
+        Multipliers are improved here, and an easier form makes room for the next one of its family.
+
+        Parameters
+        ----------
+        x, found
+            Displacements and state of the equilibrium that was found.
+        accepted
+            The accepted state, at the start of the increment.
+        """
+
+    @property
+    def eased(self) -> str:
+        """Why there may be no equilibrium but of this easier form, for a message."""
+        return ""
 
     # -- between stages --------------------------------------------------------------------------------------
 
@@ -280,18 +323,22 @@ def carried(forms: Mapping[str, Form], x: ndarray, states: Mapping[str, Any]) ->
     return sum((response.force for response in answers(forms, x, states).values()), start=np.zeros(len(x)))
 
 
-def arrays_of(state: Any) -> tuple[Any, ...]:
+def arrays_of(state: Any) -> dict[str, Any]:
     """What a state consists of: the fields of a dataclass, the items of a tuple, an array or number, or nothing."""
     if is_dataclass(state):
-        return tuple(getattr(state, field.name) for field in dataclass_fields(state))
-    return () if state is None else tuple(state) if isinstance(state, tuple) else (state,)
+        return {field.name: getattr(state, field.name) for field in dataclass_fields(state)}
+    if isinstance(state, tuple):
+        return {str(k): values for k, values in enumerate(state)}
+    return {} if state is None else {"values": state}
 
 
-def with_arrays(like: Any, arrays: Sequence[ndarray]) -> Any:
+def with_arrays(like: Any, arrays: Mapping[str, ndarray]) -> Any:
     """A state like another one of these arrays; the inverse of :func:`arrays_of`."""
-    if is_dataclass(like) or hasattr(like, "_fields"):
-        return type(like)(*arrays)
-    return None if like is None else tuple(arrays) if isinstance(like, tuple) else arrays[0]
+    if is_dataclass(like):
+        return type(like)(**arrays)  # type: ignore[misc]
+    if isinstance(like, tuple):
+        return type(like)(*arrays.values()) if hasattr(like, "_fields") else tuple(arrays.values())
+    return arrays.get("values")
 
 
 def are_symmetric(forms: Mapping[str, Form]) -> bool:

@@ -199,6 +199,8 @@ class SolidForm(Form):
         state
             The last accepted state.
         """
+        if len(x) != self.size:
+            raise ValueError(f"there are {len(x)} displacements for {self.size} unknowns")
         strain = self._strains(x)
         increment = strain - state.strain
         before = self._remembered(state)

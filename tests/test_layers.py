@@ -12,7 +12,8 @@ import skfem_contact
 PACKAGE = Path(skfem_contact.__file__).parent
 #: Rooms from the ground up: a room may use what stands before it. Those of one entry know nothing of each other.
 ROOMS = (
-    {"errors"}, {"remarks", "sparse"}, {"unknowns"}, {"forms"}, {"strain", "assembly"}, {"materials", "mesh", "loads"},
+    {"errors"}, {"progress", "remarks", "sparse", "tables"}, {"unknowns"}, {"forms"}, {"strain", "assembly"},
+    {"materials", "mesh", "loads"},
     {"solid", "contact", "links"}, {"solvers"}, {"nonlinear"}, {"stages"}, {"collapse"}, {"bounds", "water"}, {"post"},
     {"testing"}, {"plot"}, {"demo", "data"}, {""},
 )  # fmt: skip

@@ -10,7 +10,7 @@ from skfem_contact.nonlinear.newton import Newton, iterate
 
 
 def scalar(residual):
-    """SearchLog of a scalar equation, relative to a load of 1."""
+    """Evaluations of a scalar equation, relative to a load of 1."""
     def evaluate(z):
         value = residual(z)
         return Evaluation(z, {}, value, float(np.linalg.norm(value) / max(1.0, np.linalg.norm(1.0 - value))))

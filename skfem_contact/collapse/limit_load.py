@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 from numpy import ndarray
-from tqdm import tqdm
 
 from ..errors import NotConverged
 from ..forms import Form
@@ -14,6 +13,7 @@ from ..materials.reduction import Flow, check_reduction
 from ..nonlinear.line_search import Search
 from ..nonlinear.newton import Newton
 from ..nonlinear.system import System
+from ..progress import progress_bar
 from ..solvers.threads import single_threaded
 from ..stages.result import Result, StageResult
 from ..stages.setup import build_system, check_load, left_by
@@ -119,8 +119,7 @@ def limit_load(forms: Mapping[str, Form], fixed: ndarray, load: ndarray, start: 
     reference = check_load(load, system.unknowns)
     branch = _Load(system, np.zeros(system.size) if last is None else last.load, reference)
     newton = newton or Newton(tolerance=0.03 * tol, max_iterations=30)
-    with tqdm(desc=LOAD, disable=None if progress is None else not progress,
-              bar_format="{desc} {postfix} {elapsed}") as bar:
+    with progress_bar(progress, desc=LOAD, bar_format="{desc} {postfix} {elapsed}") as bar:
         log = SearchLog(system.forms, bar)
         log.begin(origin)
         points = [origin, _first(branch, origin, step, newton, log)]

@@ -15,6 +15,7 @@ from ..forms import Form
 from ..materials.reduction import dilates_less
 from ..nonlinear.system import System
 from ..stages.result import StageResult
+from ..tables import html_table
 
 if TYPE_CHECKING:
     from .continuation import Point
@@ -194,6 +195,12 @@ class CollapseResult:
                 f"stopped by {self.stop}\n{self._table()}")
 
     __repr__ = __str__  # a notebook would show the arrays
+
+    def _repr_html_(self) -> str:
+        rows = [(f"{s.parameter:.5f}", s.outcome, s.iterations, f"{s.residual:.1e}", f"{s.displacement:.4g}",
+                 f"{s.yielding:.1%}") for s in self.steps]
+        head = str(self).split("\n" + self._table())[0]
+        return html_table(("value", "outcome", "iterations", "residual", "displacement", "yielding"), rows, head)
 
     def _table(self) -> str:
         """The steps as lines; displacements and yielding only where there is equilibrium."""

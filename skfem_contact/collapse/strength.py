@@ -8,7 +8,6 @@ from typing import Any, Literal
 
 import numpy as np
 from numpy import ndarray
-from tqdm import tqdm
 
 from ..errors import NoEquilibrium, NotConverged
 from ..forms import Form
@@ -16,6 +15,7 @@ from ..materials.reduction import Flow, associated_bound, check_reduction, dilat
 from ..nonlinear.line_search import Search
 from ..nonlinear.newton import Newton
 from ..nonlinear.system import System
+from ..progress import progress_bar
 from ..solvers.threads import single_threaded
 from ..stages.result import Result, StageResult
 from ..stages.setup import build_system, check_load, left_by
@@ -173,8 +173,7 @@ def strength_reduction(forms: Mapping[str, Form], fixed: ndarray, load: ndarray 
     branch = _Strength(whole, load, reduced_parts(whole.forms, reduce, exclude), flow)
     newton = newton or Newton(tolerance=0.03 * tol, max_iterations=30)
     search = partial(_search, origin=origin, newton=newton, tol=tol, step=max(step, tol), highest=highest)
-    with tqdm(desc=FACTOR, disable=None if progress is None else not progress,
-              bar_format="{desc} {postfix} {elapsed}") as bar:
+    with progress_bar(progress, desc=FACTOR, bar_format="{desc} {postfix} {elapsed}") as bar:
         davis = _davis(branch, search, bar) if flow == "given" else None
         result = search(branch, method=method, bar=bar, davis=davis)
     result.warn(stacklevel=3)

@@ -3,13 +3,13 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.sparse import csr_matrix
 
 from ..errors import AnalysisWarning
-from ..forms import Form
+from ..forms import Form, as_forms
 from .surface import Surface
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ _RATIO = 6.0
 _HARDEST = 1e9
 
 
-def choose_penalties(forms: Mapping[str, Form]) -> dict[str, Form]:
+def choose_penalties(forms: Mapping[str, Any]) -> dict[str, Form]:
     """Give every contact pair without a penalty one that suits the bodies it joins.
 
     The stiffness of a surface is that of its nodes, each by itself, against pressure, per length of surface: about
@@ -59,7 +59,8 @@ def choose_penalties(forms: Mapping[str, Form]) -> dict[str, Form]:
     >>> bool(1e3 < forms["contact"].penalty[0] < 1e5)        # some E/h
     True
     """
-    return {name: form.completed(forms) for name, form in forms.items()}
+    given = as_forms(forms)
+    return {name: form.completed(given) for name, form in given.items()}
 
 
 def with_chosen_penalty(pair: ContactPair, forms: Mapping[str, Form]) -> ContactPair:

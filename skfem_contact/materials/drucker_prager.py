@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -137,7 +137,7 @@ class DruckerPrager(ConePlasticity):
             )
         alpha = self.alpha / factor
         beta = alpha if flow == "associated" else reduced_dilatancy(self.beta, self.alpha, alpha)
-        return replace(self, k=self.k / factor, alpha=alpha, beta=beta)
+        return self._with(k=self.k / factor, alpha=alpha, beta=beta)
 
     def _constants(self) -> ConeConstants:
         return ConeConstants(*self.lame, self.alpha, self.beta, self.k)

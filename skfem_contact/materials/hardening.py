@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple, cast
 
 import numpy as np
 
-from .base import Array, Parameter, reduced_dilatancy, require
+from .base import Array, Parameter, reduced_dilatancy, require, warn_of_radians
 from .mohr_coulomb import MohrCoulomb
 from .plastic import ROUND_OFF, IsotropicPlasticity, Return, chosen, equivalent_shear_strain
 from .pyramid import PyramidConstants, PyramidReturn, pyramid_excess, pyramid_return
@@ -99,6 +99,7 @@ class HardeningMohrCoulomb(IsotropicPlasticity):
             require(name, angle, np.greater_equal(angle, 0) & np.less(angle, 90), "lie in [0, 90) degrees")
             require("psi", self.psi, np.less_equal(self.psi, angle), f"not exceed {name}")
         require("psi", self.psi, np.greater_equal(self.psi, 0), "not be negative")
+        warn_of_radians(phi=np.maximum(self.phi, self.phi_end))
         require("strain_end", self.strain_end, np.greater(self.strain_end, 0), "be positive")
 
     def reduced(self, factor: float, flow: Flow = "given") -> HardeningMohrCoulomb:
@@ -136,7 +137,7 @@ class HardeningMohrCoulomb(IsotropicPlasticity):
         )
         least, reduced = np.minimum(self.phi, self.phi_end), np.minimum(first.phi, last.phi)
         psi = reduced_dilatancy(self.psi, least, reduced) if flow == "given" else first.psi
-        return replace(self, c=first.c, c_end=last.c, phi=first.phi, phi_end=last.phi, psi=psi)
+        return self._with(c=first.c, c_end=last.c, phi=first.phi, phi_end=last.phi, psi=psi)
 
     def _constants(self) -> _Constants:
         phi, phi_end, psi = np.radians(self.phi), np.radians(self.phi_end), np.radians(self.psi)

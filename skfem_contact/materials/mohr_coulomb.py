@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from .base import Parameter, reduced_dilatancy, require
+from .base import Parameter, reduced_dilatancy, require, warn_of_radians
 from .pyramid import PyramidConstants, PyramidPlasticity
 from .reduction import Flow, check_reduction, without_dilatancy
 from .substitute import AssociatedSubstitute
@@ -69,6 +69,7 @@ class MohrCoulomb(PyramidPlasticity):
         require("phi", self.phi, in_range, "lie in [0, 90) degrees")
         require("psi", self.psi, np.greater_equal(self.psi, 0), "not be negative")
         require("psi", self.psi, np.less_equal(self.psi, self.phi), "not exceed phi")
+        warn_of_radians(phi=self.phi)
         if self.tension is not None:
             require("tension", self.tension, np.greater_equal(self.tension, 0), "not be negative")
 
@@ -103,7 +104,7 @@ class MohrCoulomb(PyramidPlasticity):
         """
         check_reduction(factor, flow)
         if flow == "associated":
-            return replace(self, psi=self.phi)._divided(factor)
+            return self._with(psi=self.phi)._divided(factor)
         if flow == "davis_a":
             return self._davis(self.psi)._divided(factor)
         weaker = self._divided(factor)
@@ -116,8 +117,7 @@ class MohrCoulomb(PyramidPlasticity):
 
     def _divided(self, factor: float) -> MohrCoulomb:
         phi = np.degrees(np.arctan(np.tan(np.radians(self.phi)) / factor))
-        return replace(
-            self,
+        return self._with(
             c=self.c / factor,
             phi=phi,
             psi=reduced_dilatancy(self.psi, self.phi, phi),
@@ -126,7 +126,7 @@ class MohrCoulomb(PyramidPlasticity):
 
     def _davis(self, psi: Parameter) -> MohrCoulomb:
         c, phi = without_dilatancy(self.c, self.phi, psi)
-        return replace(self, c=c, phi=phi, psi=phi)
+        return self._with(c=c, phi=phi, psi=phi)
 
     def _constants(self) -> PyramidConstants:
         phi, psi = np.radians(self.phi), np.radians(self.psi)

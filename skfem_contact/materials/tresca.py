@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -74,7 +74,7 @@ class Tresca(PyramidPlasticity):
         5.0
         """
         check_reduction(factor, flow)
-        return replace(self, c=self.c / factor)
+        return self._with(c=self.c / factor)
 
     def _constants(self) -> PyramidConstants:
         return PyramidConstants(*self.lame, sin_phi=0.0, sin_psi=0.0, strength=2 * self.c)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -75,7 +75,7 @@ class VonMises(ConePlasticity):
         5.0
         """
         check_reduction(factor, flow)
-        return replace(self, strength=self.strength / factor)
+        return self._with(strength=self.strength / factor)
 
     def _constants(self) -> ConeConstants:
         return ConeConstants(*self.lame, alpha=0.0, beta=0.0, k=self.strength / np.sqrt(3))

@@ -22,6 +22,8 @@ _ASTRAY, _LOST = 10, 3
 _TIMES, _NOTHING, _HALF = 2.0, 0.95, 0.5
 #: Along the energy, so many residuals that differ by so little and are so many times the smallest one.
 _STUCK, _SAME, _WORSE = 6, 0.8, 5.0
+#: Round-off of the forces, as a share of the residual, that is mentioned where the iterations fail.
+_NOISE = 0.1
 #: Displacements of so many times the elastic ones are those of a collapse.
 FAR = 100.0
 
@@ -53,10 +55,10 @@ class Newton:
     max_iterations: int = 25
 
     def __post_init__(self) -> None:
-        if not 0 < self.tolerance < np.inf:
+        if not (isinstance(self.tolerance, (int, float)) and 0 < self.tolerance < np.inf):
             raise ValueError(f"tolerance must be positive, not {self.tolerance!r}")
-        if self.max_iterations < 1:
-            raise ValueError(f"max_iterations must be at least 1, not {self.max_iterations!r}")
+        if not (isinstance(self.max_iterations, (int, np.integer)) and self.max_iterations >= 1):
+            raise ValueError(f"max_iterations must be a whole number, at least 1, not {self.max_iterations!r}")
 
 
 def iterate(now: Evaluation, evaluate: Callable[[ndarray], Evaluation],
@@ -140,8 +142,12 @@ def _stuck(norms: list[float]) -> bool:
 
 
 def _why(now: Evaluation, norms: list[float]) -> str:
+    """Where the iterations stand, for a message."""
     worst = now.worst
     names = [k for k, r in now.responses.items() if r.force[worst] != 0.0]
     history = ", ".join(f"{v:.1e}" for v in norms[-5:])
+    round_off = sum(r.round_off for r in now.responses.values())
+    noise = f"; round-off alone may leave {round_off:.1e}: the displacements are lost in the coordinates" \
+        if round_off > _NOISE * now.size else ""
     return (f"the residual went {history}; the largest unbalanced force, {now.residual[worst]:.3g}, acts on "
-            f"unknown {worst} of {names}")
+            f"unknown {worst} of {names}{noise}")

@@ -24,6 +24,8 @@ logger = logging.getLogger("skfem_contact")
 
 #: Share of the load that may be lost in round-off.
 _HIDDEN = 1e-6
+#: Share of all forces, in scaled equations, by which a field without any is measured: the residual then is round-off.
+_FLOOR = 1e-4
 #: Displacements whose squares are no longer numbers are not far from here.
 _ENDLESS = 1e100
 
@@ -111,6 +113,9 @@ class System:
         """Norm of the residual of a field over the largest forces there, less what may be round-off, and that."""
         carried = float(np.linalg.norm(load[part]))
         scale = max(carried, *(float(np.linalg.norm(r.force[part])) for r in responses.values()))
+        if self._scale is not None:  # where all forces of a field vanish, as those of multipliers do, others measure it
+            everywhere = max(float(np.linalg.norm(self._scale * r.force)) for r in responses.values())
+            scale = max(scale, _FLOOR * everywhere / float(self._scale[part].max()))
         round_off = sum(r.round_off for r in responses.values()) if part.start == 0 else 0.0
         if carried > 0.0:  # displacements so large that their round-off hides the load are no equilibrium
             round_off = min(round_off, _HIDDEN * carried)

@@ -1,7 +1,7 @@
 """What is there in each stage: bodies and contacts that come and go, supports that change."""
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +13,7 @@ from ..contact.penalty import choose_penalties
 from ..contact.prestress import prestressed
 from ..errors import look_up
 from ..forms import Form, as_forms, carried
+from ..remarks import Remark
 from ..solvers.choice import as_solver
 from ..sparse import padded
 from ..unknowns import Unknowns
@@ -47,6 +48,8 @@ class Phase:
         Loads and prescribed displacements of all unknowns, (N,).
     changed
         Whether the stage begins with anything else than the one before ended with.
+    remarks
+        What in the stage changes nothing, and was probably meant to.
     """
 
     unknowns: Unknowns
@@ -56,6 +59,7 @@ class Phase:
     load: ndarray
     prescribed: ndarray | None
     changed: bool
+    remarks: tuple[Remark, ...] = ()
 
 
 def plan(forms: Mapping[str, Form], stages: Sequence[Stage], fixed: ndarray, start: StageResult | None) -> list[Phase]:
@@ -88,7 +92,7 @@ def plan(forms: Mapping[str, Form], stages: Sequence[Stage], fixed: ndarray, sta
         try:
             active = _after(stage, now, active)
             now.update({name: _changed(name, now[name], new) for name, new in as_forms(stage.change).items()})
-            fixed = fixed if stage.fixed is None else as_unknowns(stage.fixed)
+            supported, fixed = fixed, fixed if stage.fixed is None else as_unknowns(stage.fixed)
             there = {name: now[name] for name in now if name in active}
             held = np.setdiff1d(unknowns_of(now), unknowns_of(there))
             if changes or not phases:
@@ -98,7 +102,8 @@ def plan(forms: Mapping[str, Form], stages: Sequence[Stage], fixed: ndarray, sta
             raise (ValueError(f"stage '{stage.name}': {error}") if changes else error) from None
         load, prescribed = _values(stage, unknowns, held, [name for name in now if name not in active])
         phases.append(Phase(unknowns, before, there, np.union1d(fixed, held), load, prescribed,
-                            changes and bool(phases or start is not None)))
+                            changes and bool(phases or start is not None),
+                            tuple(_idle(stage, load, prescribed, phases, np.array_equal(supported, fixed)))))
     return phases
 
 
@@ -158,6 +163,16 @@ def _values(stage: Stage, unknowns: Unknowns, held: ndarray, absent: list[str]) 
     if stage.prescribed is None:
         return load, None
     return load, on_all(stage.prescribed, unknowns, f"stage '{stage.name}': the prescribed displacement")
+
+
+def _idle(stage: Stage, load: ndarray, prescribed: ndarray | None, before: list[Phase], same_supports: bool
+          ) -> Iterator[Remark]:
+    """Remarks on supports that are given though they are those of before, and on a stage that changes nothing."""
+    if stage.fixed is not None and same_supports:
+        yield Remark("supports", 0.0, "`fixed` holds what is supported already: a boundary or a place is empty")
+    others = stage.activate or stage.deactivate or stage.change or stage.duration
+    if before and not others and same_supports and np.array_equal(load, before[-1].load) and prescribed is None:
+        yield Remark("nothing", 0.0, "it changes nothing: its load and its supports are those of the stage before")
 
 
 def among(start: StageResult, unknowns: Unknowns) -> StageResult:

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 from numpy import ndarray
-from tqdm import tqdm
 
 from ..errors import NotConverged, place
 from ..forms import as_forms
@@ -16,6 +15,7 @@ from ..nonlinear.increment import solve_increment
 from ..nonlinear.newton import Newton
 from ..nonlinear.stepping import Predictor, Stepping
 from ..nonlinear.system import System
+from ..progress import progress_bar
 from ..remarks import Remarks
 from ..solvers.threads import single_threaded
 from .activation import Phase, among, begin, check_start, plan
@@ -63,7 +63,13 @@ def run(forms: Mapping[str, Any], stages: Sequence[Stage], fixed: ndarray,
         Bad input, before anything is computed: sizes, NaN, names that do not exist or that two stages would have, and
         in any stage a body that nothing holds.
     NotConverged
-        With the partial result, whose last entry is the last increment that was accepted.
+        With the partial result, whose last entry is the last increment that was accepted; so has the
+        ``KeyboardInterrupt`` of a run that is stopped by hand, as its attribute ``result``.
+
+    Warns
+    -----
+    AnalysisWarning
+        What the forms remark on their states, each kind once; stages and supports that change nothing.
 
     Examples
     --------
@@ -79,9 +85,9 @@ def run(forms: Mapping[str, Any], stages: Sequence[Stage], fixed: ndarray,
     stage            increments  iterations  residual  load    what the bodies carry
     gravity                   1           1   ...  100%
     """
+    given, stages = as_forms(forms), _checked(stages, start, newton)
     done = [start] if isinstance(start, StageResult) else list(start or ())
-    given = as_forms(forms)
-    _check_input(stages, [stage.name for stage in done])
+    _check_names(stages, [stage.name for stage in done])
     phases = plan(given, stages, as_unknowns(fixed), done[-1] if done else None)
     last = among(done[-1], phases[0].unknowns) if done else _nothing(phases[0])
     if done:
@@ -96,16 +102,17 @@ def run(forms: Mapping[str, Any], stages: Sequence[Stage], fixed: ndarray,
                 system = build_system(phase.forms, phase.fixed, phase.unknowns, solver)
                 predictor = Predictor(system.fixed)
                 predictor.accept(last.x, last.load)
+            remarks.add(stage.name, "the stage", phase.remarks)
             last = replace(last, name=stage.name, iterations=(), fraction=0.0, forms=system.forms)
             try:
-                with tqdm(total=1.0, desc=stage.name, disable=None if progress is None else not progress,
-                          bar_format="{desc:16} {percentage:3.0f}% |{bar}|{postfix}") as bar:
+                with progress_bar(progress, total=1.0, desc=stage.name,
+                                  bar_format="{desc:16} {percentage:3.0f}% |{bar}|{postfix}") as bar:
                     for accepted in _increments(system, predictor, stage, phase, last, released, newton or Newton()):
                         last = accepted
                         bar.update(last.fraction - bar.n)
                         bar.set_postfix_str(f"{len(last.iterations)} increments, {sum(last.iterations)} iterations")
-            except NotConverged as error:
-                error.result = Result((*done, last))
+            except (NotConverged, KeyboardInterrupt) as error:
+                error.result = Result((*done, last))  # type: ignore[union-attr]
                 raise
             finally:  # what contact found, or did not find, may be the reason
                 for name, form in system.forms.items():
@@ -165,10 +172,23 @@ def _nothing(phase: Phase) -> StageResult:
     return StageResult("start", np.zeros(n), np.zeros(n), states, (), 0.0)
 
 
-def _check_input(stages: Sequence[Stage], before: list[str]) -> None:
-    """One clear error before the analysis starts."""
-    if isinstance(stages, Stage) or not stages:
-        raise ValueError("there is no stage to run" if not stages else "stages must be a list; write [Stage(...)]")
+def _checked(stages: Sequence[Stage], start: Any, newton: Any) -> Sequence[Stage]:
+    """The stages; one clear error before the analysis starts."""
+    if not isinstance(stages, Sequence):
+        raise ValueError(f"stages must be a list; write [Stage(...)], not {type(stages).__name__}")
+    if wrong := next((stage for stage in stages if not isinstance(stage, Stage)), None):
+        raise ValueError(f"stages must be a list of Stage(...), not of {type(wrong).__name__}")
+    if not stages:
+        raise ValueError("there is no stage to run")
+    if not isinstance(start, Result | StageResult | None):
+        raise ValueError(f"start must be a result or a stage of one, not {start!r}")
+    if not isinstance(newton, Newton | None):
+        raise ValueError(f"newton must be settings Newton(...), not {newton!r}")
+    return stages
+
+
+def _check_names(stages: Sequence[Stage], before: list[str]) -> None:
+    """No two stages have the same name, and increments are numbers."""
     names = before + [stage.name for stage in stages]
     for stage in stages:
         if names.count(stage.name) > 1:

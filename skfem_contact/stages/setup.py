@@ -95,6 +95,8 @@ def check_load(load: Any, unknowns: Unknowns) -> ndarray:
 
 def on_all(values: Any, unknowns: Unknowns, what: str) -> ndarray:
     """Values of all unknowns, or of the displacements and zeros behind them; a ``ValueError`` for others, or NaN."""
+    if np.ma.isMaskedArray(values) or np.iscomplexobj(values):
+        raise ValueError(f"{what} must be an array of real numbers, not masked and not complex")
     values = np.asarray(values, dtype=float)
     if values.shape not in ((unknowns.size,), (unknowns.fields[0].end,)):
         raise ValueError(f"{what} has shape {values.shape}, not ({unknowns.fields[0].end},)")

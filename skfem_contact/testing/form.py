@@ -69,7 +69,7 @@ def check_form(form: Any, x: ndarray, state: Any, locations: ndarray | None = No
     for name in ("state", "stiffness"):
         eager = isinstance(first, Response) and name in vars(first)
         require(not eager, f"the {name} is computed before it is asked for")
-    out = same_twice(lambda: _answers(form.assemble(x, state)), (x, *arrays_of(state)), "form.assemble")
+    out = same_twice(lambda: _answers(form.assemble(x, state)), (x, *arrays_of(state).values()), "form.assemble")
     force, K = np.asarray(out[0]), cast(Any, first.stiffness)
     require(isinstance(K, csr_matrix) and K.shape == (len(x), len(x)), "the stiffness is no csr_matrix (N, N)")
     require(force.shape == x.shape and np.isfinite(force).all() and np.isfinite(K.data).all(),
@@ -80,7 +80,8 @@ def check_form(form: Any, x: ndarray, state: Any, locations: ndarray | None = No
     accepted = form.assemble(x, first.state)
     require(np.abs(accepted.force - force).max() <= 1e-7 * scale, "the accepted candidate gives another force")
     again = form.outer(x, state, first.state)
-    require(again is None or isinstance(again, type(state)), "`outer` returns neither a state nor None")
+    require(again is None or (isinstance(again, tuple) and len(again) == 2 and isinstance(again[1], type(state))),
+            "`outer` returns neither a form with a state nor None")
     require(isinstance(form.summary(first.state), str), "`summary` returns no text")
     require(all(isinstance(remark, Remark) for remark in form.remarks(first.state)), "`remarks` returns no remarks")
     error = _form_tangent(form, x, state, K, rng.standard_normal((directions, len(x))), tolerance)
@@ -90,7 +91,7 @@ def check_form(form: Any, x: ndarray, state: Any, locations: ndarray | None = No
 
 
 def _answers(response: Response) -> tuple[ndarray, ...]:
-    return (response.force, response.stiffness.data, *arrays_of(response.state))
+    return (response.force, response.stiffness.data, *arrays_of(response.state).values())
 
 
 def _check_balance(force: ndarray, K: Any, x: ndarray, locations: ndarray) -> None:
