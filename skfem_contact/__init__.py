@@ -9,6 +9,7 @@ from .analysis.result import Result, StageResult, load_result
 from .analysis.stages import Stage, run
 from .analysis.strength import StrengthReduction, strength_reduction
 from .assembly import Response, StrainOperator, axisymmetric, b_bar, plane_strain, three_dimensional
+from .bounds import Bounds, bounds
 from .checks import AnalysisWarning
 from .contact import (
     AugmentedLagrangian,
@@ -48,11 +49,12 @@ from .testing import CheckFailed, check_form, check_interface_law, check_materia
 __version__ = "0.1.0"
 
 __all__ = [
-    "AnalysisWarning", "AugmentedLagrangian", "CheckFailed", "Collapse", "ContactPair", "ContactReport",
+    "AnalysisWarning", "AugmentedLagrangian", "Bounds", "CheckFailed", "Collapse", "ContactPair", "ContactReport",
     "ContactState", "Coulomb", "DruckerPrager", "HardeningMohrCoulomb", "LimitLoad", "LinearElastic",
     "MohrCoulomb", "Newton", "NotConverged", "Response", "Result", "SectionForces", "Sections", "SolidForm",
     "SolidState", "Stage", "StageResult", "Status", "StrainOperator", "StrengthReduction", "Surface", "Tied",
-    "Traction", "Tractions", "Tresca", "VonMises", "axisymmetric", "b_bar", "bodies", "check_form",
+    "Traction", "Tractions", "Tresca", "VonMises", "axisymmetric", "b_bar", "bodies", "bounds",
+    "check_form",
     "check_interface_law", "check_material", "check_mesh", "choose_penalties", "contact_report", "export_vtu",
     "given_state", "gravity_state", "hydrostatic", "join_bodies", "k0_state", "limit_load", "line_sections",
     "load_mesh", "load_result", "nodal_field", "plane_strain", "reactions", "reduced_strength",
