@@ -9,7 +9,6 @@ from .analysis.result import Result, StageResult, load_result
 from .analysis.stages import Stage, run
 from .analysis.strength import StrengthReduction, strength_reduction
 from .assembly import Response, StrainOperator, axisymmetric, b_bar, plane_strain, three_dimensional
-from .bounds import Bounds, bounds
 from .checks import AnalysisWarning
 from .contact import (
     AugmentedLagrangian,
@@ -23,6 +22,7 @@ from .contact import (
     rigid_polyline,
     two_pass,
 )
+from .limit_analysis import Bounds, bounds
 from .loads import hydrostatic, water_load, weight
 from .materials import DruckerPrager, HardeningMohrCoulomb, LinearElastic, MohrCoulomb, Tresca, VonMises
 from .materials.coulomb import Coulomb, Status, Tied, Traction

@@ -97,7 +97,7 @@ class Soil:
     @property
     def cut(self) -> ndarray:
         """Where the tensile strength matters: it is below the apex c / tan phi."""
-        return self.t * self.tension < self.c - 1e-12 * np.abs(self.c)
+        return _below_apex(self.tension, self.t, self.c)
 
     def cones(self, first: int) -> tuple[Cones, Cones]:
         """One for every point, and the second ones; the points' numbers begin at `first`."""
@@ -136,8 +136,8 @@ class Soil:
         """Largest power of admissible stresses on plastic strains (n, 3), at a factor."""
         volume, shear = _circle(strain)
         F = np.where(self.reduced, factor, 1.0)
-        apex = _ratio(self.c, self.t)
-        sheared = np.where(self.t >= FLAT, apex * volume, self.c / F * shear)
+        steep = self.t >= FLAT
+        sheared = np.where(steep, self.c / np.where(steep, self.t, 1.0) * volume, self.c / F * shear)
         a, limit = np.sqrt(F**2 + self.t**2), np.where(self.cut, self.tension, 0.0) / F
         p = (a * limit - self.c) / (a - self.t)
         both = np.maximum(p * volume + (limit - p) * shear, limit * volume)
@@ -176,7 +176,7 @@ class Interface:
     @property
     def cut(self) -> ndarray:
         """Where the tensile strength matters."""
-        return (self.mu * self.tension < self.a - 1e-12 * self.a) | self.smooth
+        return _below_apex(self.tension, self.mu, self.a) | self.smooth
 
     def cones(self, first: int) -> tuple[Cones, Cones]:
         """One for every point, and the second ones; the points' numbers begin at `first`."""
@@ -214,10 +214,16 @@ class Interface:
         F = np.where(self.reduced, factor, 1.0)
         limit = np.where(self.cut, self.tension, 0.0) / F
         both = limit * opening + np.where(self.smooth, 0.0, (self.a - self.mu * limit) / F * slip)
-        return np.where(self.cut, both, _ratio(self.a, self.mu) * opening)
+        return np.where(self.cut, both, self.a / np.where(self.mu > 0, self.mu, 1.0) * opening)
 
 
 Strength = Soil | Interface
+
+
+def _below_apex(tension: ndarray, friction: ndarray, cohesion: ndarray) -> ndarray:
+    """Where a tensile strength is less than cohesion over friction."""
+    finite = np.where(np.isfinite(tension), tension, 0.0)
+    return np.isfinite(tension) & (friction * finite < cohesion * (1 - 1e-12))
 
 
 def _circle(strain: ndarray) -> tuple[ndarray, ndarray]:

@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 from scipy.sparse import csc_matrix, eye
 from scipy.sparse.linalg import splu
 
-from .interior_point import Solution
+from .interior_point import HIGHEST, Solution
 from .program import Program
 from .strength import FLAT, Soil
 
@@ -22,8 +22,6 @@ _BALANCED, _REPETITIONS, _UNBALANCED = 1e-15, 8, 1e-13
 _NO_STRESS = 1e-12
 #: Shares of an inner velocity that are mixed in where a velocity leaves the flow rule.
 _MIXED = (0.0, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3)
-#: Beyond this factor nothing is looked for.
-HIGHEST = 100.0
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,6 @@ from tqdm import tqdm
 
 from ..analysis.threads import single_threaded
 from ..checks import AnalysisWarning
-from .certify import HIGHEST
 from .reading import Loads, PressureLike, TractionLike, read
 from .report import report
 from .result import Bounds
@@ -113,8 +112,6 @@ def _names(names: str | Collection[str]) -> tuple[str, ...]:
 def _tell(search: Search, gap: float) -> None:
     """Errors and warnings of a search that did not reach its end."""
     low, high = search.lower.proof.value, search.upper.proof.value
-    if low > HIGHEST and not search.live:
-        raise ValueError(f"the factor exceeds {HIGHEST:g}: there is no collapse")
     unproven = [kind for kind, value in (("lower", low), ("upper", high)) if not np.isfinite(value)]
     if unproven:
         warnings.warn(f"no {' and no '.join(unproven)} bound could be proven", AnalysisWarning, stacklevel=4)

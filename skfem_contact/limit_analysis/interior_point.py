@@ -19,6 +19,10 @@ from .program import Program
 from .strength import FLAT
 
 _MOST = 80
+#: Factor beyond which nothing is looked for: what stands with so much less strength does not live on it.
+HIGHEST = 100.0
+#: Distance from the aim of which the gap keeps a share: points at the surface of their cones cannot follow the factor.
+_CENTRED = 0.1
 #: Share of the way to the surface of the cones that a step goes.
 _STEP = 0.98
 #: Distance from the aim, as a share of the accuracy, at which the factor is right.
@@ -91,7 +95,7 @@ def solve(program: Program, goal: Goal, accuracy: float) -> Solution:
         Gap, as a share of the objective, at which an iterate is good enough.
     """
     path = _Path(program, goal, accuracy)
-    while path.iterations < _MOST and not path.arrived():
+    while path.iterations < _MOST and path.F <= HIGHEST and not path.arrived():
         try:
             path.step()
         except (ArithmeticError, np.linalg.LinAlgError):  # no more accuracy to be had
@@ -173,7 +177,8 @@ class _Path:
         first = self._direction(-point)
         a = min(1.0, longest_step(self.s, first.s), longest_step(self.z, first.z))
         right = -product(point, point) - product(_times(scaled.inverse, first.s), _times(scaled.W, first.z))
-        right[:, 0] += max((1 - a) ** 3, 1e-8) * mu
+        away = abs(self.theta - self.goal.aim) if self.goal.aim is not None else 0.0
+        right[:, 0] += max(max((1 - a) ** 3, 1e-8) * mu, min(mu, _CENTRED * away / n_cones))
         d = self._direction(quotient(right, point))
         a = min(1.0, _STEP * min(longest_step(self.s, d.s), longest_step(self.z, d.z)))
         self.sigma, self.y, self.theta = self.sigma + a * d.sigma, self.y + a * d.y, self.theta + a * d.theta

@@ -8,10 +8,10 @@ import numpy as np
 from numpy import ndarray
 from tqdm import tqdm
 
-from .certify import HIGHEST, Proof, dissipation, prove_lower, prove_upper
+from .certify import Proof, dissipation, prove_lower, prove_upper
 from .contact import matched
 from .elements import StressElements, VelocityElements, gradients
-from .interior_point import Goal, Solution, solve
+from .interior_point import HIGHEST, Goal, Solution, solve
 from .model import Discretisation, Model, discretise
 from .reading import Problem
 from .refine import fanned, gap_of_elements, marked, singular_points
@@ -102,6 +102,8 @@ class Search:
         for reserve in _RESERVES:
             goal = Goal(1.0 if self.live else self._factor, None if self.live else 0.0, 1.0 + reserve)
             found = solve(parts.program, goal, self._accuracy)
+            if found.factor > HIGHEST:
+                raise ValueError(f"the factor exceeds {HIGHEST:g}: there is no collapse")
             proof = prove_lower(parts.program, found, self.live)
             if np.isfinite(proof.value):
                 break
