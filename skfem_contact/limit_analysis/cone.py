@@ -34,7 +34,7 @@ def longest_step(x: ndarray, d: ndarray) -> float:
     a, b, c = determinant(d), (_SIGNS * x * d).sum(1), determinant(x)
     inside = b * b - a * c
     below = np.sqrt(np.maximum(inside, 0.0)) - b
-    leaves = (inside >= 0) & (below > 0)
+    leaves = (inside >= -1e-12 * b * b) & (below > 0)  # along an axis it is zero, to round-off
     return float(np.min(c[leaves] / below[leaves], initial=np.inf))
 
 
@@ -48,8 +48,11 @@ class Scaling(NamedTuple):
 
 
 def scaling(s: ndarray, z: ndarray) -> Scaling:
-    """Scaling of Nesterov and Todd of inner points s and z."""
-    size_s, size_z = np.sqrt(determinant(s)), np.sqrt(determinant(z))
+    """Scaling of Nesterov and Todd of inner points s and z; ArithmeticError where one is not."""
+    squares = determinant(s), determinant(z)
+    if not all((square > 0).all() for square in squares):
+        raise ArithmeticError("a point has reached the surface of its cone")
+    size_s, size_z = np.sqrt(squares)
     unit_s, unit_z = s / size_s[:, None], z / size_z[:, None]
     w = (unit_s + _SIGNS * unit_z) / np.sqrt(2 * (1 + (unit_s * unit_z).sum(1)))[:, None]
     V = np.empty((len(s), 3, 3))

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy import ndarray
@@ -101,9 +102,18 @@ def pairs(contact: Contact, triangles: Triangles) -> tuple[ndarray, ndarray, nda
     return one, other, np.linalg.norm(ends, axis=0) > 0.5 * facet_lengths(mesh)[one]
 
 
-def joint_blocks(contacts: tuple[Contact, ...], triangles: Triangles, elements: Elements
-                 ) -> Iterator[tuple[ndarray, ndarray, Interface]]:
-    """Operators, unknowns and strength of all contacts that can part or slip."""
+class Joint(NamedTuple):
+    """Facets of slave and master that coincide, (n,), operators, unknowns and strength; the normal is the slave's."""
+
+    slave: ndarray
+    master: ndarray
+    B: ndarray
+    dofs: ndarray
+    strength: Interface
+
+
+def joints(contacts: tuple[Contact, ...], triangles: Triangles, elements: Elements) -> Iterator[Joint]:
+    """All contacts that can part or slip."""
     for contact in contacts:
         one, other, turned = pairs(contact, triangles)
         if contact.tied or not len(one):
@@ -117,7 +127,7 @@ def joint_blocks(contacts: tuple[Contact, ...], triangles: Triangles, elements: 
         dofs = [elements.on_facets(one).reshape(len(one), -1), elements.on_facets(other, turned).reshape(len(one), -1)]
         n = jump.shape[0] * jump.shape[1]
         strength = Interface(*(np.full(n, x) for x in (contact.a, contact.mu, contact.tension, contact.reduced)))
-        yield np.concatenate([-jump, jump], axis=3), np.hstack(dofs), strength
+        yield Joint(one, other, np.concatenate([-jump, jump], axis=3), np.hstack(dofs), strength)
 
 
 def tied_velocities(contacts: tuple[Contact, ...], triangles: Triangles, elements: Elements) -> ndarray:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy import ndarray
 
-from .contact import Contact, joint_blocks, tied_velocities
+from .contact import Contact, Joint, joints, tied_velocities
 from .elements import Elements
 from .normal_matrix import Block
 from .program import Program
@@ -92,6 +92,7 @@ class Discretisation(NamedTuple):
     elements: Elements
     unknowns: Unknowns
     soft: ndarray  # elements that can yield, in the order of their points
+    joints: tuple[Joint, ...]  # in the order of their points, which follow
 
 
 def discretise(model: Model, triangles: Triangles, kind: type[Elements]) -> Discretisation:
@@ -113,10 +114,11 @@ def discretise(model: Model, triangles: Triangles, kind: type[Elements]) -> Disc
     parts = [(elements.B[soft], points, elements.dofs[soft])]
     strengths: list = [_soil(model, triangles.origin[soft])]
     first = points.size
-    for B, dofs, strength in joint_blocks(model.contacts, triangles, elements):
-        n = len(strength.reduced)
-        parts.append((B, first + np.arange(n).reshape(len(B), -1), dofs))
-        strengths.append(strength)
+    found = tuple(joints(model.contacts, triangles, elements))
+    for joint in found:
+        n = len(joint.strength.reduced)
+        parts.append((joint.B, first + np.arange(n).reshape(len(joint.B), -1), joint.dofs))
+        strengths.append(joint.strength)
         first += n
     held = [elements.on_facets(triangles.tags["held", k])[..., k].ravel() for k in (0, 1)]
     bodies = [elements.of_elements(np.flatnonzero(rigid == b)) for b in range(model.rigid.max() + 1)]
@@ -125,7 +127,8 @@ def discretise(model: Model, triangles: Triangles, kind: type[Elements]) -> Disc
                            bodies)
     blocks: list[Block] = [block for part in parts for block in unknowns.reduced(*part)]
     dead, live = (unknowns.matrix.T @ f for f in model.loads(triangles, elements))
-    return Discretisation(Program(blocks, strengths, unknowns.places, dead, live), elements, unknowns, soft)
+    return Discretisation(Program(blocks, strengths, unknowns.places, dead, live), elements, unknowns, soft,
+                          found)
 
 
 def _soil(model: Model, origin: ndarray) -> Soil:

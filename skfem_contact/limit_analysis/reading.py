@@ -80,7 +80,7 @@ def read(forms: Mapping[str, Any], fixed: ndarray, loads: Loads, reduce: str | C
     targets = {} if loads.live else reduced_parts(forms, reduce, exclude)
     found = strengths(solids, targets, "associated")
     elements = np.sort(np.concatenate([elements_of(form.basis) for form in solids.values()]))
-    if found.rigid[elements].all():
+    if found.rigid[elements].all() and not pairs:
         raise ValueError("nothing can yield: all solids are elastic, which bounds take for rigid")
     shape = geometry(basis, elements, _unknowns(fixed, basis))
     units = shape.size, _unit_of_stress(found, loads, basis, shape)

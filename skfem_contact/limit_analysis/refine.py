@@ -29,6 +29,22 @@ def gap_of_elements(dissipation: ndarray, stress: ndarray, strain: ndarray) -> n
     return np.abs(dissipation.sum(axis=1) - np.einsum("evc,ewc,vw->e", stress, strain, mass))
 
 
+def gap_of_facets(dissipation: ndarray, tractions: ndarray, jump: ndarray) -> ndarray:
+    """The same by facet of a contact: tractions are linear, jumps quadratic, given by their Bernstein coefficients.
+
+    Parameters
+    ----------
+    dissipation
+        At the points of every facet, times weight, (n, 3).
+    tractions
+        Normal and tangential, at the ends, (n, 2, 2).
+    jump
+        Coefficients times weight, (n, 3, 3).
+    """
+    mass = np.array([[0.75, 0.25, 0.5], [0.25, 0.75, 0.5]])
+    return np.abs(dissipation.sum(axis=1) - np.einsum("fsc,fpc,sp->f", tractions, jump[..., :2], mass))
+
+
 def marked(gap: ndarray) -> ndarray:
     """Triangles with the largest shares of the gap, which together hold a given share of it."""
     order = np.argsort(-gap, kind="stable")

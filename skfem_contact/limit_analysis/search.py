@@ -9,22 +9,24 @@ from numpy import ndarray
 from tqdm import tqdm
 
 from .certify import Proof, dissipation, prove_lower, prove_upper
-from .contact import matched
+from .contact import Joint, matched
 from .elements import StressElements, VelocityElements, gradients
 from .interior_point import HIGHEST, Goal, Solution, solve
 from .model import Discretisation, Model, discretise
 from .reading import Problem
-from .refine import fanned, gap_of_elements, marked, singular_points
+from .refine import fanned, gap_of_elements, gap_of_facets, marked, singular_points
 from .result import Certificate
-from .triangles import Triangles
+from .triangles import Triangles, outward_normals
 
 #: Strength that the solver keeps in reserve where it is not reduced: its stresses violate it by less.
-_RESERVES = (2e-4, 2e-3)
+_RESERVES = (2e-5, 2e-4, 2e-3)
 #: Objective of the upper bound, in terms of the accuracy: the power of the loads then exceeds the dissipation, which
 #: exceeds the objective by the gap.
 _AIM = -1.2
 #: The solver stops at this share of the gap between the bounds of the last mesh, but not above or below these.
-_ACCURACY, _COARSE, _FINE = 0.003, 3e-4, 1e-5
+_ACCURACY, _COARSE, _FINE = 0.003, 3e-4, 3e-6
+#: How often the number of triangles around singular points is doubled before the first bounds.
+_FANS = 2
 #: The lower bound is computed on a finer mesh when its last gain was more than this share of the gap.
 _GAIN = 0.2
 #: The factor from which the next mesh's solver starts, over the last one.
@@ -57,6 +59,8 @@ class Search:
         self.problem, self.model, self.live, self._bar = problem, problem.model, live, bar
         self.triangles = matched(self.model.contacts, self.model.triangles)
         self._singular = singular_points(self.model, self.triangles)
+        for _ in range(_FANS):
+            self.triangles = self._fanned(self.triangles)
         self.history: list[Certificate] = []
         self._began, self._factor, self._gain = process_time(), 1.0, np.inf
         self.lower = self._solve_lower(self.model)
@@ -134,19 +138,44 @@ class Search:
     def _refined(self) -> Triangles:
         """More triangles where the last bounds differ, and around singular points."""
         finer = self.triangles.refined(marked(self._gap_of_elements()))
-        return matched(self.model.contacts, fanned(matched(self.model.contacts, finer), self._singular))
+        return self._fanned(matched(self.model.contacts, finer))
+
+    def _fanned(self, triangles: Triangles) -> Triangles:
+        return matched(self.model.contacts, fanned(triangles, self._singular))
 
     def _gap_of_elements(self) -> ndarray:
-        """Contributions of all triangles to the gap between the last bounds."""
-        (below, _, _, stress), (_, parts, found, proof) = self.last[0], self.last[1]
-        n = 3 * len(parts.soft)
+        """Contributions of all triangles to the gap between the last bounds; those of contacts count for both sides."""
+        below, (_, parts, found, proof) = self.last
         strain = parts.program.strains(proof.field)
         factor = 1.0 if self.live else proof.value if np.isfinite(proof.value) else found.factor
-        spent = dissipation(parts.program, strain, factor)[:n].reshape(-1, 3)
-        at_corners = _interpolated(self.last[0], self.triangles)[parts.soft]
-        gap = np.zeros(self.triangles.mesh.nelements)
-        gap[parts.soft] = gap_of_elements(spent, at_corners, strain[:n].reshape(-1, 3, 3))
+        spent = dissipation(parts.program, strain, factor)
+        stress = _interpolated(below, self.triangles)
+        gap, n = np.zeros(self.triangles.mesh.nelements), 3 * len(parts.soft)
+        gap[parts.soft] = gap_of_elements(spent[:n].reshape(-1, 3), stress[parts.soft], strain[:n].reshape(-1, 3, 3))
+        for joint in parts.joints:
+            at = slice(n, n + 3 * len(joint.slave))
+            n = at.stop
+            for facets in (joint.slave, joint.master):
+                owner = self.triangles.mesh.f2t[0, facets]
+                values = gap_of_facets(spent[at].reshape(-1, 3), _tractions(self.triangles, joint, facets, stress),
+                                       strain[at].reshape(-1, 3, 3))
+                gap[owner] += np.where(np.isin(owner, parts.soft), values, 0.0)
         return gap
+
+
+def _tractions(triangles: Triangles, joint: Joint, facets: ndarray, stress: ndarray) -> ndarray:
+    """Normal and tangential tractions at the ends of the slave's facets from the stresses of one side, (n, 2 ends, 2)."""
+    mesh = triangles.mesh
+    owner = mesh.f2t[0, facets]
+    normal = outward_normals(mesh, joint.slave, mesh.f2t[0, joint.slave])
+    ends = mesh.p[:, mesh.facets[:, joint.slave]]  # (2, 2 ends, n)
+    away = ends[:, :, None] - mesh.p[:, mesh.t[:, owner]][:, None]
+    corner = np.linalg.norm(away, axis=0).argmin(axis=1)  # (2 ends, n)
+    xx, yy, xy = stress[owner, corner].transpose(2, 1, 0)  # (n, 2 ends) each
+    (nx, ny) = normal[:, :, None]
+    t = np.stack([xx * nx + xy * ny, xy * nx + yy * ny])
+    return np.stack([t[0] * nx + t[1] * ny, -t[0] * ny + t[1] * nx], axis=2)
+
 
 def _interpolated(below: Found, triangles: Triangles) -> ndarray:
     """Stresses of a coarser mesh at the corners of the triangles, (n_elements, 3 corners, 3)."""
