@@ -6,12 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy import ndarray
 from scipy.optimize import brentq
-from scipy.sparse import csc_matrix, eye
-from scipy.sparse.linalg import splu
 
 from .interior_point import HIGHEST, Solution
 from .program import Program
-from .strength import FLAT, Soil
+from .strength import FLAT
 
 #: Share of plain stiffness in the metric in which stresses are put into equilibrium: with the solver's alone points at
 #: yield could not move at all, with the plain one soil of little stress would lose up to 2 % of the factor.
@@ -93,8 +91,8 @@ def _largest_share(program: Program, stress: ndarray, round_off: float) -> float
 
 def prove_upper(program: Program, found: Solution, live: bool) -> Proof:
     """Upper bound: velocities that obey the flow rule, and the factor (multiplier) that their power refutes."""
-    last = _shaped(program, -found.velocity)
-    inner = _shaped(program, -found.inner[len(found.inner) // 2]) if found.inner else last
+    inner = found.inner[len(found.inner) // 2] if found.inner else found.velocity
+    last, inner = _shaped(program, found, [-found.velocity, -inner])
     best = Proof(np.inf, last, np.inf)
     for share in _MIXED:
         velocity = (1 - share) * last + share * inner
@@ -147,15 +145,19 @@ def _volume_residual(program: Program, strain: ndarray) -> float:
     return float(np.abs(volume).max(initial=0.0) / np.abs(strain).max(initial=1e-300))
 
 
-def _shaped(program: Program, velocity: ndarray) -> ndarray:
-    """The nearest velocities without change of volume where there is no friction."""
+def _shaped(program: Program, found: Solution, velocities: list[ndarray]) -> list[ndarray]:
+    """Velocities without change of volume where there is no friction; they move where the solver's metric is soft."""
     kept = _kept(program)
     if not len(kept):
-        return velocity
-    rows = [program.transposed[3 * kept + i].multiply(program.volume[kept, i][:, None]) for i in range(3)]
-    C = csc_matrix(sum(rows))
-    square = (C @ C.T).tocsc()
-    inverse = splu(square + 1e-12 * square.diagonal().max() * eye(len(kept), format="csc"))
-    for _ in range(_REPETITIONS):
-        velocity = velocity - C.T @ inverse.solve(C @ velocity)
-    return velocity
+        return velocities
+    volume = program.volume[kept]
+    stiffness = np.einsum("ni,nij,nj->n", volume, found.metric[kept], volume) / (volume**2).sum(1) ** 2
+    inverse = program.normal.factor(found.metric)
+    shaped = []
+    for velocity in velocities:
+        for _ in range(_REPETITIONS):
+            stress = np.zeros((program.n_points, 3))
+            stress[kept] = (stiffness * (program.strains(velocity)[kept] * volume).sum(1))[:, None] * volume
+            velocity = velocity - inverse(program.forces(stress))
+        shaped.append(velocity)
+    return shaped

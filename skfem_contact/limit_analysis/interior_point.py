@@ -33,9 +33,6 @@ _CHANGE = 0.2
 _REFINED, _REFINEMENTS = 1e-9, 3
 #: Steps without progress after which round-off is said to rule.
 _STALLED = 2
-#: Small stiffness against change of volume where strength does not depend on the mean stress: that stress is then a
-#: multiplier, and the iteration finds it as an augmented Lagrangian method does.
-_VOLUME = 1e-7
 
 
 @dataclass(frozen=True)
@@ -75,12 +72,16 @@ class Goal:
         Factor of strength to begin with, or to stay at.
     aim
         Objective at which the factor is right; None where it stays.
+    volume
+        Share of compliance to the mean stress where the strength does not depend on it: that stress is then a
+        multiplier, which the iteration finds as an augmented Lagrangian method does.
     fixed
         Factor of strength that is not reduced.
     """
 
     factor: float
     aim: float | None
+    volume: float
     fixed: float = 1.0
 
 
@@ -193,7 +194,7 @@ class _Path:
         trace = np.trace(H, axis1=1, axis2=2)[:, None, None]
         H += trace * 1e-13 * np.eye(3)
         volume = self.program.volume[self.soft]
-        H[self.soft] += _VOLUME * trace[self.soft] * volume[:, :, None] * volume[:, None, :] / 2
+        H[self.soft] += self.goal.volume * trace[self.soft] * volume[:, :, None] * volume[:, None, :] / 2
         if not np.isfinite(H).all():
             raise ArithmeticError("a point has reached the surface of its cone")
         self.metric = np.linalg.inv(H)

@@ -72,7 +72,9 @@ def singular_points(model: Model, triangles: Triangles) -> ndarray:
     same = np.flatnonzero(nodes[1:] == nodes[:-1])
     vertex, one, other = nodes[same], facet[same], facet[same + 1]
     angle = _interior_angles(triangles, rigid)[vertex]
-    changes = (kind[one] != kind[other]).any(axis=1) & (angle > _LEVEL)
+    differ = kind[one] != kind[other]
+    loads = 2 + np.arange(len(model.tractions))
+    changes = differ[:, loads].any(axis=1) | (differ.any(axis=1) & (angle > _LEVEL))
     return mesh.p[:, np.unique(vertex[changes | (angle > _REENTRANT)])]
 
 

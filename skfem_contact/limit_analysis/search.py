@@ -25,6 +25,9 @@ _RESERVES = (2e-5, 2e-4, 2e-3)
 _AIM = -1.2
 #: The solver stops at this share of the gap between the bounds of the last mesh, but not above or below these.
 _ACCURACY, _COARSE, _FINE = 0.003, 3e-4, 3e-6
+#: Compliance to the mean stress of soil without friction, for the lower bound, whose stresses it blurs, and for the
+#: upper one, whose velocities must keep the volume.
+_VOLUME = (1e-6, 1e-10)
 #: How often the number of triangles around singular points is doubled before the first bounds.
 _FANS = 2
 #: The lower bound is computed on a finer mesh when its last gain was more than this share of the gap.
@@ -104,7 +107,7 @@ class Search:
         self.triangles = self.triangles.rooted
         parts = discretise(model, self.triangles, StressElements)
         for reserve in _RESERVES:
-            goal = Goal(1.0 if self.live else self._factor, None if self.live else 0.0, 1.0 + reserve)
+            goal = Goal(1.0 if self.live else self._factor, None if self.live else 0.0, _VOLUME[0], 1.0 + reserve)
             found = solve(parts.program, goal, self._accuracy)
             if found.factor > HIGHEST:
                 raise ValueError(f"the factor exceeds {HIGHEST:g}: there is no collapse")
@@ -117,7 +120,8 @@ class Search:
     def _solve_upper(self) -> Found:
         """Upper bound on the present triangles."""
         parts = discretise(self.model, self.triangles, VelocityElements)
-        goal = Goal(1.0, None) if self.live else Goal(self._factor * _ABOVE, _AIM * self._accuracy)
+        factor, aim = (1.0, None) if self.live else (self._factor * _ABOVE, _AIM * self._accuracy)
+        goal = Goal(factor, aim, _VOLUME[1])
         found = solve(parts.program, goal, self._accuracy)
         proof = prove_upper(parts.program, found, self.live)
         self._certified("upper", parts, found, proof)
