@@ -8,7 +8,6 @@ import numpy as np
 from numpy import ndarray
 from skfem import MeshTri
 
-
 #: Name of some facets: a boundary of the user's, or ("held", component).
 Tag = str | tuple[str, int]
 
