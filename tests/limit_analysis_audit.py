@@ -94,11 +94,13 @@ def _stresses(found: sc.Bounds, ground: Ground, factor: float) -> tuple[float, f
     size = np.abs(body).max() * np.ptp(mesh.p[1]) + max((np.abs(t).max() for t in ground.tractions.values()), default=0)
     xx, yy, xy = (cells.interpolate(x).grad for x in fields)
     h = np.sqrt(cells.dx.sum(axis=1))[:, None]
-    inside = max(np.abs((xx[0] + xy[1] + body[0, :, None]) * h).max(), np.abs((xy[0] + yy[1] + body[1, :, None]) * h).max())
+    unbalanced = xx[0] + xy[1] + body[0, :, None], xy[0] + yy[1] + body[1, :, None]
+    inside = max(np.abs(part * h).max() for part in unbalanced)
     one, other = (InteriorFacetBasis(mesh, element, side=i, intorder=3) for i in (0, 1))
     jump = _traction(one, fields, one.normals) - _traction(other, fields, one.normals)
     boundary = 0.0
-    supported = {(f, k): 0 for name, which in ground.held.items() for f in np.asarray(mesh.boundaries[name]) for k in which}
+    sides = {name: np.asarray(mesh.boundaries[name]) for name in ground.held}
+    supported = {(f, k) for name, which in ground.held.items() for f in sides[name] for k in which}
     given = {int(f): np.array(t) for name, t in ground.tractions.items() for f in np.asarray(mesh.boundaries[name])}
     outer = FacetBasis(mesh, element, intorder=3)
     t = _traction(outer, fields, outer.normals)
@@ -137,8 +139,7 @@ def _velocities(found: sc.Bounds, ground: Ground, factor: float) -> tuple[float,
     # largest power of the stresses within yield: at the apex, or at the two corners of the cut-off
     with np.errstate(divide="ignore", invalid="ignore"):
         apex = np.where(phi[:, None] > 0, (c / np.tan(phi))[:, None] * volume, c[:, None] * radius)
-        p = (tension - c * np.cos(phi)) / (1 - np.sin(phi))  # of the circle that touches both lines
-        p = ((tension - c * np.cos(phi)) / (1 - np.sin(phi)))[:, None]
+        p = ((tension - c * np.cos(phi)) / (1 - np.sin(phi)))[:, None]  # of the circle that touches both lines
         corner = np.maximum(p * volume + (tension[:, None] - p) * radius, tension[:, None] * volume)
     cut = tension < np.where(phi > 0, c / np.maximum(np.tan(phi), 1e-300), np.inf)
     spent = (np.where(cut[:, None], corner, apex) * basis.dx).sum()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -142,9 +143,9 @@ def check_history(found: sc.Bounds) -> None:
     """No lower bound of any mesh exceeds an upper one, and none gets worse on a finer mesh."""
     lower, upper = ([c for c in found.history if c.kind == kind] for kind in ("lower", "upper"))
     assert max(c.value for c in lower) <= min(c.value for c in upper)
-    for before, after in zip(lower, lower[1:]):
+    for before, after in pairwise(lower):
         assert after.value > before.value * (1 - 1e-3)  # the solver's accuracy on coarse meshes
-    for before, after in zip(upper, upper[1:]):
+    for before, after in pairwise(upper):
         assert after.value < before.value * (1 + 1e-3)
 
 

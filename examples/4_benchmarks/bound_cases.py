@@ -54,8 +54,8 @@ def vertical_cut() -> dict:
 
 def footing(phi: float, width: float, depth: float) -> dict:
     """Half of a flexible strip of width 1 on weightless soil, c = 1: the bounds are those of N_c."""
-    mesh = MeshTri.init_tensor(np.linspace(0, width, round(2 * width) + 1), np.linspace(-depth, 0, round(2 * depth) + 1))
-    mesh = mesh.with_boundaries(
+    x, y = (np.linspace(start, end, round(2 * (end - start)) + 1) for start, end in ((0, width), (-depth, 0)))
+    mesh = MeshTri.init_tensor(x, y).with_boundaries(
         {"base": lambda p: p[1] < -depth + EDGE, "sides": lambda p: (p[0] < EDGE) | (p[0] > width - EDGE),
          "strip": lambda p: (p[1] > -EDGE) & (p[0] < 0.5)}
     )  # fmt: skip
@@ -86,8 +86,9 @@ def sliding_block() -> dict:
     basis = Basis(sc.join_bodies({"base": base, "block": block}), ElementVector(ElementTriP2()), intorder=2)
     strong = sc.MohrCoulomb(E=1e5, nu=0.3, c=1000.0, phi=20.0, psi=20.0)
     joint = sc.Coulomb(mu=np.tan(np.radians(26.6)), adhesion=2.5)
-    return {"forms": {"bodies": sc.SolidForm(basis, strong), "joint": sc.ContactPair(basis, "block:bottom", "base:top", joint)},
-            "fixed": basis.get_dofs("base:bottom").all(), "weight": {"block": 25.0},
+    pair = sc.ContactPair(basis, "block:bottom", "base:top", joint)
+    forms = {"bodies": sc.SolidForm(basis, strong), "joint": pair}
+    return {"forms": forms, "fixed": basis.get_dofs("base:bottom").all(), "weight": {"block": 25.0},
             "tractions": {"block:left": (1.0, 0.0)}, "live": "block:left"}  # fmt: skip
 
 

@@ -116,5 +116,5 @@ def _tell(search: Search, gap: float) -> None:
     if unproven:
         warnings.warn(f"no {' and no '.join(unproven)} bound could be proven", AnalysisWarning, stacklevel=4)
     elif search.gap > gap:
-        warnings.warn(f"the bounds [{low:.5g}, {high:.5g}] differ by {search.gap:.2%}, more than the {gap:.2%} that were "
-                      "asked for: allow more `elements` or `seconds`", AnalysisWarning, stacklevel=4)
+        warnings.warn(f"the bounds [{low:.5g}, {high:.5g}] differ by {search.gap:.2%}, more than the {gap:.2%} that "
+                      "were asked for: allow more `elements` or `seconds`", AnalysisWarning, stacklevel=4)

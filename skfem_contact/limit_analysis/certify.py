@@ -14,10 +14,12 @@ from .strength import FLAT
 #: Share of plain stiffness in the metric in which stresses are put into equilibrium: with the solver's alone points at
 #: yield could not move at all, with the plain one soil of little stress would lose up to 2 % of the factor.
 _PLAIN = 1e-5
-#: Equilibrium is repeated until it is violated by less than this share, at most so often; worse than the last is refused.
+#: Equilibrium is repeated until it is violated by less than this share, at most so often; beyond the last, refused.
 _BALANCED, _REPETITIONS, _UNBALANCED = 1e-15, 8, 1e-13
 #: Stress below this share of the largest is none.
 _NO_STRESS = 1e-12
+#: Accuracy of the factor at which dissipation and power are equal.
+_ROOT = 1e-13
 #: Shares of an inner velocity that are mixed in where a velocity leaves the flow rule.
 _MIXED = (0.0, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3)
 
@@ -105,28 +107,26 @@ def prove_upper(program: Program, found: Solution, live: bool) -> Proof:
 
 
 def _refuted(program: Program, velocity: ndarray, live: bool) -> Proof:
+    """The bound of velocities that obey the flow rule from some factor on: the smallest where the loads win."""
     strain, round_off = program.strains(velocity), program.round_off(velocity)
-    power, fixed = program.live @ velocity, program.dead @ velocity
-    if live:
-        power, fixed = power, fixed
-    else:
-        power, fixed = power + fixed, 0.0
+    fixed = program.dead @ velocity
+    power = program.live @ velocity + (0.0 if live else fixed)
     if not power > 0:
         return Proof(np.inf, velocity, np.inf)
+    velocity, strain, round_off, fixed = velocity / power, strain / power, round_off / power, fixed / power
     flow = float(program.of_points(lambda s, points: s.flow_factor(strain[points], round_off[points])).max())
 
     def excess(factor: float) -> float:
-        return float(dissipation(program, strain, factor).sum()) - fixed - (0.0 if live else power)
+        return float(dissipation(program, strain, factor).sum()) - (fixed if live else 1.0)
 
-    residual = _volume_residual(program, strain)
     if live:
-        value = excess(1.0) / power if flow <= 1.0 else np.inf
+        value = excess(1.0) if flow <= 1.0 else np.inf
     elif flow > HIGHEST or excess(HIGHEST) > 0:
         value = np.inf
     else:
         flow = max(flow, 1.0 / HIGHEST)
-        value = flow if excess(flow) <= 0 else float(brentq(excess, flow, HIGHEST, xtol=1e-15, rtol=1e-14)) * (1 + 1e-13)
-    return Proof(value, velocity / power, residual)
+        value = flow if excess(flow) <= 0 else (1 + _ROOT) * brentq(excess, flow, HIGHEST, xtol=_ROOT, rtol=_ROOT)
+    return Proof(value, velocity, _volume_residual(program, strain))
 
 
 def dissipation(program: Program, strain: ndarray, factor: float) -> ndarray:

@@ -78,7 +78,7 @@ def _closed(triangles: Triangles, contact: Contact) -> Triangles:
     """The slave's nodes moved onto those of the master that they nearly coincide with."""
     mesh = triangles.mesh
     slave, master = (np.unique(mesh.facets[:, triangles.tags[tag]]) for tag in (contact.slave, contact.master))
-    distance, nearest = cKDTree(mesh.p[:, master].T).query(mesh.p[:, slave].T)
+    distance, nearest = _nearest(mesh.p[:, slave], mesh.p[:, master])
     size = facet_lengths(mesh)[triangles.tags[contact.slave]].min(initial=np.inf)
     near = (distance > 0) & (distance <= 2 * _SAME * size)
     if not near.any():
@@ -88,6 +88,12 @@ def _closed(triangles: Triangles, contact: Contact) -> Triangles:
     return triangles.moved(p)
 
 
+def _nearest(points: ndarray, others: ndarray) -> tuple[ndarray, ndarray]:
+    """Distance of every point from the nearest one of the others, and which one it is."""
+    distance, which = cKDTree(others.T).query(points.T)
+    return np.asarray(distance), np.asarray(which)
+
+
 def pairs(contact: Contact, triangles: Triangles) -> tuple[ndarray, ndarray, ndarray]:
     """Facets of slave and master that coincide, and whether the master's run the other way."""
     mesh = triangles.mesh
@@ -95,7 +101,7 @@ def pairs(contact: Contact, triangles: Triangles) -> tuple[ndarray, ndarray, nda
     middle = mesh.p[:, mesh.facets].mean(axis=1)
     if not len(one) or not len(other):
         return np.zeros((2, 0), int)[0], np.zeros(0, int), np.zeros(0, bool)
-    distance, nearest = cKDTree(middle[:, other].T).query(middle[:, one].T)
+    distance, nearest = _nearest(middle[:, one], middle[:, other])
     found = distance <= 1e-9 * facet_lengths(mesh)[one]
     one, other = one[found], other[nearest[found]]
     ends = mesh.p[:, mesh.facets[0, one]] - mesh.p[:, mesh.facets[0, other]]

@@ -27,6 +27,8 @@ _CENTRED = 0.1
 _STEP = 0.98
 #: Distance from the aim, as a share of the accuracy, at which the factor is right.
 _HIT = 0.1
+#: Residuals of the normalisation and of the strength below which the certificates do the rest.
+_FEASIBLE = (1e-4, 1e-5)
 #: Largest change of the factor in a step.
 _CHANGE = 0.2
 #: Relative residual at which solutions of the normal equations are refined no more, and how often they are.
@@ -71,7 +73,9 @@ class Goal:
     factor
         Factor of strength to begin with, or to stay at.
     aim
-        Objective at which the factor is right; None where it stays.
+        Objective at which the factor is right.
+    moving
+        Whether the factor is looked for; it stays otherwise, and the load is multiplied.
     volume
         Share of compliance to the mean stress where the strength does not depend on it: that stress is then a
         multiplier, which the iteration finds as an augmented Lagrangian method does.
@@ -80,7 +84,8 @@ class Goal:
     """
 
     factor: float
-    aim: float | None
+    aim: float
+    moving: bool
     volume: float
     fixed: float = 1.0
 
@@ -109,7 +114,7 @@ class _Path:
 
     def __init__(self, program: Program, goal: Goal, accuracy: float) -> None:
         self.program, self.goal, self.F, self.accuracy = program, goal, goal.factor, accuracy
-        self.moving = goal.aim is not None
+        self.moving = goal.moving
         cones = self.cones = program.cones
         n = program.n_points
         self.second = cones.at[n:]
@@ -144,6 +149,11 @@ class _Path:
         total[self.second] += x[n:]
         return total
 
+    @property
+    def away(self) -> float:
+        """Distance of the objective from its aim."""
+        return abs(self.theta - self.goal.aim) if self.moving else 0.0
+
     def residuals(self) -> None:
         """How far the iterate is from equilibrium, strength, flow rule and normalisation."""
         program, s, z = self.program, self.s, self.z
@@ -151,19 +161,19 @@ class _Path:
         self.rc[:, 0] += self.theta * self.e - self.h
         self.rp = program.forces(self.sigma) - self.f0 - self.theta * self.f1
         self.rd = program.strains(self.y) + self.gathered(_by(self.G, z))
-        self.rt = -1.0 - self.f1 @ self.y + self.e @ z[:, 0]
+        self.rt = float(-1.0 - self.f1 @ self.y + self.e @ z[:, 0])
         self.gap = float((s * z).sum())
 
     def arrived(self) -> bool:
         """Whether the gap is small, or no progress is made any more."""
         self.residuals()
         size = 1.0 if self.moving else max(self.theta, 1e-9)
-        away = abs(self.theta - self.goal.aim) if self.goal.aim is not None else 0.0
-        if self.gap < self.accuracy * size and abs(self.rt) < 1e-4 and np.abs(self.rc).max() < 1e-5 and away < _HIT * self.accuracy:
+        feasible = abs(self.rt) < _FEASIBLE[0] and np.abs(self.rc).max() < _FEASIBLE[1]
+        if self.gap < self.accuracy * size and self.away < _HIT * self.accuracy and feasible:
             return True
-        worth = self.gap / size + away + abs(self.rt)
+        worth = self.gap / size + self.away + abs(self.rt)
         self._stalled = 0 if worth < 0.9 * self._best or worth > 1e-2 else self._stalled + 1
-        self._best = min(self._best, worth)
+        self._best = min(self._best, float(worth))
         if self.gap < size:
             self.inner.append(self.y)
         return self._stalled > _STALLED
@@ -178,8 +188,7 @@ class _Path:
         first = self._direction(-point)
         a = min(1.0, longest_step(self.s, first.s), longest_step(self.z, first.z))
         right = -product(point, point) - product(_times(scaled.inverse, first.s), _times(scaled.W, first.z))
-        away = abs(self.theta - self.goal.aim) if self.goal.aim is not None else 0.0
-        right[:, 0] += max(max((1 - a) ** 3, 1e-8) * mu, min(mu, _CENTRED * away / n_cones))
+        right[:, 0] += max(max((1 - a) ** 3, 1e-8) * mu, min(mu, _CENTRED * self.away / n_cones))
         d = self._direction(quotient(right, point))
         a = min(1.0, _STEP * min(longest_step(self.s, d.s), longest_step(self.z, d.z)))
         self.sigma, self.y, self.theta = self.sigma + a * d.sigma, self.y + a * d.y, self.theta + a * d.theta
@@ -239,8 +248,8 @@ class _Path:
             by_sigma, by_y, by_theta, by_u, growth, by_turn = self._by_factor
             factor = float(np.clip((self.goal.aim - self.theta - theta) / by_theta, -_CHANGE * self.F,
                                    _CHANGE * self.F))
-            sigma, y, theta, u = (x + factor * d for x, d in ((sigma, by_sigma), (y, by_y), (theta, by_theta), (u, by_u)))
-            rc, turn = rc.copy(), factor * by_turn
+            sigma, y, theta = sigma + factor * by_sigma, y + factor * by_y, theta + factor * by_theta
+            u, rc, turn = u + factor * by_u, rc.copy(), factor * by_turn
             rc[:, 0] += factor * growth
         change = _times(self.G, sigma[self.cones.at])
         change[:, 0] += self.e * theta

@@ -29,7 +29,7 @@ class Traction(NamedTuple):
 
 
 class Water(NamedTuple):
-    """Pressure, positive, of places (2, n); elements with pores, (n_first,); facets on which it presses from outside."""
+    """Pressure, positive, of places (2, n); elements with pores, (n_first,); facets that it presses on from outside."""
 
     pressure: Field
     porous: ndarray

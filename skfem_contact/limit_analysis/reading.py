@@ -216,7 +216,8 @@ def _pressure(water: PressureLike, basis: CellBasis) -> Callable[[ndarray], ndar
 
 def _contacts(pairs: Mapping[str, ContactPair], targets: Mapping[str, Any], stress: float) -> tuple[Contact, ...]:
     """Contacts in units of the model."""
-    contacts, seen = [], set()
+    contacts: list[Contact] = []
+    seen: set[str] = set()
     for name, pair in pairs.items():
         if (pair.master.dofs < 0).any():
             raise ValueError(f"contact '{name}' is with the rigid obstacle '{pair.master.name}': bounds know contact "
@@ -248,7 +249,7 @@ def _rigid_bodies(triangles: Triangles, rigid: ndarray) -> ndarray:
     number[stiff] = np.unique(label[stiff], return_inverse=True)[1]
     nodes = [np.unique(mesh.t[:, number == b]) for b in range(number.max() + 1)]
     if nodes and np.bincount(np.concatenate(nodes)).max() > 1:
-        raise ValueError("two elastic bodies, which bounds take for rigid, meet in a single node: separate or join them")
+        raise ValueError("two elastic bodies, which bounds take for rigid, meet in a node: separate or join them")
     result = np.full(len(rigid), -1)
     result[triangles.origin] = number
     return result

@@ -100,8 +100,8 @@ class Bounds:
         head = f"{self.what} in [{self.lower:.5g}, {self.upper:.5g}], {kind} {self.gap:.2%}"
         lines = [head, f"reduced: {', '.join(self.reduced)}"] if self.reduced else [head]
         lines.append("bound  triangles  unknowns      value  residual  iterations   cpu s")
-        lines += [f"{c.kind:5}  {c.elements:9d}  {c.unknowns:8d}  {c.value:9.5g}  {c.residual:8.1e}  {c.iterations:10d}  "
-                  f"{c.cpu:6.1f}" for c in self.history]
+        lines += [f"{c.kind:5}  {c.elements:9d}  {c.unknowns:8d}  {c.value:9.5g}  {c.residual:8.1e}  "
+                  f"{c.iterations:10d}  {c.cpu:6.1f}" for c in self.history]
         return "\n".join([*lines, *self.remarks])
 
     __repr__ = __str__  # a notebook would show the arrays

@@ -107,7 +107,7 @@ class Search:
         self.triangles = self.triangles.rooted
         parts = discretise(model, self.triangles, StressElements)
         for reserve in _RESERVES:
-            goal = Goal(1.0 if self.live else self._factor, None if self.live else 0.0, _VOLUME[0], 1.0 + reserve)
+            goal = Goal(1.0 if self.live else self._factor, 0.0, not self.live, _VOLUME[0], 1.0 + reserve)
             found = solve(parts.program, goal, self._accuracy)
             if found.factor > HIGHEST:
                 raise ValueError(f"the factor exceeds {HIGHEST:g}: there is no collapse")
@@ -120,8 +120,8 @@ class Search:
     def _solve_upper(self) -> Found:
         """Upper bound on the present triangles."""
         parts = discretise(self.model, self.triangles, VelocityElements)
-        factor, aim = (1.0, None) if self.live else (self._factor * _ABOVE, _AIM * self._accuracy)
-        goal = Goal(factor, aim, _VOLUME[1])
+        factor = 1.0 if self.live else self._factor * _ABOVE
+        goal = Goal(factor, _AIM * self._accuracy, not self.live, _VOLUME[1])
         found = solve(parts.program, goal, self._accuracy)
         proof = prove_upper(parts.program, found, self.live)
         self._certified("upper", parts, found, proof)
@@ -168,7 +168,7 @@ class Search:
 
 
 def _tractions(triangles: Triangles, joint: Joint, facets: ndarray, stress: ndarray) -> ndarray:
-    """Normal and tangential tractions at the ends of the slave's facets from the stresses of one side, (n, 2 ends, 2)."""
+    """Normal and tangential tractions at the ends of the slave's facets, from the stresses of one side, (n, 2, 2)."""
     mesh = triangles.mesh
     owner = mesh.f2t[0, facets]
     normal = outward_normals(mesh, joint.slave, mesh.f2t[0, joint.slave])

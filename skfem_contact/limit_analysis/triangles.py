@@ -101,12 +101,12 @@ def _divided(p: ndarray, t: ndarray, middle: ndarray) -> tuple[ndarray, ndarray]
     turn = (first + np.arange(3)[:, None]) % 3
     (a, b, c), (ab, bc, ca) = np.take_along_axis(t, turn, 0), np.take_along_axis(middle, turn, 0)
     short = np.linalg.norm(p[:, a] - p[:, bc], axis=0) <= np.linalg.norm(p[:, ab] - p[:, c], axis=0)
-    two = count == 2
+    two, three = count == 2, count == 3
     parts = [(count == 0, (a, b, c)),
              (count == 1, (a, ab, c)), (count == 1, (ab, b, c)),
              (two, (ab, b, bc)), (two & short, (a, ab, bc)), (two & short, (a, bc, c)),
              (two & ~short, (a, ab, c)), (two & ~short, (ab, bc, c)),
-             (count == 3, (a, ab, ca)), (count == 3, (ab, b, bc)), (count == 3, (ca, bc, c)), (count == 3, (ab, bc, ca))]
+             (three, (a, ab, ca)), (three, (ab, b, bc)), (three, (ca, bc, c)), (three, (ab, bc, ca))]
     children = np.hstack([np.stack(corners)[:, which] for which, corners in parts])
     return children, np.concatenate([np.flatnonzero(which) for which, _ in parts])
 
