@@ -7,6 +7,12 @@ from numpy import ndarray
 from skfem import MeshTri
 
 
+def relative_gap(lower: float, upper: float) -> float:
+    """Difference of two bounds as a share of their mean; inf where one is not proven."""
+    mean = 0.5 * (abs(lower) + abs(upper))
+    return (upper - lower) / mean if 0 < mean < float("inf") else float("inf") if mean else 0.0
+
+
 @dataclass(frozen=True)
 class Certificate:
     """What was checked after the solver, on one mesh.
@@ -87,7 +93,7 @@ class Bounds:
     @property
     def gap(self) -> float:
         """Difference of the bounds as a share of their mean."""
-        return (self.upper - self.lower) / (0.5 * (self.upper + self.lower))
+        return relative_gap(self.lower, self.upper)
 
     @property
     def certificates(self) -> tuple[Certificate, Certificate]:

@@ -15,7 +15,7 @@ from .interior_point import HIGHEST, Goal, Solution, solve
 from .model import Discretisation, Model, discretise
 from .reading import Problem
 from .refine import fanned, gap_of_elements, gap_of_facets, marked, singular_points
-from .result import Certificate
+from .result import Certificate, relative_gap
 from .triangles import Triangles, outward_normals
 
 #: Strength that the solver keeps in reserve where it is not reduced: its stresses violate it by less.
@@ -74,7 +74,7 @@ class Search:
     def gap(self) -> float:
         """Difference of the best bounds as a share of their mean."""
         low, high = self.lower.proof.value, self.upper.proof.value
-        return (high - low) / (0.5 * (high + low)) if np.isfinite(low + high) else np.inf
+        return relative_gap(low, high)
 
     def run(self, gap: float, elements: int, seconds: float) -> None:
         """Refine until the gap is small."""
