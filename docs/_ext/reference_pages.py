@@ -22,6 +22,7 @@ ROOMS = {
     "Contact": ("contact",),
     "Loads": ("loads",),
     "Analysis": ("analysis", "checks"),
+    "Bounds": ("limit_analysis",),
     "Results": ("post",),
     "Pictures": ("plot",),
     "Assembly": ("assembly",),

@@ -75,7 +75,8 @@ def bounds(forms: Mapping[str, Any], fixed: ndarray, weight: float | Mapping[str
     Warns
     -----
     AnalysisWarning
-        The gap was not reached, or a bound could not be proven: it is then infinite.
+        The gap was not reached, a bound could not be proven (it is then infinite), or the fixed loads alone cause a
+        collapse.
 
     Examples
     --------
@@ -113,7 +114,10 @@ def _tell(search: Search, gap: float) -> None:
     """Errors and warnings of a search that did not reach its end."""
     low, high = search.lower.proof.value, search.upper.proof.value
     unproven = [kind for kind, value in (("lower", low), ("upper", high)) if not np.isfinite(value)]
-    if unproven:
+    if search.overloaded:
+        warnings.warn(f"the fixed loads alone cause a collapse: the multiplier is at most {high:.5g}", AnalysisWarning,
+                      stacklevel=4)
+    elif unproven:
         warnings.warn(f"no {' and no '.join(unproven)} bound could be proven", AnalysisWarning, stacklevel=4)
     elif search.gap > gap:
         warnings.warn(f"the bounds [{low:.5g}, {high:.5g}] differ by {search.gap:.2%}, more than the {gap:.2%} that "

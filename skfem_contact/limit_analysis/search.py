@@ -76,9 +76,14 @@ class Search:
         low, high = self.lower.proof.value, self.upper.proof.value
         return relative_gap(low, high)
 
+    @property
+    def overloaded(self) -> bool:
+        """Whether it is proven that the fixed loads alone are too much."""
+        return self.live and self.upper.proof.value < 0
+
     def run(self, gap: float, elements: int, seconds: float) -> None:
         """Refine until the gap is small."""
-        while self.gap > gap:
+        while self.gap > gap and not self.overloaded:
             finer = self._refined()
             if finer.mesh.nelements > elements or process_time() - self._began > seconds:
                 break

@@ -12,6 +12,10 @@ from skfem import MeshTri
 Tag = str | tuple[str, int]
 
 
+#: Digits of lengths, of order one, that decide how triangles are divided: round-off must not.
+_DIGITS = 9
+
+
 @dataclass(frozen=True)
 class Triangles:
     """A mesh, the elements of earlier ones that each triangle is part of, and named facets.
@@ -49,7 +53,7 @@ class Triangles:
     @property
     def longest(self) -> ndarray:
         """Longest facet of every triangle, (n_elements,)."""
-        lengths = facet_lengths(self.mesh)[self.mesh.t2f]
+        lengths = np.round(facet_lengths(self.mesh), _DIGITS)[self.mesh.t2f]
         return np.take_along_axis(self.mesh.t2f, lengths.argmax(axis=0)[None], 0)[0]
 
     def moved(self, p: ndarray) -> Triangles:
@@ -100,7 +104,8 @@ def _divided(p: ndarray, t: ndarray, middle: ndarray) -> tuple[ndarray, ndarray]
     first = np.where(count == 1, np.argmax(middle >= 0, axis=0), (np.argmin(middle, axis=0) + 1) % 3)
     turn = (first + np.arange(3)[:, None]) % 3
     (a, b, c), (ab, bc, ca) = np.take_along_axis(t, turn, 0), np.take_along_axis(middle, turn, 0)
-    short = np.linalg.norm(p[:, a] - p[:, bc], axis=0) <= np.linalg.norm(p[:, ab] - p[:, c], axis=0)
+    across = np.linalg.norm(p[:, a] - p[:, bc], axis=0) - np.linalg.norm(p[:, ab] - p[:, c], axis=0)
+    short = np.round(across, _DIGITS) <= 0
     two, three = count == 2, count == 3
     parts = [(count == 0, (a, b, c)),
              (count == 1, (a, ab, c)), (count == 1, (ab, b, c)),
