@@ -18,6 +18,7 @@ from .contact import (
 from .contact.laws import Coulomb, InterfaceLaw, Status, Tied
 from .errors import AnalysisWarning, NoEquilibrium, NotConverged
 from .forms import Form, Response
+from .limit_analysis import Bounds, bounds
 from .links import Bar, BarState, MatrixForm, Spring
 from .loads import hydrostatic, traction, water_load, weight
 from .materials import DruckerPrager, HardeningMohrCoulomb, LinearElastic, MohrCoulomb, Tresca, Undrained, VonMises
@@ -64,6 +65,7 @@ __all__ = [
     "AugmentedLagrangian",
     "Bar",
     "BarState",
+    "Bounds",
     "CheckFailed",
     "CollapseResult",
     "ContactPair",
@@ -105,6 +107,7 @@ __all__ = [
     "axisymmetric",
     "b_bar",
     "bodies",
+    "bounds",
     "check_form",
     "check_interface_law",
     "check_material",
