@@ -2,8 +2,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping
+from dataclasses import dataclass, is_dataclass
 from dataclasses import fields as dataclass_fields
-from dataclasses import is_dataclass
 from functools import cached_property
 from types import MappingProxyType
 from typing import Any
@@ -76,6 +76,21 @@ class Response:
             return self
         return Response(np.pad(self.force, (0, n - len(self.force))), lambda: self.state,
                         lambda: padded(self.stiffness, n), lambda: padded(self.damped, n), self.round_off)
+
+@dataclass(frozen=True)
+class Failure:
+    """How Newton's method failed, for a form that is asked for an easier one to begin with.
+
+    Attributes
+    ----------
+    loose
+        Whether bodies can move freely, or ran away.
+    seen
+        Candidate states of the form between which the iterations chatter, if any.
+    """
+
+    loose: bool
+    seen: tuple[Any, ...] = ()
 
 
 class Form:
@@ -190,8 +205,35 @@ class Form:
         """The form of a step in time; itself where time does not matter."""
         return self
 
-    def outer(self, x: ndarray, accepted: Any, candidate: Any) -> Any | None:
-        """An improved accepted state to solve again from, or None."""
+    def begin(self, accepted: Any, failure: Failure | None = None) -> Form:
+        """An easier form to begin an increment with, whose family ends at this one; itself where it knows none.
+
+        Parameters
+        ----------
+        accepted
+            The accepted state.
+        failure
+            How Newton's method failed; None before the first attempt.
+        """
+        return self
+
+    def outer(self, x: ndarray, accepted: Any, found: Any) -> tuple[Form, Any] | None:
+        """Form and accepted state with which the increment is to be solved once more, or None.
+
+        Multipliers are improved here, and an easier form makes room for the next one of its family.
+
+        Parameters
+        ----------
+        x, found
+            Displacements and state of the equilibrium that was found.
+        accepted
+            The accepted state, at the start of the increment.
+        """
+
+    @property
+    def eased(self) -> str:
+        """Why there may be no equilibrium but of this easier form, for a message."""
+        return ""
 
     # -- between stages --------------------------------------------------------------------------------------
 
@@ -233,8 +275,8 @@ class Form:
         """One line for the table of a result."""
         return ""
 
-    def remarks(self, state: Any) -> Iterable[Remark]:
-        """What a user should know of a state."""
+    def remarks(self, x: ndarray, state: Any) -> Iterable[Remark]:
+        """What a user should know of an accepted state, and of its displacements."""
         return ()
 
 

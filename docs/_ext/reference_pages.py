@@ -25,6 +25,8 @@ ROOMS = {
     "Loads": ("loads",),
     "Stages": ("stages",),
     "Collapse": ("collapse",),
+    "Bounds": ("limit_analysis",),
+    "Water": ("water",),
     "Equilibrium": ("nonlinear", "forms", "unknowns", "errors"),
     "Results": ("post",),
     "Pictures": ("plot",),

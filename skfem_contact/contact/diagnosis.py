@@ -2,15 +2,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy import ndarray
 
 from ..remarks import Remark
-from .laws import Status
+from .laws import InterfaceLaw, Status
 from .quadrature import SlavePoints
 from .state import ContactState
-from .surface import EXTENSION, Surface
+from .surface import Surface
+
+if TYPE_CHECKING:
+    from .pair import ContactPair
 
 #: Penetration, as a share of the slave segment, from which the user is told.
 PENETRATION = 0.01
@@ -32,45 +36,26 @@ def passed_through(depth: ndarray, accepted: ContactState, candidate: ContactSta
     return int((was_outside & (candidate.gap < -depth)).sum())
 
 
-def remarks(slave: Surface, master: Surface, points: SlavePoints, depth: ndarray, penalties: tuple[float, float],
-            state: ContactState) -> Iterator[Remark]:
-    """Remarks on a state: penetration, round-off, points held to a facet that they have left, or too deep, no contact.
-
-    Parameters
-    ----------
-    slave, master
-        The surfaces.
-    points
-        The slave's points.
-    depth
-        Largest penetration that counts as contact, (n,).
-    penalties
-        Normal and tangential penalty.
-    state
-        Their state.
-    """
+def remarks(pair: ContactPair, state: ContactState) -> Iterator[Remark]:
+    """Remarks on a state: penetration, round-off, bonds that are lost, points that lie too deep, no contact."""
+    slave, master, points, penalties = pair.slave, pair.master, pair.points(state), pair.penalties(state)
     share = penetration(points, state)
     if share > PENETRATION:
         yield Remark("penetration", share,
                      f"the slave penetrates by {share:.1%} of its segment length: the penalty, {penalties[0]:.3g}, is "
                      "too soft for this load")
     lost = penalties[1] * ROUND_OFF * float(np.abs(master.nodes - slave.nodes.mean(axis=0)).max())
-    largest = float(np.abs((state.normal, state.tangential)).max(initial=0.0))
+    largest = float(np.abs(state.traction).max(initial=0.0))
     if 0.0 < largest < lost / _LOST and (state.status == Status.STICK).any():
         yield Remark("round-off", lost / largest,
                      f"round-off of the slip makes up to {lost / largest:.1%} of the largest traction: the tangential "
                      f"penalty, {penalties[1]:.3g}, is too hard")
-    astray = _astray(master, depth, state)
-    if astray.any():
-        yield Remark("facet lock", astray.sum(),
-                     f"points {np.flatnonzero(astray)} of '{slave.name}' went to and fro at ends of the facets of "
-                     f"'{master.name}' and were held to the ones that they have left, or to none: smoothing the master "
-                     "would take away the kinks there")
-    if state.broken.any():
-        yield Remark("bond", state.broken.sum(),
-                     f"points {np.flatnonzero(state.broken)} of '{slave.name}' opened with their bond and closed "
-                     "without it: they have lost it, adhesion and tension, for good")
-    deep = state.gap < -depth
+    lost_bond = _without_bond(pair.law, state)
+    if lost_bond.any():
+        yield Remark("bond", lost_bond.sum(),
+                     f"points {np.flatnonzero(lost_bond)} of '{slave.name}' opened with their bond and closed without "
+                     "it: they have lost it, adhesion and tension, for good")
+    deep = state.gap < -pair.depth(points)
     if deep.any():
         yield Remark("too deep", -state.gap.min(),
                      f"{deep.sum()} of {len(deep)} points of '{slave.name}' lie deeper in "
@@ -83,12 +68,11 @@ def remarks(slave: Surface, master: Surface, points: SlavePoints, depth: ndarray
             f"gap is {gap:.3g} between '{slave.name}' and '{master.name}', smallest at {_place(slave, points, state)}"))
 
 
-def _astray(master: Surface, depth: ndarray, state: ContactState) -> ndarray:
-    """Closed points beyond the ends of their facet by more than search lets pass, open ones that penetrate unseen."""
-    closed, none = state.status != Status.OPEN, state.segment == -1
-    start, length = master.start[state.segment], master.length[state.segment]
-    beyond = np.maximum(start - state.arc, state.arc - start - length) > EXTENSION * length
-    return (closed & ~none & beyond) | (none & (state.gap < 0.0) & (state.gap >= -depth))
+def _without_bond(law: InterfaceLaw, state: ContactState) -> ndarray:
+    """Closed points whose bond is broken, of a law that has one."""
+    gone = law.debonded(state.internal)
+    has_bond = (law.debonded(np.zeros_like(gone)) != 0.0).any(axis=0)
+    return has_bond & (gone == state.internal).all(axis=0) & (state.status != Status.OPEN)
 
 
 def _place(slave: Surface, points: SlavePoints, state: ContactState) -> str:

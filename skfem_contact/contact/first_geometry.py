@@ -22,8 +22,7 @@ from numpy import ndarray
 from ..forms import Form, Response
 from .kinematics import Kinematics, tangents, variations
 from .laws import Status
-from .recovery.debonding import tractions
-from .state import ContactState
+from .state import ContactState, closest
 
 if TYPE_CHECKING:
     from .pair import ContactPair
@@ -66,14 +65,14 @@ class FirstGeometry(Form):
         slave, nodes = pair._places(x)
         self._points = points = pair.points(state)
         positions = points.positions(slave)
-        found = pair._project(points, nodes, positions, state.segment)
+        found = pair._project(points, nodes, positions, state.facet)
         self._at = at = np.flatnonzero(found.found)
-        seen = variations(points, pair.slave, pair.master, at, found, positions, state.stick_point - state.shift, nodes)
+        seen = variations(points, pair.slave, pair.master, at, found, positions, state.stick_point, nodes)
         self._kinematics = seen._replace(slip_gradient=seen.tangential)
         penalties = pair.penalties(state)
-        closing = state.offset - points.at(state.normal_multiplier) / penalties[0]
+        closing = state.offset - points.at(state.multiplier[0]) / penalties[0]
         self._gap = (found.gap - closing)[at]
-        self._elastic = seen.stretch * seen.elastic_arc + points.at(state.tangential_multiplier)[at] / penalties[1]
+        self._elastic = seen.stretch * seen.elastic_arc + points.at(state.multiplier[1])[at] / penalties[1]
         self._first = x.take(seen.dofs.clip(0))
 
     def __repr__(self) -> str:
@@ -99,10 +98,10 @@ class FirstGeometry(Form):
         """The pair that follows the bodies, and the state that it has there: with the same tractions."""
         slave, nodes = self.pair._places(x)
         found = self.pair._project(self._points, nodes, self._points.positions(slave))
-        arc = self.pair._arc(found)
+        facet, position = closest(self.pair.master, found)
         own = {field.name: getattr(state, field.name) for field in fields(ContactState)}
         elastic = np.where(state.status == Status.OPEN, 0.0, state.moved - state.stick)
-        own |= {"arc": arc, "segment": np.where(found.found, found.segment, -1), "stick_point": arc - elastic}
+        own |= {"position": position, "facet": facet, "stick_point": position - elastic}
         return self.pair, ContactState(**own)
 
     def reduced(self, factor: float, flow: str, names: Collection[str]) -> FirstGeometry:
@@ -117,26 +116,26 @@ class FirstGeometry(Form):
         change = np.where(all_.dofs < 0, 0.0, x.take(all_.dofs.clip(0)) - self._first)
         gap = self._gap + (all_.gap_gradient * change).sum(axis=1)
         moved = (all_.tangential * change).sum(axis=1)
-        penalties = pair.penalties(state)
-        closed = (state.status != int(Status.OPEN)) & ~state.broken
-        on = np.flatnonzero(pair.law.reaches(gap, penalties[0], closed[self._at]))
-        at = self._at[on]
-        update = tractions(pair.law, state.broken[at], gap[on], moved[on] - state.stick[at], penalties)
+        internal, closed = pair.seen(state).internal, state.status != int(Status.OPEN)
+        law, all_at = pair.law, self._at
+        on = np.flatnonzero(law.take(self._points.take(all_at)).reaches(gap, internal[:, all_at], closed[all_at]))
+        at = all_at[on]
+        jump = np.stack((gap[on], moved[on] - state.stick[at]))
+        update = law.take(self._points.take(at)).update(jump, internal[:, at], pair.penalties(state))
         kinematics = _of(all_, on)
         weight = pair.share * self._points.weight[at]
-        force = ((weight * update.normal)[:, None] * kinematics.gap_gradient
-                 + (weight * update.tangential)[:, None] * kinematics.tangential)
+        force = ((weight * update.traction[0])[:, None] * kinematics.gap_gradient
+                 + (weight * update.traction[1])[:, None] * kinematics.tangential)
 
         def candidate() -> HeldState:
-            motion, stick, gaps = state.moved.copy(), state.stick.copy(), state.gap.copy()
+            motion, stick, gaps, new = state.moved.copy(), state.stick.copy(), state.gap.copy(), internal.copy()
             motion[self._at], gaps[self._at] = moved, gap + state.offset[self._at]
             stick[self._at] = moved
-            stick[at] -= update.elastic_slip
-            normal, shear = np.zeros((2, len(gaps)))
-            status = np.full(len(gaps), int(Status.OPEN))
-            normal[at], shear[at], status[at] = update.normal, update.tangential, update.status
+            stick[at] -= update.elastic_slip[0]
+            traction, status = np.zeros_like(state.traction), np.full(len(gaps), int(Status.OPEN))
+            traction[:, at], status[at], new[:, at] = update.traction, update.status, update.internal
             slip = np.where(status == Status.OPEN, 0.0, state.slip + motion - state.moved)
-            return replace(state, gap=gaps, slip=slip, normal=normal, tangential=shear, status=status, moved=motion,
+            return replace(state, gap=gaps, slip=slip, traction=traction, status=status, internal=new, moved=motion,
                            stick=stick)
 
         return Response(pair._gathering.force(kinematics.dofs, force), candidate,

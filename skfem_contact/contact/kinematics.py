@@ -22,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy import ndarray
 
-from .laws import Traction
+from .laws import Update
 from .quadrature import SlavePoints
 from .search import Projection
 from .surface import Surface
@@ -132,15 +132,14 @@ def variations(points: SlavePoints, slave: Surface, master: Surface, at: ndarray
     return Kinematics(dofs.reshape(G.shape), G, tangential, slip_gradient, n, tau, elastic_arc, l / metric, second)
 
 
-def tangents(kinematics: Kinematics, traction: Traction, exact: bool) -> ndarray:
+def tangents(kinematics: Kinematics, update: Update, exact: bool) -> ndarray:
     """Tangents of the forces of points of unit weight, (n, m, m): eqs 14 to 16 or, unless exact, eqs 20 to 22."""
     G, T, S = kinematics.gap_gradient, kinematics.tangential, kinematics.slip_gradient
-    dN = traction.normal_by_gap[:, None] * G
-    dT = traction.tangential_by_gap[:, None] * G + traction.tangential_by_slip[:, None] * S
+    dN, dT = (by_gap[:, None] * G + by_slip[:, None] * S for by_gap, by_slip in update.tangent)
     primary = _outer(G, dN) + _outer(T, dT)
     if not exact:
         return primary
-    return primary + geometric_tangent(kinematics, traction.normal, traction.tangential)
+    return primary + geometric_tangent(kinematics, *update.traction)
 
 
 def geometric_tangent(kinematics: Kinematics, normal_traction: ndarray, tangential_traction: ndarray) -> ndarray:

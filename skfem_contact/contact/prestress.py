@@ -70,7 +70,7 @@ class TractionOperator:
         slave, nodes = pair._places(x)
         self.places = points.positions(pair.slave.nodes)
         positions = points.positions(slave)
-        found = pair._project(points, nodes, positions, state.segment)
+        found = pair._project(points, nodes, positions, state.facet)
         at = np.flatnonzero(found.found & (state.status != Status.OPEN))
         frame = variations(points, pair.slave, pair.master, at, found, positions, state.stick_point, nodes)
         self._at, self._normal, self._tangent = at, frame.normal, frame.tangent
@@ -102,11 +102,11 @@ class TractionOperator:
             at_points = np.repeat(np.arange(len(normal)), points.nodes.shape[1])
             shapes = csr_matrix((points.values.ravel(), (at_points, points.nodes.ravel())))
             nodal = [lsqr(shapes, part, atol=_ACCURACY, btol=_ACCURACY)[0] for part in (normal, tangential)]
-            state = replace(state, normal_multiplier=nodal[0], tangential_multiplier=nodal[1])
+            state = replace(state, multiplier=np.stack(nodal))
             normal, tangential = normal - shapes @ nodal[0], tangential - shapes @ nodal[1]
         by_gap, by_slip = pair.penalties(state)
         offset = np.where(state.status != Status.OPEN, state.gap - normal / by_gap, state.offset)
-        stick_point = state.arc - tangential / by_slip / self._stretch
+        stick_point = state.position - tangential / by_slip / self._stretch
         return pair.assemble(self._x, replace(state, offset=offset, stick_point=stick_point)).state
 
 
@@ -117,8 +117,8 @@ def moved_back(pair: ContactPair, state: ContactState) -> ContactState:
     if pair.quadrature == "segments":
         excess = np.interp(new.arc, old.arc, np.where(np.isfinite(state.gap), state.gap - state.offset, 0.0))
         state = replace(transferred(state, old, new), cuts=home.cuts, offset=np.zeros(len(excess)), gap=excess)
-    elastic = np.nan_to_num(pair.master.along(state.arc - state.stick_point))
+    elastic = np.nan_to_num(pair.master.along(state.position - state.stick_point))
     near = np.isfinite(home.gap) & np.isfinite(state.gap)
     offset = np.where(near, home.gap - (state.gap - state.offset), 0.0)
-    return replace(state, arc=home.arc, stick_point=home.arc - elastic, segment=home.segment, gap=home.gap,
+    return replace(state, position=home.position, stick_point=home.position - elastic, facet=home.facet, gap=home.gap,
                    slip=np.zeros_like(state.slip), offset=offset)

@@ -36,6 +36,10 @@ class SlavePoints:
     arc: ndarray
     size: ndarray
 
+    def take(self, at: ndarray) -> SlavePoints:
+        """Some of the points."""
+        return SlavePoints(self.nodes[at], self.values[at], self.weight[at], self.arc[at], self.size[at])
+
     def positions(self, nodes: ndarray) -> ndarray:
         """Coordinates of the points, (n, 2), from those of the slave nodes."""
         return np.einsum("nk,nkc->nc", self.values, nodes[self.nodes])

@@ -1,14 +1,23 @@
 """Start-up of bodies that nothing but contact holds: soft springs until it is closed."""
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy import ndarray
 
-from ..laws import InterfaceLaw, Status, Traction
+from ...forms import Failure
+from ..laws import InterfaceLaw, Status, Update
+from ..quadrature import SlavePoints
 from ..state import ContactState
-from .debonding import unbonded
+from .family import Recovery
+
+if TYPE_CHECKING:
+    from ..pair import ContactPair
+
+logger = logging.getLogger("skfem_contact")
 
 #: Stiffness of the springs as a share of the penalty: at first, and when they are as good as gone.  Stiffer ones draw
 #: wide gaps, as beside a cylinder on a plane, with many times the load.
@@ -20,7 +29,41 @@ _NEGLIGIBLE = 1e-3
 
 
 @dataclass(frozen=True)
-class Held:
+class Stabilisation(Recovery):
+    """Springs that become softer from solution to solution.
+
+    Parameters
+    ----------
+    share
+        Stiffness of the springs as a share of the penalty.
+    """
+
+    share: float = _FIRST
+
+    @classmethod
+    def begin(cls, pair: ContactPair, accepted: ContactState, failure: Failure | None) -> Stabilisation | None:
+        """The stiffest springs where bodies are loose, unless a bond holds them."""
+        if failure is None or not failure.loose or pair.law.bonds or pair.easing.of(cls) is not None:
+            return None
+        logger.info("bodies are loose while contact is open: stabilisation by soft springs closes '%s', which are then "
+                    "taken away", pair.slave.name)
+        return cls()
+
+    def law(self, law: InterfaceLaw) -> Stabilised:
+        """The law with springs."""
+        return Stabilised(law, self.share)
+
+    def proceed(self, pair: ContactPair, accepted: ContactState, found: ContactState) -> Stabilisation | None:
+        """Softer springs, or none where they are next to nothing or exert next to nothing."""
+        force = pair.points(accepted).weight * np.abs(found.traction[0])
+        is_open, slides = found.status == Status.OPEN, (found.status == Status.SLIP).any()
+        share = self.share * _FALL
+        gone = share < _LAST or (not slides and force[is_open].sum() <= _NEGLIGIBLE * force[~is_open].sum())
+        return None if gone else Stabilisation(share)
+
+
+@dataclass(frozen=True)
+class Stabilised(InterfaceLaw):
     """An interface law with soft springs: normal ones draw open points to the surface that they face.
 
     Sideways springs act only where the law resists slip under pressure, for without friction nothing will hold the
@@ -37,54 +80,35 @@ class Held:
     law: InterfaceLaw
     share: float
 
+    reaches_far = True
+
     @property
-    def bonds(self) -> bool:
+    def n_internal(self) -> int:  # type: ignore[override]
         """As the law."""
-        return self.law.bonds
+        return self.law.n_internal
 
-    @property
-    def unbonded(self) -> Held:
-        """The springs with the law of points whose bond is broken."""
-        return replace(self, law=unbonded(self.law))
+    def take(self, points: SlavePoints) -> Stabilised:
+        """The springs are the same everywhere."""
+        return replace(self, law=self.law.take(points))
 
-    def reaches(self, gap: ndarray, normal_penalty: float, closed: ndarray) -> ndarray:
+    def reaches(self, gap: ndarray, internal: ndarray, closed: ndarray) -> ndarray:
         """All points."""
         return np.ones(len(gap), bool)
 
-    def update(self, gap: ndarray, slip: ndarray, normal_penalty: float, tangential_penalty: float) -> Traction:
+    def update(self, jump: ndarray, internal: ndarray, penalty: tuple[float, float]) -> Update:
         """The law's tractions where the gap is closed, and those of the springs."""
-        law = self.law.update(np.minimum(gap, 0.0), slip, normal_penalty, tangential_penalty)
-        pressed = self.law.update(-np.ones(1), np.zeros(1), normal_penalty, tangential_penalty)
-        normal, along = self.share * normal_penalty, self.share * float(pressed.tangential_by_slip[0])
-        is_open = gap > 0.0
-        return Traction(
-            normal=np.where(is_open, normal * gap, law.normal),
-            tangential=np.where(is_open, 0.0, law.tangential) + along * slip,
-            normal_by_gap=np.where(is_open, normal, law.normal_by_gap),
-            tangential_by_gap=np.where(is_open, 0.0, law.tangential_by_gap),
-            tangential_by_slip=np.where(is_open, 0.0, law.tangential_by_slip) + along,
+        is_open, pressed = jump[0] > 0.0, np.zeros_like(jump)
+        law = self.law.update(np.concatenate((np.minimum(jump[:1], 0.0), jump[1:])), internal, penalty)
+        pressed[0] = -1.0
+        resists = self.law.update(pressed, internal, penalty).tangent
+        springs = self.share * np.einsum("iin->in", resists)
+        springs[0] = np.where(is_open, self.share * penalty[0], 0.0)
+        tangent = np.where(is_open, 0.0, law.tangent)
+        tangent[np.arange(len(jump)), np.arange(len(jump))] += springs
+        return Update(
+            traction=np.where(is_open, 0.0, law.traction) + springs * jump,
+            internal=law.internal,
+            tangent=tangent,
             elastic_slip=np.where(is_open, 0.0, law.elastic_slip),
             status=np.where(is_open, int(Status.OPEN), law.status),
         )
-
-
-def with_springs(state: ContactState) -> ContactState:
-    """The state with springs at its open points; the same one where it has them."""
-    return state if state.springs[0] == _FIRST else replace(state, springs=np.array([_FIRST]))
-
-
-def release(accepted: ContactState, candidate: ContactState, weight: ndarray) -> ContactState:
-    """The accepted state with softer springs, or with none where they are next to nothing or exert next to nothing.
-
-    Parameters
-    ----------
-    accepted, candidate
-        State at the start of the increment, and the one that has been found with springs.
-    weight
-        Lengths of surface that belong to the points.
-    """
-    force = weight * np.abs(candidate.normal)
-    is_open, slides = candidate.status == Status.OPEN, (candidate.status == Status.SLIP).any()
-    share = float(accepted.springs[0]) * _FALL
-    gone = share < _LAST or (not slides and force[is_open].sum() <= _NEGLIGIBLE * force[~is_open].sum())
-    return replace(accepted, springs=np.array([0.0 if gone else share]))
