@@ -34,6 +34,7 @@ templates_path = ["_templates"]
 html_theme = "pydata_sphinx_theme"
 html_title = f"skfem_contact {version}"
 html_favicon = "_static/favicon.svg"
+html_context = {"default_mode": "auto"}
 html_static_path = ["_static"]
 html_css_files = ["custom.css"]
 html_show_sourcelink = True
@@ -78,6 +79,7 @@ sphinx_gallery_conf = {
     "reset_modules": ("matplotlib", "gallery_output.reset_units"),
     "show_signature": False,
     "download_all_examples": False,
+    "write_computation_times": False,
     "plot_gallery": True,
 }
 

@@ -79,8 +79,8 @@ def write_pages(app, config) -> None:
     for number, (title, modules) in enumerate(ROOMS.items()):
         found = [name for module in modules for name in names.get(module, [])]
         if found:
-            (folder / f"{number}_{modules[0]}.rst").write_text(page(title, modules[0], found), encoding="utf-8")
-            topics.append(topic(title, f"{number}_{modules[0]}", found))
+            (folder / f"{number:02}_{modules[0]}.rst").write_text(page(title, modules[0], found), encoding="utf-8")
+            topics.append(topic(title, f"{number:02}_{modules[0]}", found))
     index = Path(app.srcdir, "_build", "generated", "topics.md")
     index.parent.mkdir(parents=True, exist_ok=True)
     index.write_text("\n".join(topics), encoding="utf-8")
