@@ -18,7 +18,7 @@ def kinked_blocks(phase: float, mu: float):
         mesh = grid("Q1", np.linspace(x0, x1, 5), np.array([bottom, bottom + 0.6]))
         share = (mesh.p[1] - bottom) / 0.6
         up = (share if low else 1 - share) * 0.05 * np.sin(5 * mesh.p[0] + phase)
-        return replace(mesh, doflocs=mesh.p + [0 * up, up])
+        return replace(mesh, doflocs=mesh.p + np.stack((0 * up, up)))
 
     bodies = {"base": bent(-0.6, -0.5, 1.5, True), "block": bent(-0.01, 0.0, 1.0, False)}
     basis = vector_basis(sc.join_bodies(bodies), "Q1", intorder=2)
