@@ -119,7 +119,7 @@ class _Path:
         n = program.n_points
         self.second = cones.at[n:]
         self._set_factor(self.F)
-        least = 1e-3 * float(np.median(self.h))
+        least = 1e-3 * (float(np.median(self.h)) or 1.0)
         self.e = (self.h + least) * self.moving
         self.f0 = program.dead + program.live * self.moving
         self.f1 = program.live * (not self.moving)

@@ -264,6 +264,8 @@ def _remarks(solids: Mapping[str, SolidForm], shape: Geometry, loads: Loads, fou
     elastic = [name for name, form in solids.items() if found.rigid[elements_of(form.basis)].any()]
     if elastic:
         remarks.append(f"elastic bodies have no limit and count as rigid: {', '.join(elastic)}")
+    if (found.c == 0).any():
+        remarks.append("soil without cohesion: at a free surface the lower bound is zero; a small cohesion mends it")
     if shape.curved:
         remarks.append("curved sides are straight between the nodes at their ends")
     if loads.water is not None:
