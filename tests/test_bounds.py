@@ -87,7 +87,7 @@ def test_water_and_acceleration() -> None:
 
 
 def block(law, strength: bool, soil=None, elements: int = 600) -> sc.Bounds:
-    """A block on a base, pushed with 1 or, for a factor, 30 kN/m; the meshes of the faces do not match."""
+    """A block on a base, pushed with 1 or, for a factor, 30 kN/m; the meshes of their faces do not match."""
     base = MeshTri.init_tensor(np.linspace(0, 8, 9), np.linspace(-1, 0, 2)).with_defaults()
     upper = MeshTri.init_tensor(np.linspace(2, 6, 4), np.linspace(0, 1, 2)).with_defaults()
     basis = Basis(sc.join_bodies({"base": base, "block": upper}), ElementVector(ElementTriP2()), intorder=2)
@@ -96,7 +96,8 @@ def block(law, strength: bool, soil=None, elements: int = 600) -> sc.Bounds:
     push = {"tractions": {"block:left": (30.0, 0.0)}, "reduce": "joint"}
     if not strength:
         push = {"tractions": {"block:left": (1.0, 0.0)}, "live": "block:left"}
-    return bounds(forms, basis.get_dofs("base:bottom").all(), weight={"block": 25.0}, gap=2e-4, elements=elements, **push)
+    fixed = basis.get_dofs("base:bottom").all()
+    return bounds(forms, fixed, weight={"block": 25.0}, gap=2e-4, elements=elements, **push)
 
 
 LAW = sc.Coulomb(mu=np.tan(np.radians(26.6)), adhesion=2.5)
@@ -112,10 +113,10 @@ def test_sliding_block(soil) -> None:
 
 
 def test_smooth_and_tied() -> None:
-    """[X] Without friction nothing resists; tied to the base the block shears off at its adhesion or topples."""
+    """[X] Without friction nothing resists; a tied block is crushed at 2 c, not sheared off at 4 c along its base."""
     assert block(sc.Coulomb(), False, elements=50).upper < 1e-9
     tied = block(sc.Tied(), False, sc.Tresca(E=1e5, nu=0.3, c=20.0), elements=300)
-    assert 0.5 * 80.0 < tied.lower < tied.upper <= 80.0 * (1 + 1e-9)  # 4 c along the base
+    assert 0.999 * 40.0 < tied.lower < tied.upper < 1.05 * 40.0  # its weight and the base add a little
     with pytest.warns(sc.AnalysisWarning, match="fixed loads alone"):
         block(sc.Tied(), False, sc.Tresca(E=1e5, nu=0.3, c=5.0), elements=300)
 
@@ -227,7 +228,8 @@ def test_result_is_in_the_users_units() -> None:
     found = bounds(**CASES["Griffiths and Lane 1"][0], elements=700)
     assert set(found.mesh.boundaries) == {"base", "sides"}
     assert np.allclose([found.mesh.p.min(axis=1), found.mesh.p.max(axis=1)], [[-32, 0], [0, 10]])
-    assert np.abs(found.mechanism).max() == 1.0 and found.mechanism.shape[1] == found.mesh.nvertices + found.mesh.nfacets
+    assert np.abs(found.mechanism).max() == 1.0
+    assert found.mechanism.shape[1] == found.mesh.nvertices + found.mesh.nfacets
     assert found.dissipation.sum() == pytest.approx(1.0) and found.dissipation.min() > -1e-12
     assert 100 < -found.stress[1].min() < 1000  # some 200 kPa below 10 m
     assert found.certificates[0].value == found.lower and found.certificates[1].value == found.upper

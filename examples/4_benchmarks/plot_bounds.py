@@ -2,9 +2,9 @@ r"""
 Bounds of published problems
 ============================
 
-Factors of safety and limit loads between two proven numbers: slopes of Griffiths and Lane, ACADS and Dawson, a vertical cut,
-footings and a block on a joint. Each bracket holds the exact answer, or overlaps the rigorous bracket of others. The cases
-stand in ``bound_cases.py``.
+Factors of safety and limit loads between two proven numbers: slopes of Griffiths and Lane, ACADS and Dawson, a vertical
+cut, footings and a block on a joint. Each bracket holds the exact answer, or overlaps the rigorous bracket of others.
+The cases stand in ``bound_cases.py``.
 
 Run with ``--full`` for small gaps, and for a diagram of the gap over time beside the error of strength reduction.
 """
@@ -38,9 +38,10 @@ for name in names:
     found = sc.bounds(**problem, gap=gap, progress=False)
     seconds = process_time() - begin
     histories[name] = found.history
-    rows.append({"method": name, "n": found.mesh.nelements, "lower": round(found.lower, 6), "upper": round(found.upper, 6),
-                 "error": found.gap, "elements": found.mesh.nelements, "unknowns": found.certificates[1].unknowns,
-                 "cpu_s": round(seconds, 2), "iterations": sum(c.iterations for c in found.history)})  # fmt: skip
+    rows.append({"method": name, "n": found.mesh.nelements, "lower": round(found.lower, 6),
+                 "upper": round(found.upper, 6), "error": found.gap, "elements": found.mesh.nelements,
+                 "unknowns": found.certificates[1].unknowns, "cpu_s": round(seconds, 2),
+                 "iterations": sum(c.iterations for c in found.history)})  # fmt: skip
     print(f"{name:30} [{found.lower:.6g}, {found.upper:.6g}], gap {found.gap:.3%}, {found.mesh.nelements} triangles, "
           f"{seconds:.1f} s")
     assert found.gap <= gap
@@ -49,8 +50,8 @@ for name in names:
 # %%
 # Gap over time
 # -------------
-# Griffiths and Lane 1. The factor of strength reduction converges to the bracket from above; how far it is from it, only
-# the bracket tells.
+# Griffiths and Lane 1. The factor of strength reduction converges to the bracket from above; how far it is from it,
+# only the bracket tells.
 
 
 def gaps(history):

@@ -3,9 +3,9 @@ r"""Interior points for the programs of both bounds; the factor of strength move
 .. math:: \max \theta: \quad A \sigma = f_0 + \theta f_1, \quad s = h(F) - \theta e - G(F) \sigma \in Q
 
 with multipliers y of equilibrium and z in Q of the strength.  Steps of Mehrotra in the scaling of Nesterov and Todd
-lead to normal equations :math:`A H^{-1} A^T`, a stiffness matrix.  For a limit load :math:`\theta` is its multiplier and
-e = 0.  For a factor of safety it is the share e of strength that is left, which is bounded where multipliers are not
-(friction alone bears any load), and F is moved until none is left.
+lead to normal equations :math:`A H^{-1} A^T`, a stiffness matrix.  For a limit load :math:`\theta` is its multiplier
+and e = 0.  For a factor of safety it is the share e of strength that is left, which is bounded where multipliers are
+not (friction alone bears any load), and F is moved until none is left.
 """
 from __future__ import annotations
 
