@@ -387,6 +387,25 @@ def test_mechanism_tells_its_factor(monkeypatch):
     assert np.corrcoef(rows, columns)[0, 1] < -0.5
 
 
+@needs_opengl
+def test_mechanism_of_bounds_is_drawn_on_its_own_mesh(monkeypatch):
+    """[X] A cut of 5 m in clay: the title has both bounds, and the shear strain is that of the quadratic velocities."""
+    from skfem_contact.plot.mechanism import _of_bounds
+
+    forms, _ = cut()
+    basis = forms["cut"].basis
+    fixed = np.append(basis.get_dofs("bottom").all(), basis.get_dofs("right").all("u^1"))
+    found = sc.bounds(forms, fixed, 5.0, gap=0.3, elements=300, progress=False)
+    told = []
+    monkeypatch.setattr("skfem_contact.plot.contours.bar_figure", lambda scale, title, note, size, marks: told.append(
+        title) or plt.figure())
+    plot.mechanism(forms, found)
+    assert told[0].startswith(f"Factor of safety in [{found.lower:.4g}, {found.upper:.4g}]")
+    there, stage, _ = _of_bounds(found)
+    at_corners = stage.x[there["mechanism"].basis.nodal_dofs]
+    np.testing.assert_array_equal(at_corners, found.mechanism[:, : found.mesh.nvertices])
+
+
 def test_curve_ends_at_the_limit():
     _, found = cut()
     (axes,) = plot.load_curve(found).axes
