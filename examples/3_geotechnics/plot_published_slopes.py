@@ -128,8 +128,8 @@ for name, slope in slopes.items():
                      "davis": None if result.davis is None else round(result.davis.factor, 4)})
         factors.append(result)
     found[name] = associated, free = factors
-    print(f"{name:27}{len(free.x):8d}  {low:5.3f}-{high:5.3f}  {associated.factor:.3f} ({associated.iterations:3d} it.)  "
-          f"{free.factor:.3f} ({free.iterations:3d} it.) [{free.bracket[0]:.3f}, {free.bracket[1]:.3f}]  "
+    print(f"{name:27}{len(free.x):8d}  {low:5.3f}-{high:5.3f}  "
+          f"{associated.factor:.3f} ({associated.iterations:3d} it.)  {free.factor:.3f} ({free.iterations:3d} it.) [{free.bracket[0]:.3f}, {free.bracket[1]:.3f}]  "
           f"{free.davis.factor:.3f} ({free.davis.iterations:3d} it.)")
 
 # %%
