@@ -33,6 +33,9 @@ class Response:
         default the tangent itself.
     round_off
         Norm of the forces that round-off may leave: equilibrium is not asked to be better.
+    active
+        Active set, whatever tells one from another: which points are closed, and which slide. Newton's method may go
+        on for longer while it still finds new ones.
 
     Notes
     -----
@@ -49,8 +52,8 @@ class Response:
     """
 
     def __init__(self, force: ndarray, state: Callable[[], Any], stiffness: Callable[[], csr_matrix],
-                 damped: Callable[[], csr_matrix] | None = None, round_off: float = 0.0) -> None:
-        self.force, self.round_off = force, round_off
+                 damped: Callable[[], csr_matrix] | None = None, round_off: float = 0.0, active: bytes = b"") -> None:
+        self.force, self.round_off, self.active = force, round_off, active
         self._state = state
         self._stiffness = stiffness
         self._damped = damped
@@ -75,7 +78,8 @@ class Response:
         if len(self.force) == n:
             return self
         return Response(np.pad(self.force, (0, n - len(self.force))), lambda: self.state,
-                        lambda: padded(self.stiffness, n), lambda: padded(self.damped, n), self.round_off)
+                        lambda: padded(self.stiffness, n), lambda: padded(self.damped, n), self.round_off,
+                        self.active)
 
 @dataclass(frozen=True)
 class Failure:
@@ -275,8 +279,8 @@ class Form:
         """One line for the table of a result."""
         return ""
 
-    def remarks(self, state: Any) -> Iterable[Remark]:
-        """What a user should know of a state."""
+    def remarks(self, x: ndarray, state: Any) -> Iterable[Remark]:
+        """What a user should know of an accepted state, and of its displacements."""
         return ()
 
 

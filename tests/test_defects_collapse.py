@@ -103,7 +103,8 @@ def wall(stiffness, law):
     def in_wall(p):
         return (p[0] > 0) & (p[0] < 0.4) & (p[1] > -3)
 
-    faces = {"left": lambda p: np.isclose(p[0], 0.0) & (p[1] > -3), "tip": lambda p: np.isclose(p[1], -3) & (p[0] > 0) & (p[0] < 0.4),
+    faces = {"left": lambda p: np.isclose(p[0], 0.0) & (p[1] > -3),
+             "tip": lambda p: np.isclose(p[1], -3) & (p[0] > 0) & (p[0] < 0.4),
              "right": lambda p: np.isclose(p[0], 0.4) & (p[1] > -3) & (p[1] < 0)}
     mesh = mesh.with_boundaries(faces | {
         "bottom": lambda p: p[1] < -6 + 1e-9, "sides": lambda p: (p[0] < -8 + 1e-9) | (p[0] > 6.4 - 1e-9)},

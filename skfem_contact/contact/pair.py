@@ -224,7 +224,8 @@ class ContactPair(Answers):
                         lambda: follow(state, self.master, merged(near, found, projected), at, update, elastic),
                         lambda: self._stiffness(kinematics, update, weight, self.tangent == "exact"),
                         lambda: self._stiffness(kinematics, self._limited(update), weight, self.tangent == "exact"),
-                        round_off=max(penalties) * exact * float(np.linalg.norm(weight)))
+                        round_off=max(penalties) * exact * float(np.linalg.norm(weight)),
+                        active=at.tobytes() + update.status.tobytes())
 
     def seen(self, state: ContactState) -> ContactState:
         """An accepted state as the pair sees it; internal variables that it lacks are zero, as before any update."""

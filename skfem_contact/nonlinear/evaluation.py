@@ -46,6 +46,11 @@ class Evaluation:
         return float(np.linalg.norm(self.residual if self.scale is None else self.scale * self.residual))
 
     @property
+    def active(self) -> tuple[bytes, ...]:
+        """Active sets of the forms."""
+        return tuple(response.active for response in self.responses.values())
+
+    @property
     def worst(self) -> int:
         """Unknown with the largest unbalanced force."""
         return int(np.argmax(np.abs(self.residual)))
