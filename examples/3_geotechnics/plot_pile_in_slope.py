@@ -253,7 +253,8 @@ cut = np.argmin(abs(cuts.position + interface))
 unbalanced = {}
 for stage in (gravity, failure):
     upper = {side: sc.tractions(forms[f"{side} upper"], stage.states[f"{side} upper"]) for side in ("left", "right")}
-    push = float(sum(sign * (upper[side].pressure * upper[side].weight).sum() for side, sign in (("left", 1), ("right", -1))))
+    pushed = {side: (of.pressure * of.weight).sum() for side, of in upper.items()}
+    push = float(pushed["left"] - pushed["right"])
     shear = float(carried[stage.name].V[cut])
     unbalanced[stage.name] = abs(push + shear) / abs(carried[stage.name].V).max()
     print(f"{stage.name:8} soil pushes {push:8.2f} kN/m, shear force {shear:8.2f} kN/m")
