@@ -18,7 +18,7 @@ class String(WithoutState):
 
     Attributes
     ----------
-    dofs, nodes
+    dofs, line
         Unknowns and places of the nodes in their order, (n, 2).
     n_unknowns
         Number of all unknowns.
@@ -27,15 +27,15 @@ class String(WithoutState):
     """
 
     dofs: np.ndarray
-    nodes: np.ndarray
+    line: np.ndarray
     n_unknowns: int
     stiffness: float
     pretension: float
 
     def bars(self, x):
         """Directions, lengths and tensions, (n - 1, 2) and (n - 1,)."""
-        length = np.linalg.norm(np.diff(self.nodes, axis=0), axis=1)
-        way = np.diff(self.nodes + x[self.dofs], axis=0)
+        length = np.linalg.norm(np.diff(self.line, axis=0), axis=1)
+        way = np.diff(self.line + x[self.dofs], axis=0)
         now = np.linalg.norm(way, axis=1)
         return way / now[:, None], now, self.pretension + self.stiffness * (now / length - 1)
 
@@ -48,7 +48,7 @@ class String(WithoutState):
 
     def _stiffness(self, direction, length, tension):
         along = direction[:, :, None] * direction[:, None, :]
-        reference = np.linalg.norm(np.diff(self.nodes, axis=0), axis=1)
+        reference = np.linalg.norm(np.diff(self.line, axis=0), axis=1)
         block = (self.stiffness / reference)[:, None, None] * along
         block += (tension / length)[:, None, None] * (np.eye(2) - along)
         K = np.block([[block, -block], [-block, block]])
@@ -112,7 +112,7 @@ class Capstan:
         radius r moves by r times as much, and is held by mu N / r.
         """
         direction = self.string.bars(stage.x)[0]
-        place = (self.string.nodes + stage.x[self.string.dofs])[1:-1]
+        place = (self.string.line + stage.x[self.string.dofs])[1:-1]
         radius = np.linalg.norm(place, axis=1)
         normal, mu = place / radius[:, None], mu / radius
         before, after = direction[:-1], direction[1:]

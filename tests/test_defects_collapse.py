@@ -70,7 +70,7 @@ def test_limit_load_that_stalls_says_what_helps():
     with pytest.warns(sc.AnalysisWarning, match=r"psi < phi .* flow='davis_b' or 'lagged'"):
         found = sc.limit_load(forms, fixed, load, newton=sc.Newton(1.5e-4, 2), progress=False)
     assert found.stop.kind == "stall" and found.bracket[1] == np.inf
-    assert sum(step.iterations for step in found.steps if step.outcome == "stall") <= 100 + 2
+    assert sum(step.iterations for step in found.steps if step.outcome == "stall") <= 150 + 2
 
 
 def test_joints_are_reduced_like_all_other_strength():

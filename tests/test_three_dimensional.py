@@ -28,7 +28,7 @@ from skfem.models.elasticity import lame_parameters, linear_elasticity
 
 import skfem_contact as sc
 from skfem_contact import plot
-from skfem_contact.post import fields
+from skfem_contact.post import quantities
 
 #: Elements, their meshes and rules that integrate the stiffness of a box exactly.
 ELEMENTS = {
@@ -149,8 +149,9 @@ def test_collapse_of_a_cube(element, n, psi):
     form = sc.SolidForm(basis, sc.MohrCoulomb(E=1e4, nu=0.3, c=10.0, phi=30.0, psi=psi), sc.three_dimensional)
     load = traction(basis, basis.mesh.facets_satisfying(lambda x: x[2] == 1), lambda w: -np.eye(3)[2][:, None, None])
     limit = sc.limit_load({"cube": form}, symmetry_planes(basis), load, step=10.0)
-    # the stress is uniform: what is left is the residual that Newton's method may leave
-    assert limit.multiplier == pytest.approx(20.0 * np.tan(np.radians(60.0)), rel=1e-6)
+    # the stress is uniform: all flows at once, and the load is bracketed by `tol` = .005
+    exact = 20.0 * np.tan(np.radians(60.0))
+    assert limit.multiplier == pytest.approx(exact, rel=5e-3) and limit.multiplier <= exact * (1 + 1e-6)
     assert limit.bands["cube"].min() > 0
 
 
@@ -207,6 +208,13 @@ def test_hollow_sphere():
     assert fine[0] < 0.01
 
 
+def _means(form, state):
+    """Means over the elements, ordered by place: stresses of the plane and the plastic strain."""
+    mesh = form.basis.mesh
+    order = np.lexsort(mesh.p[:2, mesh.t].mean(axis=1).round(9))
+    return [values.mean(axis=1)[order] for values in (*state.stress[:4], state.internal[0])]
+
+
 @pytest.mark.parametrize("psi", [25.0, 0.0])
 def test_plane_strain_is_a_slice_of_space(psi):
     """[N] A strip footing on yielding soil: one layer of hexahedra between held faces answers as the plane does."""
@@ -228,8 +236,8 @@ def test_plane_strain_is_a_slice_of_space(psi):
         stages = [sc.Stage("weight", weight), sc.Stage("footing", pressed, increments=3)]
         result = sc.run(forms, stages, fixed, newton=sc.Newton(tolerance=1e-12))
         nodes = np.lexsort(basis.doflocs[:2, ::dim])
-        values = [sc.nodal_field(forms, result["footing"], q)[nodes]
-                  for q in ("ux", "uy", "u", "sxx", "syy", "szz", "sxy", "s1", "s2", "s3", "mean", "mises", "plastic")]
+        values = [sc.nodal_field(forms, result["footing"], q)[nodes] for q in ("ux", "uy", "u")]
+        values += [np.repeat(v, dim - 1) for v in _means(forms["soil"], result["footing"].states["soil"])]
         results.append((values, [stage.iterations for stage in result]))
     (plane, iterations), (space, same) = results
     assert (plane[-1] > 0).mean() > 0.2
@@ -347,7 +355,7 @@ def test_other_plane_things():
     }.items():
         with pytest.raises(ValueError, match=f"{what} is for plane bodies, but this is a MeshHex1 in three dim"):
             refused()
-    assert "uz" not in fields.QUANTITIES  # which the plane has not
+    assert "uz" not in quantities.PLANE  # which the plane has not
 
 
 def test_strain_of_other_dimension():

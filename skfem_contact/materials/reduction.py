@@ -108,7 +108,7 @@ def associated_bound(material: Any, factor: float) -> float:
     >>> soil = sc.MohrCoulomb(E=1e5, nu=.3, c=10., phi=20., psi=0.)
     >>> bound = associated_bound(soil, 1.2)
     >>> print(f"{soil.reduced(bound, 'associated').c:.6f} {soil.reduced(1.2, 'davis_b').c:.6f}")
-    7.973640 7.973640
+    7.974587 7.974587
     """
     if not dilates_less(material):
         return factor

@@ -195,7 +195,8 @@ def test_limit_load_by_bad_steps(step, begun):
     forms, fixed, load = block("Q1", np.linspace(0, 1, 4), 30.0)
     start = sc.run(forms, [sc.Stage("half", 10 * np.sqrt(3) * load)], fixed, progress=False) if begun else None
     result = sc.limit_load(forms, fixed, load, start=start, step=step, progress=False)
-    assert result.multiplier == pytest.approx((10 if begun else 20) * np.sqrt(3), rel=1e-3)
+    # where all flows at once the load is bracketed by `tol` = .005
+    assert result.multiplier == pytest.approx((10 if begun else 20) * np.sqrt(3), rel=5e-3)
 
 
 def test_unsymmetric_stiffness_of_soil_and_friction():
