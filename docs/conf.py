@@ -16,8 +16,10 @@ release = version = skfem_contact.__version__
 
 extensions = [
     "benchmark_tables",
+    "gallery_output",
     "myst_parser",
     "numpydoc",
+    "public_names",
     "reference_pages",
     "sphinx.ext.autodoc",
     "sphinx.ext.autosummary",
@@ -30,15 +32,19 @@ exclude_patterns = ["_build", "gallery/**/*.ipynb", "gallery/**/*.py", "gallery/
 templates_path = ["_templates"]
 
 html_theme = "pydata_sphinx_theme"
-html_title = "skfem_contact"
+html_title = f"skfem_contact {version}"
+html_favicon = "_static/favicon.svg"
+html_context = {"default_mode": "auto"}
 html_static_path = ["_static"]
 html_css_files = ["custom.css"]
-html_show_sourcelink = False
+html_show_sourcelink = True
 html_theme_options = {
     "navbar_align": "left",
     "header_links_before_dropdown": 8,
+    "logo": {"text": f"skfem_contact {version}"},
     "navbar_end": ["theme-switcher"],
-    "show_prev_next": False,
+    "show_prev_next": True,
+    "secondary_sidebar_items": ["page-toc", "sourcelink"],
     "footer_start": ["copyright"],
     "footer_end": ["sphinx-version"],
 }
@@ -66,8 +72,14 @@ sphinx_gallery_conf = {
     "capture_repr": ("__repr__",),
     "ignore_repr_types": r"matplotlib|pyvista|skfem_contact\.plot",
     "remove_config_comments": True,
+    "backreferences_dir": "gallery/backreferences",
+    "doc_module": ("skfem_contact",),
+    "reference_url": {"skfem_contact": None},
+    "inspect_global_variables": False,
+    "reset_modules": ("matplotlib", "gallery_output.reset_units"),
     "show_signature": False,
     "download_all_examples": False,
+    "write_computation_times": False,
     "plot_gallery": True,
 }
 

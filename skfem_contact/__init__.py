@@ -18,9 +18,10 @@ from .contact import (
 from .contact.laws import Coulomb, InterfaceLaw, Status, Tied
 from .errors import AnalysisWarning, NoEquilibrium, NotConverged
 from .forms import Form, Response
+from .limit_analysis import Bounds, bounds
 from .links import Bar, BarState, MatrixForm, Spring
-from .loads import hydrostatic, water_load, weight
-from .materials import DruckerPrager, HardeningMohrCoulomb, LinearElastic, MohrCoulomb, Tresca, VonMises
+from .loads import hydrostatic, traction, water_load, weight
+from .materials import DruckerPrager, HardeningMohrCoulomb, LinearElastic, MohrCoulomb, Tresca, Undrained, VonMises
 from .materials.reduction import reduced_strength
 from .mesh.check import check_mesh
 from .mesh.join import bodies, join_bodies
@@ -37,12 +38,14 @@ from .post import (
     export_vtu,
     line_sections,
     nodal_field,
+    pore_pressure,
     reactions,
     ring_sections,
     section_forces,
     to_frame,
     to_pyvista,
     tractions,
+    undrained_strength,
 )
 from .solid import SolidForm, SolidState
 from .stages.initial import given_state, gravity_state, k0_state
@@ -52,34 +55,44 @@ from .stages.run import run
 from .stages.stage import Stage
 from .strain import StrainOperator, axisymmetric, b_bar, plane_strain, three_dimensional
 from .testing import CheckFailed, check_form, check_interface_law, check_material
-from .unknowns import Field, unknowns_at
+from .unknowns import Field, rollers, unknowns_at
+from .water import Ramp, Seepage, VanGenuchten, seepage
 
 __version__ = "0.1.0"
 
 __all__ = [
     "AnalysisWarning",
-    "AugmentedLagrangian", "Bar", "BarState",
+    "AugmentedLagrangian",
+    "Bar",
+    "BarState",
+    "Bounds",
     "CheckFailed",
     "CollapseResult",
     "ContactPair",
     "ContactReport",
     "ContactState",
     "Coulomb",
-    "DruckerPrager", "Field", "Form",
+    "DruckerPrager",
+    "Field",
+    "Form",
     "HardeningMohrCoulomb",
     "InterfaceLaw",
     "LinearElastic",
-    "MatrixForm", "MohrCoulomb",
+    "MatrixForm",
+    "MohrCoulomb",
     "Newton",
     "NoEquilibrium",
     "NotConverged",
     "PointStatus",
+    "Ramp",
     "Response",
     "Result",
     "SectionForces",
     "Sections",
+    "Seepage",
     "SolidForm",
-    "SolidState", "Spring",
+    "SolidState",
+    "Spring",
     "Stage",
     "StageResult",
     "Status",
@@ -88,10 +101,13 @@ __all__ = [
     "Tied",
     "Tractions",
     "Tresca",
+    "Undrained",
+    "VanGenuchten",
     "VonMises",
     "axisymmetric",
     "b_bar",
     "bodies",
+    "bounds",
     "check_form",
     "check_interface_law",
     "check_material",
@@ -111,6 +127,7 @@ __all__ = [
     "load_result",
     "nodal_field",
     "plane_strain",
+    "pore_pressure",
     "reactions",
     "reduced_strength",
     "reset_displacements",
@@ -119,14 +136,19 @@ __all__ = [
     "rigid_line",
     "rigid_polyline",
     "ring_sections",
+    "rollers",
     "run",
     "section_forces",
+    "seepage",
     "strength_reduction",
     "three_dimensional",
     "to_frame",
     "to_pyvista",
+    "traction",
     "tractions",
-    "two_pass", "unknowns_at",
+    "two_pass",
+    "undrained_strength",
+    "unknowns_at",
     "water_load",
     "weight",
 ]

@@ -279,8 +279,8 @@ class Form:
         """One line for the table of a result."""
         return ""
 
-    def remarks(self, state: Any) -> Iterable[Remark]:
-        """What a user should know of a state."""
+    def remarks(self, x: ndarray, state: Any) -> Iterable[Remark]:
+        """What a user should know of an accepted state, and of its displacements."""
         return ()
 
 

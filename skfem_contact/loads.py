@@ -81,6 +81,61 @@ def weight(basis: CellBasis, unit_weights: float | Mapping[str, float],
     return np.asarray(body_force.assemble(basis, gamma=field))
 
 
+def traction(basis: CellBasis, boundary: str, force: Sequence[float] | Callable[[ndarray], ArrayLike],
+             axisymmetric: bool = False) -> ndarray:
+    """Forces per area on a boundary as a load vector.
+
+    Parameters
+    ----------
+    basis
+        ``Basis`` of the mesh.
+    boundary
+        Name of a boundary.
+    force
+        Force per area, (dim,), or a function of places (dim, ...) that gives it, (dim, ...).
+    axisymmetric
+        Force per radian about the axis x = 0, for solids with ``strain=axisymmetric``.
+
+    Returns
+    -------
+    ndarray
+        Nodal forces, (N,).
+
+    Raises
+    ------
+    ValueError
+        Unknown or empty boundary, or forces that are not finite or no (dim,).
+
+    Examples
+    --------
+    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+    >>> import skfem_contact as sc
+    >>> basis = Basis(MeshQuad().refined(2).with_defaults(), ElementVector(ElementQuad1()))
+    >>> float(sc.traction(basis, "top", (0., -35.)).sum())
+    -35.0
+    >>> strip = sc.traction(basis, "top", lambda x: (0. * x[0], -35. * (x[0] < .5)))    # on half of it
+    >>> float(strip.sum())
+    -17.5
+    """
+    check_basis(basis)
+    facets = look_up(boundary, basis.mesh.boundaries or {}, "boundary")
+    if len(facets) == 0:
+        raise ValueError(f"boundary '{boundary}' is empty")
+    surface = FacetBasis(basis.mesh, basis.elem, facets=np.asarray(facets))
+    x = np.asarray(surface.global_coordinates())
+    shape = (basis.mesh.dim(), *x.shape[1:])
+    values = np.asarray(force(x) if callable(force) else np.reshape(force, (-1, 1, 1)), float)
+    if len(values) != shape[0] or not np.isfinite(values).all():
+        raise ValueError(f"the force on '{boundary}' must have {shape[0]} finite components, not {force!r}")
+    values = np.broadcast_to(values, shape) * (x[0] if axisymmetric else 1.0)
+
+    @LinearForm
+    def pushed(v, w):  # type: ignore[no-untyped-def]
+        return sum(w[f"t{c}"] * v[c] for c in range(shape[0]))
+
+    return np.asarray(pushed.assemble(surface, **{f"t{c}": values[c] for c in range(shape[0])}))
+
+
 def hydrostatic(table: float | ArrayLike, unit_weight: float = 9.81) -> Callable[[ndarray], ndarray]:
     """Pressure of water at rest below a water table.
 

@@ -1,9 +1,9 @@
 """A body that carries load: a basis, a strain measure and the materials of its regions."""
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from copy import copy
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -17,10 +17,14 @@ from .forms import Form, Response
 from .materials import Material, Update
 from .materials.reduction import reduced_strength
 from .materials.spectral import largest_shear
+from .regions import Region, by_region, check_materials
+from .remarks import Remark
 from .strain import StrainOperator, axisymmetric, plane_strain
 
 #: Round-off of the forces of a displaced body, relative to those of its displacements taken one by one.
 _ROUND_OFF = 8 * np.finfo(float).eps
+#: Rotation (radians) and strain that are remarked on: lengths are then off by 1 %, strains by a fifth of themselves.
+_TURN, _STRAIN = 0.14, 0.2
 
 
 @dataclass(frozen=True)
@@ -40,13 +44,6 @@ class SolidState:
     strain: ndarray
     stress: ndarray
     internal: ndarray
-
-
-@dataclass(frozen=True)
-class _Region:
-    name: str
-    material: Material
-    elements: slice = field(default_factory=lambda: slice(None))
 
 
 class SolidForm(Form):
@@ -99,7 +96,7 @@ class SolidForm(Form):
                  strain: Callable[[CellBasis], StrainOperator] = plane_strain) -> None:
         check_basis(basis)
         check_quadrature(basis)
-        self.basis, regions = _by_region(basis, materials)  # state arrays follow this order of the elements
+        self.basis, regions = by_region(basis, materials)  # state arrays follow this order of the elements
         self.size, self.strain = int(self.basis.N), strain
         self.joins, self.axisymmetric = np.zeros(0, int), strain is axisymmetric
         B, self.weight = strain(self.basis)
@@ -116,9 +113,9 @@ class SolidForm(Form):
         regions = ", ".join(f"{r.name}: {r.material!r}" for r in self.regions)
         return f"<SolidForm {self.basis.nelems} elements, {regions}>"
 
-    def _set(self, regions: tuple[_Region, ...]) -> None:
+    def _set(self, regions: tuple[Region, ...]) -> None:
         """Regions with their materials, and what follows from these."""
-        _check_materials(regions, self.basis.nelems, self._ncomp)
+        check_materials(regions, self.basis.nelems, self._ncomp)
         self.regions = regions
         self.materials = {region.name: region.material for region in regions}
         self.symmetric = all(getattr(material, "symmetric", False) for material in self.materials.values())
@@ -137,7 +134,7 @@ class SolidForm(Form):
         for name in materials:
             look_up(name, self.materials, "region of this solid")
         new = copy(self)
-        new._set(tuple(_Region(r.name, materials.get(r.name, r.material), r.elements) for r in self.regions))
+        new._set(tuple(Region(r.name, materials.get(r.name, r.material), r.elements) for r in self.regions))
         same = all(np.array_equal(a.material.elasticity(self._ncomp), b.material.elasticity(self._ncomp))
                    for a, b in zip(self.regions, new.regions, strict=True))
         if not same:
@@ -204,20 +201,22 @@ class SolidForm(Form):
         strain = self._strains(x)
         increment = strain - state.strain
         before = self._remembered(state)
-        updates = [r.material.update(increment[:, r.elements], state.stress[:, r.elements],
-                                     before[:r.material.n_internal, r.elements]) for r in self.regions]
+        given = [before[:r.material.n_internal, r.elements] for r in self.regions]
+        updates = [r.material.update(increment[:, r.elements], state.stress[:, r.elements], internal)
+                   for r, internal in zip(self.regions, given, strict=True)]
         # one region's stress is not copied
         stress = updates[0].stress if len(updates) == 1 else np.concatenate([u.stress for u in updates], axis=1)
         force = self._force_matrix @ stress.ravel()
-        return Response(force, lambda: SolidState(strain, stress, self._internal(before, updates)),
+        return Response(force, lambda: SolidState(strain, stress, self._internal(before, given, updates)),
                         lambda: self._tangent(updates), lambda: self._tangent(updates, damping=True),
                         _ROUND_OFF * float(np.linalg.norm(self._diagonal * x)))
 
-    def _internal(self, before: ndarray, updates: list[Update]) -> ndarray:
-        """Internal variables after the updates; where no point yields, those before."""
-        yielding = [(r, update) for r, update in zip(self.regions, updates, strict=True) if len(update.plastic)]
-        after = before.copy() if yielding else before
-        for region, update in yielding:
+    def _internal(self, before: ndarray, given: list[ndarray], updates: list[Update]) -> ndarray:
+        """Internal variables after the updates; what a material hands back as it was given has not changed."""
+        changed = [(r, update) for r, i, update in zip(self.regions, given, updates, strict=True)
+                   if update.internal is not i]
+        after = before.copy() if changed else before
+        for region, update in changed:
             after[:region.material.n_internal, region.elements] = update.internal
         return after
 
@@ -241,6 +240,17 @@ class SolidForm(Form):
     def moved_back(self, x: ndarray, state: SolidState) -> SolidState:
         """The state with its stresses, of a body that counts as undeformed from here on."""
         return replace(state, strain=np.zeros_like(state.strain))
+
+    def remarks(self, x: ndarray, state: SolidState) -> Iterator[Remark]:
+        """Rotations and strains that small-strain kinematics does not bear."""
+        gradient = np.asarray(self.basis.interpolate(x).grad)
+        turn = float(np.abs(gradient - gradient.swapaxes(0, 1)).max(initial=0.0)) / 2.0
+        if turn > _TURN:
+            yield Remark("rotation", turn, f"elements rotate by up to {np.degrees(turn):.0f} degrees: rotations are "
+                         f"taken for small, which lets lengths grow by {turn**2 / 2.0:.0%}")
+        strain = float(np.abs(state.strain).max(initial=0.0))
+        if strain > _STRAIN:
+            yield Remark("strain", strain, f"strains of up to {strain:.0%} are taken for small")
 
     def element_forces(self, stress: ndarray, elements: ndarray) -> ndarray:
         """Internal forces that the nodes exert on some elements, (n_local_dofs, len(elements))."""
@@ -298,47 +308,3 @@ class SolidForm(Form):
         correction = self._pattern.scatter(element_stiffness(self._B[elements], change), elements)
         correction += self.elastic_stiffness.data
         return self._pattern.matrix(correction)
-
-
-def _check_materials(regions: tuple[_Region, ...], n_elements: int, ncomp: int) -> None:
-    """Try every material on unstrained elements: parameter arrays must fit their region."""
-    for region in regions:
-        if isinstance(region.material, type) or not hasattr(region.material, "update"):
-            raise ValueError(f"material of '{region.name}': {region.material!r} is no material")
-        n = len(range(n_elements)[region.elements])
-        zero = np.zeros((ncomp, n, 1))
-        try:
-            region.material.update(zero, zero, np.zeros((region.material.n_internal, n, 1)))
-        except ValueError as error:
-            raise ValueError(f"material of '{region.name}': {error}") from error
-
-
-def _by_region(basis: CellBasis, materials: Material | Mapping[str, Material]
-               ) -> tuple[CellBasis, tuple[_Region, ...]]:
-    """Order the elements of a basis region by region, so that every region is a slice."""
-    if not isinstance(materials, Mapping):
-        return basis, (_Region("all", materials),)
-    if not materials:
-        raise ValueError("there is no material: give one, or {subdomain: material}")
-    present = np.arange(basis.mesh.nelements) if basis.tind is None else np.asarray(basis.tind)
-    order, regions, start = [], [], 0
-    for name, material in materials.items():
-        part = np.asarray(look_up(name, basis.mesh.subdomains or {}, "subdomain"))
-        elements = part[np.sort(np.unique(part, return_index=True)[1])]  # each once, in the order of its parameters
-        elements = elements[np.isin(elements, present)]
-        if len(elements) == 0:
-            raise ValueError(f"subdomain '{name}' holds no element of this basis")
-        order.append(elements)
-        regions.append(_Region(name, material, slice(start, start + len(elements))))
-        start += len(elements)
-    tind = np.concatenate(order)
-    unique, count = np.unique(tind, return_counts=True)
-    if len(unique) < len(present):
-        missing = np.setdiff1d(present, unique)
-        names = [k for k, v in (basis.mesh.subdomains or {}).items() if np.isin(missing, v).any()]
-        raise ValueError(f"{len(missing)} of {len(present)} elements have no material; "
-                         f"they lie in the subdomains {names}")
-    if count.max() > 1:
-        raise ValueError(f"{(count > 1).sum()} elements have more than one material: the subdomains "
-                         f"{list(materials)} overlap")
-    return (basis if np.array_equal(tind, present) else basis.with_elements(tind)), tuple(regions)

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy import ndarray
@@ -167,6 +168,45 @@ def unknowns_at(basis: CellBasis, places: ArrayLike, part: str | None = None) ->
             raise ValueError(f"there are {len(found)} nodes at {place(point)}" + (
                 "; tell by `part` which body is meant" if found else f"; the nearest one is at {at}"))
     return numbers[tree.query(x)[1]][:, None] + np.arange(dim)
+
+
+def rollers(basis: CellBasis, part: str | None = None, base: Literal["fixed", "rollers"] = "fixed") -> ndarray:
+    """Unknowns that the supports of a box of ground hold: its base, and its sides across.
+
+    Parameters
+    ----------
+    basis
+        ``Basis`` of the mesh; the last axis is upright.
+    part
+        Subdomain whose lowest nodes are the base and whose outermost ones are the sides; by default the whole mesh.
+    base
+        ``"fixed"``: nothing moves there; ``"rollers"``: the base holds upright only.
+
+    Returns
+    -------
+    ndarray
+        Unknowns, ascending.
+
+    Examples
+    --------
+    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+    >>> import skfem_contact as sc
+    >>> basis = Basis(MeshQuad().refined(1), ElementVector(ElementQuad1()))
+    >>> len(sc.rollers(basis)), len(sc.rollers(basis, base="rollers"))      # of 18 unknowns
+    (10, 9)
+    """
+    if base not in ("fixed", "rollers"):
+        raise ValueError(f"base is 'fixed' or 'rollers', not {base!r}")
+    dim = basis.mesh.dim()
+    elements = slice(None) if part is None else look_up(part, basis.mesh.subdomains or {}, "subdomain")
+    numbers = np.unique(basis.dofs.element_dofs[::dim, elements])
+    x = basis.doflocs[:, numbers]
+    near = _AT * float(np.ptp(basis.doflocs, axis=1).max())
+    low, high = x.min(axis=1), x.max(axis=1)
+    bottom = numbers[x[-1] < low[-1] + near]
+    held = [bottom + (dim - 1)] if base == "rollers" else [bottom + c for c in range(dim)]
+    held += [numbers[(x[c] < low[c] + near) | (x[c] > high[c] - near)] + c for c in range(dim - 1)]
+    return np.unique(np.concatenate(held))
 
 
 def rigid_modes(locations: ndarray, unknowns: ndarray) -> ndarray:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import runpy
+import shutil
 import sys
 from pathlib import Path
 
@@ -13,7 +14,7 @@ import matplotlib.pyplot as plt
 import pytest
 
 ROOT = Path(__file__).parents[1]
-CHAPTERS = ("1_first_steps", "2_contact", "3_geotechnics")
+CHAPTERS = ("1_first_steps", "1_short_scripts", "2_contact", "3_geotechnics")
 SCRIPTS = [path for chapter in CHAPTERS for path in sorted((ROOT / "examples" / chapter).glob("plot_*.py"))]
 KEYS = {"method", "n", "unknowns", "error", "cpu_s", "iterations"}
 
@@ -25,6 +26,8 @@ def test_example_runs_and_ends_with_its_figures(
     """The last line is one JSON object that names the case and holds at least one row of figures."""
     matplotlib.use("Agg")
     monkeypatch.chdir(tmp_path)
+    for mesh in script.parent.glob("*.msh"):
+        shutil.copy(mesh, tmp_path)
     monkeypatch.syspath_prepend(script.parent)  # as for a script that is run
     monkeypatch.setattr(sys, "argv", [str(script)])
     monkeypatch.setattr(plt, "show", lambda: None)

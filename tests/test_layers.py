@@ -14,7 +14,8 @@ PACKAGE = Path(skfem_contact.__file__).parent
 ROOMS = (
     {"errors"}, {"progress", "remarks", "sparse", "tables"}, {"unknowns"}, {"forms"}, {"strain", "assembly"},
     {"materials", "mesh", "loads"},
-    {"solid", "contact", "links"}, {"solvers"}, {"nonlinear"}, {"stages"}, {"collapse"}, {"bounds", "water"}, {"post"},
+    {"regions"}, {"solid", "contact", "links"}, {"solvers"}, {"nonlinear"}, {"stages"}, {"collapse"},
+    {"limit_analysis", "water"}, {"post"},
     {"testing"}, {"plot"}, {"demo", "data"}, {""},
 )  # fmt: skip
 #: A stage's result calls what shows it: the only calls that go up, and at run time only.

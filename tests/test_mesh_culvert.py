@@ -63,7 +63,7 @@ def test_names(mesh):
     assert set(mesh.subdomains) == {"soft", "stiff", "culvert", "ground"}
     assert set(mesh.boundaries) == {
         "bottom", "left", "right", "surface", "culvert_inner",
-        "ground:skin", "culvert:skin", "ground|culvert", "culvert|ground",
+        "ground:skin", "culvert:skin", "ground|culvert", "culvert|ground", "soft|culvert", "stiff|culvert",
     }  # fmt: skip
     with_mesh_load = join_bodies(Mesh.load(DATA / "culvert.msh"), BODIES)
     for name, facets in mesh.boundaries.items():

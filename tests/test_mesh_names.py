@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from skfem import MeshQuad1, MeshTri1
+from skfem import MeshQuad, MeshQuad1, MeshTri1
 
 from skfem_contact import bodies, join_bodies
 
@@ -77,3 +77,16 @@ def test_meshes_that_cannot_be_joined():
         join_bodies(untagged)
     with pytest.raises(ValueError, match="no subdomain 'soil'; existing: none at all"):
         join_bodies(untagged, {"a": "soil"})
+
+
+def test_sides_of_subdomains_are_named_beside_those_of_bodies():
+    """The side of a body of two layers, and that of each layer; the facets of the layers are those of the body."""
+    mesh = MeshQuad.init_tensor(np.linspace(0, 3, 4), np.linspace(0, 2, 3)).with_subdomains({
+        "lower": lambda x: (x[1] < 1) & (x[0] < 2), "upper": lambda x: (x[1] > 1) & (x[0] < 2),
+        "concrete": lambda x: x[0] > 2})
+    joined = join_bodies(mesh, bodies={"ground": ["lower", "upper"], "wall": "concrete"})
+    assert set(joined.boundaries) == {"ground|wall", "wall|ground", "lower|wall", "upper|wall"}
+    parts = [joined.boundaries["lower|wall"], joined.boundaries["upper|wall"]]
+    np.testing.assert_array_equal(np.sort(np.concatenate(parts)), np.sort(joined.boundaries["ground|wall"]))
+    heights = [joined.p[1, joined.facets[:, np.asarray(part)]].mean() for part in parts]
+    np.testing.assert_allclose(heights, (0.5, 1.5))

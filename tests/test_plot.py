@@ -221,6 +221,25 @@ def test_marks_are_drawn_where_they_belong():
 
 
 @needs_opengl
+def test_free_surface_is_the_water_table():
+    """A seepage, its pressure and water at rest are drawn alike; the bar tells what the pore pressure is."""
+    from skfem_contact.plot.contours import headline
+
+    forms, step = block()
+    basis = forms["block"].basis
+    height = np.ptp(basis.mesh.p[1])
+    water = sc.seepage(basis, 1.0, {"left": 0.5 * height})
+    pictures = [shot(plot.contour(forms, step, "pore", water=given, mesh=False, colors="Greys"))
+                for given in (sc.hydrostatic(0.5 * height), water, water.pressure_at)]
+    blue = [picture[:-FOOT, :, 2].astype(int) - picture[:-FOOT, :, 0] > 60 for picture in pictures]
+    rows = [np.flatnonzero(marked.sum(axis=1) > 0.3 * marked.shape[1]).mean() for marked in blue]
+    # the transition between wet and dry is a part of an element wide
+    assert rows[1] == rows[2] == pytest.approx(rows[0], abs=5) == pytest.approx(len(blue[0]) / 2, rel=0.1)
+    assert headline(forms, "pore", None, water) == "Pore pressure"
+    assert headline(forms, "pore", None) == "Excess pore pressure"
+
+
+@needs_opengl
 def test_points_that_yield_and_contact_are_in_the_legend():
     from skfem_contact.demo import culvert
     from skfem_contact.plot.marks import Marks
@@ -368,6 +387,25 @@ def test_mechanism_tells_its_factor(monkeypatch):
     assert np.corrcoef(rows, columns)[0, 1] < -0.5
 
 
+@needs_opengl
+def test_mechanism_of_bounds_is_drawn_on_its_own_mesh(monkeypatch):
+    """[X] A cut of 5 m in clay: the title has both bounds, and the shear strain is that of the quadratic velocities."""
+    from skfem_contact.plot.mechanism import _of_bounds
+
+    forms, _ = cut()
+    basis = forms["cut"].basis
+    fixed = np.append(basis.get_dofs("bottom").all(), basis.get_dofs("right").all("u^1"))
+    found = sc.bounds(forms, fixed, 5.0, gap=0.3, elements=300, progress=False)
+    told = []
+    monkeypatch.setattr("skfem_contact.plot.contours.bar_figure", lambda scale, title, note, size, marks: told.append(
+        title) or plt.figure())
+    plot.mechanism(forms, found)
+    assert told[0].startswith(f"Factor of safety in [{found.lower:.4g}, {found.upper:.4g}]")
+    there, stage, _ = _of_bounds(found)
+    at_corners = stage.x[there["mechanism"].basis.nodal_dofs]
+    np.testing.assert_array_equal(at_corners, found.mechanism[:, : found.mesh.nvertices])
+
+
 def test_curve_ends_at_the_limit():
     _, found = cut()
     (axes,) = plot.load_curve(found).axes
@@ -397,3 +435,21 @@ def test_diagram_stands_on_the_structure():
     assert {text.get_text() for text in axes.texts} == {"10", "0"}
     with pytest.raises(ValueError, match="no quantity of SectionForces 'pressure'; existing: M, N, V"):
         plot.diagram_on(forms, step, "pressure", forces)
+
+
+def test_tractions_are_drawn_as_the_slave_exerts_them():
+    """[X] Their sum is the opposite of what the report says of the slave; normals are those of the undeformed slave."""
+    from skfem_contact.demo import culvert
+    from skfem_contact.post.interface import interfaces
+
+    model = culvert()
+    stage = model.result["surcharge"]
+    (interface,) = interfaces(model.forms, stage).values()
+    t, normal = interface.tractions, interface.normal
+    against = np.column_stack((-normal[:, 1], normal[:, 0]))
+    total = (t.weight[:, None] * (t.pressure[:, None] * normal + t.shear[:, None] * against)).sum(axis=0)
+    report = sc.contact_report(model.forms["skin"], stage.x, stage.states["skin"])
+    scale = (t.weight * t.pressure).sum()
+    np.testing.assert_allclose(total / scale, -report.force / scale, atol=0.01)
+    data = interface.on_facets()
+    assert len(data["pressure"]) == 72 and np.isfinite(data["pressure"]).all() and (data["status"] == 1).all()

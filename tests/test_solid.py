@@ -302,3 +302,16 @@ def test_parameters_follow_the_order_of_the_subdomain():
     stress = form.assemble(x, form.initial_state()).state.stress[0].mean(axis=1)
     left = np.floor(np.asarray(form.basis.global_coordinates())[0].mean(axis=1))
     np.testing.assert_allclose(stress, np.where(left == 0, 1.0, 10 * left))
+
+
+@pytest.mark.parametrize(("angle", "told"), [(2.0, False), (20.0, True)])
+def test_rotations_that_are_not_small_are_remarked_on(angle, told):
+    """[X] A body that turns like a rigid one strains by 1 - cos(angle)."""
+    basis = vector_basis(grid("Q1", [0, 1, 2], [0, 1]), "Q1", intorder=2)
+    form = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3))
+    places, turn = basis.doflocs[:, ::2], np.radians(angle)
+    x = ((np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]]) - np.eye(2)) @ places).T.ravel()
+    remarks = list(form.remarks(x, form.assemble(x, form.initial_state()).state))
+    assert [remark.kind for remark in remarks] == (["rotation"] if told else [])
+    if told:
+        np.testing.assert_allclose(remarks[0].figure, np.sin(turn), rtol=1e-12)

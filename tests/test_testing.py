@@ -246,7 +246,7 @@ class WrongForm:
     def summary(self, state):
         return 1 if self.fault == "summary" else "text"
 
-    def remarks(self, state):
+    def remarks(self, x, state):
         return [1] if self.fault == "remarks" else [Remark("kind", 1.0, "text")]
 
 

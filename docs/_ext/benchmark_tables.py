@@ -11,6 +11,8 @@ import json
 from collections.abc import Iterable
 from pathlib import Path
 
+from benchmark_charts import chart
+
 #: Columns of all tables by the key of the row, and keys that no table shows.
 COLUMNS = {"method": "method", "unknowns": "unknowns", "error": "error", "cpu_s": "CPU s", "iterations": "iterations"}
 HIDDEN = {"n", "case", "solver", "peer"}
@@ -21,15 +23,17 @@ def write_page(app, config) -> None:
     examples = Path(app.srcdir).parent / "examples" / "4_benchmarks"
     target = Path(app.srcdir, "_build", "generated", "benchmarks.md")
     target.parent.mkdir(parents=True, exist_ok=True)
-    sections = [section(examples, path) for path in sorted((examples / "results").glob("*.json"))]
+    sections = [section(examples, path, target.parent) for path in sorted((examples / "results").glob("*.json"))]
     target.write_text("\n\n".join(["## Beside other programs", overview(examples), *sections]) + "\n", encoding="utf-8")
 
 
-def section(examples: Path, path: Path) -> str:
-    """Heading, a link to the example and the table of a benchmark."""
+def section(examples: Path, path: Path, target: Path) -> str:
+    """Heading, a link to the example, the chart and, folded, the table of a benchmark."""
     rows = json.loads(path.read_text(encoding="utf-8"))["rows"]
+    title = heading(examples, path)
     link = f"{{doc}}`The example <gallery/4_benchmarks/{path.stem}>`"
-    return f"## {heading(examples, path)}\n\n{link}\n\n{table(rows)}"
+    picture = f"![{title}]({path.stem}.png)\n\n" if chart(rows, target / f"{path.stem}.png") else ""
+    return f"## {title}\n\n{link}\n\n{picture}:::{{dropdown}} All figures\n\n{table(rows)}\n:::"
 
 
 def heading(examples: Path, path: Path) -> str:
@@ -58,14 +62,14 @@ def text(key: str, value: object) -> str:
 
 def overview(examples: Path) -> str:
     """A line for every other program on its largest mesh, and what of ours stands against it."""
-    head = ["case", "other program", "unknowns", "error", "CPU s", "ours", "unknowns", "error", "CPU s", "times faster"]
-    lines = [head, [":--", ":--", "--:", "--:", "--:", ":--", "--:", "--:", "--:", "--:"]]
+    head = ["times faster", "case", "other program", "its error", "its CPU s", "ours", "our error", "our CPU s"]
+    lines = [head, ["--:", ":--", ":--", "--:", "--:", ":--", "--:", "--:"]]
     for path in sorted((examples / "results").glob("*.json")):
         rows = json.loads(path.read_text(encoding="utf-8"))["rows"]
         for peer in largest(row for row in rows if row.get("peer") and "unknowns" in row):
             ours = rival(peer, rows)
-            lines.append([heading(examples, path), *figures(peer), *figures(ours),
-                          f"{peer['cpu_s'] / ours['cpu_s']:.1f}"])  # fmt: skip
+            ratio = f"**{peer['cpu_s'] / ours['cpu_s']:.1f}**"
+            lines.append([ratio, heading(examples, path), *figures(peer), *figures(ours)])
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 
 
@@ -84,8 +88,8 @@ def rival(peer: dict, rows: list[dict]) -> dict:
 
 
 def figures(row: dict) -> list[str]:
-    """Method, size, error and time of a row."""
-    return [text(key, row[key]) for key in ("method", "unknowns", "error", "cpu_s")]
+    """Method, error and time of a row."""
+    return [text(key, row[key]) for key in ("method", "error", "cpu_s")]
 
 
 def setup(app):

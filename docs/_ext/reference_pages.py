@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import importlib
 import inspect
+import re
 from pathlib import Path
 
 from sphinx.errors import ConfigError
@@ -24,6 +25,8 @@ ROOMS = {
     "Loads": ("loads",),
     "Stages": ("stages",),
     "Collapse": ("collapse",),
+    "Bounds": ("limit_analysis",),
+    "Water": ("water",),
     "Equilibrium": ("nonlinear", "forms", "unknowns", "errors"),
     "Results": ("post",),
     "Pictures": ("plot",),
@@ -54,6 +57,17 @@ def page(title: str, module: str, names: list[str]) -> str:
     )
 
 
+def topic(title: str, file: str, names: list[str]) -> str:
+    """A section of the index: the names of a page with their summaries."""
+    rows = []
+    for name in names:
+        what = importlib.import_module(name.rpartition(".")[0])
+        summary = str(inspect.getdoc(getattr(what, name.rpartition(".")[2]))).split("\n\n")[0].replace("\n", " ")
+        summary = re.sub(r":\w+:`~?([^`]*)`", r"\1", summary).replace("``", "`").replace("|", "&#124;")
+        rows.append(f"| {{py:obj}}`{name.rpartition('.')[2]} <{name}>` | {summary} |")
+    return "\n".join([f"## {{doc}}`{title} </reference/generated/{file}>`", "", "| | |", "|:--|:--|", *rows, ""])
+
+
 def write_pages(app, config) -> None:
     """Write the pages before Sphinx looks for its sources."""
     folder = Path(app.srcdir, "reference", "generated")
@@ -61,10 +75,15 @@ def write_pages(app, config) -> None:
     for old in folder.glob("*.rst"):
         old.unlink()
     names = public_names()
+    topics = []
     for number, (title, modules) in enumerate(ROOMS.items()):
         found = [name for module in modules for name in names.get(module, [])]
         if found:
-            (folder / f"{number}_{modules[0]}.rst").write_text(page(title, modules[0], found), encoding="utf-8")
+            (folder / f"{number:02}_{modules[0]}.rst").write_text(page(title, modules[0], found), encoding="utf-8")
+            topics.append(topic(title, f"{number:02}_{modules[0]}", found))
+    index = Path(app.srcdir, "_build", "generated", "topics.md")
+    index.parent.mkdir(parents=True, exist_ok=True)
+    index.write_text("\n".join(topics), encoding="utf-8")
 
 
 def setup(app):

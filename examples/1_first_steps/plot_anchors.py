@@ -19,6 +19,8 @@ from skfem import Basis, ElementQuad2, ElementVector, FacetBasis, LinearForm, Me
 import skfem_contact as sc
 import skfem_contact.plot as plot
 
+plot.set_units("kN", "m")
+
 begin = process_time()
 mesh = MeshQuad.init_tensor(np.linspace(0, 0.5, 3), np.linspace(0, 8, 33)).with_defaults()
 basis = Basis(mesh, ElementVector(ElementQuad2()), intorder=4)

@@ -25,6 +25,8 @@ from skfem import Basis, ElementQuad1, ElementVector, FacetBasis, LinearForm, Me
 import skfem_contact as sc
 import skfem_contact.plot as plot
 
+plot.set_units("kN", "m")
+
 plate = MeshQuad.init_tensor(np.linspace(0.00, 0.16, 33), np.linspace(0.00, 0.02, 5)).with_defaults()
 sample = MeshQuad.init_tensor(np.linspace(0.02, 0.12, 26), np.linspace(0.02, 0.04, 6)).with_defaults()
 

@@ -22,7 +22,6 @@ Units are kN and m. Tension is positive.
 # interface gets nodes of its own, and a name. ``ground|culvert`` is the side of the ground.
 
 import json
-from dataclasses import replace
 from importlib.resources import files
 from time import process_time
 
@@ -32,6 +31,8 @@ from skfem import Basis, ElementQuad1, ElementVector, FacetBasis, LinearForm
 
 import skfem_contact as sc
 import skfem_contact.plot as plot
+
+plot.set_units("kN", "m")
 
 begin = process_time()
 welded = sc.load_mesh(files("skfem_contact") / "data" / "culvert.msh")
@@ -86,11 +87,10 @@ cpu = process_time() - begin
 print(result)
 
 # %%
-# The settlement that the surcharge adds, displacements a hundred times enlarged, with the undeformed
-# outline in grey:
+# The settlement that the surcharge adds, displacements enlarged, with the undeformed outline in grey; and what the
+# ground exerts on the pipe at the end:
 
-added = replace(result["surcharge"], x=result["surcharge"].x - result["gravity"].x)
-plot.contour(forms, added, "uy", deformed=100.0)
+plot.contour(forms, result["surcharge"], "uy", since=result["gravity"], deformed="auto", contact=True, loads=strip)
 
 # %%
 # What presses on the pipe

@@ -22,6 +22,8 @@ from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
 import skfem_contact as sc
 import skfem_contact.plot as plot
 
+plot.set_units("kN", "m")
+
 TOP, TOE, INNER, OUTER = 16.0, 6.0, 6.0, 6.5  # surface, toe and both faces of the wall
 LIFTS = {"lift 1": (14.0, 16.0), "lift 2": (11.0, 14.0)}
 WEIGHT, K0 = 20.0, 0.5

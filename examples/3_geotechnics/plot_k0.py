@@ -11,6 +11,8 @@ nothing moves afterwards:
 * the **null step**, a stage of the same load, which tells what was out of balance and removes it.
 """
 
+# sphinx_gallery_thumbnail_number = 2
+
 import json
 import warnings
 from time import process_time
@@ -21,6 +23,8 @@ from skfem import Basis, ElementQuad2, ElementVector, FacetBasis, LinearForm, Me
 
 import skfem_contact as sc
 import skfem_contact.plot as plot
+
+plot.set_units("kN", "m")
 
 rows = []
 

@@ -17,6 +17,8 @@ First the ground is elastic: thrust and moment of the lining have a closed form.
 ground reaction curve.
 """
 
+# sphinx_gallery_thumbnail_number = 3
+
 import json
 from dataclasses import astuple, replace
 from time import process_time
@@ -28,6 +30,8 @@ from skfem import Basis, ElementQuad2, ElementVector, FacetBasis, LinearForm, Me
 
 import skfem_contact as sc
 import skfem_contact.plot as plot
+
+plot.set_units("kN", "m")
 
 INNER, WALL, END = 2.76, 3.0, 120.0  # radii in m: of both faces of the lining, and of the end of the ground
 VERTICAL, K0 = 500.0, 0.6  # pressure at the depth of the tunnel in kPa, and the horizontal one as a share of it

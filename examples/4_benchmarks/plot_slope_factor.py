@@ -82,7 +82,7 @@ def factor(mesh, label, element=None, intorder=2, psi=20.0, strain=sc.plane_stra
     rows.append({"method": f"{label}, {result.method}, flow {result.flow}", "psi": psi, "n": mesh.nelements,
                  "unknowns": len(result.x), "factor": round(result.factor, 4),
                  "error": round(abs(result.factor / 1.38 - 1), 5), "cpu_s": round(time.process_time() - began, 2),
-                 "iterations": result.iterations, "stopped": result.criterion[:30]})
+                 "iterations": result.iterations, "stopped": result.stop.kind})
     return result
 
 

@@ -136,6 +136,6 @@ class Answers(Form):
         """Largest penetration as a share of the slave segment there."""
         return penetration(self._pair.points(state), state)
 
-    def remarks(self, state: ContactState) -> list[Remark]:
+    def remarks(self, x: ndarray, state: ContactState) -> list[Remark]:
         """What a user should know of an accepted state: contact that is not there, or not where it should be."""
         return list(remarks(self._pair, state))

@@ -6,6 +6,7 @@ from .elastic import LinearElastic
 from .hardening import HardeningMohrCoulomb
 from .mohr_coulomb import MohrCoulomb
 from .tresca import Tresca
+from .undrained import Undrained
 from .von_mises import VonMises
 
 __all__ = [
@@ -15,6 +16,7 @@ __all__ = [
     "Material",
     "MohrCoulomb",
     "Tresca",
+    "Undrained",
     "Update",
     "VonMises",
 ]

@@ -34,7 +34,8 @@ def join_bodies(
     meets there.
 
     * Every body becomes a subdomain, beside the subdomains that are there.
-    * ``"a|b"`` is the side of body ``a`` that faces body ``b``, and ``"b|a"`` is the opposite one.
+    * ``"a|b"`` is the side of body ``a`` that faces body ``b``, and ``"b|a"`` is the opposite one. Where body ``a``
+      consists of several subdomains, ``"clay|b"`` is the part of its side that belongs to ``"clay"``.
     * A boundary that lies on an interface, wholly or in part, is split by body: ``"skin"`` becomes
       ``"a:skin"`` and ``"b:skin"``. All other boundaries keep their names.
 
@@ -293,7 +294,12 @@ def _split_boundaries(mesh: Mesh, apart: Mesh, body: Indices, names: Sequence[st
     pairs = np.hstack((sides[:, between], sides[::-1, between]))
     for a, b in np.unique(pairs, axis=1).T:
         here = (pairs == [[a], [b]]).all(axis=0)
-        _add(result, f"{names[a]}|{names[b]}", _moved(mesh, apart, facets[here], owners[here]))
+        name, other = names[a], names[b]
+        _add(result, f"{name}|{other}", _moved(mesh, apart, facets[here], owners[here]))
+        for tag, part in own_tags(mesh.subdomains).items():  # a body of several subdomains
+            inside = here & np.isin(owners, part)
+            if inside.any() and (inside != here).any() and f"{tag}|{other}" not in result:
+                _add(result, f"{tag}|{other}", _moved(mesh, apart, facets[inside], owners[inside]))
     return result
 
 

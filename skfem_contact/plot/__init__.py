@@ -11,6 +11,7 @@ from .history import history, load_curve
 from .mechanism import mechanism
 from .structures import diagram_on
 from .units import labelled, set_units
+from .water import flow_diagram
 
-__all__ = ["animate", "contact_diagram", "contour", "diagram_on", "history", "labelled", "load_curve", "mechanism",
-           "ring_diagram", "section_diagram", "set_units", "stages"]
+__all__ = ["animate", "contact_diagram", "contour", "diagram_on", "flow_diagram", "history", "labelled", "load_curve",
+           "mechanism", "ring_diagram", "section_diagram", "set_units", "stages"]

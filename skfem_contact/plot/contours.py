@@ -63,7 +63,8 @@ def contour(forms: Mapping[str, Any], step: StageResult, quantity: str, *, since
     mesh
         Whether to draw the elements.
     water
-        Pore pressure as a function of places, :func:`~skfem_contact.hydrostatic`: draws the water table.
+        Draws the water table: the free surface of a :class:`~skfem_contact.Seepage`, or where the pore pressure, a
+        function of places such as :func:`~skfem_contact.hydrostatic`, falls to zero.
     supports
         Fixed unknowns, as they were given to ``run``: drawn as triangles.
     loads
@@ -106,7 +107,7 @@ def contour(forms: Mapping[str, Any], step: StageResult, quantity: str, *, since
     marks = Marks(forms, step, since, water, supports, loads, vectors, points, contact)
     scale = make_scale(view.values, view.scene.area, limits, levels, colors)
     note = _and_factor(view.title, view.scene.factor)
-    return draw([view], [marks], scale, headline(forms, quantity, since), note, window, mesh, file, show)
+    return draw([view], [marks], scale, headline(forms, quantity, since, water), note, window, mesh, file, show)
 
 
 def stages(forms: Mapping[str, Any], result: Result | Sequence[StageResult], quantity: str, *,
@@ -143,7 +144,7 @@ def stages(forms: Mapping[str, Any], result: Result | Sequence[StageResult], qua
     scale = make_scale(np.concatenate([view.values for view in views]), np.concatenate([v.scene.area for v in views]),
                        limits, levels, colors)
     note = _and_factor("", views[0].scene.factor)
-    return draw(views, marks, scale, headline(forms, quantity, since), note, window, mesh, file, show)
+    return draw(views, marks, scale, headline(forms, quantity, since, water), note, window, mesh, file, show)
 
 
 def make_view(forms: Mapping[str, Any], step: StageResult, quantity: str, since: StageResult | None,
@@ -155,9 +156,9 @@ def make_view(forms: Mapping[str, Any], step: StageResult, quantity: str, since:
     return View(Scene(forms, step, deformed, since), np.concatenate([field.values[0] for field in fields]), title)
 
 
-def headline(forms: Mapping[str, Any], quantity: str, since: StageResult | None) -> str:
+def headline(forms: Mapping[str, Any], quantity: str, since: StageResult | None, water: Water | None = None) -> str:
     """What the colour bar shows, with its unit."""
-    what = quantities(solids(forms))[quantity]
+    what = quantities(solids(forms), water)[quantity]
     title = labelled(what.title, what.unit)
     return f"Change of {title}" if since is not None else title[0].upper() + title[1:]
 

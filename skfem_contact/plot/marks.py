@@ -14,13 +14,16 @@ from ..post.fields import Water, solids_there
 from ..post.interface import interfaces
 from ..post.strength import PointStatus, point_status
 from ..stages.result import StageResult
+from ..water import Seepage
 from .scene import MARK, Scene
 
-_WATER, _LOAD, _MOVED = "#1468b3", "#b3007d", "#222222"
+WATER, _LOAD, _MOVED = "#1468b3", "#b3007d", "#222222"
 _POINTS = {PointStatus.YIELDS: ("yields", "#c8102e"), PointStatus.TENSION: ("at tensile strength", "#ffffff")}
 _STATUS = {Status.OPEN: ("open", "#ffffff"), Status.STICK: ("sticks", "#1a7f37"), Status.SLIP: ("slips", "#f28e00")}
 #: Lengths in pixels: longest arrows of loads, displacements and tractions, triangles of supports, and their distance.
 _LONG_LOAD, _LONG_ARROW, _LONG_TRACTION, _SUPPORT, _APART = 70.0, 55.0, 60.0, 15.0, 34.0
+#: Points of a water table over the width of the bodies: dashes are four of its steps long, and so are the gaps.
+_STEPS = 200
 #: Forces below this share of the largest one get no arrow.
 _SMALL = 0.02
 
@@ -64,7 +67,7 @@ class Marks:
         """Labels and matplotlib's line styles of the marks that need an explanation."""
         found = []
         if self.water is not None:
-            found.append(("water table", {"color": _WATER, "linewidth": 3, "linestyle": "--"}))
+            found.append(("water table", {"color": WATER, "linewidth": 3, "linestyle": "--"}))
         if self.points:
             found += [(label, _dot(color, "s")) for status, (label, color) in _POINTS.items() if self._marked(status)]
         if self.contact:
@@ -98,24 +101,40 @@ def _dots(plotter: Any, scene: Scene, places: ndarray, color: str, size: float) 
 
 
 def _draw_water(plotter: Any, scene: Scene, water: Water) -> None:
-    """The water table, where there is ground: the line at which the pressure falls to zero."""
-    low, high = scene.places[scene.nodes].min(axis=0), scene.places[scene.nodes].max(axis=0)
-    x = np.linspace(low[0], high[0], 201)
-    y = _table(water, x, low[1], high[1] + (high - low)[1])
-    line = np.column_stack((x, y))[np.isfinite(y)]
-    dashes = [line[i:i + 5] for i in range(0, len(line) - 1, 8)]
-    for dash in dashes:
-        sides = np.column_stack((np.arange(len(dash) - 1), np.arange(1, len(dash))))
-        if len(sides):
-            plotter.add_mesh(scene.lines(sides, dash, MARK), color=_WATER, line_width=5)
-    if len(line):
-        at = line[len(line) // 20]
+    """Water tables as dashed lines, the longest with a triangle on it."""
+    lines = _water_tables(scene, water)
+    for line in lines:
+        for dash in (line[i:i + 5] for i in range(0, len(line) - 1, 8)):
+            sides = np.column_stack((np.arange(len(dash) - 1), np.arange(1, len(dash))))
+            if len(sides):
+                plotter.add_mesh(scene.lines(sides, dash, MARK), color=WATER, line_width=5)
+    if lines:
+        at = lines[0][len(lines[0]) // 20]
         size = 14.0 * scene.pixel
         triangle = at + size * np.array([[-0.6, 1.0], [0.6, 1.0], [0.0, 0.0]])
-        _polygons(plotter, scene, triangle[None], _WATER)
+        _polygons(plotter, scene, triangle[None], WATER)
 
 
-def _table(water: Water, x: ndarray, low: float, high: float) -> ndarray:
+def _water_tables(scene: Scene, water: Water) -> list[ndarray]:
+    """Free surfaces of seepage; of another pressure the line at which it falls to zero, where there is ground."""
+    low, high = scene.places[scene.nodes].min(axis=0), scene.places[scene.nodes].max(axis=0)
+    seepage = getattr(water, "__self__", water)  # also that of its pressure_at
+    if isinstance(seepage, Seepage):
+        return [_evenly(line, (high - low)[0] / _STEPS) for line in seepage.free_surface]
+    x = np.linspace(low[0], high[0], _STEPS + 1)
+    y = _table(water, x, low[1], high[1] + (high - low)[1])
+    line = np.column_stack((x, y))[np.isfinite(y)]
+    return [line] if len(line) else []
+
+
+def _evenly(line: ndarray, step: float) -> ndarray:
+    """Points (n, 2) along a polyline, about `step` from each other."""
+    way = np.append(0.0, np.linalg.norm(np.diff(line, axis=0), axis=1).cumsum())
+    at = np.linspace(0.0, way[-1], max(2, round(way[-1] / step)))
+    return np.column_stack([np.interp(at, way, values) for values in line.T])
+
+
+def _table(water: Any, x: ndarray, low: float, high: float) -> ndarray:
     """Height at which the pressure becomes zero, (n,), by bisection; NaN where the bottom is dry."""
     below, above = np.full(len(x), low), np.full(len(x), high)
     wet = water(np.stack((x, below))) > 0.0

@@ -7,10 +7,17 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy import ndarray
+from skfem import Basis, ElementTriP2, ElementVector
 
 from ..errors import check_plane
+from ..limit_analysis import Bounds
+from ..materials import LinearElastic
 from ..post.fields import Water, solids
+from ..post.quantities import shear_strain
 from ..post.recovery import recovered
+from ..solid import SolidForm
+from ..stages.result import StageResult
 from .contours import View, Window, draw
 from .marks import Marks
 from .scales import make_scale
@@ -30,8 +37,8 @@ def mechanism(forms: Mapping[str, Any], found: Any, *, deformed: bool = False, v
     forms
         Forms by name.
     found
-        What :func:`~skfem_contact.strength_reduction` or :func:`~skfem_contact.limit_load` has found; anything with
-        a ``mechanism`` (N,), its shear strains ``bands`` by solid, and what it is and its ``value``.
+        What :func:`~skfem_contact.strength_reduction`, :func:`~skfem_contact.limit_load` or
+        :func:`~skfem_contact.bounds` has found; of bounds it is the mechanism of the upper one, on its own mesh.
     deformed
         Whether to draw the bodies as the mechanism moves them.
     vectors
@@ -58,10 +65,9 @@ def mechanism(forms: Mapping[str, Any], found: Any, *, deformed: bool = False, v
     >>> picture = plot.mechanism(forms, found)
     """
     check_plane(next(iter(solids(forms).values())).basis, "plot.mechanism")
-    moved = found.mechanism
-    stage = replace(found.end, x=moved)
-    there = {name: form for name, form in solids(forms).items() if name in found.bands}
-    fields = [field for name, form in there.items() for field in recovered(form, found.bands[name][None], limited=True)]
+    there, stage, bands = _of_bounds(found) if isinstance(found, Bounds) else _of_search(forms, found)
+    moved = stage.x
+    fields = [field for name, form in there.items() for field in recovered(form, bands[name][None], limited=True)]
     strain = np.concatenate([field.values[0] for field in fields])
     scene = Scene(there, stage, 0.0)
     if deformed:
@@ -70,11 +76,29 @@ def mechanism(forms: Mapping[str, Any], found: Any, *, deformed: bool = False, v
     strain = strain / _most(strain, scene.area)
     scale = make_scale(strain, scene.area, (0.0, 1.0), levels, "YlOrRd")
     marks = Marks(there, stage, water=water, vectors=vectors)
-    title = f"{found.what[0].upper()}{found.what[1:]} {found.value:.4g}: shear strain of the mechanism, relative"
+    value = f"in [{found.lower:.4g}, {found.upper:.4g}]" if isinstance(found, Bounds) else f"{found.value:.4g}"
+    title = f"{found.what[0].upper()}{found.what[1:]} {value}: shear strain of the mechanism, relative"
     return draw([View(scene, strain, "")], [marks], scale, title, "", window, mesh, file, show)
 
 
-def _most(strain: np.ndarray, area: np.ndarray) -> float:
+def _of_search(forms: Mapping[str, Any], found: Any) -> tuple[dict[str, SolidForm], StageResult, Mapping[str, ndarray]]:
+    """Solids, the mechanism as a stage, and shear strains at the points of the solids."""
+    there = {name: form for name, form in solids(forms).items() if name in found.bands}
+    return there, replace(found.end, x=found.mechanism), found.bands
+
+
+def _of_bounds(found: Bounds) -> tuple[dict[str, SolidForm], StageResult, Mapping[str, ndarray]]:
+    """The same of an upper bound, whose quadratic velocities live on a mesh of their own."""
+    basis = Basis(found.mesh, ElementVector(ElementTriP2()), intorder=2)
+    x, n = basis.zeros(), found.mesh.nvertices
+    x[basis.nodal_dofs], x[basis.facet_dofs] = found.mechanism[:, :n], found.mechanism[:, n:]
+    form = SolidForm(basis, LinearElastic(E=1.0, nu=0.0))  # any law: strains are asked for
+    state = form.assemble(x, form.initial_state()).state
+    stage = StageResult("upper bound", x, 0.0 * x, {"mechanism": state}, (), 0.0)
+    return {"mechanism": form}, stage, {"mechanism": shear_strain(state.strain)}
+
+
+def _most(strain: ndarray, area: ndarray) -> float:
     """What 1 % of the area exceeds."""
     order = np.argsort(strain)
     share = np.cumsum(area[order]) / area.sum()

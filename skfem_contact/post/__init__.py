@@ -6,9 +6,10 @@ from .report import ContactReport, contact_report
 from .sections import SectionForces, Sections, line_sections, ring_sections, section_forces
 from .strength import PointStatus
 from .tractions import Tractions, tractions
+from .undrained import pore_pressure, undrained_strength
 
 __all__ = [
     "ContactReport", "PointStatus", "SectionForces", "Sections", "Tractions", "contact_report", "export_pvd",
-    "export_vtu", "line_sections", "nodal_field", "reactions", "ring_sections", "section_forces", "to_frame",
-    "to_pyvista", "tractions",
+    "export_vtu", "line_sections", "nodal_field", "pore_pressure", "reactions", "ring_sections", "section_forces",
+    "to_frame", "to_pyvista", "tractions", "undrained_strength",
 ]

@@ -10,12 +10,14 @@ from numpy import ndarray
 from ..errors import look_up
 from ..solid import SolidForm
 from ..stages.result import StageResult
+from ..water import Seepage
 from .quantities import PLANE, SPACE, Quantity
 from .recovery import RegionField, recovered, recovered_stress, regions_of
 from .strength import mobilised
+from .undrained import pore_pressure, soil_of
 
-#: Pore pressure: a function of places (2, n).
-Water = Callable[[ndarray], ndarray]
+#: Pore pressure: seepage, or a function of places (2, n).
+Water = Seepage | Callable[[ndarray], ndarray]
 
 
 def nodal_field(forms: Mapping[str, Any], step: StageResult, quantity: str, since: StageResult | None = None,
@@ -37,13 +39,13 @@ def nodal_field(forms: Mapping[str, Any], step: StageResult, quantity: str, sinc
         principal stresses ``"s1"`` >= ``"s2"`` >= ``"s3"``; ``"mean"``, ``"mises"``; strains ``"exx"``, ``"eyy"``,
         ``"exy"`` (engineering shear), ``"gamma"`` (largest shear strain, in the plane), ``"ev"`` (volumetric);
         ``"plastic"``, the equivalent plastic strain (zero in elastic bodies); ``"mobilised"``, the share of the shear
-        strength that is used; ``"pore"``, the pore pressure of `water`. In three dimensions also ``"uz"``, ``"syz"``,
-        ``"szx"``.
+        strength that is used; ``"pore"``, the excess pore pressure of undrained ground, and that of `water` with it. In
+        three dimensions also ``"uz"``, ``"syz"``, ``"szx"``.
     since
         An earlier stage: the change from there on. Displacements and strains are those of the change; invariants of
         stresses are subtracted.
     water
-        Pore pressure as a function of places, :func:`hydrostatic`.
+        Pore pressure that was given: a :class:`Seepage`, or a function of places such as :func:`hydrostatic`.
 
     Returns
     -------
@@ -83,17 +85,21 @@ def region_fields(forms: Mapping[str, Any], step: StageResult, quantity: str, si
     """The field of every region of all solids that are there, values (1, n_nodes); arguments of :func:`nodal_field`."""
     found = solids_there(forms, step)
     what = look_up(quantity, quantities(found), "field")
-    if quantity == "pore" and water is None:
-        raise ValueError("pore pressure: give water=, a function of places such as hydrostatic(level)")
+    undrained = any(soil_of(m) is not m for form in (*found.values(), *solids(forms).values())
+                    for m in form.materials.values())
+    if quantity == "pore" and water is None and not undrained:
+        raise ValueError("pore pressure where no ground is Undrained: give water=, a Seepage or a function of places "
+                         "such as hydrostatic(level)")
     fields: list[RegionField] = []
     for name, form in found.items():
         fields += _of_form(form, step, name, quantity, what, since, water)
     return fields
 
 
-def quantities(forms: Mapping[str, SolidForm]) -> dict[str, Quantity]:
+def quantities(forms: Mapping[str, SolidForm], water: Water | None = None) -> dict[str, Quantity]:
     """The fields that there are of these solids."""
-    return PLANE if next(iter(forms.values())).basis.mesh.dim() == 2 else SPACE
+    fields = PLANE if next(iter(forms.values())).basis.mesh.dim() == 2 else SPACE
+    return fields if water is None else fields | {"pore": fields["pore"]._replace(title="pore pressure")}
 
 
 def solids(forms: Mapping[str, Any]) -> dict[str, SolidForm]:
@@ -130,12 +136,12 @@ def _of_form(form: SolidForm, step: StageResult, name: str, quantity: str, what:
         return _valued(what, _displaced(form, x))
     if what.source == "strain":
         return _valued(what, recovered(form, state.strain if before is None else state.strain - before.strain))
-    if quantity == "pore":
-        assert water is not None
-        dim = form.basis.mesh.dim()
-        return [f._replace(values=water(form.basis.doflocs[:, dim * f.nodes])[None]) for f in _displaced(form, step.x)]
     at = _at_points if what.source == "points" else _stress
     now = _valued(what, at(form, state, quantity))
+    if quantity == "pore" and water is not None and since is None:
+        pressure = water.pressure_at if isinstance(water, Seepage) else water
+        places = form.basis.doflocs[:, ::form.basis.mesh.dim()]
+        return [field._replace(values=field.values + pressure(places[:, field.nodes])) for field in now]
     if before is None:
         return now
     return [a._replace(values=a.values - b.values)
@@ -157,6 +163,8 @@ def _stress(form: SolidForm, state: Any, quantity: str) -> list[RegionField]:
 
 
 def _at_points(form: SolidForm, state: Any, quantity: str) -> list[RegionField]:
-    """What points have, within their range: plastic strain, or mobilised strength."""
-    values = plastic_strain(state) if quantity == "plastic" else mobilised(form, state)[None]
-    return recovered(form, values, limited=True)
+    """What points have, within their range: plastic strain, mobilised strength, or excess pore pressure."""
+    if quantity == "plastic":
+        return recovered(form, plastic_strain(state), limited=True)
+    values = mobilised if quantity == "mobilised" else pore_pressure
+    return recovered(form, values(form, state)[None], limited=True)

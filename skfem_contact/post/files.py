@@ -134,6 +134,15 @@ def to_frame(forms: Mapping[str, Any], step: StageResult) -> Any:
     ------
     ImportError
         pandas is not installed.
+
+    Examples
+    --------
+    >>> from skfem_contact.demo import culvert
+    >>> import skfem_contact as sc
+    >>> model = culvert()
+    >>> frame = sc.to_frame(model.forms, model.result["surcharge"])
+    >>> list(frame.columns[:5]), len(frame)
+    (['x', 'y', 'ux', 'uy', 'u'], 2195)
     """
     import pandas
 

@@ -80,7 +80,7 @@ PLANE = {
     "ev": Quantity("volumetric strain", "", "strain", lambda e: e[:3].sum(axis=0)),
     "plastic": Quantity("equivalent plastic strain", "", "points"),
     "mobilised": Quantity("mobilised strength", "", "points"),
-    "pore": Quantity("pore pressure", "stress", "points"),
+    "pore": Quantity("excess pore pressure", "stress", "points"),
 }
 
 #: Fields of bodies in space.

@@ -9,6 +9,7 @@ from numpy import ndarray
 
 from ..solid import SolidForm
 from .quantities import mises, principal
+from .undrained import pore_pressure, soil_of
 
 #: Points this close to their strength count as yielding: stresses return to it up to round-off.
 _AT_YIELD = 1e-6
@@ -36,10 +37,11 @@ def mobilised(form: SolidForm, state: Any) -> ndarray:
 def point_status(form: SolidForm, state: Any) -> ndarray:
     """:class:`PointStatus` of the points of a solid, (n_elements, n_points)."""
     status = np.where(mobilised(form, state) > 1.0 - _AT_YIELD, PointStatus.YIELDS, PointStatus.ELASTIC)
+    stress = _effective(form, state)
     for region in form.regions:
-        if (limit := _tension_limit(region.material)) is not None:
-            largest = principal(state.stress[:, region.elements])[..., 2]
-            scale = np.abs(state.stress[:3, region.elements]).max(initial=0.0)
+        if (limit := _tension_limit(soil_of(region.material))) is not None:
+            largest = principal(stress[:, region.elements])[..., 2]
+            scale = np.abs(stress[:3, region.elements]).max(initial=0.0)
             torn = largest >= _by_element(limit) - _AT_YIELD * (scale + _by_element(limit))
             status[region.elements][torn] = PointStatus.TENSION
     return status
@@ -48,11 +50,11 @@ def point_status(form: SolidForm, state: Any) -> ndarray:
 def _shear_and_strength(form: SolidForm, state: Any) -> tuple[ndarray, ndarray]:
     """Shear measure of the laws and its limit at every point; the limit is infinite where there is none."""
     shear = np.zeros(state.stress.shape[1:])
-    strength = np.full_like(shear, np.inf)
+    strength, effective = np.full_like(shear, np.inf), _effective(form, state)
     for region in form.regions:
-        law: Any = region.material
+        law = soil_of(region.material)
         part = region.elements
-        stress = state.stress[:, part]
+        stress = effective[:, part]
         if hasattr(law, "c"):  # Mohr and Coulomb, or Tresca: there is no friction
             values = principal(stress)
             c, phi = _cohesion_and_friction(law, state.internal[:1, part])
@@ -64,6 +66,12 @@ def _shear_and_strength(form: SolidForm, state: Any) -> tuple[ndarray, ndarray]:
         elif hasattr(law, "strength"):
             shear[part], strength[part] = mises(stress), _by_element(law.strength)
     return shear, strength
+
+
+def _effective(form: SolidForm, state: Any) -> ndarray:
+    """Stresses without the excess pore pressure."""
+    pressure = pore_pressure(form, state)
+    return np.concatenate((state.stress[:3] + pressure, state.stress[3:]))
 
 
 def _cohesion_and_friction(law: Any, internal: ndarray) -> tuple[Any, Any]:

@@ -116,7 +116,7 @@ def run(forms: Mapping[str, Any], stages: Sequence[Stage], fixed: ndarray,
                 raise
             finally:  # what contact found, or did not find, may be the reason
                 for name, form in system.forms.items():
-                    remarks.add(stage.name, name, form.remarks(last.states[name]))
+                    remarks.add(stage.name, name, form.remarks(last.x[:form.size], last.states[name]))
             done.append(last)
     return Result(tuple(done))
 

@@ -83,7 +83,7 @@ def check_form(form: Any, x: ndarray, state: Any, locations: ndarray | None = No
     require(again is None or (isinstance(again, tuple) and len(again) == 2 and isinstance(again[1], type(state))),
             "`outer` returns neither a form with a state nor None")
     require(isinstance(form.summary(first.state), str), "`summary` returns no text")
-    require(all(isinstance(remark, Remark) for remark in form.remarks(first.state)), "`remarks` returns no remarks")
+    require(all(isinstance(remark, Remark) for remark in form.remarks(x, first.state)), "`remarks` returns no remarks")
     error = _form_tangent(form, x, state, K, rng.standard_normal((directions, len(x))), tolerance)
     if locations is not None:
         _check_balance(force, K, x, np.asarray(locations))

@@ -85,8 +85,8 @@ def _check_update(new: Update, internal: tuple[int, ...], stress: tuple[int, ...
     require(new.stress.shape == stress, f"the stress has the shape {new.stress.shape}, not {stress}")
     require(np.isfinite(new.stress).all() and np.isfinite(new.internal).all(), "the answer is not finite")
     n, points = len(new.plastic), int(np.prod(stress[1:]))
-    require(n == 0 or new.internal.shape == internal,
-             f"the internal variables have the shape {new.internal.shape}, not {internal}")
+    require(new.internal.shape == internal,
+            f"the internal variables have the shape {new.internal.shape}, not {internal}")
     require(n == len(np.unique(new.plastic)) and (n == 0 or 0 <= new.plastic.min() <= new.plastic.max() < points),
              "`plastic` must hold different indices of points")
     tangent = new.tangent()

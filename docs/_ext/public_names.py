@@ -1,0 +1,60 @@
+"""Code spans of public names become links to the reference: ``sc.run``, ``ContactPair``, ``plot.contour(...)``."""
+
+from __future__ import annotations
+
+import re
+
+from docutils import nodes
+from sphinx.addnodes import pending_xref
+from sphinx.transforms.post_transforms import SphinxPostTransform
+
+import skfem_contact
+import skfem_contact.plot as plot
+
+#: What may stand around a name: the abbreviations that the pages use, and a call.
+SPAN = re.compile(r"(?:(sc|skfem_contact|plot|skfem_contact\.plot)\.)?([A-Za-z_]\w*)(\(.*\)|=)?$", re.DOTALL)
+#: Names that are words of their own: they link only where a module or a call stands with them.
+WORDS = {"run", "weight", "bodies", "traction", "tractions", "reactions", "contour", "stages", "history", "mechanism"}
+
+
+def target(text: str) -> str | None:
+    """The qualified public name that a code span means, if it means one."""
+    match = SPAN.match(text)
+    if match is None:
+        return None
+    module, name, rest = match.groups()
+    if name in plot.__all__ and module in (None, "plot", "skfem_contact.plot"):
+        qualified = f"skfem_contact.plot.{name}"
+    elif name in skfem_contact.__all__ and module in (None, "sc", "skfem_contact"):
+        qualified = f"skfem_contact.{name}"
+    else:
+        return None
+    return qualified if module or name not in WORDS or (rest and rest.startswith("(")) else None
+
+
+class LinkNames(SphinxPostTransform):
+    """Wrap literals of public names into references, before references are resolved."""
+
+    default_priority = 5
+
+    def run(self, **kwargs) -> None:
+        """Do it on one page."""
+        inside = (nodes.reference, pending_xref, nodes.title)
+        for literal in list(self.document.findall(nodes.literal)):
+            name = target(literal.astext())
+            parents, node = [], literal.parent
+            while node is not None:
+                parents.append(node)
+                node = node.parent
+            if name is None or any(isinstance(parent, inside) for parent in parents):
+                continue
+            link = pending_xref("", refdomain="py", reftype="obj", reftarget=name, refexplicit=True, refwarn=False,
+                                refdoc=self.env.docname)  # fmt: skip
+            literal.replace_self(link)
+            link.append(literal)
+
+
+def setup(app):
+    """Register the extension."""
+    app.add_post_transform(LinkNames)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}

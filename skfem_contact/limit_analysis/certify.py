@@ -1,0 +1,163 @@
+"""What a stress or a velocity proves: recomputed after the solver, to round-off, by the theorems of limit analysis."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy import ndarray
+from scipy.optimize import brentq
+
+from .interior_point import HIGHEST, Solution
+from .program import Program
+from .strength import FLAT
+
+#: Share of plain stiffness in the metric in which stresses are put into equilibrium: with the solver's alone points at
+#: yield could not move at all, with the plain one soil of little stress would lose up to 2 % of the factor.
+_PLAIN = 1e-5
+#: Equilibrium is repeated until it is violated by less than this share, at most so often; beyond the last, refused.
+_BALANCED, _REPETITIONS, _UNBALANCED = 1e-15, 8, 1e-13
+#: Stress below this share of the largest is none.
+_NO_STRESS = 1e-12
+#: Accuracy of the factor at which dissipation and power are equal.
+_ROOT = 1e-13
+#: Shares of an inner velocity that are mixed in where a velocity leaves the flow rule.
+_MIXED = (0.0, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3)
+
+
+@dataclass(frozen=True)
+class Proof:
+    """A bound and the field that proves it.
+
+    Attributes
+    ----------
+    value
+        Factor or multiplier; -inf or inf where nothing was proven.
+    field
+        Stresses (n_points, 3), or velocities (m,) that move the loads with unit power.
+    residual
+        Largest violation of equilibrium, or of the flow rule where it is an equation, as a share of what adds up to it.
+    """
+
+    value: float
+    field: ndarray
+    residual: float
+
+
+def prove_lower(program: Program, found: Solution, live: bool) -> Proof:
+    """Lower bound: stresses in equilibrium with the loads, and the largest factor (multiplier) that they admit."""
+    theta = found.theta if live else 1.0
+    stress, residual = _balanced(program, found, theta)
+    if not residual <= _UNBALANCED:
+        return Proof(-np.inf, stress, residual)
+    round_off = _NO_STRESS * np.abs(stress).max(initial=0.0)
+    if not live:
+        return Proof(float(_admitted(program, stress, round_off).min()), stress, residual)
+    if np.any(program.dead):
+        holds = _admitted(program, stress, round_off).min() >= 1.0
+        return Proof(theta if holds else -np.inf, stress, residual)
+    share = float(_largest_share(program, stress, round_off))
+    return Proof(share * theta, share * stress, residual)
+
+
+def _balanced(program: Program, found: Solution, theta: float) -> tuple[ndarray, float]:
+    """Stresses moved into equilibrium, where it costs least, and what is left of the violation."""
+    f = program.dead + theta * program.live
+    stress = found.stress.copy()
+    scale = float((abs(program.matrix) @ np.abs(stress).ravel()).max(initial=0.0)) or 1.0
+    trace = np.trace(found.metric, axis1=1, axis2=2)[:, None, None]
+    metric = np.divide(found.metric, trace, out=np.zeros_like(found.metric), where=trace > 0) + _PLAIN * np.eye(3)
+    inverse = program.normal.factor(metric)
+    for _ in range(_REPETITIONS):
+        r = f - program.forces(stress)
+        if np.abs(r).max(initial=0.0) < _BALANCED * scale:
+            break
+        stress = stress + np.einsum("nij,nj->ni", metric, program.strains(inverse(r)))
+    return stress, float(np.abs(f - program.forces(stress)).max(initial=0.0)) / scale
+
+
+def _admitted(program: Program, stress: ndarray, round_off: float) -> ndarray:
+    return program.of_points(lambda s, points: s.factor(stress[points], round_off))
+
+
+def _largest_share(program: Program, stress: ndarray, round_off: float) -> float:
+    """Largest number that stresses may be multiplied by: the strength holds zero, so bisection finds it."""
+    def holds(share: float) -> bool:
+        return bool(_admitted(program, share * stress, share * round_off).min() >= 1.0)
+
+    low, high = 0.0, 2.0
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if holds(middle) else (low, middle)
+    return low
+
+
+def prove_upper(program: Program, found: Solution, live: bool) -> Proof:
+    """Upper bound: velocities that obey the flow rule, and the factor (multiplier) that their power refutes."""
+    inner = found.inner[len(found.inner) // 2] if found.inner else found.velocity
+    last, inner = _shaped(program, found, [-found.velocity, -inner])
+    best = Proof(np.inf, last, np.inf)
+    for share in _MIXED:
+        velocity = (1 - share) * last + share * inner
+        proof = _refuted(program, velocity, live)
+        if proof.value < best.value:
+            best = proof
+        elif np.isfinite(best.value):
+            break
+    return best
+
+
+def _refuted(program: Program, velocity: ndarray, live: bool) -> Proof:
+    """The bound of velocities that obey the flow rule from some factor on: the smallest where the loads win."""
+    strain, round_off = program.strains(velocity), program.round_off(velocity)
+    fixed = program.dead @ velocity
+    power = program.live @ velocity + (0.0 if live else fixed)
+    if not power > 0:
+        return Proof(np.inf, velocity, np.inf)
+    velocity, strain, round_off, fixed = velocity / power, strain / power, round_off / power, fixed / power
+    flow = float(program.of_points(lambda s, points: s.flow_factor(strain[points], round_off[points])).max())
+
+    def excess(factor: float) -> float:
+        return float(dissipation(program, strain, factor).sum()) - (fixed if live else 1.0)
+
+    if live:
+        value = excess(1.0) if flow <= 1.0 else np.inf
+    elif flow > HIGHEST or excess(HIGHEST) > 0:
+        value = np.inf
+    else:
+        flow = max(flow, 1.0 / HIGHEST)
+        value = flow if excess(flow) <= 0 else (1 + _ROOT) * brentq(excess, flow, HIGHEST, xtol=_ROOT, rtol=_ROOT)
+    return Proof(value, velocity, _volume_residual(program, strain))
+
+
+def dissipation(program: Program, strain: ndarray, factor: float) -> ndarray:
+    """Dissipation at every point, (n_points,)."""
+    return program.of_points(lambda s, points: s.dissipation(strain[points], factor))
+
+
+def _kept(program: Program) -> ndarray:
+    """Points whose volume does not change."""
+    return np.flatnonzero(program.of_points(lambda s, points: (s.t < FLAT) & ~s.cut))
+
+
+def _volume_residual(program: Program, strain: ndarray) -> float:
+    kept = _kept(program)
+    volume = (strain[kept] * program.volume[kept]).sum(1)
+    return float(np.abs(volume).max(initial=0.0) / np.abs(strain).max(initial=1e-300))
+
+
+def _shaped(program: Program, found: Solution, velocities: list[ndarray]) -> list[ndarray]:
+    """Velocities without change of volume where there is no friction; they move where the solver's metric is soft."""
+    kept = _kept(program)
+    if not len(kept):
+        return velocities
+    volume = program.volume[kept]
+    stiffness = np.einsum("ni,nij,nj->n", volume, found.metric[kept], volume) / (volume**2).sum(1) ** 2
+    inverse = program.normal.factor(found.metric)
+    shaped = []
+    for velocity in velocities:
+        for _ in range(_REPETITIONS):
+            stress = np.zeros((program.n_points, 3))
+            stress[kept] = (stiffness * (program.strains(velocity)[kept] * volume).sum(1))[:, None] * volume
+            velocity = velocity - inverse(program.forces(stress))
+        shaped.append(velocity)
+    return shaped

@@ -1,0 +1,298 @@
+r"""Interior points for the programs of both bounds; the factor of strength moves along.
+
+.. math:: \max \theta: \quad A \sigma = f_0 + \theta f_1, \quad s = h(F) - \theta e - G(F) \sigma \in Q
+
+with multipliers y of equilibrium and z in Q of the strength.  Steps of Mehrotra in the scaling of Nesterov and Todd
+lead to normal equations :math:`A H^{-1} A^T`, a stiffness matrix.  For a limit load :math:`\theta` is its multiplier
+and e = 0.  For a factor of safety it is the share e of strength that is left, which is bounded where multipliers are
+not (friction alone bears any load), and F is moved until none is left.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy import ndarray
+
+from .cone import longest_step, product, quotient, scaling
+from .program import Program
+from .strength import FLAT
+
+_MOST = 80
+#: Factor beyond which nothing is looked for: what stands with so much less strength does not live on it.
+HIGHEST = 100.0
+#: Distance from the aim of which the gap keeps a share: points at the surface of their cones cannot follow the factor.
+_CENTRED = 0.1
+#: Share of the way to the surface of the cones that a step goes.
+_STEP = 0.98
+#: Distance from the aim, as a share of the accuracy, at which the factor is right.
+_HIT = 0.1
+#: Residuals of the normalisation and of the strength below which the certificates do the rest.
+_FEASIBLE = (1e-4, 1e-5)
+#: Largest change of the factor in a step.
+_CHANGE = 0.2
+#: Relative residual at which solutions of the normal equations are refined no more, and how often they are.
+_REFINED, _REFINEMENTS = 1e-9, 3
+#: Steps without progress after which round-off is said to rule.
+_STALLED = 2
+
+
+@dataclass(frozen=True)
+class Solution:
+    """The last iterate.
+
+    Attributes
+    ----------
+    theta, factor
+        Objective and factor.
+    stress, velocity
+        (n_points, 3) and (m,).
+    metric
+        Inverse Hessian at the points, (n_points, 3, 3): how easily their stresses change.
+    inner
+        Velocities of earlier iterates, farther inside of the flow rule.
+    iterations
+        How many systems were factored.
+    """
+
+    theta: float
+    factor: float
+    stress: ndarray
+    velocity: ndarray
+    metric: ndarray
+    inner: list[ndarray]
+    iterations: int
+
+
+@dataclass(frozen=True)
+class Goal:
+    """What is looked for.
+
+    Attributes
+    ----------
+    factor
+        Factor of strength to begin with, or to stay at.
+    aim
+        Objective at which the factor is right.
+    moving
+        Whether the factor is looked for; it stays otherwise, and the load is multiplied.
+    volume
+        Share of compliance to the mean stress where the strength does not depend on it: that stress is then a
+        multiplier, which the iteration finds as an augmented Lagrangian method does.
+    fixed
+        Factor of strength that is not reduced.
+    """
+
+    factor: float
+    aim: float
+    moving: bool
+    volume: float
+    fixed: float = 1.0
+
+
+def solve(program: Program, goal: Goal, accuracy: float) -> Solution:
+    """Go to the optimum, or as close to it as round-off allows.
+
+    Parameters
+    ----------
+    program, goal
+        What is solved.
+    accuracy
+        Gap, as a share of the objective, at which an iterate is good enough.
+    """
+    path = _Path(program, goal, accuracy)
+    while path.iterations < _MOST and path.F <= HIGHEST and not path.arrived():
+        try:
+            path.step()
+        except (ArithmeticError, np.linalg.LinAlgError):  # no more accuracy to be had
+            break
+    return path.solution()
+
+
+class _Path:
+    """Iterates and what a step needs of them."""
+
+    def __init__(self, program: Program, goal: Goal, accuracy: float) -> None:
+        self.program, self.goal, self.F, self.accuracy = program, goal, goal.factor, accuracy
+        self.moving = goal.moving
+        cones = self.cones = program.cones
+        n = program.n_points
+        self.second = cones.at[n:]
+        self._set_factor(self.F)
+        least = 1e-3 * (float(np.median(self.h)) or 1.0)
+        self.e = (self.h + least) * self.moving
+        self.f0 = program.dead + program.live * self.moving
+        self.f1 = program.live * (not self.moving)
+        self.force = np.abs(self.f0).max() + np.abs(self.f1).max()
+        self.theta, self.y, self.sigma = 0.0, np.zeros(program.size), np.zeros((n, 3))
+        self.s, self.z = np.zeros((2, len(cones.at), 3))
+        self.s[:, 0] = self.h + least
+        self.z[:, 0] = 1.0 / len(cones.at) / self.s[:, 0]
+        self.metric = np.zeros((n, 3, 3))
+        self.inner: list[ndarray] = []
+        self.iterations, self._stalled, self._best = 0, 0, np.inf
+        # where z follows from the strains alone: all of it, or all but its first component
+        one = np.ones(n, bool)
+        one[self.second] = False
+        self.steep = np.abs(cones.k[:n]).max(axis=1) * 2 >= FLAT
+        self.flat_second = ~self.steep[self.second]
+        self.soft = one & ~self.steep
+
+    def _set_factor(self, factor: float) -> None:
+        self.F = factor
+        self.G, self.h, self.dh, self.dq = self.cones.at_factor(factor, self.goal.fixed)
+
+    def gathered(self, x: ndarray) -> ndarray:
+        """Sum over the cones of every point."""
+        n = self.program.n_points
+        total = x[:n].copy()
+        total[self.second] += x[n:]
+        return total
+
+    @property
+    def away(self) -> float:
+        """Distance of the objective from its aim."""
+        return abs(self.theta - self.goal.aim) if self.moving else 0.0
+
+    def residuals(self) -> None:
+        """How far the iterate is from equilibrium, strength, flow rule and normalisation."""
+        program, s, z = self.program, self.s, self.z
+        self.rc = s + _times(self.G, self.sigma[self.cones.at])
+        self.rc[:, 0] += self.theta * self.e - self.h
+        self.rp = program.forces(self.sigma) - self.f0 - self.theta * self.f1
+        self.rd = program.strains(self.y) + self.gathered(_by(self.G, z))
+        self.rt = float(-1.0 - self.f1 @ self.y + self.e @ z[:, 0])
+        self.gap = float((s * z).sum())
+
+    def arrived(self) -> bool:
+        """Whether the gap is small, or no progress is made any more."""
+        self.residuals()
+        size = 1.0 if self.moving else max(self.theta, 1e-9)
+        feasible = abs(self.rt) < _FEASIBLE[0] and np.abs(self.rc).max() < _FEASIBLE[1]
+        if self.gap < self.accuracy * size and self.away < _HIT * self.accuracy and feasible:
+            return True
+        worth = self.gap / size + self.away + abs(self.rt)
+        self._stalled = 0 if worth < 0.9 * self._best or worth > 1e-2 else self._stalled + 1
+        self._best = min(self._best, float(worth))
+        if self.gap < size:
+            self.inner.append(self.y)
+        return self._stalled > _STALLED
+
+    def step(self) -> None:
+        """Predictor and corrector."""
+        self.iterations += 1
+        scaled = self.scaled = scaling(self.s, self.z)
+        self._factor()
+        n_cones, point = len(self.s), scaled.point
+        mu = self.gap / n_cones
+        first = self._direction(-point)
+        a = min(1.0, longest_step(self.s, first.s), longest_step(self.z, first.z))
+        right = -product(point, point) - product(_times(scaled.inverse, first.s), _times(scaled.W, first.z))
+        right[:, 0] += max(max((1 - a) ** 3, 1e-8) * mu, min(mu, _CENTRED * self.away / n_cones))
+        d = self._direction(quotient(right, point))
+        a = min(1.0, _STEP * min(longest_step(self.s, d.s), longest_step(self.z, d.z)))
+        self.sigma, self.y, self.theta = self.sigma + a * d.sigma, self.y + a * d.y, self.theta + a * d.theta
+        self.s, self.z = self.s + a * d.s, self.z + a * d.z
+        if d.factor:
+            self._set_factor(self.F + a * d.factor)
+
+    def _factor(self) -> None:
+        """Factor the normal equations, and what a change of the objective and of the factor does."""
+        scaled, G = self.scaled, self.G
+        H = self.gathered(np.matmul(np.matmul(G.transpose(0, 2, 1), scaled.squared), G))
+        trace = np.trace(H, axis1=1, axis2=2)[:, None, None]
+        H += trace * 1e-13 * np.eye(3)
+        volume = self.program.volume[self.soft]
+        H[self.soft] += self.goal.volume * trace[self.soft] * volume[:, :, None] * volume[:, None, :] / 2
+        if not np.isfinite(H).all():
+            raise ArithmeticError("a point has reached the surface of its cone")
+        self.metric = np.linalg.inv(H)
+        self._inverse = self.program.normal.factor(self.metric)
+        self._pull = self.gathered(_by(G, scaled.squared[:, :, 0] * self.e[:, None]))
+        r = _times(self.metric, self._pull)
+        self._y2 = self._solve(self.program.forces(r) + self.f1)
+        self._s2 = r - _times(self.metric, self.program.strains(self._y2))
+        self._pivot = (self.e**2 * scaled.squared[:, 0, 0]).sum() - (self._pull * self._s2).sum() + self.f1 @ self._y2
+        self._by_factor = None
+        if self.moving and self.iterations > 4 and self.gap < 1.0:
+            growth = self.dq * (self.cones.k * self.sigma[self.cones.at]).sum(1) - self.dh
+            u = scaled.squared[:, :, 0] * growth[:, None]
+            turn = (self.dq * self.z[:, 0])[:, None] * self.cones.k
+            self._by_factor = (*self._response(u, self.gathered(turn), 0.0, 0.0), u, growth, turn)
+
+    def _solve(self, b: ndarray) -> ndarray:
+        """Normal equations, refined."""
+        y = self._inverse(b)
+        for _ in range(_REFINEMENTS):
+            r = b - self.program.forces(_times(self.metric, self.program.strains(y)))
+            if np.abs(r).max() < _REFINED * np.abs(b).max():
+                break
+            y = y + self._inverse(r)
+        return y
+
+    def _response(self, u: ndarray, rd: ndarray, rp: ndarray | float, rt: float) -> tuple[ndarray, ndarray, float]:
+        """Changes of stress, velocity and objective that answer some residuals."""
+        r = _times(self.metric, -rd - self.gathered(_by(self.G, u)))
+        y = self._solve(self.program.forces(r) + rp)
+        s = r - _times(self.metric, self.program.strains(y))
+        theta = (-rt - self.e @ u[:, 0] - (self._pull * s).sum() + self.f1 @ y) / self._pivot
+        return s - theta * self._s2, y - theta * self._y2, theta
+
+    def _direction(self, q: ndarray) -> _Direction:
+        """Newton's direction to the scaled point plus q."""
+        scaled = self.scaled
+        u = _times(scaled.squared, self.rc + _times(scaled.W, q))
+        sigma, y, theta = self._response(u, self.rd, self.rp, self.rt)
+        factor, rc, turn = 0.0, self.rc, None
+        if self._by_factor is not None:
+            by_sigma, by_y, by_theta, by_u, growth, by_turn = self._by_factor
+            factor = float(np.clip((self.goal.aim - self.theta - theta) / by_theta, -_CHANGE * self.F,
+                                   _CHANGE * self.F))
+            sigma, y, theta = sigma + factor * by_sigma, y + factor * by_y, theta + factor * by_theta
+            u, rc, turn = u + factor * by_u, rc.copy(), factor * by_turn
+            rc[:, 0] += factor * growth
+        change = _times(self.G, sigma[self.cones.at])
+        change[:, 0] += self.e * theta
+        z = u + _times(scaled.squared, change)
+        self._follow_flow(z, -self.rd - self.program.strains(y), turn)
+        return _Direction(sigma, y, theta, -rc - change, z, factor)
+
+    def _follow_flow(self, z: ndarray, strain: ndarray, turn: ndarray | None) -> None:
+        """Make z follow from the strains exactly: the flow rule then holds to round-off."""
+        n, cones, second = self.program.n_points, self.cones, self.second
+        if turn is not None:
+            strain = strain - self.gathered(turn)
+        at = n + np.flatnonzero(self.flat_second)
+        z[at, 0] = (strain[cones.at[at]] * self.program.volume[cones.at[at]]).sum(1)
+        strain = strain.copy()
+        strain[second] -= _by(self.G[n:], z[n:])
+        q = np.where(self.steep, (self.G[:n, 0] * self.program.volume).sum(1), 1.0)
+        z[:n, 0] = np.where(self.steep, (strain * self.program.volume).sum(1) / q, z[:n, 0])
+        left = strain - self.G[:n, 0] * z[:n, :1]
+        R = cones.R[:n]
+        size = (R**2).sum(2)  # rows are orthogonal
+        z[:n, 1:] = -np.einsum("nij,nj->ni", R, left) / size
+
+    def solution(self) -> Solution:
+        """What has been reached."""
+        return Solution(self.theta, self.F, self.sigma, self.y, self.metric, self.inner, self.iterations)
+
+
+@dataclass(frozen=True)
+class _Direction:
+    sigma: ndarray
+    y: ndarray
+    theta: float
+    s: ndarray
+    z: ndarray
+    factor: float
+
+
+def _times(matrices: ndarray, x: ndarray) -> ndarray:
+    """Matrices (n, 3, 3) times vectors (n, 3)."""
+    return np.einsum("nij,nj->ni", matrices, x)
+
+
+def _by(matrices: ndarray, x: ndarray) -> ndarray:
+    """Transposed matrices (n, 3, 3) times vectors (n, 3)."""
+    return np.einsum("nij,ni->nj", matrices, x)

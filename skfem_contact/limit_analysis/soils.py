@@ -1,0 +1,107 @@
+"""Strength of every element, from the materials of the solids."""
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy import ndarray
+from skfem import CellBasis
+
+from ..materials import LinearElastic, MohrCoulomb, Tresca, VonMises
+from ..materials.reduction import reduced_strength
+from ..solid import SolidForm
+from ..strain import axisymmetric
+from .strength import FLAT
+
+
+class Strengths(NamedTuple):
+    """Arrays with one value for each element of a mesh; elastic ones have c = inf: they are rigid.
+
+    Attributes
+    ----------
+    c, t, tension
+        Cohesion, tan phi and tensile strength (inf without).
+    reduced
+        Whether the factor acts.
+    """
+
+    c: ndarray
+    t: ndarray
+    tension: ndarray
+    reduced: ndarray
+
+    @property
+    def rigid(self) -> ndarray:
+        """Elements that nothing makes yield."""
+        return np.isinf(self.c)
+
+
+def strengths(solids: Mapping[str, SolidForm], targets: Mapping[str, Collection[str] | None], flow: str) -> Strengths:
+    """Strength of all elements of the mesh; those of no solid are rigid.
+
+    Parameters
+    ----------
+    solids
+        Solids by name.
+    targets
+        Regions that are reduced, by solid.
+    flow
+        ``"associated"``, or ``"davis_a"`` for the associated soil of less strength.
+    """
+    n = next(iter(solids.values())).basis.mesh.nelements
+    found = Strengths(np.full(n, np.inf), np.zeros(n), np.full(n, np.inf), np.zeros(n, bool))
+    for name, form in solids.items():
+        elements = elements_of(form.basis)
+        for region in form.regions:
+            where = elements[region.elements]
+            c, t, tension = _parameters(region.material, flow, f"{name}.{region.name}")
+            found.c[where], found.t[where], found.tension[where] = c, t, tension
+            found.reduced[where] = region.name in (targets.get(name) or ())
+    return found
+
+
+def dilates_less(solids: Mapping[str, SolidForm]) -> bool:
+    """Whether a material flows with less dilation than friction."""
+    soils = [m for form in solids.values() for m in form.materials.values() if isinstance(m, MohrCoulomb)]
+    return any(bool(np.any(np.less(soil.psi, soil.phi))) for soil in soils)
+
+
+def check_solids(solids: Mapping[str, SolidForm]) -> None:
+    """Refuse what has no bounds: space, axial symmetry, other materials, overlapping solids."""
+    for name, form in solids.items():
+        if form.basis.mesh.dim() != 2 or form.strain is axisymmetric:
+            kind = "axially symmetric" if form.basis.mesh.dim() == 2 else "in three dimensions"
+            raise ValueError(f"bounds are for plane strain, but '{name}' is {kind}")
+        for region, material in form.materials.items():
+            if not isinstance(material, (LinearElastic, MohrCoulomb, Tresca, VonMises)):
+                raise ValueError(f"there are no bounds for {type(material).__name__}, the material of '{region}' in "
+                                 f"'{name}'; there are for MohrCoulomb, Tresca, VonMises and, rigid, LinearElastic")
+    elements = np.concatenate([elements_of(form.basis) for form in solids.values()])
+    if len(np.unique(elements)) < len(elements):
+        raise ValueError(f"the solids {', '.join(solids)} share elements: each must belong to one of them")
+
+
+def elements_of(basis: CellBasis) -> ndarray:
+    """Elements of a basis, whole or restricted, in its order."""
+    return np.arange(basis.mesh.nelements) if basis.tind is None else np.asarray(basis.tind)
+
+
+def _parameters(material: Any, flow: str, name: str) -> tuple[Any, Any, Any]:
+    """Cohesion, tan phi and tensile strength in plane strain."""
+    if isinstance(material, LinearElastic):
+        return np.inf, 0.0, np.inf
+    if isinstance(material, VonMises):  # what flows in plane strain has the mean of the others as third stress
+        c, t, tension = material.strength / np.sqrt(3), 0.0, np.inf
+    elif isinstance(material, Tresca):
+        c, t, tension = material.c, 0.0, np.inf
+    else:
+        if flow != "associated":
+            material = reduced_strength(material, 1.0, flow)
+        c, t = material.c, np.tan(np.radians(material.phi))
+        tension = np.inf if material.tension is None else material.tension
+    if np.any((np.asarray(t) > 0) & (np.asarray(t) < FLAT)):
+        raise ValueError(f"a friction angle of '{name}' lies between 0 and {np.degrees(FLAT):.2f} degrees; make it 0")
+    if np.any((np.asarray(c) == 0) & (np.asarray(t) == 0)):
+        raise ValueError(f"'{name}' has neither cohesion nor friction")
+    return c, t, tension

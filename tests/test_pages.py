@@ -1,0 +1,100 @@
+"""The tools of the documentation: what pages leave out, what links, and what a browser stumbles over."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+DOCS = Path(__file__).parents[1] / "docs"
+sys.path.insert(0, str(DOCS / "_ext"))
+gallery_output = pytest.importorskip("gallery_output")
+
+PAGE = """
+Figures
+-------
+
+.. GENERATED FROM PYTHON SOURCE LINES 9-12
+
+.. code-block:: Python
+
+
+    import json
+    from time import process_time
+    begin = process_time()
+    factor = 1.381
+    # within the bracket
+    assert 1.3 < factor < 1.4
+    print(f"factor {factor}")
+    print(json.dumps({"case": "slope"}))
+
+.. rst-class:: sphx-glr-script-out
+
+ .. code-block:: none
+
+    factor 1.381
+    {"case": "slope"}
+
+"""
+
+
+def test_readers_see_neither_checks_nor_figures():
+    source = [PAGE]
+    gallery_output.for_readers(None, "gallery/slope", source)
+    assert "    factor = 1.381\n    print(f\"factor {factor}\")\n" in source[0]
+    assert "    factor 1.381\n" in source[0]
+    for hidden in ("assert", "json", "process_time", "case", "bracket"):
+        assert hidden not in source[0]
+    untouched = [PAGE]
+    gallery_output.for_readers(None, "guide/stages", untouched)
+    assert untouched == [PAGE]
+
+
+def test_code_fits_the_page():
+    long = f"found = strength_reduction(forms, fixed, load, {', '.join(f'option_{i}={i}' for i in range(8))})"
+    assert max(map(len, gallery_output.narrow(long).split("\n"))) <= gallery_output.WIDTH
+    assert gallery_output.narrow("x = 1") == "x = 1"
+
+
+def test_names_of_the_reference_become_links():
+    pytest.importorskip("sphinx")
+    from public_names import target
+
+    assert target("sc.run(forms)") == target("skfem_contact.run") == "skfem_contact.run"
+    assert target("ContactPair") == "skfem_contact.ContactPair"
+    assert target("plot.contour(forms, stage)") == "skfem_contact.plot.contour"
+    for other in ("run", "stages", "u^1", "numpy", "plot.show", "fixed="):
+        assert target(other) is None
+
+
+SITE = {
+    "index.html": "<main><p id='top'>Text</p><a href='good.html#here'>good</a> <a href='none.html'>broken</a>"
+                  " <a href='good.html#nowhere'>no place</a></main>",
+    "good.html": "<main><h1 id='here'>Good</h1><p>A line that wraps.</p></main>",
+    "wide.html": "<main><div style='width:2000px'>wide</div></main>",
+    "bad.html": "<main><img src='none.png' alt='none'><script>console.error('trouble')</script></main>",
+}  # fmt: skip
+
+
+@pytest.mark.skipif(shutil.which("chromium") is None or shutil.which("chromedriver") is None, reason="needs Chromium")
+def test_what_a_browser_stumbles_over(tmp_path):
+    """A site of four pages with one fault of each kind; the good page is not named."""
+    pytest.importorskip("selenium")
+    for name, body in SITE.items():
+        head = "<!doctype html><html><head><title>t</title><link rel='icon' href='data:,'></head>"
+        (tmp_path / name).write_text(f"{head}<body>{body}</body></html>", encoding="utf-8")
+    command = [sys.executable, str(DOCS / "check_pages.py"), str(tmp_path), "--out", str(tmp_path / "shots")]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=240)
+    assert done.returncode == 1, done.stderr
+    *lines, last = done.stdout.splitlines()
+    assert json.loads(last)["pages"] == 4
+    for fault in ("index.html: broken link none.html", "index.html: no place #nowhere on good.html",
+                  "wide.html (wide, light): stands out", "wide.html (narrow, dark): stands out",
+                  "bad.html (wide, light): missing picture", "bad.html (wide, light): console"):  # fmt: skip
+        assert any(line.startswith(fault) for line in lines), (fault, lines)
+    assert not any(line.startswith("good.html") for line in lines)
+    assert len(list((tmp_path / "shots").rglob("*.png"))) == 16

@@ -1,0 +1,188 @@
+"""Undrained ground: Skempton's pore pressure, undrained strengths, a short-term factor of safety."""
+
+from __future__ import annotations
+
+import warnings
+
+import numpy as np
+import pytest
+from helpers import grid, vector_basis
+from skfem import Basis, ElementTetP2, ElementTriP2, ElementVector, FacetBasis, LinearForm, MeshTet
+from slope_meshes import held, slope_mesh
+
+import skfem_contact as sc
+from skfem_contact.post.strength import PointStatus, mobilised, point_status
+
+E, NU, P0 = 1e4, 0.25, 100.0
+BULK = E / 3 / (1 - 2 * NU)
+SOIL = sc.MohrCoulomb(E=E, nu=NU, c=5.0, phi=25.0, psi=0.0)
+
+
+def compressed(soil, axisymmetric: bool, steps: tuple[float, ...]):
+    """A sample under an isotropic effective stress, compressed while its side is pressed: p and q after steps."""
+    mesh = grid("Q1", [0.0, 1.0], [0.0, 1.0])
+    basis = vector_basis(mesh, "Q1", intorder=2)
+    form = sc.SolidForm(basis, soil, strain=sc.axisymmetric if axisymmetric else sc.plane_strain)
+    fixed = np.union1d(basis.get_dofs({"bottom", "top"}).all("u^2"), basis.get_dofs("left").all("u^1"))
+    side = FacetBasis(mesh, basis.elem, facets="right")
+    load = LinearForm(lambda v, w: -P0 * (w.x[0] if axisymmetric else 1.0) * v[0]).assemble(side)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", sc.AnalysisWarning)  # the top holds the stress: no load of the start does
+        start = sc.given_state({"soil": form}, load, fixed, lambda x: np.stack(3 * [0 * x[0] - P0] + [0 * x[0]]))
+    stages = []
+    for k, settlement in enumerate(steps):
+        moved = basis.zeros()
+        moved[basis.get_dofs("top").all("u^2")] = -settlement
+        stages.append(sc.Stage(f"{k}", load, prescribed=moved))
+    result = sc.run({"soil": form}, stages, fixed, start=start, progress=False)
+    states = [result[stage.name].states["soil"] for stage in stages]
+    return [(sc.pore_pressure(form, s).mean(), (s.stress[0] - s.stress[1]).mean()) for s in states]
+
+
+@pytest.mark.parametrize(("axisymmetric", "share"), [(False, 1 / 2), (True, 1 / 3)], ids=["plane", "triaxial"])
+@pytest.mark.parametrize("soil", [sc.LinearElastic(E=E, nu=NU), SOIL], ids=["elastic", "Mohr-Coulomb"])
+def test_skempton(soil, axisymmetric, share):
+    """[X] Pore pressure of an elastic sample under a deviator q: B q / 2 in plane strain, B q / 3 in the triaxial test.
+
+    Of the finite Kw = 1000 K comes an error of about a thousandth.
+    """
+    ((pressure, q),) = compressed(sc.Undrained(soil, Kw=1e3 * BULK), axisymmetric, (1e-3,))
+    assert q > 0
+    assert pressure / q == pytest.approx(share, rel=1.5e-3)
+
+
+def test_skempton_for_compressible_water():
+    """[X] Skempton's B = 1 / (1 + K / Kw), A = 1/3: exact for any Kw."""
+    ((pressure, q),) = compressed(sc.Undrained(SOIL, Kw=BULK), True, (1e-3,))
+    assert pressure / q == pytest.approx(0.5 / 3, rel=1e-9)
+
+
+def test_strengths():
+    """[X] 2 s_u = 2 (c cos phi + p0 sin phi) in plane strain, M p0 + q0 in the triaxial test, within .06 %."""
+    clay, s, c = sc.Undrained(SOIL, Kw=1e3 * BULK), np.sin(np.radians(25.0)), np.cos(np.radians(25.0))
+    exact = {False: 2 * (5.0 * c + P0 * s), True: 6 * s / (3 - s) * P0 + 6 * 5.0 * c / (3 - s)}
+    for axisymmetric, q in exact.items():
+        assert compressed(clay, axisymmetric, (0.01, 0.02, 0.04))[-1][1] == pytest.approx(q, rel=6e-4)
+
+
+def test_poisson_ratio_of_soil_and_water():
+    """[X] With nu_u the moduli are those of an elastic body of that Poisson's ratio and the same shear modulus."""
+    clay = sc.Undrained(sc.LinearElastic(E=E, nu=NU), nu_u=0.49)
+    whole = sc.LinearElastic(E=E / (1 + NU) * 1.49, nu=0.49)
+    for ncomp in (4, 6):
+        np.testing.assert_allclose(clay.elasticity(ncomp), whole.elasticity(ncomp), rtol=1e-12)
+
+
+@pytest.mark.parametrize("soil", [SOIL, sc.LinearElastic(E=E, nu=NU), sc.Tresca(E=E, nu=NU, c=10.0),
+                                  sc.DruckerPrager(E=E, nu=NU, alpha=0.2, beta=0.0, k=5.0)], ids=repr)
+@pytest.mark.parametrize("ncomp", [4, 6])
+def test_any_material(soil, ncomp):
+    """The tangent is that of differences and stresses are admissible, for any law and for parameters by element."""
+    sc.check_material(sc.Undrained(soil, Kw=20 * BULK), ncomp=ncomp, dissipation=ncomp == 4)
+    sc.check_material(sc.Undrained(soil, Kw=BULK * np.linspace(1, 20, 50)), ncomp=ncomp, dissipation=False)
+
+
+def test_pressure_is_not_taken_for_plastic_strain():
+    """An elastic soil has not yielded, whatever the pressure; its pressure lives on where others yield."""
+    mesh = grid("Q1", [0.0, 1.0, 2.0], [0.0, 1.0]).with_subdomains({"a": lambda x: x[0] < 1, "b": lambda x: x[0] > 1})
+    basis = vector_basis(mesh, "Q1", intorder=2)
+    clay = sc.Undrained(sc.LinearElastic(E=E, nu=NU), Kw=BULK)
+    form = sc.SolidForm(basis, {"a": clay, "b": SOIL})
+    x = basis.zeros()
+    x[basis.get_dofs("top").all("u^2")] = -0.01
+    state = form.assemble(x, form.initial_state()).state
+    assert state.internal[0, 0].max() == 0 < state.internal[0, 1].min()
+    pressure = sc.pore_pressure(form, state)
+    assert pressure[0] == pytest.approx(BULK * 0.01) and not pressure[1].any()
+    assert "50.0% yielded" in form.summary(state)
+    stage = sc.StageResult("now", x, 0 * x, {"soil": state}, (), 0.0, 1.0, {})
+    field = sc.nodal_field({"soil": form}, stage, "pore")
+    # nodes between both regions get the mean of both
+    assert sorted(set(np.round(field / BULK / 0.01, 9))) == [0.0, 0.5, 1.0]
+    # what is given is below it; a change since a stage does not hold what stays
+    still = sc.hydrostatic(0.5)
+    whole = sc.nodal_field({"soil": form}, stage, "pore", water=still)
+    np.testing.assert_allclose(whole, field + still(mesh.p))
+    np.testing.assert_allclose(sc.nodal_field({"soil": form}, stage, "pore", since=stage, water=still), 0.0)
+
+
+def test_mobilised_strength_is_that_of_the_soil():
+    """[X] Effective stresses count: with water in its pores the soil uses as much of its strength as without."""
+    form = sc.SolidForm(vector_basis(grid("Q1", [0, 1], [0, 1]), "Q1", intorder=2), SOIL)
+    wet = form.with_materials({"all": sc.Undrained(SOIL, Kw=BULK)})
+    state, filled = form.initial_state(), wet.initial_state()
+    state.stress[:3] = np.array([-10.0, -16.0, -12.0])[:, None, None]
+    filled.stress[:3], filled.internal[-1] = state.stress[:3] - 30.0, 30.0
+    assert 0 < mobilised(form, state).max() < 1
+    np.testing.assert_allclose(mobilised(wet, filled), mobilised(form, state), rtol=1e-12)
+    torn = sc.SolidForm(form.basis, sc.Undrained(SOIL, Kw=BULK)).initial_state()
+    torn.stress[:3], torn.internal[-1] = 5.0 / np.tan(np.radians(25.0)) - 30.0, 30.0
+    assert (point_status(wet, torn) == PointStatus.TENSION).all()
+
+
+def test_in_space():
+    """[X] A cube of tetrahedra under a quick load between smooth walls: Kw / (Kw + M) of it is carried by the water."""
+    sides = [("bottom", 2, 0), ("x", 0, 0), ("X", 0, 1), ("y", 1, 0), ("Y", 1, 1)]
+    mesh = MeshTet().refined(1).with_boundaries(
+        {name: lambda x, axis=axis, at=at: np.isclose(x[axis], at) for name, axis, at in sides})
+    basis = Basis(mesh, ElementVector(ElementTetP2()), intorder=2)
+    form = sc.SolidForm(basis, sc.Undrained(SOIL, Kw=BULK), strain=sc.three_dimensional)
+    names = {"u^1": {"x", "X"}, "u^2": {"y", "Y"}, "u^3": {"bottom"}}
+    fixed = np.concatenate([basis.get_dofs(where).all(u) for u, where in names.items()])
+    top = FacetBasis(mesh, basis.elem, facets=mesh.facets_satisfying(lambda x: np.isclose(x[2], 1)))
+    load = LinearForm(lambda v, w: -1.0 * v[2]).assemble(top)
+    state = sc.run({"soil": form}, [sc.Stage("load", load)], fixed, progress=False)["load"].states["soil"]
+    modulus = E * (1 - NU) / (1 + NU) / (1 - 2 * NU)
+    np.testing.assert_allclose(sc.pore_pressure(form, state), BULK / (BULK + modulus), rtol=1e-9)
+
+
+def test_short_term_factor_of_a_slope():
+    r"""[N] Effective strength without drainage against phi = 0 with the strength that follows from the stresses.
+
+    Reduced by F the effective strength is (c + s' tan phi) cos(phi_F) / F with tan phi_F = tan phi / F, that of phi = 0
+    is (c + s' tan phi) cos(phi) / F: so F of the one is that of the other times cos(phi_F) / cos(phi).
+    """
+    basis = Basis(slope_mesh(20.0, 12.0, 5.0, 12.0, 4), ElementVector(ElementTriP2()), intorder=2)
+    soil = sc.MohrCoulomb(E=1e5, nu=0.3, c=12.0, phi=18.0, psi=0.0)
+    form, fixed, load = sc.SolidForm(basis, soil), held(basis), sc.weight(basis, 20.0)
+    start = sc.gravity_state({"soil": form}, load, fixed)
+    strength = sc.undrained_strength(form, start[-1].states["soil"])["all"]
+    quick = sc.strength_reduction({"soil": form.with_materials({"all": sc.Undrained(soil, nu_u=0.495)})}, fixed, load,
+                                  start=start, tol=0.004, progress=False)
+    total = sc.strength_reduction({"soil": form.with_materials({"all": sc.Tresca(E=1e5, nu=0.495, c=strength)})},
+                                  fixed, load, tol=0.004, progress=False)
+    phi = np.radians(18.0)
+    expected = total.factor * np.cos(np.arctan(np.tan(phi) / quick.factor)) / np.cos(phi)
+    assert quick.factor == pytest.approx(expected, rel=5e-3)
+
+
+def test_reduction_reaches_the_soil():
+    """Strength reduction acts on the soil inside, which must not dilate by any flow; what has no strength says so."""
+    clay = sc.Undrained(SOIL, Kw=BULK)
+    assert clay.reduced(2.0).soil.c == 2.5 and clay.reduced(2.0).Kw == BULK
+    assert not hasattr(sc.Undrained(sc.LinearElastic(E=E, nu=NU), Kw=BULK), "reduced")
+    davis, given = sc.reduced_strength(clay, 1.5, "davis_b").soil, SOIL.reduced(1.5)
+    assert (davis.c, davis.phi, davis.psi) == (given.c, given.phi, 0.0)
+    with pytest.raises(ValueError, match="flow must be one of"):
+        clay.reduced(1.5, "davis")
+
+
+@pytest.mark.parametrize(("options", "message"), [
+    ({}, "either Kw or nu_u"),
+    ({"Kw": 1.0, "nu_u": 0.4}, "either Kw or nu_u"),
+    ({"Kw": -1.0}, "Kw must not be negative"),
+    ({"Kw": np.nan}, "Kw must be finite"),
+    ({"nu_u": 0.5}, "nu_u must be less than 0.5"),
+    ({"nu_u": 0.1}, r"Kw \(from nu_u\) must not be negative"),
+])  # fmt: skip
+def test_bad_input(options, message):
+    with pytest.raises(ValueError, match=message):
+        sc.Undrained(SOIL, **options)
+
+
+def test_bad_soil():
+    with pytest.raises(ValueError, match="must be a material in effective stresses"):
+        sc.Undrained(sc.Undrained(SOIL, Kw=1.0), Kw=1.0)
+    form = sc.SolidForm(vector_basis(grid("Q1", [0, 1], [0, 1]), "Q1", intorder=2), sc.LinearElastic(E=E, nu=NU))
+    with pytest.raises(ValueError, match=r"no region has c and phi; the regions are \['all'\]"):
+        sc.undrained_strength(form, form.initial_state())
