@@ -80,7 +80,7 @@ class Capstan:
         distance = np.linalg.norm(mesh.p[:, :, None] - line.T[:, None, :], axis=0)
         self.string = String(basis.nodal_dofs[:, distance.argmin(axis=0)].T, line, basis.N, stiffness, pretension)
         drum = sc.rigid_circle((0.0, 0.0), 1.0)
-        pair = sc.ContactPair(basis, "face", drum, sc.Coulomb(mu), initial="adjusted")
+        pair = sc.ContactPair(basis, "face", drum, sc.Coulomb(mu), quadrature="nodal", initial="adjusted")
         self.forms = {
             "string": self.string,
             "drum": pair.with_penalty(penalty, penalty, stiffness=1.0),

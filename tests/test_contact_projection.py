@@ -115,7 +115,7 @@ def test_node_at_a_master_vertex(line, offset):
     """[X] Case S12: a node within round-off of a flat, convex or concave vertex: finite forces."""
     wedge = np.array([[0.4, 1.0], [0.0, 0.0], [-0.4, 1.0]]) + np.array([0.0, line[1][1]])
     basis = vector_basis(body_along(wedge, "P1", 0.3), "P1")
-    pair = sc.ContactPair(basis, "face", sc.rigid_polyline(line), sc.Coulomb(0.3), penalty=1e4)
+    pair = sc.ContactPair(basis, "face", sc.rigid_polyline(line), sc.Coulomb(0.3), quadrature="nodal", penalty=1e4)
     node = np.flatnonzero(np.abs(basis.doflocs - [[0.0], [line[1][1]]]).max(axis=0) < 1e-12)
     for direction in (np.array([1.0, 0.0]), np.array([0.0, 1.0])):
         x = basis.zeros()
@@ -269,7 +269,7 @@ def test_far_points_face_the_surface_without_touching_it():
     assert where.found.tolist() == [True, True, False, False, False]
     assert where.gap.tolist() == [0.4, 60.0, -0.6, np.inf, np.inf]
     basis = vector_basis(body_along(np.array([[1.5, 9.0], [-0.5, 9.0]]), "Q1"), "Q1")
-    pair = sc.ContactPair(basis, "face", surface, sc.Coulomb(0.3), penalty=1e3)
+    pair = sc.ContactPair(basis, "face", surface, sc.Coulomb(0.3), quadrature="nodal", penalty=1e3)
     out = pair.assemble(basis.zeros(), pair.initial_state())
     np.testing.assert_allclose(out.state.stick_point, [np.nan, 0.5], atol=1e-15)
     assert not out.force.any() and out.stiffness.nnz == 0
@@ -301,7 +301,7 @@ def test_deep_points_belong_to_the_other_side():
     plate = body_along(np.array([[-1.0, 0.0], [0.0, 0.0], [1.0, 0.0]]), "Q1", 0.1)
     roof = body_along(np.array([[0.3, 0.2], [-0.3, 0.2]]), "Q1", 0.1)
     basis = vector_basis(sc.join_bodies({"slave": roof, "master": plate}), "Q1")
-    pair = sc.ContactPair(basis, "slave:face", "master:face", sc.Coulomb(), penalty=1e3)
+    pair = sc.ContactPair(basis, "slave:face", "master:face", sc.Coulomb(), quadrature="nodal", penalty=1e3)
     x = basis.zeros()
     dofs = np.unique(basis.element_dofs[:, basis.mesh.subdomains["slave"]])
     for depth, closed in ((0.1, 0), (0.3, 2), (2.0, 0)):

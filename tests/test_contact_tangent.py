@@ -104,7 +104,7 @@ def test_beyond_the_ends_of_a_chain(element, law, rng):
     line = np.stack((np.linspace(0, 2, 4), np.zeros(4)), axis=1)
     roof = np.stack((np.linspace(2.015, -0.015, 4), np.full(4, -0.03)), axis=1)
     basis = facing(body_along(roof, element, 0.6), body_along(line, element, 0.6), element)
-    pair = sc.ContactPair(basis, "slave:face", "master:face", LAWS[law], penalty=(1e3, 7e2))
+    pair = sc.ContactPair(basis, "slave:face", "master:face", LAWS[law], quadrature="nodal", penalty=(1e3, 7e2))
     state = slipped(pair.initial_state(), 0.05, rng)
     x = 0.001 * rng.standard_normal(basis.N)
     where = closest(pair, state, x)
@@ -179,9 +179,9 @@ def test_primary_tangent_is_exact_for_a_flat_master_at_rest(rng):
     roof = np.stack((np.linspace(2.5, 0.5, 4), np.zeros(4)), axis=1)
     basis = facing(body_along(roof), body_along(line))
     K = [
-        sc.ContactPair(basis, "slave:face", "master:face", sc.Coulomb(0.3), penalty=1e3, tangent=t)
+        sc.ContactPair(basis, "slave:face", "master:face", sc.Coulomb(0.3), quadrature="nodal", penalty=1e3, tangent=t)
         .assemble(
-            basis.zeros(), sc.ContactPair(basis, "slave:face", "master:face", sc.Coulomb(0.3)).initial_state()
+            basis.zeros(), sc.ContactPair(basis, "slave:face", "master:face", sc.Coulomb(0.3), "nodal").initial_state()
         )
         .stiffness
         for t in ("exact", "primary")

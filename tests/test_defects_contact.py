@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers import grid, traction, vector_basis
+from helpers import grid, traction, unknowns_of, vector_basis
 
 import skfem_contact as sc
 
@@ -85,3 +86,80 @@ def test_receding_contact(quadrature, element: str, n: int) -> None:
     assert ends[0] == pytest.approx(ends[1], abs=1e-9)  # the same points
     # the same end for all rules and elements to half an element
     assert ends[0] == pytest.approx(0.875, abs=0.5 / n)
+
+
+@pytest.mark.parametrize("element", ["Q1", "Q2", "P2"])
+@pytest.mark.parametrize(("lower", "upper"), [(2, 3), (3, 2), (5, 7)])
+def test_default_passes_the_patch_test(element: str, lower: int, upper: int) -> None:
+    """[X] A uniform pressure passes through meshes that do not match, by the rule that nobody has to ask for."""
+    bodies = {
+        "low": grid(element, np.linspace(0, 1, lower + 1), np.linspace(-1, 0, lower + 1)),
+        "up": grid(element, np.linspace(0, 1, upper + 1), np.linspace(0, 1, upper + 1)),
+    }
+    basis = vector_basis(sc.join_bodies(bodies), element, intorder=4)
+    forms = {
+        "blocks": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3)),
+        "joint": sc.ContactPair(basis, "up:bottom", "low:top", sc.Coulomb()),
+    }
+    guided = basis.get_dofs({"low:left", "up:left"}).all("u^1")
+    stage = sc.Stage("press", traction(basis, "up:top", (0.0, -1.0)))
+    result = sc.run(forms, [stage], np.union1d(basis.get_dofs("low:bottom").all("u^2"), guided), progress=False)
+    # round-off: both meshes' shape functions are integrated exactly
+    np.testing.assert_allclose(result["press"].states["blocks"].stress[1], -1.0, atol=1e-11)
+
+
+@pytest.mark.parametrize(("given", "told"), [(1.0, True), (0.2, True), (1e3, False)])
+def test_penalty_in_a_wrong_unit(given: float, told: bool) -> None:
+    """[X] A modulus in the place of a stress per length: blocks in metres shorten by half as much again, which is told.
+
+    Two blocks, each 1 high and free to spread, shorten by 2 p (1 - nu^2) / E.
+    """
+    E, nu, pressure = 30e6, 0.3, 1e3
+    bodies = {
+        "low": grid("Q1", np.linspace(0, 1, 17), np.linspace(-1, 0, 17)),
+        "up": grid("Q1", np.linspace(0, 1, 21), np.linspace(0, 1, 21)),
+    }
+    basis = vector_basis(sc.join_bodies(bodies), "Q1", intorder=2)
+    forms = {
+        "blocks": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=nu)),
+        "joint": sc.ContactPair(basis, "up:bottom", "low:top", sc.Coulomb(), penalty=given * E),
+    }
+    guided = basis.get_dofs({"low:left", "up:left"}).all("u^1")
+    fixed = np.union1d(basis.get_dofs("low:bottom").all("u^2"), guided)
+    stage = sc.Stage("press", traction(basis, "up:top", (0.0, -pressure)))
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        x = sc.run(forms, [stage], fixed, progress=False)["press"].x
+    assert any("softer than the surfaces" in str(warning.message) for warning in caught) == told
+    short = -x[basis.get_dofs("up:top").all("u^2")].mean()
+    # the blocks, and the penalty in series
+    assert short == pytest.approx(2 * pressure * (1 - nu**2) / E + pressure / (given * E), rel=1e-6)
+
+
+@pytest.mark.parametrize(("initial", "gap"), [("as meshed", 0.0), ("adjusted", 0.01), ("adjusted", -0.01)])
+@pytest.mark.parametrize("quadrature", ["nodal", "segments"])
+@pytest.mark.filterwarnings("ignore::skfem_contact.AnalysisWarning")
+def test_resultant_of_the_report_is_that_of_nodal_forces(quadrature, initial: str, gap: float) -> None:
+    """[X] On a coarse bent floor that is smoothed, where gaps lengthen the arm of friction."""
+
+    def bent(bottom, x0, x1, low):
+        mesh = grid("Q1", np.linspace(x0, x1, 4), np.array([bottom, bottom + 0.6]))
+        share = (mesh.p[1] - bottom) / 0.6
+        up = (share if low else 1 - share) * 0.08 * np.sin(6 * mesh.p[0] + 5)
+        return replace(mesh, doflocs=mesh.p + np.stack((0 * up, up)))
+
+    bodies = {"base": bent(-0.6, -0.5, 1.5, True), "block": bent(gap, 0.0, 1.0, False)}
+    basis = vector_basis(sc.join_bodies(bodies), "Q1", intorder=2)
+    forms = sc.choose_penalties({
+        "solid": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3)),
+        "joint": sc.ContactPair(
+            basis, "block:bottom", "base:top", sc.Coulomb(0.6), quadrature, smoothing=0.3, initial=initial
+        ),
+    })  # fmt: skip
+    top, x = basis.get_dofs("block:top"), basis.zeros()
+    x[top.all("u^1")], x[top.all("u^2")] = -0.045, -0.026
+    fixed = np.union1d(basis.get_dofs("base:bottom").all(), top.all())
+    stage = sc.run(forms, [sc.Stage("pressed", basis.zeros(), x)], fixed, progress=False)["pressed"]
+    nodal = -forms["joint"].assemble(stage.x, stage.states["joint"]).force[unknowns_of(basis, "block")].sum(axis=0)
+    report = sc.contact_report(forms["joint"], stage.x, stage.states["joint"])
+    np.testing.assert_allclose(report.force, nodal, rtol=1e-12)

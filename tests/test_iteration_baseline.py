@@ -58,7 +58,7 @@ def culvert() -> int:
         "ground": sc.SolidForm(basis.with_elements("ground"), soils, strain=sc.b_bar),
         "culvert": sc.SolidForm(basis.with_elements("culvert"), sc.LinearElastic(E=2.8e7, nu=0.2)),
         "skin": sc.ContactPair(
-            basis, "ground|culvert", "culvert|ground", sc.Coulomb(mu=0.6), smoothing=0.5, initial="adjusted"
+            basis, "ground|culvert", "culvert|ground", sc.Coulomb(mu=0.6), "nodal", smoothing=0.5, initial="adjusted"
         ),
     }
     gravity = sc.weight(basis, {"soft": 18.0, "stiff": 20.0, "culvert": 25.0})

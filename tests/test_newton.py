@@ -246,7 +246,7 @@ def test_ten_lines_of_the_user_guide():
     }
     forms = {
         "blocks": sc.SolidForm(basis, materials),
-        "joint": sc.ContactPair(basis, "upper:bottom", "lower:top", sc.Coulomb(0.3), penalty=1e6),
+        "joint": sc.ContactPair(basis, "upper:bottom", "lower:top", sc.Coulomb(0.3), quadrature="nodal", penalty=1e6),
     }
     fixed = basis.get_dofs("lower:bottom").all()
     load = sc.weight(basis, 20.0) + traction(basis, "upper:top", (1.0, -20.0))
@@ -411,7 +411,7 @@ def test_symmetric_problem_has_a_symmetric_result():
     }
     forms = {
         "solid": sc.SolidForm(basis, materials, sc.b_bar),
-        "joint": sc.ContactPair(basis, "punch:bottom", "soil:top", sc.Coulomb(0.3)),
+        "joint": sc.ContactPair(basis, "punch:bottom", "soil:top", sc.Coulomb(0.3), quadrature="nodal"),
     }
     fixed = basis.get_dofs({"soil:bottom", "soil:left", "soil:right", "punch:top"}).all()
     place = basis.zeros()

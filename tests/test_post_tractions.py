@@ -16,7 +16,7 @@ def sliding_block(shift: float) -> tuple[sc.ContactPair, np.ndarray, sc.ContactS
     base, block = grid("Q1", np.linspace(0, 4, 9), [0, 1]), grid("Q1", np.linspace(1, 2, 4), [1, 2])
     mesh = sc.join_bodies({"base": base, "block": block})
     basis = vector_basis(mesh, "Q1")
-    pair = sc.ContactPair(basis, "block:bottom", "base:top", sc.Coulomb(mu=0.3), penalty=1e4)
+    pair = sc.ContactPair(basis, "block:bottom", "base:top", sc.Coulomb(mu=0.3), quadrature="nodal", penalty=1e4)
     x = basis.zeros()
     nodes = basis.nodal_dofs[:, np.unique(mesh.t[:, mesh.subdomains["block"]])]
     x[nodes[0]], x[nodes[1]] = shift, -1e-3

@@ -139,11 +139,12 @@ def test_increments_are_cut_and_grow_again(caplog):
     _, forms, fixed, top, side = friction_blocks()
     load = top + 10.0 * side
     with caplog.at_level(logging.INFO, "skfem_contact"):
-        few = sc.Newton(tolerance=1e-8, max_iterations=3)
+        few = sc.Newton(tolerance=1e-8, max_iterations=1)
         result = sc.run(forms, [sc.Stage("top", top), sc.Stage("push", load)], fixed, newton=few, **QUIET)
     assert "cut to" in caplog.text
     assert result["push"].fraction == 1.0 and len(result["push"].iterations) > 1
-    assert max(result["push"].iterations) <= 3
+    # two searches, each with up to four iterations where the active set is new
+    assert max(result["push"].iterations) <= 2 * 4
     whole = sc.run(forms, [sc.Stage("top", top), sc.Stage("push", load)], fixed, **QUIET)
     # the path through the increments differs a little in friction and yielding
     np.testing.assert_allclose(result["push"].x, whole["push"].x, atol=0.02 * np.abs(whole["push"].x).max())
@@ -261,7 +262,7 @@ def test_two_runs_are_the_same():
 def test_run_changes_nothing_of_its_arguments():
     """[X] Forms without penalty stay so, loads and fixed unknowns are not written to."""
     basis, forms, fixed, top, _ = friction_blocks()
-    forms["joint"] = sc.ContactPair(basis, "block:bottom", "base:top", sc.Coulomb(0.3))
+    forms["joint"] = sc.ContactPair(basis, "block:bottom", "base:top", sc.Coulomb(0.3), quadrature="nodal")
     before = top.copy(), fixed.copy()
     result = sc.run(forms, [sc.Stage("top", top)], fixed, **QUIET)
     assert forms["joint"].penalty is None

@@ -209,7 +209,7 @@ def blocks(mu=0.5):
     mesh = sc.join_bodies({"plate": plate, "block": block})
     basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
     forms = {"solid": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3)),
-             "joint": sc.ContactPair(basis, "block:bottom", "plate:top", sc.Coulomb(mu=mu))}
+             "joint": sc.ContactPair(basis, "block:bottom", "plate:top", sc.Coulomb(mu=mu), quadrature="nodal")}
     top = basis.get_dofs("block:bottom").nodal
     load = basis.zeros()
     load[top["u^2"]] = -10.0 * np.array([0.5, 0.5, 1.0, 1.0]) / 3.0

@@ -21,7 +21,7 @@ def on_an_incline(law: sc.Coulomb) -> tuple[dict, sc.Result, np.ndarray]:
     angle = np.arctan(SLOPE)
     load = sc.weight(basis, {"block": WEIGHT}, direction=(np.sin(angle), -np.cos(angle)))
     forms = {"bodies": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.2)),
-             "joint": sc.ContactPair(basis, "block:bottom", "plane:top", law)}
+             "joint": sc.ContactPair(basis, "block:bottom", "plane:top", law, quadrature="nodal")}
     fixed = basis.get_dofs("plane:bottom").all()
     return forms, sc.run(forms, [sc.Stage("weight", load)], fixed), fixed
 

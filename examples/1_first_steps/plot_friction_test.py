@@ -61,7 +61,8 @@ mu = 0.5
 concrete, soil = sc.LinearElastic(E=3e7, nu=0.2), sc.LinearElastic(E=1e4, nu=0.3)
 forms = sc.choose_penalties({
     "bodies": sc.SolidForm(basis, {"plate": concrete, "sample": soil}),
-    "joint": sc.ContactPair(basis, slave="sample:bottom", master="plate:top", law=sc.Coulomb(mu=mu)),
+    "joint": sc.ContactPair(basis, slave="sample:bottom", master="plate:top", law=sc.Coulomb(mu=mu),
+                            quadrature="nodal"),
 })
 
 # %%

@@ -80,7 +80,8 @@ def pulled(thickness):
                             traction=tension / thickness)
     forms = {
         "belt": sc.SolidForm(basis, sc.LinearElastic(E=stiffness / thickness, nu=0.0)),
-        "drum": sc.ContactPair(basis, "on drum", sc.rigid_circle((0.0, 0.0), radius), sc.Coulomb(mu=mu), penalty=1e7),
+        "drum": sc.ContactPair(basis, "on drum", sc.rigid_circle((0.0, 0.0), radius), sc.Coulomb(mu=mu), "nodal",
+                               penalty=1e7),
     }
     stages = [sc.Stage("weight", load)]
     for pull in np.linspace(0, 10 * tension / stiffness, 21)[1:]:

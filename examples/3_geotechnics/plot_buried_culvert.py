@@ -59,7 +59,7 @@ forms = sc.choose_penalties({
     "ground": sc.SolidForm(basis.with_elements("ground"), soils, strain=sc.b_bar),
     "culvert": sc.SolidForm(basis.with_elements("culvert"), concrete, strain=sc.b_bar),
     "skin": sc.ContactPair(basis, slave="ground|culvert", master="culvert|ground", law=sc.Coulomb(mu=0.6),
-                           smoothing=0.5, initial="adjusted"),
+                           quadrature="nodal", smoothing=0.5, initial="adjusted"),
 })
 
 # %%

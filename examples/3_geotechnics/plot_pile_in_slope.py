@@ -134,7 +134,7 @@ def model(size, pile=None):
         return {"ground": sc.SolidForm(basis, soils)}, sc.weight(basis, unit_weights), fixed
 
     def contact(slave, master, layer):
-        return sc.ContactPair(basis, f"ground:{slave}", f"pile:{master}", law[layer], penalty=(6e5, 6e4))
+        return sc.ContactPair(basis, f"ground:{slave}", f"pile:{master}", law[layer], "nodal", penalty=(6e5, 6e4))
 
     forms = {"ground": sc.SolidForm(basis.with_elements("ground"), soils),
              "pile": sc.SolidForm(basis.with_elements("pile"), pile)}

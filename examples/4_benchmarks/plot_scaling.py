@@ -44,7 +44,7 @@ def culvert(refinements):
         "ground": sc.SolidForm(basis.with_elements("ground"), soils, strain=sc.b_bar),
         "culvert": sc.SolidForm(basis.with_elements("culvert"), concrete, strain=sc.b_bar),
         "skin": sc.ContactPair(basis, slave="ground|culvert", master="culvert|ground", law=sc.Coulomb(mu=0.6),
-                               smoothing=0.5, initial="adjusted"),
+                               quadrature="nodal", smoothing=0.5, initial="adjusted"),
     }  # fmt: skip
     gravity = sc.weight(basis, {"soft": 18.0, "stiff": 20.0, "culvert": 25.0})
     surface = FacetBasis(mesh, basis.elem, facets="surface")

@@ -68,7 +68,7 @@ def footing(m):
         "ground": sc.SolidForm(basis.with_elements("ground"), sc.MohrCoulomb(E=3e4, nu=0.3, c=10.0, phi=20.0, psi=20.0),
                                strain=sc.b_bar),
         "footing": sc.SolidForm(basis.with_elements("footing"), sc.LinearElastic(E=3e7, nu=0.2)),
-        "contact": sc.ContactPair(basis, "ground:top", "footing:bottom", sc.Coulomb(mu=0.5)),
+        "contact": sc.ContactPair(basis, "ground:top", "footing:bottom", sc.Coulomb(mu=0.5), "nodal"),
     }  # fmt: skip
     gravity = sc.weight(basis, {"ground": 18.0, "footing": 25.0})
     top = FacetBasis(mesh, basis.elem, facets="footing:top")

@@ -92,7 +92,7 @@ def system(case, unknowns):
     basis = Basis(mesh, ElementVector(element), intorder=2)
     forms = sc.choose_penalties({
         "blocks": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3)),
-        "contact": sc.ContactPair(basis, "upper:bottom", "lower:top", sc.Coulomb(mu=0.3)),
+        "contact": sc.ContactPair(basis, "upper:bottom", "lower:top", sc.Coulomb(mu=0.3), "nodal"),
     })  # fmt: skip
     x, dofs = basis.zeros(), basis.get_dofs(elements="upper")
     x[dofs.all("u^2")] = -1e-4

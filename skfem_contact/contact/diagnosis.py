@@ -44,6 +44,11 @@ def remarks(pair: ContactPair, state: ContactState) -> Iterator[Remark]:
         yield Remark("penetration", share,
                      f"the slave penetrates by {share:.1%} of its segment length: the penalty, {penalties[0]:.3g}, is "
                      "too soft for this load")
+    elif pair.enforcement is None and share > 0.0 and penalties[0] < (pair.stiffness or 0.0):
+        softer = pair.stiffness / penalties[0]  # type: ignore[operator]
+        yield Remark("soft penalty", softer,
+                     f"the penalty, {penalties[0]:.3g}, is {softer:.2g} times softer than the surfaces: contact gives "
+                     "way by more than the elements beside it; it is a stress per length, some times E/h")
     lost = penalties[1] * ROUND_OFF * float(np.abs(master.nodes - slave.nodes.mean(axis=0)).max())
     largest = float(np.abs(state.traction).max(initial=0.0))
     if 0.0 < largest < lost / _LOST and (state.status == Status.STICK).any():

@@ -47,10 +47,10 @@ class ContactPair(Answers):
     law
         Interface law: :class:`Coulomb`, :class:`Tied`, or your own :class:`~skfem_contact.InterfaceLaw`.
     quadrature
-        ``"nodal"``, the paper's node-to-segment with tributary lengths (where meshes match, see `smoothing`); the
-        number of Gauss points on each slave segment (surface-to-surface), or on each of the equal pieces that are no
-        longer than the distance of the master's nodes; or ``"segments"``, Gauss points between cuts by both meshes,
-        which passes the patch test.
+        ``"segments"``, Gauss points between cuts by both meshes, which passes the patch test; the number of Gauss
+        points on each slave segment (surface-to-surface), or on each of the equal pieces that are no longer than the
+        distance of the master's nodes; or ``"nodal"``, the paper's node-to-segment with tributary lengths: across
+        meshes that do not match its stresses err by 6 to 29 % in a patch test, and where they match see `smoothing`.
     penalty
         Traction per penetration: one number for both directions, or (normal, tangential); by default
         :func:`choose_penalties` takes it from the stiffness and the size of the elements on both sides.
@@ -83,7 +83,7 @@ class ContactPair(Answers):
     >>> block = MeshQuad().refined(1).with_defaults()
     >>> mesh = sc.join_bodies({"lower": block, "upper": block.translated((0., 1.))})
     >>> basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
-    >>> pair = sc.ContactPair(basis, "upper:bottom", "lower:top", sc.Coulomb(mu=.3), penalty=1e4)
+    >>> pair = sc.ContactPair(basis, "upper:bottom", "lower:top", sc.Coulomb(mu=.3), "nodal", penalty=1e4)
     >>> x = basis.zeros()
     >>> x[basis.nodal_dofs[1, mesh.t[:, mesh.subdomains["upper"]]]] = -1e-3     # press the upper block down
     >>> out = pair.assemble(x, pair.initial_state())
@@ -92,7 +92,7 @@ class ContactPair(Answers):
     """
 
     def __init__(self, basis: CellBasis, slave: str, master: str | Surface, law: InterfaceLaw,
-                 quadrature: Literal["nodal", "segments"] | int = "nodal",
+                 quadrature: Literal["nodal", "segments"] | int = "segments",
                  penalty: float | tuple[float, float] | None = None,
                  smoothing: float | None = None, enforcement: AugmentedLagrangian | None = None,
                  initial: Fit = "as meshed", share: float = 1.0,

@@ -17,7 +17,7 @@ def two_pass(basis: CellBasis, a: str, b: str, law: InterfaceLaw, **options: obj
     a, b
         Names of the boundaries.
     options
-        Further arguments of :class:`ContactPair`.
+        Further arguments of :class:`ContactPair`; ``quadrature="nodal"`` unless it is given.
 
     Returns
     -------
@@ -34,5 +34,6 @@ def two_pass(basis: CellBasis, a: str, b: str, law: InterfaceLaw, **options: obj
     >>> list(sc.two_pass(basis, "upper:bottom", "lower:top", sc.Coulomb(mu=.3)))
     ['upper:bottom on lower:top', 'lower:top on upper:bottom']
     """
+    options = {"quadrature": "nodal", **options}
     return {f"{slave} on {master}": ContactPair(basis, slave, master, law, share=0.5, **options)  # type: ignore[arg-type]
             for slave, master in ((a, b), (b, a))}

@@ -80,7 +80,7 @@ def contact_report(pair: ContactPair, x: ndarray, state: ContactState) -> Contac
     >>> block = MeshQuad().refined(1).with_defaults()
     >>> mesh = sc.join_bodies({"lower": block, "upper": block.translated((0., 1.))})
     >>> basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
-    >>> pair = sc.ContactPair(basis, "upper:bottom", "lower:top", sc.Coulomb(mu=.3), penalty=1e4)
+    >>> pair = sc.ContactPair(basis, "upper:bottom", "lower:top", sc.Coulomb(mu=.3), "nodal", penalty=1e4)
     >>> x = basis.zeros()
     >>> x[basis.nodal_dofs[1, mesh.t[:, mesh.subdomains["upper"]]]] = -1e-3     # press the upper block down
     >>> print(sc.contact_report(pair, x, pair.assemble(x, pair.initial_state()).state))
@@ -95,25 +95,19 @@ def contact_report(pair: ContactPair, x: ndarray, state: ContactState) -> Contac
     closed = state.status != Status.OPEN
     weight = pair.share * pair.points(state).weight[closed]
     normal, tangential = state.traction[:, closed]
-    n = _normals(pair, x, state)[closed]
-    along = np.column_stack((n[:, 1], -n[:, 0]))
+    resultants = _resultants(pair, x, state)
     counts = np.bincount(state.status, minlength=3)
     ratio = np.divide(np.abs(tangential), -normal, out=np.zeros(len(normal)), where=normal < 0)
     return ContactReport(
         name=f"{pair.slave.name} on {pair.master.name}",
-        normal=-(weight * normal) @ n + 0.0, tangential=-(weight * tangential) @ along + 0.0,
+        normal=resultants[0], tangential=resultants[1],
         pressure=-float(weight @ normal), friction=float(weight @ np.abs(tangential)),
         mobilised=float(ratio.max(initial=0.0)), penetration=pair.penetration(state),
         open=int(counts[Status.OPEN]), stick=int(counts[Status.STICK]), slip=int(counts[Status.SLIP]))
 
 
-def _normals(pair: ContactPair, x: ndarray, state: ContactState) -> ndarray:
-    """Outward normals of the master at the closest points, (n, 2)."""
-    points, nodes = pair.points(state), pair.master.positions(x)
-    positions = points.positions(pair.slave.positions(x))
-    found = pair._project(points, nodes, positions, state.facet)
-    rho = pair.master.curve(found.segment, found.xi, nodes)[1]
-    tangent = np.where(found.vertex[:, None], 0.0, rho[1])
-    normal = np.column_stack((-tangent[:, 1], tangent[:, 0]))
-    normal[found.vertex] = (positions - rho[0])[found.vertex] * np.sign(found.gap[found.vertex])[:, None]
-    return normal / np.linalg.norm(normal, axis=1)[:, None]
+def _resultants(pair: ContactPair, x: ndarray, state: ContactState) -> list[ndarray]:
+    """Sums of the nodal forces on the slave from pressure and from friction, (2,) each."""
+    forces, none = pair.tractions_at(x, state).forces, np.zeros(len(state.gap))
+    parts = ((state.traction[0], none), (none, state.traction[1]))
+    return [-(forces @ np.concatenate(part))[pair.slave.dofs].sum(axis=0) + 0.0 for part in parts]

@@ -77,7 +77,7 @@ def tractions(pair: ContactPair, state: ContactState) -> Tractions:
     >>> block = MeshQuad().refined(1).with_defaults()
     >>> mesh = sc.join_bodies({"lower": block, "upper": block.translated((0., 1.))})
     >>> basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
-    >>> pair = sc.ContactPair(basis, "upper:bottom", "lower:top", sc.Coulomb(mu=.3), penalty=1e4)
+    >>> pair = sc.ContactPair(basis, "upper:bottom", "lower:top", sc.Coulomb(mu=.3), "nodal", penalty=1e4)
     >>> x = basis.zeros()
     >>> x[basis.nodal_dofs[1, mesh.t[:, mesh.subdomains["upper"]]]] = -1e-3     # press the upper block down
     >>> joint = sc.tractions(pair, pair.assemble(x, pair.initial_state()).state)

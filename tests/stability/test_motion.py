@@ -236,7 +236,7 @@ def test_what_is_locked(caplog):
     """[X] Closed points on different facets are locked and named; what opens and closes on one facet is not."""
     floor = np.stack((np.linspace(-1, 1, 5), np.zeros(5)), axis=1)
     basis = facing(body_along(floor[1:-1][::-1]), body_along(floor))
-    pair = sc.ContactPair(basis, "slave:face", "master:face", sc.Coulomb(0.3), penalty=1e4)
+    pair = sc.ContactPair(basis, "slave:face", "master:face", sc.Coulomb(0.3), quadrature="nodal", penalty=1e4)
     state = pair.initial_state()
     at = replace(state, status=np.array([1, 2, 0]), facet=np.array([0, 1, 3]))
     other = replace(state, status=np.array([1, 2, 2]), facet=np.array([0, 2, 3]))
@@ -258,14 +258,14 @@ def test_locks_that_hide_a_kink_are_refused():
     basis = facing(body_along(line), body_along(line - [0.0, 3.0]))
     forms = {
         "body": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3)),
-        "joint": sc.ContactPair(basis, "slave:face", groove, sc.Coulomb(0.3), penalty=1e4),
+        "joint": sc.ContactPair(basis, "slave:face", groove, sc.Coulomb(0.3), quadrature="nodal", penalty=1e4),
     }
     x, pair = basis.zeros(), forms["joint"]
     x[unknowns_of(basis, "slave")] = (0.0, -0.05)
     state = pair.assemble(x, pair.initial_state()).state
     pair.easing = Easing((FacetLock(np.array([True, True]), 1 - state.facet, "slave:face"),))
     held = pair.assemble(x, state)
-    given = dict(forms, joint=sc.ContactPair(basis, "slave:face", groove, sc.Coulomb(0.3), penalty=1e4))
+    given = dict(forms, joint=sc.ContactPair(basis, "slave:face", groove, sc.Coulomb(0.3), "nodal", penalty=1e4))
     system = System(given, Unknowns.of(basis.doflocs, ()), np.zeros(0, int), None)
     answers = {"body": forms["body"].assemble(x, forms["body"].initial_state()), "joint": held}
     found = Equilibrium(x, {name: answer.state for name, answer in answers.items()}, (1.0, 0.0))

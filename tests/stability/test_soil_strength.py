@@ -205,7 +205,7 @@ def test_unsymmetric_stiffness_of_soil_and_friction():
     sand = sc.MohrCoulomb(E=1e4, nu=0.3, c=4.0, phi=30.0, psi=0.0)
     base = sc.rigid_line((-1.0, 0.0), (3.0, 0.0))
     forms = {"sand": sc.SolidForm(basis, sand, sc.b_bar),
-             "base": sc.ContactPair(basis, "bottom", base, sc.Coulomb(mu=0.3), penalty=1e6)}  # fmt: skip
+             "base": sc.ContactPair(basis, "bottom", base, sc.Coulomb(mu=0.3), "nodal", penalty=1e6)}  # fmt: skip
     fixed = basis.get_dofs("left").all("u^1")
     x = basis.zeros()
     x[fixed] = 0.02
