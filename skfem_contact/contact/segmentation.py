@@ -45,7 +45,7 @@ class Sampling:
     def points(self, cuts: ndarray) -> SlavePoints:
         """The points between cuts."""
         if self.rule == "segments":
-            return between(self.slave, cuts, self.slave.segments.shape[1] + 1)
+            return between(self.slave, cuts, self.slave.facets.shape[1] + 1)
         return self._everywhere
 
     @cached_property
@@ -75,15 +75,15 @@ def common_cuts(slave: Surface, slave_nodes: ndarray, master: Surface, master_no
     Between the cuts gap and shape functions are smooth on both sides, so that Gauss points on the pieces integrate
     the contact work exactly on flat interfaces: the patch test is passed.
     """
-    ends = master.curve(np.arange(len(master.segments)), -np.ones(len(master.segments)), master_nodes, 0)[1][0]
+    m = len(master.facets)
+    ends = master.at(np.arange(m), -np.ones((m, 1)), master_nodes, 0).x[0]
     if not master.closed:
-        last = np.array([len(master.segments) - 1])
-        ends = np.concatenate((ends, master.curve(last, np.ones(1), master_nodes, 0)[1][0]))
+        ends = np.concatenate((ends, master.at(np.array([m - 1]), np.ones((1, 1)), master_nodes, 0).x[0]))
     near = np.full(len(ends), slave.spacing)
     found = project(slave, slave_nodes, ends, near)
-    hit = found.found & ~found.vertex & (np.abs(found.xi) < 1.0) & (found.gap < near)
-    inner = found.segment[hit] + 0.5 * (1.0 + found.xi[hit])
-    cuts = np.unique(np.concatenate((np.arange(len(slave.segments) + 1.0), inner)))
+    hit = found.found & ~found.vertex & (np.abs(found.xi[:, 0]) < 1.0) & (found.gap < near)
+    inner = found.facet[hit] + 0.5 * (1.0 + found.xi[hit, 0])
+    cuts = np.unique(np.concatenate((np.arange(len(slave.facets) + 1.0), inner)))
     tiny = np.diff(cuts) < _SLIVER
     drop = np.flatnonzero(tiny) + np.where(cuts[1:][tiny] % 1.0 == 0.0, 0, 1)  # keep the segments' own ends
     return np.delete(cuts, drop)

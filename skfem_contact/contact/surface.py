@@ -1,65 +1,71 @@
-"""Surfaces of bodies: named boundaries as chains of facets that know their outward side.
+"""Surfaces of bodies: named boundaries as facets that know their outward side, in the plane and in space.
 
-The curve of a facet is ``rho(xi) = sum_b M_b(xi) x_b`` with polynomials ``M_b`` and ``-1 <= xi <= 1`` (eq. 18 of
-the paper, with the orientation of eq. 17: ``xi = -1`` at the first node).  A chain is ordered so that the
-body lies to the right; the outward normal is the tangent turned by +90 degrees.
+A facet is ``rho(xi) = sum_b M_b(xi) x_b`` with polynomials ``M_b`` of dim - 1 local coordinates (eq. 18 of the paper,
+with the orientation of eq. 17: in the plane ``xi = -1`` at the first node).  Its nodes are ordered so that the outward
+normal is the tangent turned by +90 degrees in the plane, and the cross product of the two tangents in space.
 """
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy import ndarray
 from skfem import CellBasis
 
-from ..errors import check_plane, look_up
+from ..errors import check_basis, look_up
+from .shape import Shape
+from .topology import adjacent, ordered
+from .vectors import across, unit
 
-#: Coefficients of the shape functions of a facet in the powers 1, xi, xi^2, xi^3.
-LINEAR = np.array([[.5, -.5, 0, 0], [.5, .5, 0, 0]])
-QUADRATIC = np.array([[0, -.5, .5, 0], [0, .5, .5, 0], [1, 0, -1, 0]])
-_GAUSS = np.polynomial.legendre.leggauss(5)
-#: An open chain goes on straight for this share of its last segment: a slave corner that starts flush with
+#: A surface goes on beyond its rim for this share of its last facet: a slave corner that starts flush with
 #: the master's end must not lose contact to the lateral strain of the bodies.
 EXTENSION = 0.05
 
 
-def powers(xi: ndarray, derivatives: int = 3) -> ndarray:
-    """Powers 0 to 3 of the local coordinate and their first derivatives, (derivatives + 1, n, 4)."""
-    result = np.zeros((derivatives + 1, 4, len(xi)))
-    square = xi**2
-    result[0, 0], result[0, 1], result[0, 2], result[0, 3] = 1.0, xi, square, square * xi
-    if derivatives > 0:
-        result[1, 1], result[1, 2], result[1, 3] = 1.0, 2 * xi, 3 * square
-    if derivatives > 1:
-        result[2, 2], result[2, 3] = 2.0, 6 * xi
-    if derivatives > 2:
-        result[3, 3] = 6.0
-    return result.transpose(0, 2, 1)
+class Place(NamedTuple):
+    """Points of a surface.
+
+    Attributes
+    ----------
+    shapes
+        Shape functions of the facets' nodes and their derivatives: (n, k), (n, dim - 1, k), ...
+    x
+        Places and their derivatives: (n, dim), (n, dim - 1, dim), ...
+    """
+
+    shapes: list[ndarray]
+    x: list[ndarray]
+
+    @property
+    def normal(self) -> ndarray:
+        """Outward unit normals, (n, dim)."""
+        return unit(across(self.x[1]))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Surface:
-    """A chain of curve segments on the boundary of a body.
+    """Facets on the boundary of a body.
 
     Attributes
     ----------
     name
         Name of the boundary, for messages.
     dofs
-        Displacement unknowns of its nodes, (n_nodes, 2).
+        Displacement unknowns of its nodes, (n_nodes, dim); -1 where they are rigid.
     nodes
-        Reference coordinates of its nodes, (n_nodes, 2).
-    segments
-        Node numbers of every segment in the order of the chain, (n_segments, k).
-    coefficients
-        Polynomial coefficients of the shape functions, (n_segments, k, 4).
-    closed
-        Whether the last segment ends where the first begins.
-    start, length
-        Arc position of the segments' first ends and their lengths in the reference configuration.
+        Reference coordinates of its nodes, (n_nodes, dim).
+    facets
+        Node numbers of every facet, (n_facets, k); in the plane in the order of the chain.
+    shape
+        Their shape functions.
+    neighbours
+        Facets beyond the sides of every facet, -1 beyond the rim, (n_facets, n_sides).
+    area
+        Area of the facets, or length in the plane, in the reference configuration, (n_facets,).
     extension
-        Share of the last segments by which an open chain goes on beyond its ends.
+        Share of a facet by which the surface goes on beyond its rim.
 
     Examples
     --------
@@ -67,31 +73,30 @@ class Surface:
     >>> from skfem_contact import Surface
     >>> basis = Basis(MeshQuad().refined(2).with_defaults(), ElementVector(ElementQuad1()))
     >>> top = Surface.from_boundary(basis, "top")
-    >>> len(top.segments), top.closed, round(float(top.length.sum()), 12)
+    >>> len(top.facets), top.closed, round(float(top.area.sum()), 12)
     (4, False, 1.0)
     """
 
     name: str
     dofs: ndarray
     nodes: ndarray
-    segments: ndarray
-    coefficients: ndarray
-    closed: bool
-    start: ndarray
-    length: ndarray
+    facets: ndarray
+    shape: Shape
+    neighbours: ndarray
+    area: ndarray
     extension: float = EXTENSION
 
     @classmethod
     def from_boundary(cls, basis: CellBasis, name: str) -> Surface:
-        """The chain of a named boundary of the basis' mesh.
+        """The facets of a named boundary of the basis' mesh.
 
         Raises
         ------
         ValueError
-            Unknown or empty boundary, facets inside the mesh, or a boundary that is no single chain; a basis in three
-            dimensions.
+            Unknown or empty boundary, facets inside the mesh; a boundary that is no single chain in the plane, and in
+            space one with edges that belong to more than two facets.
         """
-        check_plane(basis, "contact")
+        check_basis(basis)
         mesh = basis.mesh
         facets = np.unique(look_up(name, mesh.boundaries or {}, "boundary"))
         if len(facets) == 0:
@@ -99,152 +104,130 @@ class Surface:
         if (mesh.f2t[1, facets] >= 0).any():
             raise ValueError(f"boundary '{name}' lies inside the mesh: its facets have elements on both sides; "
                              "separate the bodies with join_bodies")
-        ends = _outward(mesh.p, mesh.t, mesh.facets[:, facets], mesh.f2t[0, facets])
-        order, closed = _chain(ends, name)
-        facets, ends = facets[order], ends[:, order]
-
-        dofs = basis.nodal_dofs[:, ends].transpose(1, 2, 0)  # (2 ends, n, 2 components)
-        coefficients = LINEAR
-        if basis.facet_dofs is not None and len(basis.facet_dofs):
-            dofs = np.concatenate((dofs, basis.facet_dofs[:2, facets].T[None]))
-            coefficients = QUADRATIC
-        dofs = dofs.transpose(1, 0, 2)  # (n, k, 2)
-        unique, segments = np.unique(dofs[..., 0], return_inverse=True)
-        dofs = np.stack((unique, unique + 1), axis=1)
-        nodes = np.stack((basis.doflocs[0, dofs[:, 0]], basis.doflocs[1, dofs[:, 0]]), axis=1)
-        segments = segments.reshape(len(facets), -1)
-        coefficients = np.broadcast_to(coefficients, (len(facets), *coefficients.shape))
-        return cls.of(name, dofs, nodes, segments, coefficients, closed)
+        corners = _outward(mesh.p, mesh.t, mesh.facets[:, facets], mesh.f2t[0, facets])
+        if mesh.dim() == 2:
+            order = ordered(corners, name)
+            facets, corners = facets[order], corners[:, order]
+        dofs = _unknowns(basis, facets, corners)
+        unique, numbers = np.unique(dofs[..., 0], return_inverse=True)
+        at_nodes = unique[:, None] + np.arange(mesh.dim())
+        return cls.of(name, at_nodes, basis.doflocs[:, unique].T.copy(), numbers.reshape(len(facets), -1),
+                      Shape.of_facets(basis.elem.elem), adjacent(corners.T, name))
 
     @classmethod
-    def of(cls, name: str, dofs: ndarray, nodes: ndarray, segments: ndarray, coefficients: ndarray,
-           closed: bool) -> Surface:
-        """A surface from its chain of segments; arc positions are computed."""
-        xi, weights = _GAUSS
-        tangent = np.einsum("mkp,qp,mkc->mqc", coefficients, powers(xi)[1], (nodes - nodes[0])[segments])
-        length = np.linalg.norm(tangent, axis=-1) @ weights
-        start = np.concatenate(([0.0], np.cumsum(length)[:-1]))
-        return cls(name, dofs, nodes, segments, coefficients, closed, start, length)
+    def of(cls, name: str, dofs: ndarray, nodes: ndarray, facets: ndarray, shape: Shape, neighbours: ndarray
+           ) -> Surface:
+        """A surface from its facets; their areas are computed.
+
+        Raises
+        ------
+        ValueError
+            Facets without area.
+        """
+        surface = cls(name, dofs, nodes - nodes[0], facets, shape, neighbours, np.ones(len(facets)))
+        xi, weight = rule(shape, 5)
+        everywhere = np.repeat(np.arange(len(facets)), len(weight)), np.tile(xi, (len(facets), 1))
+        area = surface.density(*everywhere).reshape(len(facets), -1) @ weight
+        if (flat := ~(area > 0.0)).any():
+            raise ValueError(f"'{name}': facets without area at {nodes[facets[flat]].mean(axis=1)[:3].round(6).tolist()}")
+        return replace(surface, nodes=nodes, area=area)
 
     @property
-    def total_length(self) -> float:
-        """Length of the whole chain in the reference configuration."""
-        return float(self.length.sum())
+    def dim(self) -> int:
+        """Number of dimensions, 2 or 3."""
+        return self.nodes.shape[1]
 
-    def facing(self, slave: Surface) -> Surface:
-        """The surface as a slave meets it: off an end it goes on for a share of the slave's segments, if shorter.
+    @property
+    def closed(self) -> bool:
+        """Whether it has no rim."""
+        return bool((self.neighbours >= 0).all())
 
-        The table of a single line does not reach farther beyond its edge than one of many facets.
-        """
-        last = float(max(self.length[0], self.length[-1]))
-        return replace(self, extension=EXTENSION * min(1.0, slave.spacing / last))
-
-    def positions(self, x: ndarray, origin: ndarray | float = 0.0) -> ndarray:
-        """Current coordinates of the nodes at the displacements x, seen from an origin, (n_nodes, 2)."""
-        return self.nodes - origin + np.where(self.dofs >= 0, x[self.dofs], 0.0)
+    @property
+    def rigid(self) -> bool:
+        """Whether no unknown moves it."""
+        return bool((self.dofs < 0).all())
 
     @cached_property
-    def middle(self) -> ndarray:
-        """Mean of the nodes in the reference configuration, (2,)."""
-        return self.nodes.mean(axis=0)
+    def size(self) -> ndarray:
+        """Length of the facets' sides, (n_facets,): the length of a facet in the plane."""
+        if self.dim == 2:
+            return self.area
+        return np.asarray(np.sqrt(self.area * (2.0 if self.shape.triangular else 1.0)))
 
     @cached_property
     def spacing(self) -> float:
-        """Length of a typical segment, the median of all."""
-        return float(np.median(self.length))
+        """Size of a typical facet, the median of all."""
+        return float(np.median(self.size))
 
     @cached_property
-    def straight(self) -> bool:
-        """Whether all segments are straight."""
-        return not self.coefficients[:, :, 2:].any()
-
-    def curve(self, segment: ndarray, xi: ndarray, nodes: ndarray, derivatives: int = 3) -> tuple[ndarray, ndarray]:
-        """Shape functions and curve with their derivatives at points given by segment and xi.
-
-        Parameters
-        ----------
-        segment, xi
-            Segment number and local coordinate of every point, (n,).
-        nodes
-            Coordinates of the nodes, (n_nodes, 2).
-        derivatives
-            Highest derivative that is asked for.
-
-        Returns
-        -------
-        tuple
-            ``M`` (derivatives + 1, n, k) and ``rho`` (derivatives + 1, n, 2): values and derivatives.
-        """
-        coefficients, power = self.coefficients[segment], powers(xi, derivatives)[..., None]
-        M = coefficients[:, :, 0] * power[:, :, 0] + coefficients[:, :, 1] * power[:, :, 1]
-        if not self.straight:
-            M += coefficients[:, :, 2] * power[:, :, 2]
-            M += coefficients[:, :, 3] * power[:, :, 3]
-        places = nodes[self.segments[segment]]
-        rho = M[:, :, 0, None] * places[:, 0]
-        for b in range(1, M.shape[2]):
-            rho += M[:, :, b, None] * places[:, b]
-        return M, rho
-
-    def ends(self, nodes: ndarray) -> ndarray:
-        """Ends of all segments and the derivatives of the curves there, (2, 2 ends, n_segments, 2)."""
-        return np.einsum("demk,mkc->demc", self._at_ends, nodes[self.segments])
+    def middle(self) -> ndarray:
+        """Mean of the nodes in the reference configuration, (dim,)."""
+        return np.asarray(self.nodes.mean(axis=0))
 
     @cached_property
-    def _at_ends(self) -> ndarray:
-        """Shape functions at the ends of all segments, and their derivatives."""
-        return np.einsum("mkp,dep->demk", self.coefficients, powers(np.array([-1.0, 1.0]), 1))
+    def at_rim(self) -> ndarray:
+        """Sides of the facets without a neighbour, (n_facets, n_sides)."""
+        return self.neighbours < 0
 
-    def along(self, difference: ndarray) -> ndarray:
-        """Differences of arc positions; on a closed chain the short way round."""
-        if not self.closed:
-            return difference
-        total = self.total_length
-        return (difference + 0.5 * total) % total - 0.5 * total
+    def facing(self, slave: Surface) -> Surface:
+        """The surface as a slave meets it: off its rim it goes on for a share of the slave's facets, if smaller.
 
-    def arc(self, segment: ndarray, xi: ndarray) -> tuple[ndarray, ndarray, ndarray]:
-        """Reference arc position S along the chain, dS/dxi and d2S/dxi2 at points given by segment and xi.
-
-        The slip is measured in this coordinate: it belongs to the master's material, runs on across
-        the segments and is not changed by rigid motion.
+        The table of a single facet does not reach farther beyond its edge than one of many facets.
         """
-        if self.straight:
-            metric = 0.5 * self.length[segment]
-            return self.start[segment] + (xi + 1.0) * metric, metric, np.zeros_like(metric)
-        nodes = self.nodes - self.nodes[0]  # large coordinates would cost digits
-        rho = self.curve(segment, xi, nodes, 2)[1]
-        metric = np.linalg.norm(rho[1], axis=-1)
-        t, w = _GAUSS
-        half = 0.5 * (xi + 1.0)
-        inner = -1.0 + half[:, None] * (t + 1.0)  # five Gauss points on [-1, xi]
-        tangent = self.curve(np.repeat(segment, 5), inner.ravel(), nodes, 1)[1][1]
-        arc = self.start[segment] + half * (np.linalg.norm(tangent, axis=-1).reshape(-1, 5) @ w)
-        return arc, metric, np.einsum("nc,nc->n", rho[1], rho[2]) / metric
+        if self.closed:
+            return self
+        last = float(self.size[self.at_rim.any(axis=1)].max())
+        return replace(self, extension=EXTENSION * min(1.0, slave.spacing / last))
+
+    def positions(self, x: ndarray, origin: ndarray | float = 0.0) -> ndarray:
+        """Current coordinates of the nodes at the displacements x, seen from an origin, (n_nodes, dim)."""
+        return np.asarray(self.nodes - origin + np.where(self.dofs >= 0, x[self.dofs], 0.0))
+
+    def at(self, facet: ndarray, xi: ndarray, nodes: ndarray, derivatives: int = 1) -> Place:
+        """Points given by facet, (n,), and local coordinates, (n, dim - 1), where the nodes are now."""
+        shapes = self.shape.at(facet, xi, derivatives)
+        places = nodes[self.facets[facet]]
+        return Place(shapes, [np.einsum("n...k,nkc->n...c", M, places) for M in shapes])
+
+    def density(self, facet: ndarray, xi: ndarray) -> ndarray:
+        """Area of a unit of the local coordinates in the reference configuration, (n,)."""
+        return np.asarray(np.linalg.norm(across(self.at(facet, xi, self.nodes).x[1]), axis=1))
 
 
-def _outward(p: ndarray, t: ndarray, ends: ndarray, element: ndarray) -> ndarray:
-    """Turn every facet so that its element's centroid lies to the right (nothing else tells its side)."""
-    a, b = p[:, ends[0]], p[:, ends[1]]
-    centroid = p[:, t[:, element]].mean(axis=1)
-    along, inward = b - a, centroid - a
-    left = along[0] * inward[1] - along[1] * inward[0] > 0
-    return np.where(left, ends[::-1], ends)
+def rule(shape: Shape, n: int) -> tuple[ndarray, ndarray]:
+    """Points (q, dim - 1) and weights of a rule that is exact to the degree 2n - 1: n Gauss points a direction."""
+    t, w = np.polynomial.legendre.leggauss(n)
+    if shape.dim == 1:
+        return t[:, None], w
+    if shape.triangular:
+        from skfem.quadrature import get_quadrature
+        from skfem.refdom import RefTri
+
+        points, weights = get_quadrature(RefTri, 2 * n - 1)
+        return points.T, weights
+    return np.stack(np.meshgrid(t, t, indexing="ij"), axis=-1).reshape(-1, 2), np.outer(w, w).ravel()
 
 
-def _chain(ends: ndarray, name: str) -> tuple[ndarray, bool]:
-    """Order oriented facets into one chain; the order and whether it is closed."""
-    n = ends.shape[1]
-    following = {int(node): k for k, node in enumerate(ends[0])}
-    arriving = set(ends[1].tolist())
-    if len(following) < n or len(arriving) < n:
-        raise ValueError(f"boundary '{name}' is no single chain: it branches")
-    first = [k for k in range(n) if int(ends[0, k]) not in arriving]
-    if len(first) > 1:
-        raise ValueError(f"boundary '{name}' is no single chain: it consists of {len(first)} pieces")
-    order = [first[0] if first else 0]
-    while (k := following.get(int(ends[1, order[-1]]))) is not None and k != order[0]:
-        order.append(k)
-    if len(order) < n:
-        raise ValueError(f"boundary '{name}' is no single chain: {n - len(order)} of {n} facets are "
-                         "not connected to the others")
-    return np.array(order), not first
+def _outward(p: ndarray, t: ndarray, corners: ndarray, element: ndarray) -> ndarray:
+    """Turn every facet so that its element's centroid lies inside (nothing else tells its side)."""
+    x = p[:, corners].transpose(2, 1, 0)  # (n, corners, dim)
+    inward = p[:, t[:, element]].mean(axis=1).T - x[:, 0]
+    tangents = x[:, [1]] - x[:, [0]] if len(p) == 2 else np.stack((x[:, 1] - x[:, 0], x[:, -1] - x[:, 0]), axis=1)
+    inside_out = np.einsum("nc,nc->n", across(tangents), inward) > 0
+    return np.where(inside_out, corners[::-1], corners)
+
+
+def _unknowns(basis: CellBasis, facets: ndarray, corners: ndarray) -> ndarray:
+    """Displacement unknowns of the facets' nodes, (n_facets, k, dim): corners, edges in space, the facet itself."""
+    mesh, dim = basis.mesh, basis.mesh.dim()
+    dofs = [basis.nodal_dofs[:, corners]]
+    if dim == 3 and len(basis.edge_dofs):
+        n = np.int64(mesh.p.shape[1])
+        ends = np.sort(np.stack((corners, np.roll(corners, -1, axis=0))), axis=0)
+        key = mesh.edges.min(axis=0) * n + mesh.edges.max(axis=0)
+        order = np.argsort(key)
+        edge = order[np.searchsorted(key[order], ends[0] * n + ends[1])]
+        dofs.append(basis.edge_dofs[:dim, edge])
+    if basis.facet_dofs is not None and len(basis.facet_dofs):
+        dofs.append(basis.facet_dofs[:dim, facets][:, None])
+    return np.asarray(np.concatenate(dofs, axis=1).transpose(2, 1, 0))
