@@ -15,7 +15,7 @@ from .contact import (
     rigid_polyline,
     two_pass,
 )
-from .contact.laws import Coulomb, Status, Tied, Traction
+from .contact.laws import Coulomb, InterfaceLaw, Status, Tied
 from .errors import AnalysisWarning
 from .forms import Response
 from .loads import hydrostatic, water_load, weight
@@ -60,6 +60,7 @@ __all__ = [
     "Coulomb",
     "DruckerPrager",
     "HardeningMohrCoulomb",
+    "InterfaceLaw",
     "LimitLoad",
     "LinearElastic",
     "MohrCoulomb",
@@ -79,7 +80,6 @@ __all__ = [
     "StrengthReduction",
     "Surface",
     "Tied",
-    "Traction",
     "Tractions",
     "Tresca",
     "VonMises",

@@ -148,13 +148,13 @@ def test_bad_options(options, message):
         pair(**options)
 
 
-class LawWithoutBonds:
-    reaches, update = sc.Coulomb.reaches, sc.Coulomb.update
+class LawWithoutUpdate(sc.InterfaceLaw):
+    pass
 
 
-@pytest.mark.parametrize("law", [0.3, sc.Coulomb, "rough", LawWithoutBonds()])
+@pytest.mark.parametrize("law", [0.3, sc.Coulomb, "rough", LawWithoutUpdate()])
 def test_law_that_is_none(law):
-    with pytest.raises(ValueError, match="law must have `bonds`, `reaches` and `update`"):
+    with pytest.raises(ValueError, match="law must be an InterfaceLaw with an `update`"):
         pair(law=law)
 
 

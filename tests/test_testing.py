@@ -155,26 +155,32 @@ class WrongFriction(sc.Coulomb):
     def bonds(self):
         return None if self.fault == "no bonds" else super().bonds
 
-    def reaches(self, gap, normal_penalty, closed):
+    def reaches(self, gap, internal, closed):
         if self.fault == "not yet":
             return gap < 0.0
-        return gap <= 1e-4 if self.fault == "far" else super().reaches(gap, normal_penalty, closed)
+        return gap <= 1e-4 if self.fault == "far" else super().reaches(gap, internal, closed)
 
-    def update(self, gap, slip, normal_penalty, tangential_penalty):
-        new = super().update(gap, slip, normal_penalty, tangential_penalty)
+    def update(self, jump, internal, penalty):
+        new = super().update(jump, internal, penalty)
+        size = np.ones((len(jump), 1))  # of the components
         if self.fault == "backward":
-            flipped = {name: -getattr(new, name) for name in ("tangential", "tangential_by_gap", "tangential_by_slip")}
-            return new._replace(**flipped)
+            size[1:] = -1.0
+            return new._replace(traction=size * new.traction, tangent=size[:, None] * new.tangent)
         if self.fault == "tangent":
-            return new._replace(tangential_by_gap=-new.tangential_by_gap)
+            size[1:] = -1.0
+            return new._replace(tangent=np.where(np.eye(len(jump))[..., None], 1.0, size[:, None]) * new.tangent)
         if self.fault == "forgets":
-            return new._replace(elastic_slip=0 * gap)
+            return new._replace(elastic_slip=0 * new.elastic_slip)
         if self.fault == "soft":
-            return new._replace(normal=-new.normal, normal_by_gap=-new.normal_by_gap)
+            size[0] = -1.0
+            return new._replace(traction=size * new.traction, tangent=size[:, None] * new.tangent)
         if self.fault == "loose":
-            return new._replace(normal_by_gap=np.where(gap < 0.0, new.normal_by_gap, 0.0))
+            return new._replace(tangent=np.where(jump[0] < 0.0, new.tangent, 0.0))
         if self.fault == "one way":
-            return new._replace(tangential=new.tangential + 1.0)
+            size[0] = 0.0
+            return new._replace(traction=new.traction + size)
+        if self.fault == "flat":
+            return new._replace(elastic_slip=new.elastic_slip[0])
         return new
 
 
@@ -184,7 +190,8 @@ class WrongFriction(sc.Coulomb):
         ("", None),
         ("far", "were open and still are"),
         ("backward", "dissipates negative work"),
-        ("tangent", "tangential_by_gap differs"),
+        ("tangent", r"tangent\[1, 0\] differs"),
+        ("flat", "elastic_slip has the shape"),
         ("forgets", "not admissible"),
         ("soft", "pressure falls"),
         ("one way", "not admissible|opposite"),

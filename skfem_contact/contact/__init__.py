@@ -1,5 +1,6 @@
 """Contact between bodies: surfaces, closest point projection, kinematics, and the pair form."""
 from .augmented import AugmentedLagrangian
+from .laws import InterfaceLaw, Update
 from .pair import ContactPair
 from .penalty import choose_penalties
 from .rigid import rigid_circle, rigid_level_set, rigid_line, rigid_polyline
@@ -7,5 +8,5 @@ from .state import ContactState
 from .surface import Surface
 from .two_pass import two_pass
 
-__all__ = ["AugmentedLagrangian", "ContactPair", "ContactState", "Surface", "choose_penalties", "rigid_circle",
-           "rigid_level_set", "rigid_line", "rigid_polyline", "two_pass"]
+__all__ = ["AugmentedLagrangian", "ContactPair", "ContactState", "InterfaceLaw", "Surface", "Update",
+           "choose_penalties", "rigid_circle", "rigid_level_set", "rigid_line", "rigid_polyline", "two_pass"]

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy import ndarray
 
-from .laws import Status
+from .laws import InterfaceLaw, Status
 from .quadrature import SlavePoints
 from .state import ContactState
 from .surface import EXTENSION, Surface
@@ -32,7 +32,7 @@ def passed_through(depth: ndarray, accepted: ContactState, candidate: ContactSta
 
 
 def remarks(slave: Surface, master: Surface, points: SlavePoints, depth: ndarray, penalties: tuple[float, float],
-            state: ContactState) -> Iterator[str]:
+            law: InterfaceLaw, state: ContactState) -> Iterator[str]:
     """Remarks on a state: penetration, round-off, points held to a facet that they have left, or too deep, no contact.
 
     Parameters
@@ -45,8 +45,10 @@ def remarks(slave: Surface, master: Surface, points: SlavePoints, depth: ndarray
         Largest penetration that counts as contact, (n,).
     penalties
         Normal and tangential penalty.
+    law
+        The interface law.
     state
-        Their state.
+        The points' state.
     """
     share = penetration(points, state)
     if share > PENETRATION:
@@ -62,8 +64,9 @@ def remarks(slave: Surface, master: Surface, points: SlavePoints, depth: ndarray
         yield (f"points {np.flatnonzero(astray)} of '{slave.name}' went to and fro at ends of the facets of "
                f"'{master.name}' and were held to the ones that they have left, or to none: smoothing the master would "
                "take away the kinks there")
-    if state.broken.any():
-        yield (f"points {np.flatnonzero(state.broken)} of '{slave.name}' opened with their bond and closed without it: "
+    lost_bond = _without_bond(law, state)
+    if lost_bond.any():
+        yield (f"points {np.flatnonzero(lost_bond)} of '{slave.name}' opened with their bond and closed without it: "
                "they have lost it, adhesion and tension, for good")
     deep = state.gap < -depth
     if deep.any():
@@ -82,6 +85,13 @@ def _astray(master: Surface, depth: ndarray, state: ContactState) -> ndarray:
     start, length = master.start[state.segment], master.length[state.segment]
     beyond = np.maximum(start - state.arc, state.arc - start - length) > EXTENSION * length
     return (closed & ~none & beyond) | (none & (state.gap < 0.0) & (state.gap >= -depth))
+
+
+def _without_bond(law: InterfaceLaw, state: ContactState) -> ndarray:
+    """Closed points whose bond is broken, of a law that has one."""
+    gone = law.debonded(state.internal)
+    has_bond = (law.debonded(np.zeros_like(gone)) != 0.0).any(axis=0)
+    return has_bond & (gone == state.internal).all(axis=0) & (state.status != Status.OPEN)
 
 
 def _place(slave: Surface, points: SlavePoints, state: ContactState) -> str:

@@ -1,13 +1,15 @@
-"""Coulomb friction between bodies with a penalty in both directions (eqs 4 to 10 of the paper)."""
+"""Interface laws: Coulomb friction with a penalty in all directions (eqs 4 to 10 of the paper), and ties."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from enum import IntEnum
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 from numpy import ndarray
+
+from .quadrature import SlavePoints
 
 #: Round-off of a traction on the friction cone, as a share of it.
 _ON_CONE = 1e-9
@@ -38,47 +40,100 @@ class Status(IntEnum):
     SLIP = 2
 
 
-class Traction(NamedTuple):
-    """Tractions of an interface law and their derivatives, arrays (n,).
+class Update(NamedTuple):
+    """Answer of an interface law at ``n`` points; the plane has ``dim = 2``, space 3.
 
     Attributes
     ----------
-    normal, tangential
-        ``t_N`` (negative in compression) and ``t_T`` (positive when the slave is dragged back from a
-        positive slip): work conjugate to gap and slip.
-    normal_by_gap, tangential_by_gap, tangential_by_slip
-        Derivatives.
+    traction
+        Normal traction, negative in compression, then the shear tractions, positive where the slave is dragged back
+        from a positive slip: work conjugate to gap and slip, (dim, n).
+    internal
+        New internal variables, (n_internal, n).
+    tangent
+        ``tangent[i, j]`` is the derivative of traction i by jump j, (dim, dim, n).
     elastic_slip
-        Part of the slip that would be recovered: the distance from the new stick point.
+        Part of the slip that would be recovered: the distance from the new stick point, (dim - 1, n).
     status
-        :class:`Status` of every point.
+        :class:`Status` of every point, (n,).
     """
 
-    normal: ndarray
-    tangential: ndarray
-    normal_by_gap: ndarray
-    tangential_by_gap: ndarray
-    tangential_by_slip: ndarray
+    traction: ndarray
+    internal: ndarray
+    tangent: ndarray
     elastic_slip: ndarray
     status: ndarray
 
 
-class InterfaceLaw(Protocol):
-    """What a contact pair asks of a law: pure functions of gap and slip."""
+class InterfaceLaw:
+    """What a contact pair asks of a law; a law of your own writes :meth:`update`, and what differs from here.
+
+    A law is a frozen dataclass of parameters.  A parameter that is an array has one value for each node of the slave,
+    ``pair.slave.nodes``, and is interpolated between them.
+
+    Attributes
+    ----------
+    n_internal
+        Number of internal variables of a point; they are zero at first.
+    bonds
+        Whether points near the master are bonded to it as they are meshed.
+    symmetric
+        Whether the tangent of contact is symmetric.
+    """
+
+    n_internal: int = 0
 
     @property
     def bonds(self) -> bool:
-        """Whether points near the master are bonded to it as they are meshed."""
+        """No bond: contact is where the bodies meet."""
+        return False
 
-    def reaches(self, gap: ndarray, normal_penalty: float, closed: ndarray) -> ndarray:
-        """Which points may carry traction; ``closed`` are those that did in the accepted state."""
+    @property
+    def symmetric(self) -> bool:
+        """Nothing is known."""
+        return False
 
-    def update(self, gap: ndarray, slip: ndarray, normal_penalty: float, tangential_penalty: float) -> Traction:
-        """Tractions at the points that :meth:`reaches` names."""
+    def take(self, points: SlavePoints) -> InterfaceLaw:
+        """The law at points of the slave: parameters that are arrays are interpolated there."""
+        values = {f.name: getattr(self, f.name) for f in fields(self)}  # type: ignore[arg-type]  # of a dataclass
+        arrays = {name: points.at(value) for name, value in values.items() if isinstance(value, ndarray)}
+        return replace(self, **arrays) if arrays else self  # type: ignore[type-var]
+
+    def reaches(self, gap: ndarray, internal: ndarray, closed: ndarray) -> ndarray:
+        """Points that may carry traction, (n,): :meth:`update` is asked for these; all others are open.
+
+        Parameters
+        ----------
+        gap
+            Normal gap, negative in penetration, (n,).
+        internal
+            Accepted internal variables, (n_internal, n).
+        closed
+            Points that were closed in the accepted state, (n,).
+        """
+        return gap <= 0.0
+
+    def update(self, jump: ndarray, internal: ndarray, penalty: tuple[float, float]) -> Update:
+        """Tractions, a pure function.
+
+        Parameters
+        ----------
+        jump
+            Normal gap, negative in penetration, then the slip from the stick point, (dim, n).
+        internal
+            Accepted internal variables, (n_internal, n).
+        penalty
+            Traction per penetration and per elastic slip.
+        """
+        raise NotImplementedError(f"{type(self).__name__} has no `update`")
+
+    def debonded(self, internal: ndarray) -> ndarray:
+        """Internal variables of points that have lost what holds them together; the same ones where nothing does."""
+        return internal
 
 
-@dataclass(frozen=True)
-class Coulomb:
+@dataclass(frozen=True, eq=False)
+class Coulomb(InterfaceLaw):
     r"""Regularised Coulomb friction: an elastic stick and the return to the friction cone.
 
     .. math:: t_N = \epsilon_N \min(g, 0), \qquad |t_T| \le a + \mu |t_N|
@@ -86,35 +141,44 @@ class Coulomb:
     Parameters
     ----------
     mu
-        Coefficient of friction.
+        Coefficient of friction; this and the others a number, or one for each node of the slave.
     adhesion
-        Shear strength ``a`` at zero pressure, in units of stress; it acts while the point is closed.  A point that
-        opens with its adhesion and closes without it loses it for good; a remark names it.
+        Shear strength ``a`` at zero pressure, in units of stress; it acts while the point is closed.
     tension
-        Tension cut-off: a closed point opens when its normal traction exceeds this stress, for good (brittle).
+        Tension cut-off: a closed point opens when its normal traction exceeds this stress.
 
     Raises
     ------
     ValueError
         Negative or NaN parameters.
 
+    Notes
+    -----
+    Adhesion and tension are a brittle bond.  A closed point that opens breaks it for good, which is the law's only
+    internal variable: 1 where the bond is broken.
+
     Examples
     --------
     >>> import numpy as np
     >>> from skfem_contact import Coulomb
-    >>> out = Coulomb(mu=.5).update(np.array([-1e-3]), np.array([2e-3]), 1e4, 1e4)
-    >>> float(out.normal[0]), float(out.tangential[0]), int(out.status[0])   # slips at 0.5 * 10
-    (-10.0, 5.0, 2)
+    >>> jump, whole = np.array([[-1e-3], [2e-3]]), np.zeros((1, 1))
+    >>> out = Coulomb(mu=.5).update(jump, whole, (1e4, 1e4))
+    >>> out.traction[:, 0].tolist(), int(out.status[0])   # slips at 0.5 * 10
+    ([-10.0, 5.0], 2)
     """
 
-    mu: float = 0.0
-    adhesion: float = 0.0
-    tension: float = 0.0
+    mu: float | ndarray = 0.0
+    adhesion: float | ndarray = 0.0
+    tension: float | ndarray = 0.0
+
+    n_internal = 1
 
     def __post_init__(self) -> None:
         for name in ("mu", "adhesion", "tension"):
-            if not getattr(self, name) >= 0.0 or not np.isfinite(getattr(self, name)):
-                raise ValueError(f"Coulomb: {name} must be a non-negative number, not {getattr(self, name)!r}")
+            value = getattr(self, name)
+            if np.ndim(value) > 1 or not np.all(np.isfinite(value)) or not np.all(np.asarray(value) >= 0.0):
+                raise ValueError(f"Coulomb: {name} must be a non-negative number, or one for each node of the slave, "
+                                 f"not {value!r}")
 
     def reduced(self, factor: float) -> Coulomb:
         """The law with friction, adhesion and tension cut-off divided by a factor.
@@ -135,56 +199,51 @@ class Coulomb:
         return replace(self, mu=self.mu / factor, adhesion=self.adhesion / factor, tension=self.tension / factor)
 
     @property
-    def bonds(self) -> bool:
-        """No bond: contact is where the bodies meet."""
-        return False
-
-    @property
     def symmetric(self) -> bool:
         """Whether the tangent of contact is symmetric: there is no shear, and the pressure has a potential."""
-        return self.mu == 0.0 and self.adhesion == 0.0
+        return not (np.any(self.mu) or np.any(self.adhesion))
 
     @property
-    def unbonded(self) -> Coulomb:
-        """The law of a point whose bond is broken: friction alone."""
-        return replace(self, adhesion=0.0, tension=0.0)
+    def _has_bond(self) -> bool:
+        return bool(np.any(self.adhesion) or np.any(self.tension))
 
-    def reaches(self, gap: ndarray, normal_penalty: float, closed: ndarray) -> ndarray:
-        """Penetrating points, and closed ones up to the tension cut-off."""
-        return (gap <= 0.0) | (closed & (normal_penalty * gap <= self.tension) & (self.tension > 0.0))
+    def reaches(self, gap: ndarray, internal: ndarray, closed: ndarray) -> ndarray:
+        """Penetrating points, and closed ones with a bond, which may hold or break."""
+        return (gap <= 0.0) | (closed & (internal[0] == 0.0)) if self._has_bond else gap <= 0.0
 
-    def update(self, gap: ndarray, slip: ndarray, normal_penalty: float, tangential_penalty: float) -> Traction:
-        """Return mapping of the tangential traction (eqs 8 to 10); a pure function.
-
-        Parameters
-        ----------
-        gap
-            Normal gap, negative in penetration, (n,).
-        slip
-            Slip from the stick point, (n,).
-        normal_penalty, tangential_penalty
-            Traction per penetration and per elastic slip.
-        """
-        normal = normal_penalty * gap  # eq. 4
-        trial = tangential_penalty * slip  # eq. 8
-        limit = self.adhesion + self.mu * np.maximum(-normal, 0.0)
-        direction = np.sign(trial)
+    def update(self, jump: ndarray, internal: ndarray, penalty: tuple[float, float]) -> Update:
+        """Return mapping of the shear traction onto the cone (eqs 8 to 10); arguments as of a law."""
+        gap, slip = jump[0], jump[1:]
+        by_gap, by_slip = (np.broadcast_to(np.asarray(value, float), gap.shape) for value in penalty)
+        normal = by_gap * gap  # eq. 4
+        whole = internal[0] == 0.0
+        opens = (gap > 0.0) & ~(whole & (normal <= self.tension))
+        limit = np.where(whole, self.adhesion, 0.0) + self.mu * np.maximum(-normal, 0.0)
+        trial = by_slip * slip  # eq. 8
+        size = np.linalg.norm(trial, axis=0)
+        direction = trial / np.where(size > 0.0, size, 1.0)
         # a point that slid to the cone lies on it up to round-off, and sticks until it is dragged further
-        stick = (np.abs(trial) <= (1.0 + _ON_CONE) * limit) & (self.mu + self.adhesion > 0.0)
-        tangential = np.where(stick, trial, direction * limit)  # eq. 9
-        return Traction(
-            normal=normal,
-            tangential=tangential,
-            normal_by_gap=np.full_like(gap, normal_penalty),
-            tangential_by_gap=np.where(stick | (gap > 0.0), 0.0, -direction * self.mu * normal_penalty),
-            tangential_by_slip=np.where(stick, tangential_penalty, 0.0),
-            elastic_slip=tangential / tangential_penalty,  # eq. 10
-            status=np.where(stick, int(Status.STICK), int(Status.SLIP)),
-        )
+        stick = (size <= (1.0 + _ON_CONE) * limit) & (np.where(whole, self.adhesion, 0.0) + self.mu > 0.0)
+        shear = np.where(stick, trial, direction * limit)  # eq. 9
+
+        tangent = np.zeros((len(jump), *jump.shape))
+        tangent[0, 0] = by_gap
+        tangent[1:, 0] = np.where(stick | (gap > 0.0), 0.0, -direction * self.mu * by_gap)
+        along = np.eye(len(slip))[..., None]
+        returned = limit * by_slip / np.where(size > 0.0, size, 1.0)  # the radial return turns with the slip
+        tangent[1:, 1:] = np.where(stick, by_slip * along, returned * (along - direction[:, None] * direction))
+        tangent[:, :, opens] = 0.0
+        traction = np.where(opens, 0.0, np.concatenate((normal[None], shear)))
+        status = np.where(opens, int(Status.OPEN), np.where(stick, int(Status.STICK), int(Status.SLIP)))
+        return Update(traction, np.where(opens, 1.0, internal), tangent, traction[1:] / by_slip, status)  # eq. 10
+
+    def debonded(self, internal: ndarray) -> ndarray:
+        """The bond is broken."""
+        return np.ones_like(internal) if self._has_bond else internal
 
 
-@dataclass(frozen=True)
-class Tied:
+@dataclass(frozen=True, eq=False)
+class Tied(InterfaceLaw):
     r"""A bond of what is meshed apart: :math:`t_N = \epsilon_N g` in both directions, and no slip.
 
     Slave points that lie within half a segment of the master at the start are tied as they are meshed.
@@ -193,8 +252,8 @@ class Tied:
     --------
     >>> import numpy as np
     >>> from skfem_contact import Tied
-    >>> one = np.ones(1)
-    >>> float(Tied().update(1e-3 * one, 0. * one, 1e4, 1e4).normal[0])
+    >>> jump = np.array([[1e-3], [0.]])
+    >>> float(Tied().update(jump, np.zeros((0, 1)), (1e4, 1e4)).traction[0, 0])
     10.0
     """
 
@@ -203,19 +262,14 @@ class Tied:
         """Points near the master are bonded to it."""
         return True
 
-    def reaches(self, gap: ndarray, normal_penalty: float, closed: ndarray) -> ndarray:
+    def reaches(self, gap: ndarray, internal: ndarray, closed: ndarray) -> ndarray:
         """What was tied at the start."""
         return closed
 
-    def update(self, gap: ndarray, slip: ndarray, normal_penalty: float, tangential_penalty: float) -> Traction:
-        """Linear springs in both directions; arguments as for :meth:`Coulomb.update`."""
-        zero = np.zeros_like(gap)
-        return Traction(
-            normal_penalty * gap,
-            tangential_penalty * slip,
-            zero + normal_penalty,
-            zero,
-            zero + tangential_penalty,
-            slip,
-            np.full(len(gap), int(Status.STICK)),
-        )
+    def update(self, jump: ndarray, internal: ndarray, penalty: tuple[float, float]) -> Update:
+        """Linear springs in all directions; arguments as of a law."""
+        by_gap, by_slip = (np.broadcast_to(np.asarray(value, float), jump[0].shape) for value in penalty)
+        stiffness = np.concatenate((by_gap[None], np.broadcast_to(by_slip, jump[1:].shape)))
+        tangent = np.zeros((len(jump), *jump.shape))
+        tangent[np.arange(len(jump)), np.arange(len(jump))] = stiffness
+        return Update(stiffness * jump, internal, tangent, jump[1:].copy(), np.full(jump.shape[1], int(Status.STICK)))

@@ -17,16 +17,15 @@ from .augmented import AugmentedLagrangian
 from .clearance import Fit, less_overlap, touching
 from .diagnosis import ROUND_OFF, passed_through, penetration, remarks
 from .kinematics import Kinematics, tangents, variations
-from .laws import InterfaceLaw, Status, Traction
+from .laws import InterfaceLaw, Status, Update
 from .neighbours import NeighbourList
 from .quadrature import SlavePoints
 from .recovery.chattering import calmed
-from .recovery.debonding import tractions
 from .recovery.soft_stick import hardened
 from .recovery.stabilisation import Held, release, with_springs
 from .search import Projection, merged, project
 from .segmentation import Sampling
-from .settings import check_settings
+from .settings import check_law, check_settings
 from .smoothing import smoothed
 from .state import ContactState
 from .surface import Surface
@@ -46,7 +45,7 @@ class ContactPair:
         Names of the boundaries; each must be a single chain.  The paper's advice: the softer body is the slave.
         The master may be a rigid obstacle, e.g. :func:`rigid_line`.
     law
-        Interface law: :class:`Coulomb` or :class:`Tied`.
+        Interface law: :class:`Coulomb`, :class:`Tied`, or your own :class:`~skfem_contact.InterfaceLaw`.
     quadrature
         ``"nodal"``, the paper's node-to-segment with tributary lengths (where meshes match, see `smoothing`); the
         number of Gauss points on each slave segment (surface-to-surface), or on each of the equal pieces that are no
@@ -105,7 +104,8 @@ class ContactPair:
         if np.isin(self.slave.dofs[:, 0], self.master.dofs[:, 0]).any():
             raise ValueError(f"slave '{slave}' and master '{self.master.name}' share nodes: a body cannot touch "
                              "itself there; separate the bodies with join_bodies")
-        check_settings(law, quadrature, enforcement, initial, share, tangent)
+        check_settings(quadrature, enforcement, initial, share, tangent)
+        check_law(law, len(self.slave.nodes))
         self.law, self.quadrature, self.tangent = law, quadrature, tangent
         self._sampling = Sampling(self.slave, self.master, quadrature)
         self._neighbours, self._gathering = NeighbourList(self.master), Gathering(basis.N)
@@ -128,11 +128,11 @@ class ContactPair:
 
     @property
     def symmetric(self) -> bool:
-        """Whether the tangent is symmetric: the law has an attribute `symmetric` that says so.
+        """Whether the tangent is symmetric: the law says so.
 
         Points that stick have no symmetric tangent once they carry shear or have slipped elastically.
         """
-        return getattr(self.law, "symmetric", False)
+        return self.law.symmetric
 
     # -- what is given once ---------------------------------------------------------------------------------
 
@@ -156,6 +156,7 @@ class ContactPair:
 
     def with_law(self, law: InterfaceLaw) -> ContactPair:
         """The same pair with another interface law."""
+        check_law(law, len(self.slave.nodes))
         new = copy(self)
         new.law = law
         return new
@@ -190,7 +191,8 @@ class ContactPair:
                             normal=zero, tangential=zero, status=status,
                             normal_multiplier=nodal, tangential_multiplier=nodal, stiffening=stiffening,
                             offset=offset, cuts=cuts, springs=np.zeros(1), frozen=never, recuts=np.zeros(1),
-                            softness=np.ones(1), shift=zero, broken=never)
+                            softness=np.ones(1), shift=zero,
+                            internal=np.zeros((self.law.n_internal, len(arc))))
 
     # -- the form -------------------------------------------------------------------------------------------
 
@@ -223,22 +225,23 @@ class ContactPair:
         gap = found.gap - closing
         exact = ROUND_OFF * float(np.abs(nodes).max())
         gap = np.where(np.abs(gap) <= exact, 0.0, gap)
-        at = np.flatnonzero(found.found & law.reaches(gap, normal_penalty, bonded & ~state.broken))
+        internal = self._internal(state)
+        at = np.flatnonzero(found.found & law.take(points).reaches(gap, internal, bonded))
 
         kinematics = variations(points, self.slave, self.master, at, found, positions,
                                 state.stick_point - state.shift, nodes)
         shift = points.at(state.tangential_multiplier)[at] / tangential_penalty
         slip = kinematics.stretch * kinematics.elastic_arc + shift
-        traction = tractions(law, state.broken[at], gap[at], slip, penalties)
+        update = law.take(points.take(at)).update(np.stack((gap[at], slip)), internal[:, at], penalties)
 
         weight = self.share * points.weight[at]
-        force = ((weight * traction.normal)[:, None] * kinematics.gap_gradient
-                 + (weight * traction.tangential)[:, None] * kinematics.tangential)
-        elastic = (traction.elastic_slip - shift) / kinematics.stretch
+        force = ((weight * update.traction[0])[:, None] * kinematics.gap_gradient
+                 + (weight * update.traction[1])[:, None] * kinematics.tangential)
+        elastic = np.where(update.status == Status.OPEN, 0.0, (update.elastic_slip[0] - shift) / kinematics.stretch)
         return Response(self._gathering.force(kinematics.dofs, force),
-                        lambda: self._candidate(state, merged(near, found, projected), at, traction, elastic),
-                        lambda: self._stiffness(kinematics, traction, weight, self.tangent == "exact"),
-                        lambda: self._stiffness(kinematics, self._limited(traction), weight, self.tangent == "exact"),
+                        lambda: self._candidate(state, merged(near, found, projected), at, update, elastic),
+                        lambda: self._stiffness(kinematics, update, weight, self.tangent == "exact"),
+                        lambda: self._stiffness(kinematics, self._limited(update), weight, self.tangent == "exact"),
                         round_off=max(penalties) * exact * float(np.linalg.norm(weight)))
 
     def penalties(self, state: ContactState) -> tuple[float, float]:
@@ -267,31 +270,35 @@ class ContactPair:
         arc[at] = self.master.arc(found.segment[at], found.xi[at])[0]
         return arc
 
-    def _candidate(self, state: ContactState, found: Projection, at: ndarray, traction: Traction,
+    def _internal(self, state: ContactState) -> ndarray:
+        """Internal variables, (n_internal, n); zero where those of another law are fewer, as before any update."""
+        missing = self.law.n_internal - len(state.internal)
+        return np.pad(state.internal, ((0, missing), (0, 0))) if missing > 0 else state.internal[:self.law.n_internal]
+
+    def _candidate(self, state: ContactState, found: Projection, at: ndarray, update: Update,
                    elastic_arc: ndarray) -> ContactState:
         """Open points take their closest point along as stick point, sliding ones drag it behind (eq. 10)."""
         arc, zero = self._arc(found), np.zeros(len(found.gap))
         stick_point, normal, tangential = arc.copy(), zero.copy(), zero.copy()
-        status = np.full(len(arc), int(Status.OPEN))
+        status, internal = np.full(len(arc), int(Status.OPEN)), self._internal(state).copy()
         stick_point[at] -= elastic_arc
-        normal[at], tangential[at], status[at] = traction.normal, traction.tangential, traction.status
+        (normal[at], tangential[at]), status[at], internal[:, at] = update.traction, update.status, update.internal
         moved = self.master.along(arc - state.arc)
         slip = np.where(status == Status.OPEN, 0.0, state.slip + np.where(np.isnan(moved), 0.0, moved))
         return replace(state, stick_point=stick_point, arc=arc, segment=_segments(found), gap=found.gap, slip=slip,
-                       normal=normal, tangential=tangential, status=status, frozen=np.zeros(len(arc), bool),
-                       recuts=np.zeros(1))
+                       normal=normal, tangential=tangential, status=status, internal=internal,
+                       frozen=np.zeros(len(arc), bool), recuts=np.zeros(1))
 
-    def _stiffness(self, kinematics: Kinematics, traction: Traction, weight: ndarray, exact: bool) -> csr_matrix:
-        K = tangents(kinematics, traction, exact) * weight[:, None, None]
+    def _stiffness(self, kinematics: Kinematics, update: Update, weight: ndarray, exact: bool) -> csr_matrix:
+        K = tangents(kinematics, update, exact) * weight[:, None, None]
         return self._gathering.matrix(kinematics.dofs, K)
 
-    def _limited(self, traction: Traction) -> Traction:
+    def _limited(self, update: Update) -> Update:
         """The tractions as far as the bodies could bear them, for without any a round body could turn freely."""
         if self.stiffness is None:
-            return traction
+            return update
         largest = _LARGEST_TRACTION * self.stiffness * self.slave.spacing
-        return traction._replace(normal=np.clip(traction.normal, -largest, largest),
-                                 tangential=np.clip(traction.tangential, -largest, largest))
+        return update._replace(traction=np.clip(update.traction, -largest, largest))
 
     # -- what the analysis asks besides ---------------------------------------------------------------------
 
@@ -343,7 +350,8 @@ class ContactPair:
     def remarks(self, state: ContactState) -> list[str]:
         """What a user should know of an accepted state: contact that is not there, or not where it should be."""
         points = self.points(state)
-        return list(remarks(self.slave, self.master, points, self._depth(points), self.penalties(state), state))
+        return list(remarks(self.slave, self.master, points, self._depth(points), self.penalties(state), self.law,
+                            state))
 
 
 def _segments(found: Projection) -> ndarray:

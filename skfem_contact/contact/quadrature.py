@@ -1,7 +1,7 @@
 """Quadrature on the slave surface: every contact discretisation is points, weights and shape functions."""
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy import ndarray
@@ -43,6 +43,10 @@ class SlavePoints:
         """Points given by facet and local coordinates, with weights in the measure of the local coordinates."""
         return cls(facet, xi, surface.facets[facet], surface.shape.at(facet, xi, 0)[0],
                    surface.density(facet, xi) * weight, surface.size[facet])
+
+    def take(self, chosen: ndarray) -> SlavePoints:
+        """Some of the points, given by their numbers."""
+        return SlavePoints(*(getattr(self, one.name)[chosen] for one in fields(self)))
 
     def positions(self, nodes: ndarray) -> ndarray:
         """Coordinates of the points, (n, dim), from those of the slave nodes."""

@@ -7,9 +7,10 @@ import numpy as np
 
 from .augmented import AugmentedLagrangian
 from .clearance import Fit
+from .laws import InterfaceLaw
 
 
-def check_settings(law: Any, quadrature: Any, enforcement: Any, initial: Any, share: Any, tangent: Any) -> None:
+def check_settings(quadrature: Any, enforcement: Any, initial: Any, share: Any, tangent: Any) -> None:
     """Refuse a setting that means nothing to a contact pair, see there."""
     if not _counts(quadrature):
         _one_of("quadrature", quadrature, ("nodal", "segments"), " or a positive number of Gauss points")
@@ -17,10 +18,17 @@ def check_settings(law: Any, quadrature: Any, enforcement: Any, initial: Any, sh
     _one_of("initial", initial, get_args(Fit))
     if not 0.0 < share <= 1.0:
         raise ValueError(f"share must lie in (0, 1], not {share!r}")
-    if isinstance(law, type) or not all(hasattr(law, name) for name in ("bonds", "reaches", "update")):
-        raise ValueError(f"law must have `bonds`, `reaches` and `update`, like Coulomb(mu=.3), unlike {law!r}")
     if not isinstance(enforcement, AugmentedLagrangian | None):
         raise ValueError(f"enforcement must be None or AugmentedLagrangian(), not {enforcement!r}")
+
+
+def check_law(law: Any, n_nodes: int) -> None:
+    """Refuse what is no interface law, and a parameter that has not one value for each node of the slave."""
+    if not isinstance(law, InterfaceLaw) or type(law).update is InterfaceLaw.update:
+        raise ValueError(f"law must be an InterfaceLaw with an `update`, like Coulomb(mu=.3), unlike {law!r}")
+    for name, value in vars(law).items():
+        if isinstance(value, np.ndarray) and value.shape != (n_nodes,):
+            raise ValueError(f"{type(law).__name__}: {name} has shape {value.shape}; the slave has {n_nodes} nodes")
 
 
 def _counts(value: object) -> bool:

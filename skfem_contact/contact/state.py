@@ -45,8 +45,8 @@ class ContactState:
         Share of the tangential penalty with which points stick while they cycle between stick and slip, (1,).
     shift
         What is added to the elastic slip of points that stick softly, along the undeformed master; zero else.
-    broken
-        Whether the point's bond, adhesion and tension, is broken.
+    internal
+        Internal variables of the law, (n_internal, n_points).
     correction, stalls
         What the augmented method corrected the normal and the tangential multipliers by the last time, over the
         penalties, and how many times in a row that had not become less, (2, n_nodes); empty before the first time.
@@ -70,7 +70,7 @@ class ContactState:
     recuts: ndarray
     softness: ndarray
     shift: ndarray
-    broken: ndarray
+    internal: ndarray
     correction: ndarray = field(default_factory=lambda: np.zeros((2, 0)))
     stalls: ndarray = field(default_factory=lambda: np.zeros((2, 0), int))
 
@@ -87,4 +87,5 @@ def transferred(state: ContactState, old: SlavePoints, new: SlavePoints) -> Cont
     # master and slave run in opposite directions: what lies on along the slave lies back along the master
     arc = state.arc[nearest] - (new.arc - old.arc[nearest])
     return replace(state, arc=arc, stick_point=arc - elastic, segment=state.segment[nearest], gap=state.gap[nearest],
-                   status=state.status[nearest], frozen=state.frozen[nearest], broken=state.broken[nearest], **smooth)
+                   status=state.status[nearest], frozen=state.frozen[nearest],
+                   internal=state.internal[:, nearest], **smooth)

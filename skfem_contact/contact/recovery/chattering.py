@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from ..laws import InterfaceLaw
 from ..state import ContactState
 from ..surface import Surface
-from .debonding import broken
+from .debonding import debonded
 from .facet_lock import frozen
 from .soft_stick import softened
 
@@ -16,7 +16,7 @@ def calmed(state: ContactState, candidates: Sequence[ContactState], slave: str, 
     """The state with the first remedy that is left to try, or the same one where no point goes to and fro.
 
     Points are frozen to their facet (:func:`frozen`), stick softly (:func:`softened`) or lose their bond
-    (:func:`broken`).
+    (:func:`debonded`).
 
     Parameters
     ----------
@@ -33,4 +33,4 @@ def calmed(state: ContactState, candidates: Sequence[ContactState], slave: str, 
     """
     new = frozen(state, candidates, slave)
     new = softened(state, candidates, slave, master, hardness) if new is state else new
-    return broken(state, candidates, slave, law) if new is state else new
+    return debonded(state, candidates, slave, law) if new is state else new

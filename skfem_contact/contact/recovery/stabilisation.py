@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy import ndarray
 
-from ..laws import InterfaceLaw, Status, Traction
+from ..laws import InterfaceLaw, Status, Update
+from ..quadrature import SlavePoints
 from ..state import ContactState
-from .debonding import unbonded
 
 #: Stiffness of the springs as a share of the penalty: at first, and when they are as good as gone.  Stiffer ones draw
 #: wide gaps, as beside a cylinder on a plane, with many times the load.
@@ -20,7 +20,7 @@ _NEGLIGIBLE = 1e-3
 
 
 @dataclass(frozen=True)
-class Held:
+class Held(InterfaceLaw):
     """An interface law with soft springs: normal ones draw open points to the surface that they face.
 
     Sideways springs act only where the law resists slip under pressure, for without friction nothing will hold the
@@ -38,31 +38,37 @@ class Held:
     share: float
 
     @property
+    def n_internal(self) -> int:  # type: ignore[override]
+        """As the law."""
+        return self.law.n_internal
+
+    @property
     def bonds(self) -> bool:
         """As the law."""
         return self.law.bonds
 
-    @property
-    def unbonded(self) -> Held:
-        """The springs with the law of points whose bond is broken."""
-        return replace(self, law=unbonded(self.law))
+    def take(self, points: SlavePoints) -> Held:
+        """The springs are the same everywhere."""
+        return replace(self, law=self.law.take(points))
 
-    def reaches(self, gap: ndarray, normal_penalty: float, closed: ndarray) -> ndarray:
+    def reaches(self, gap: ndarray, internal: ndarray, closed: ndarray) -> ndarray:
         """All points."""
         return np.ones(len(gap), bool)
 
-    def update(self, gap: ndarray, slip: ndarray, normal_penalty: float, tangential_penalty: float) -> Traction:
+    def update(self, jump: ndarray, internal: ndarray, penalty: tuple[float, float]) -> Update:
         """The law's tractions where the gap is closed, and those of the springs."""
-        law = self.law.update(np.minimum(gap, 0.0), slip, normal_penalty, tangential_penalty)
-        pressed = self.law.update(-np.ones(1), np.zeros(1), normal_penalty, tangential_penalty)
-        normal, along = self.share * normal_penalty, self.share * float(pressed.tangential_by_slip[0])
-        is_open = gap > 0.0
-        return Traction(
-            normal=np.where(is_open, normal * gap, law.normal),
-            tangential=np.where(is_open, 0.0, law.tangential) + along * slip,
-            normal_by_gap=np.where(is_open, normal, law.normal_by_gap),
-            tangential_by_gap=np.where(is_open, 0.0, law.tangential_by_gap),
-            tangential_by_slip=np.where(is_open, 0.0, law.tangential_by_slip) + along,
+        is_open, pressed = jump[0] > 0.0, np.zeros_like(jump)
+        law = self.law.update(np.concatenate((np.minimum(jump[:1], 0.0), jump[1:])), internal, penalty)
+        pressed[0] = -1.0
+        resists = self.law.update(pressed, internal, penalty).tangent
+        springs = self.share * np.einsum("iin->in", resists)
+        springs[0] = np.where(is_open, self.share * penalty[0], 0.0)
+        tangent = np.where(is_open, 0.0, law.tangent)
+        tangent[np.arange(len(jump)), np.arange(len(jump))] += springs
+        return Update(
+            traction=np.where(is_open, 0.0, law.traction) + springs * jump,
+            internal=law.internal,
+            tangent=tangent,
             elastic_slip=np.where(is_open, 0.0, law.elastic_slip),
             status=np.where(is_open, int(Status.OPEN), law.status),
         )
