@@ -112,8 +112,8 @@ def _clipped(polygons: ndarray, clips: ndarray) -> tuple[ndarray, ndarray]:
         crosses = valid & ((side >= 0.0) != (following >= 0.0))
         share = side / np.where(crosses, side - following, 1.0)
         crossing = polygons + share[..., None] * (np.take_along_axis(polygons, after[..., None], axis=1) - polygons)
-        both = np.stack((polygons, crossing), axis=2).reshape(len(polygons), -1, 2)
-        kept = np.stack((valid & (side >= 0.0), crosses), axis=2).reshape(len(polygons), -1)
+        both = np.stack((polygons, crossing), axis=2).reshape(len(polygons), 2 * polygons.shape[1], 2)
+        kept = np.stack((valid & (side >= 0.0), crosses), axis=2).reshape(both.shape[:2])
         count = kept.sum(axis=1)
         order = np.argsort(~kept, axis=1, kind="stable")[:, : max(count.max(initial=0), 1)]
         polygons = np.take_along_axis(both, order[..., None], axis=1)

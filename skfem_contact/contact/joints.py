@@ -1,7 +1,6 @@
 r"""Variations of points whose closest point lies on an edge or a vertex of the master.
 
-The normal follows the offset, :math:`n = (r - \rho) / g`, the tangents are those of the facet turned with it, and the
-closest point may move along the edge.  The tangential traction works on
+The normal follows the offset, :math:`n = (r - \rho) / g`, and the closest point may move along the edge.  The tangential traction works on
 
 .. math:: e_i \cdot (\delta r - \delta\rho|_\xi - g\, \Omega n), \qquad
           \Omega = \mathrm{skew}\,(\delta a_\alpha \otimes a^\alpha + \delta n_f \otimes n_f),
@@ -53,8 +52,11 @@ class Joints:
         Places of the points, (n, dim), and of the facets' nodes, (n, k, dim).
     from_stick
         Offset from the stick points, (n, dim); zero where there is none.
-    values, sigma
-        Slave's shape functions, (n, slave nodes), and factors of all nodes in the offset from the stick point.
+    direction
+        Directions from which tangents are counted, (n, dim).
+    values, sigma, delta
+        Slave's shape functions, (n, slave nodes); factors of all nodes in the offset from the stick point and in the
+        direction.
     """
 
     at: ndarray
@@ -66,13 +68,15 @@ class Joints:
     place: ndarray
     nodes: ndarray
     from_stick: ndarray
+    direction: ndarray
     values: ndarray
     sigma: ndarray
+    delta: ndarray
 
     @cached_property
     def first(self) -> First:
         """First variations."""
-        return self._first(np.arange(len(self.at)), self.place, self.nodes, self.from_stick)
+        return self._first(np.arange(len(self.at)), self.place, self.nodes, self.from_stick, self.direction)
 
     @cached_property
     def second(self) -> tuple[ndarray, ndarray, ndarray]:
@@ -87,12 +91,13 @@ class Joints:
         corners[np.arange(slave, slave + k), :, np.arange(k)] = eye
         x = self.nodes[row] + 1j * _STEP * np.tile(corners.reshape(-1, k, dim), (n, 1, 1))
         from_stick = self.from_stick[row] + 1j * _STEP * lift_columns(self.sigma, eye)
-        step = self._first(row, place, x, from_stick)
+        direction = self.direction[row] + 1j * _STEP * lift_columns(self.delta, eye)
+        step = self._first(row, place, x, from_stick, direction)
         G, T, s = (np.moveaxis((part.imag / _STEP).reshape(n, dim * nodes, *part.shape[1:]), 1, -1)
                    for part in (step.gap_gradient, step.tangential, step.slip))
         return G, T, s
 
-    def _first(self, row: ndarray, r: ndarray, nodes: ndarray, from_stick: ndarray) -> First:
+    def _first(self, row: ndarray, r: ndarray, nodes: ndarray, from_stick: ndarray, direction: ndarray) -> First:
         """First variations at complex places, of points given by their numbers."""
         facet, along = self.facet[row], self.along[row]
         xi = self._closest(facet, self.xi[row] + 0j, along, r, nodes)
@@ -101,8 +106,7 @@ class Joints:
         offset = r - rho
         g = np.sqrt(dot(offset, offset)) * np.sign(self.gap[row])
         n, facet_n, dual = offset / g[:, None], unit(across(a)), inverse(products(a, a)) @ a
-        tangent = a[:, 0] - (dot(n, a[:, 0]) / (1.0 + dot(n, facet_n)))[:, None] * (n + facet_n)
-        e = frame(tangent, n)
+        e = frame(n, direction)
         blocks = np.zeros((len(row), self.sigma.shape[1])), np.zeros((*M[1].shape[:2], self.sigma.shape[1]))
         alpha, beta = (block.astype(complex) for block in blocks)
         slave, k = self.values.shape[1], nodes.shape[1]

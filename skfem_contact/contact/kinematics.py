@@ -25,17 +25,11 @@ import numpy as np
 from numpy import ndarray
 
 from .joints import Joints
+from .material_points import MaterialPoints
 from .quadrature import SlavePoints
 from .search import Projection
 from .surface import Place, Surface
 from .vectors import frame, inverse, lift, outer, products, spread
-
-
-class MaterialPoints(NamedTuple):
-    """Material points of a surface: facets, (n,), -1 for none, and local coordinates, (n, dim - 1)."""
-
-    facet: ndarray
-    xi: ndarray
 
 
 class Kinematics(NamedTuple):
@@ -68,7 +62,7 @@ class Kinematics(NamedTuple):
 class _OnFacets(NamedTuple):
     """What the second variations need; ``alpha`` (n, nodes) acts as r - rho, ``beta`` as a, ``sigma`` as r - x_s.
 
-    The columns ``own`` are those of the closest facet's nodes; ``operator`` is the inverse of m - g h.
+    ``delta`` acts as the direction from which tangents are counted.  The columns ``own`` are those of the closest facet's nodes; ``operator`` is the inverse of m - g h.
     """
 
     place: Place
@@ -82,10 +76,12 @@ class _OnFacets(NamedTuple):
     curvature: ndarray
     operator: ndarray
     Xi: ndarray
+    direction: ndarray
+    delta: ndarray
 
 
 def variations(points: SlavePoints, slave: Surface, master: Surface, at: ndarray, projection: Projection,
-               positions: ndarray, stick: MaterialPoints, nodes: ndarray) -> Kinematics:
+               slave_nodes: ndarray, stick: MaterialPoints, nodes: ndarray) -> Kinematics:
     """Variations of the points ``at``.
 
     Parameters
@@ -96,17 +92,16 @@ def variations(points: SlavePoints, slave: Surface, master: Surface, at: ndarray
         Numbers of the points that are in contact, (n,).
     projection
         Closest points of all points.
-    positions
-        Current coordinates of all points, (n_points, dim).
+    slave_nodes, nodes
+        Current coordinates of the slave's and the master's nodes.
     stick
         Stick points of all points.
-    nodes
-        Current coordinates of the master's nodes.
     """
-    facet, xi, g, r = projection.facet[at], projection.xi[at], projection.gap[at], positions[at]
-    place, N = master.at(facet, xi, nodes, 3), points.values[at]
+    points = points.take(at)
+    facet, xi, g, r = projection.facet[at], projection.xi[at], projection.gap[at], points.positions(slave_nodes)
+    place, N, direction = master.at(facet, xi, nodes, 3), points.values, points.direction(slave, slave_nodes)
     held, weights, others = _stick_weights(master, facet, MaterialPoints(stick.facet[at], stick.xi[at]))
-    dofs = [slave.dofs[points.nodes[at]], master.dofs[master.facets[facet]], *(
+    dofs = [slave.dofs[points.nodes], master.dofs[master.facets[facet]], *(
         np.where((block < 0)[:, :, None], -1, master.dofs[block]) for block in others)]
     stuck = (held >= 0)[:, None]
     x_stick = np.where(stuck, np.einsum("nk,nkc->nc", sum(weights), nodes[master.facets[held]]), r)
@@ -115,18 +110,23 @@ def variations(points: SlavePoints, slave: Surface, master: Surface, at: ndarray
     beta = np.concatenate([np.zeros((*M[1].shape[:2], N.shape[1])), M[1], *(z[:, None] + 0 * M[1] for z in rest)], axis=2)
     sigma = np.concatenate((np.where(stuck, N, 0.0), *(-w for w in weights)), axis=1)
 
+    delta = np.zeros_like(alpha)
+    if N.shape == points.along.shape:  # a node alone does not turn the direction of its facet
+        delta[:, :N.shape[1]] = points.along
+
     n, a = place.normal, place.x[1]
-    e = frame(a[:, 0], n)
+    e = frame(n, direction)
     m, h = products(a, a), np.einsum("nc,nabc->nab", n, place.x[2])
     operator = inverse(m - g[:, None, None] * h)
     Xi = operator @ (lift(alpha[:, None], a) + g[:, None, None] * lift(beta, n[:, None]))
     G, T = lift(alpha[:, None], n[:, None])[:, 0], products(e, a) @ Xi
     own = slice(N.shape[1], N.shape[1] + M[0].shape[1])
-    facets = _OnFacets(place, own, alpha, beta, sigma, g, r - x_stick, m, h, operator, Xi)
+    facets = _OnFacets(place, own, alpha, beta, sigma, g, r - x_stick, m, h, operator, Xi, direction,
+                       delta)
     joints = None
     if (v := np.flatnonzero(projection.feature[at])).size:
         joints = Joints(v, master, facet[v], xi[v], _free(master, projection.feature[at[v]]), g[v], r[v],
-                        nodes[master.facets[facet[v]]], (r - x_stick)[v], N[v], sigma[v])
+                        nodes[master.facets[facet[v]]], (r - x_stick)[v], direction[v], N[v], sigma[v], delta[v])
         n, e = n.copy(), e.copy()
         n[v], e[v], G[v], T[v] = joints.first[:4]
     return Kinematics(np.concatenate(dofs, axis=1).reshape(G.shape), G, T, np.einsum("nic,nc->ni", e, r - x_stick), n, e,
@@ -153,11 +153,9 @@ def _stick_weights(master: Surface, facet: ndarray, stick: MaterialPoints) -> tu
 def slip_gradient(kinematics: Kinematics) -> ndarray:
     """d slip / d u, (n, dim - 1, m)."""
     on, n, e = kinematics.facets, kinematics.normal, kinematics.tangents
-    turns = _turns(on)
-    spin = _spin(on, e)
-    F = products(e, on.place.x[1]) @ inverse(on.metric)
-    S = lift(on.sigma[:, None], e) + np.einsum("nc,nc->n", on.from_stick, n)[:, None, None] * (F @ turns)
-    if spin is not None:
+    dn = _normal_motion(on)
+    S = lift(on.sigma[:, None], e) - np.einsum("nc,nc->n", on.from_stick, n)[:, None, None] * (e @ dn)
+    if (spin := _spin(on, n, e, dn)) is not None:
         s = kinematics.slip
         S += np.stack((s[:, 1], -s[:, 0]), axis=1)[:, :, None] * spin[:, None]
     if kinematics.joints is not None:
@@ -210,10 +208,10 @@ def _tangential_part(kinematics: Kinematics, t: ndarray) -> ndarray:
     """``d((t . a) Xi)/du`` for tangential tractions t, (n, dim), that are constant in the frame, (n, m, m)."""
     on = kinematics.facets
     a, rho2, n, g, Xi = on.place.x[1], on.place.x[2], on.place.normal, on.gap[:, None, None], on.Xi
-    da, turns = _tangent_motion(on), _turns(on)
-    dn = -np.einsum("nac,nab,nbm->ncm", a, inverse(on.metric), turns, optimize=True)
+    da = _tangent_motion(on)
+    dn = _normal_motion(on)
     by_frame = np.einsum("nc,nacm->nam", t, da)
-    if (spin := _spin(on, kinematics.tangents)) is not None:
+    if (spin := _spin(on, n, frame(n, on.direction), dn)) is not None:
         by_frame += np.einsum("nac,nc->na", a, np.cross(n, t))[:, :, None] * spin[:, None]
     p = np.einsum("nab,nbc,nc->na", on.operator, a, t, optimize=True)  # contravariant, for the operator m - g h
     P, dP = np.einsum("na,nac->nc", p, a), np.einsum("na,nacm->ncm", p, da)
@@ -235,6 +233,11 @@ def _turns(on: _OnFacets) -> ndarray:
     return lift(on.beta, on.place.normal[:, None]) + on.curvature @ on.Xi
 
 
+def _normal_motion(on: _OnFacets) -> ndarray:
+    """``dn`` of the normal at the closest point, (n, dim, m)."""
+    return np.asarray(-on.place.x[1].transpose(0, 2, 1) @ (inverse(on.metric) @ _turns(on)))
+
+
 def _tangent_motion(on: _OnFacets) -> ndarray:
     """``da`` of the tangents of the closest facet, the motion of the closest point included, (n, dim - 1, dim, m)."""
     n, dim = len(on.gap), on.from_stick.shape[1]
@@ -242,11 +245,10 @@ def _tangent_motion(on: _OnFacets) -> ndarray:
     return np.asarray(fixed + np.einsum("nabc,nbm->nacm", on.place.x[2], on.Xi))
 
 
-def _spin(on: _OnFacets, e: ndarray) -> ndarray | None:
+def _spin(on: _OnFacets, n: ndarray, e: ndarray, dn: ndarray) -> ndarray | None:
     """Rate at which the frame turns about the normal, (n, m); in the plane there is no such motion."""
     if e.shape[1] == 1:
         return None
-    a = on.place.x[1]
-    by_xi = np.einsum("nbc,nc->nb", on.place.x[2][:, 0], e[:, 1])
-    rate = lift(on.beta[:, :1], e[:, 1:])[:, 0] + np.einsum("nb,nbm->nm", by_xi, on.Xi)
-    return np.asarray(rate / np.linalg.norm(a[:, 0], axis=1)[:, None])
+    aside, across = np.einsum("nc,nc->n", on.direction, n), e[:, 1:]
+    rate = lift(on.delta[:, None], across)[:, 0] - aside[:, None] * (across @ dn)[:, 0]
+    return np.asarray(rate / np.einsum("nc,nc->n", on.direction, e[:, 0])[:, None])

@@ -7,7 +7,8 @@ import numpy as np
 from numpy import ndarray
 
 from .shape import Shape
-from .surface import Surface, rule
+from .surface import Place, Surface, rule
+from .vectors import across, products, solve
 
 #: Meshes whose sizes differ by less than this share are as fine as each other.
 _EQUAL = 1e-6
@@ -29,6 +30,9 @@ class SlavePoints:
         Area of surface (length in the plane) that belongs to each point, (n,), in the reference configuration.
     size
         Size of the slave's facet at the point, (n,).
+    along
+        Factors of the facet's nodes in the direction from which tangents are counted in space, (n, k); see
+        :meth:`direction`.
     """
 
     facet: ndarray
@@ -37,12 +41,15 @@ class SlavePoints:
     values: ndarray
     weight: ndarray
     size: ndarray
+    along: ndarray
 
     @classmethod
     def on(cls, surface: Surface, facet: ndarray, xi: ndarray, weight: ndarray) -> SlavePoints:
         """Points given by facet and local coordinates, with weights in the measure of the local coordinates."""
-        return cls(facet, xi, surface.facets[facet], surface.shape.at(facet, xi, 0)[0],
-                   surface.density(facet, xi) * weight, surface.size[facet])
+        place = surface.at(facet, xi, surface.nodes)
+        area = np.linalg.norm(across(place.x[1]), axis=1)
+        return cls(facet, xi, surface.facets[facet], place.shapes[0], area * weight, surface.size[facet],
+                   _along(surface, place))
 
     def take(self, chosen: ndarray) -> SlavePoints:
         """Some of the points, given by their numbers."""
@@ -52,9 +59,22 @@ class SlavePoints:
         """Coordinates of the points, (n, dim), from those of the slave nodes."""
         return np.asarray(np.einsum("nk,nkc->nc", self.values, nodes[self.nodes]))
 
+    def direction(self, slave: Surface, nodes: ndarray) -> ndarray:
+        """The slave's direction as its material carries it along, (n, dim); nothing in the plane."""
+        return np.asarray(np.einsum("nk,nkc->nc", self.along, nodes[slave.facets[self.facet]]))
+
     def at(self, nodal: ndarray) -> ndarray:
         """Values at the points, (n,), of a field given at the slave nodes."""
         return np.asarray(np.einsum("nk,nk->n", self.values, nodal[self.nodes]))
+
+
+def _along(surface: Surface, place: Place) -> ndarray:
+    """Factors of the facets' nodes in the surface's direction at places of the undeformed surface, (n, k)."""
+    if surface.dim == 2:
+        return np.zeros(place.shapes[0].shape)
+    a = place.x[1]
+    contravariant = solve(products(a, a), a @ surface.direction)
+    return np.asarray(np.einsum("na,nak->nk", contravariant, place.shapes[1]))
 
 
 def nodal(surface: Surface) -> SlavePoints:
@@ -84,7 +104,9 @@ def nodal(surface: Surface) -> SlavePoints:
     place = surface.shape.nodes[local]
     order = np.argsort(facet + 0.5 * place[:, 0]) if surface.dim == 2 else np.arange(len(weight))
     order = order[weight[order] > 0.0]
-    return SlavePoints(facet[order], place[order], order[:, None], np.ones((len(order), 1)), weight[order], size[order])
+    along = _along(surface, surface.at(facet, place, surface.nodes))
+    return SlavePoints(facet[order], place[order], order[:, None], np.ones((len(order), 1)), weight[order], size[order],
+                       along[order])
 
 
 def gauss(slave: Surface, master: Surface, n: int) -> SlavePoints:

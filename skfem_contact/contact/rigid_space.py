@@ -96,6 +96,9 @@ def rigid_sphere(center: ArrayLike, radius: float, hole: bool = False, name: str
                 return unit(np.roll(x, axis + 1, axis=1))
             sides.append(_patch(on_cube, (-np.pi / 4, np.pi / 4), (-np.pi / 4, np.pi / 4), _QUARTER, _QUARTER))
     points, facets = _joined(sides)
+    corners = points[facets[:, :4]]  # in the middle of an arc, and of all four: round to the fourth order of the size
+    points[facets[:, 4:8]] = unit(corners + np.roll(corners, -1, axis=1))
+    points[facets[:, 8]] = unit(corners.sum(axis=1))
     return _surface(name, _place(name, center) + radius * points, facets, Shape.of_facets(ElementHex2()),
                     lambda x: (x - _place(name, center)) * (-1.0 if hole else 1.0))
 

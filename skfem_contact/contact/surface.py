@@ -165,6 +165,12 @@ class Surface:
         return np.asarray(self.nodes.mean(axis=0))
 
     @cached_property
+    def direction(self) -> ndarray:
+        """The axis that lies most nearly along the surface, (dim,): tangents are counted from there in space."""
+        normal = self.at(np.arange(len(self.facets)), np.tile(self.shape.centre, (len(self.facets), 1)), self.nodes).normal
+        return np.eye(self.dim)[np.argmin(np.round(self.area @ normal**2 / self.area.sum(), 6))]
+
+    @cached_property
     def at_rim(self) -> ndarray:
         """Sides of the facets without a neighbour, (n_facets, n_sides)."""
         return self.neighbours < 0

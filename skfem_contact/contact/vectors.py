@@ -27,11 +27,11 @@ def across(tangents: ndarray) -> ndarray:
     return np.cross(tangents[:, 0], tangents[:, 1])
 
 
-def frame(along: ndarray, normal: ndarray) -> ndarray:
-    """Orthonormal tangents, (n, dim - 1, dim): one along a tangent, (n, dim), and the one across it."""
-    first = unit(along)
-    if along.shape[1] == 2:
-        return np.asarray(first[:, None])
+def frame(normal: ndarray, direction: ndarray) -> ndarray:
+    """Orthonormal tangents, (n, dim - 1, dim): in space one along a direction, (n, 3), and the one across it."""
+    if normal.shape[1] == 2:
+        return np.asarray((normal[:, ::-1] * (1.0, -1.0))[:, None])
+    first = unit(direction - dot(direction, normal)[:, None] * normal)
     return np.stack((first, np.cross(normal, first)), axis=1)
 
 
