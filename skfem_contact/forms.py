@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Protocol
 
@@ -74,6 +75,22 @@ class Response:
         return self.stiffness if self._damped is None else self._damped()
 
 
+@dataclass(frozen=True)
+class Failure:
+    """How Newton's method failed, for a form that is asked for an easier one to begin with.
+
+    Attributes
+    ----------
+    loose
+        Whether bodies can move freely, or ran away.
+    seen
+        Candidate states of the form between which the iterations chatter, if any.
+    """
+
+    loose: bool
+    seen: tuple[Any, ...] = ()
+
+
 class Form(Protocol):
     """Whatever carries load: solids and contact pairs answer the same calls."""
 
@@ -83,8 +100,8 @@ class Form(Protocol):
     def assemble(self, x: ndarray, state: Any) -> Response:
         """Answer to displacements from an accepted state."""
 
-    def outer(self, x: ndarray, accepted: Any, candidate: Any) -> Any | None:
-        """An improved accepted state to solve again from, or None."""
+    def outer(self, x: ndarray, accepted: Any, found: Any) -> tuple[Form, Any] | None:
+        """Form and accepted state with which the increment is to be solved once more, or None."""
 
     def summary(self, state: Any) -> str:
         """One line for the table of a result."""

@@ -181,7 +181,7 @@ def closest(pair: sc.ContactPair, state: sc.ContactState, x: ndarray) -> Project
     """Closest points on the master of the points of a state at the displacements x, at any depth."""
     points = pair.points(state).positions(pair.slave.positions(x))
     depth = np.full(len(points), np.inf)
-    return project(pair.master, pair.master.positions(x), points, depth, state.segment)
+    return project(pair.master, pair.master.positions(x), points, depth, state.facet)
 
 
 def directional_error(

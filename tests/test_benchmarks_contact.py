@@ -143,9 +143,9 @@ def test_nothing_penetrates() -> None:
     result = problem.run(pair, [problem.stage("press", increments=4)])
     state = result[-1].states["contact"]
     stiffness = sc.choose_penalties({"bodies": problem.solid, "contact": pair})["contact"].stiffness
-    presses = state.normal_multiplier < 0.1 * state.normal_multiplier.min()
+    presses = state.multiplier[0] < 0.1 * state.multiplier[0].min()
     # the multipliers are one correction behind the tractions
-    assert np.abs(nodal_gaps(pair, state)[presses]).max() * stiffness < 3e-4 * np.abs(state.normal).max()
+    assert np.abs(nodal_gaps(pair, state)[presses]).max() * stiffness < 3e-4 * np.abs(state.traction[0]).max()
 
 
 def test_ties_are_closed_in_tension() -> None:
@@ -163,9 +163,9 @@ def test_ties_are_closed_in_tension() -> None:
     fixed = np.concatenate((top.ravel(), floor.ravel()))
     result = sc.run({"bodies": bodies, "tie": tie}, [sc.Stage("pull", basis.zeros(), x)], fixed, progress=False)
     state = result[-1].states["tie"]
-    assert state.normal.min() > 0.0
+    assert state.traction[0].min() > 0.0
     stiffness = sc.choose_penalties({"bodies": bodies, "tie": tie})["tie"].stiffness
-    assert np.abs(nodal_gaps(tie, state)).max() * stiffness < 3e-4 * state.normal.max()
+    assert np.abs(nodal_gaps(tie, state)).max() * stiffness < 3e-4 * state.traction[0].max()
 
 
 def test_a_start_out_of_proportion_is_brought_in() -> None:
@@ -212,7 +212,7 @@ def test_friction_is_never_exceeded(reversed_shift) -> None:
     """[X] At any point, on any part of the way."""
     for step in reversed_shift[2]:
         state = step.states["contact"]
-        assert (np.abs(state.tangential) <= -MU * state.normal + 1e-9 * np.abs(state.normal).max()).all()
+        assert (np.abs(state.traction[1]) <= -MU * state.traction[0] + 1e-9 * np.abs(state.traction[0]).max()).all()
 
 
 # -- CalculiX -----------------------------------------------------------------------------------------------

@@ -126,7 +126,7 @@ def newton_steps(monkeypatch: pytest.MonkeyPatch) -> list[list[tuple[float, np.n
     direction, equilibrium = System._direction, System.equilibrium
 
     def active(states):
-        return np.stack((states["punch"].status, states["punch"].segment))
+        return np.stack((states["punch"].status, states["punch"].facet))
 
     def iteration(self, now, *args):
         steps[-1].append((now.norm, active(now.states)))

@@ -138,7 +138,7 @@ def test_interface_on_a_fixed_base(meshes, quadrature, E, caplog):
     away = pair.points(state).positions(pair.slave.nodes)[:, 1] > 2 / meshes[0]
     closed = away & (state.status != sc.Status.OPEN)
     # means at the nodes are closed to 1e-4; between them the other body's facets gape (measured 1.3 % and less)
-    assert np.abs(state.gap[closed]).max() * stiffness < 0.02 * np.abs(state.normal).max()
+    assert np.abs(state.gap[closed]).max() * stiffness < 0.02 * np.abs(state.traction[0]).max()
 
 
 @pytest.mark.parametrize("element", ["Q1", "Q2"])
@@ -207,8 +207,8 @@ def test_slipping_patch(mu, quadrature):
     result = sc.run(forms, [sc.Stage("drag", basis.zeros(), field)], fixed, newton=EXACT, progress=False)["drag"]
     state = result.states["contact"]
     assert (state.status == sc.Status.SLIP).all()
-    np.testing.assert_allclose(state.normal, -p, rtol=1e-8)  # stated
-    np.testing.assert_allclose(np.abs(state.tangential), mu * p, rtol=1e-8)
+    np.testing.assert_allclose(state.traction[0], -p, rtol=1e-8)  # stated
+    np.testing.assert_allclose(np.abs(state.traction[1]), mu * p, rtol=1e-8)
     stress = result.states["blocks"].stress[:, basis.mesh.subdomains["upper"]]
     np.testing.assert_allclose(stress[3], mu * p, rtol=1e-7)  # strains of 1e-7 beside a shift of 0.25
 
@@ -236,6 +236,6 @@ def test_sticking_patch(mu, quadrature):
     result = sc.run(forms, stages, unknowns_of(basis, "lower").ravel(), newton=EXACT, progress=False)["shear"]
     state = result.states["contact"]
     assert (state.status == sc.Status.STICK).all()
-    np.testing.assert_allclose(state.normal, -p, rtol=1e-8)  # stated
-    np.testing.assert_allclose(state.tangential, q, rtol=1e-8)
-    np.testing.assert_allclose(state.slip, q / penalty, rtol=1e-6)  # differences of places of order one
+    np.testing.assert_allclose(state.traction[0], -p, rtol=1e-8)  # stated
+    np.testing.assert_allclose(state.traction[1], q, rtol=1e-8)
+    np.testing.assert_allclose(state.slip[0], q / penalty, rtol=1e-6)  # differences of places of order one

@@ -57,8 +57,8 @@ def test_rate_of_the_augmented_method(quadrature, eps):
             x[free] += np.linalg.solve(K, residual[free])
         reached = forms["stop"].assemble(x, states["stop"])
         states["stop"] = forms["stop"].outer(x, states["stop"], reached.state)
-        np.testing.assert_allclose(states["stop"].stiffening, 1.0, rtol=1e-12)
-        multiplier = states["stop"].normal_multiplier
+        np.testing.assert_allclose(states["stop"].penalty_factor, 1.0, rtol=1e-12)
+        multiplier = states["stop"].multiplier[0]
         np.testing.assert_allclose(multiplier, multiplier.mean(), rtol=1e-10)
         errors.append(abs(-multiplier.mean() / exact - 1))
     # stated 1e-10; the error itself is the difference of two numbers of order one
@@ -71,7 +71,7 @@ def test_open_nodes_get_no_multiplier():
     with pytest.warns(sc.AnalysisWarning, match="gap is"):
         result = sc.run(forms, [sc.Stage("pull", -load)], fixed, progress=False)["pull"]
     assert (result.states["stop"].status == sc.Status.OPEN).all()
-    assert not result.states["stop"].normal_multiplier.any()
+    assert not result.states["stop"].multiplier.any()
 
 
 @pytest.mark.parametrize("radius", [0.5, 3.0])

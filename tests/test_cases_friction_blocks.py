@@ -93,7 +93,7 @@ def test_broken_bond_is_told() -> None:
     broken = (state.internal[0] > 0) & (state.status != sc.Status.OPEN)
     assert broken.nonzero()[0].tolist() == [12]
     assert state.status[12] == sc.Status.SLIP
-    assert state.tangential[12] == pytest.approx(-PHI * state.normal[12], rel=1e-9)  # no adhesion
+    assert state.traction[1][12] == pytest.approx(-PHI * state.traction[0][12], rel=1e-9)  # no adhesion
 
 
 @pytest.mark.parametrize("quadrature", ["nodal", "segments"])

@@ -221,7 +221,7 @@ def test_the_same_again(quadrature, tmp_path) -> None:
     assert_identical(continued, resumed)
     # a matrix that is factored anew rounds in another way
     np.testing.assert_allclose(resumed[-1].x, whole[-1].x, atol=1e-12 * np.abs(whole[-1].x).max())
-    shear, other = (result[-1].states["contact"].tangential for result in (whole, resumed))
+    shear, other = (result[-1].states["contact"].traction[1] for result in (whole, resumed))
     np.testing.assert_allclose(shear, other, atol=1e-10 * PEAK)
 
 

@@ -60,7 +60,7 @@ def test_rough_silo(mu):
     assert base + friction == pytest.approx(240.0, rel=1e-7)
     for side in ("left", "right"):
         skin = step.states[side]
-        assert (np.abs(skin.tangential) <= mu * np.abs(skin.normal) * (1 + 1e-9)).all()
+        assert (np.abs(skin.traction[1]) <= mu * np.abs(skin.traction[0]) * (1 + 1e-9)).all()
 
 
 def test_strip_load_on_a_half_plane():

@@ -61,11 +61,11 @@ def test_slip_is_the_distance_moved(quadrature, tilt, smoothing):
         for along, state, force in zip(path[1:], states[1:], forces[1:], strict=True):
             assert (state.status == sc.Status.SLIP).all()
             # arc positions of order one; the penalty of 1e4 multiplies their round-off
-            np.testing.assert_allclose(state.slip, along, atol=1e-12)
+            np.testing.assert_allclose(state.slip[0], along, atol=1e-12)
             np.testing.assert_allclose(state.gap, -1e-3, atol=1e-14)
-            np.testing.assert_allclose(state.normal, -EPS_N * 1e-3, rtol=1e-10)
-            np.testing.assert_allclose(state.tangential, -MU * state.normal, rtol=1e-10)
-            np.testing.assert_allclose(state.arc - state.stick_point, MU * 10 / EPS_T, atol=1e-12)
+            np.testing.assert_allclose(state.traction[0], -EPS_N * 1e-3, rtol=1e-10)
+            np.testing.assert_allclose(state.traction[1], -MU * state.traction[0], rtol=1e-10)
+            np.testing.assert_allclose(state.position - state.stick_point, MU * 10 / EPS_T, atol=1e-12)
             # the internal force on the slave: pressed out of the master and held back
             total = force[dofs].reshape(-1, 2).sum(axis=0) @ rotation(tilt)
             np.testing.assert_allclose(total, [MU * 10 * 0.55, -10 * 0.55], atol=1e-9)
@@ -76,8 +76,8 @@ def test_slip_on_quadratic_segments(element):
     """[X] The same with three-node segments."""
     _, pair, place, _ = sled(3, element=element)
     states, _ = drag(pair, place, np.linspace(0, 2.9, 12))
-    np.testing.assert_allclose(states[-1].slip, 2.9, atol=1e-12)
-    np.testing.assert_allclose(states[-1].tangential, MU * 10, rtol=1e-9)
+    np.testing.assert_allclose(states[-1].slip[0], 2.9, atol=1e-12)
+    np.testing.assert_allclose(states[-1].traction[1], MU * 10, rtol=1e-9)
 
 
 def test_sticking_across_a_joint():
@@ -86,7 +86,7 @@ def test_sticking_across_a_joint():
     states, _ = drag(pair, place, [0.0, 0.12, 0.3, -0.1, 0.0])
     for along, state in zip([0.0, 0.12, 0.3, -0.1, 0.0], states, strict=True):
         assert (state.status == sc.Status.STICK).all()
-        np.testing.assert_allclose(state.tangential, EPS_T * along, atol=1e-10)
+        np.testing.assert_allclose(state.traction[1], EPS_T * along, atol=1e-10)
         np.testing.assert_allclose(state.stick_point, [0.2, 0.45, 0.75][::-1], atol=1e-13)
 
 
@@ -99,11 +99,11 @@ def test_reversal():
     )
     states, _ = drag(pair, place, way)
     for before, after in pairwise(states):
-        assert (np.abs(after.tangential) <= MU * np.abs(after.normal) * (1 + 1e-12)).all()
+        assert (np.abs(after.traction[1]) <= MU * np.abs(after.traction[0]) * (1 + 1e-12)).all()
         moved = after.stick_point - before.stick_point
-        assert (after.tangential * moved >= -1e-14).all()
-    np.testing.assert_allclose(states[39].tangential, states[-1].tangential, rtol=1e-12)
-    np.testing.assert_allclose(states[-1].slip, amplitude, atol=1e-12)
+        assert (after.traction[1] * moved >= -1e-14).all()
+    np.testing.assert_allclose(states[39].traction[1], states[-1].traction[1], rtol=1e-12)
+    np.testing.assert_allclose(states[-1].slip[0], amplitude, atol=1e-12)
 
 
 def test_opening_resets_friction():
@@ -113,11 +113,11 @@ def test_opening_resets_friction():
     assert (states[1].status == sc.Status.SLIP).all()
     assert (
         (states[2].status == sc.Status.OPEN).all()
-        and not states[2].tangential.any()
+        and not states[2].traction[1].any()
         and not states[2].slip.any()
     )
-    np.testing.assert_allclose(states[3].tangential, 0, atol=1e-10)
-    np.testing.assert_allclose(states[4].tangential, EPS_T * 5e-4, rtol=1e-9)
+    np.testing.assert_allclose(states[3].traction[1], 0, atol=1e-10)
+    np.testing.assert_allclose(states[4].traction[1], EPS_T * 5e-4, rtol=1e-9)
 
 
 @pytest.mark.parametrize("quadrature", ["nodal", 3, "segments"])
@@ -137,8 +137,8 @@ def test_slides_off_the_end_and_comes_back(quadrature):
     assert np.abs(forces[-1]).max() > 1
     again = states[-1]
     assert (again.status == sc.Status.SLIP).all()
-    np.testing.assert_allclose(again.tangential, -MU * 10, rtol=1e-10)  # drawn the other way
-    entered = again.slip
+    np.testing.assert_allclose(again.traction[1], -MU * 10, rtol=1e-10)  # drawn the other way
+    entered = again.slip[0]
     assert (np.abs(entered) < 2.4).all()  # counted from where it met the master again
 
 
@@ -186,14 +186,14 @@ def test_round_and_round_a_closed_chain(step, pin_is_slave):
     for k in range(1, steps + 1):
         out = pair.assemble(turned(k * step), state)
         state = out.state
-        assert (np.sign(state.tangential) == way).all()
-        np.testing.assert_allclose(np.abs(state.tangential), -0.2 * state.normal, rtol=1e-9)
+        assert (np.sign(state.traction[1]) == way).all()
+        np.testing.assert_allclose(np.abs(state.traction[1]), -0.2 * state.traction[0], rtol=1e-9)
         if previous is not None:
-            assert (np.abs(state.slip - previous) < 0.3).all()  # a step is an arc of 0.2 at most
-        previous = state.slip
+            assert (np.abs(state.slip[0] - previous) < 0.3).all()  # a step is an arc of 0.2 at most
+        previous = state.slip[0]
     # slip has counted whole turns; a place on the polygon is off the mean by less than 1 % of a turn
     expected = way * steps * abs(step) / 360 * pair.master.total_length
-    np.testing.assert_allclose(state.slip, expected, atol=0.01 * pair.master.total_length)
+    np.testing.assert_allclose(state.slip[0], expected, atol=0.01 * pair.master.total_length)
 
 
 @pytest.mark.parametrize("quadrature", ["nodal", 3])
@@ -210,7 +210,7 @@ def test_moment_of_a_turning_pin(quadrature):
     on_pin[dofs] = out.force[dofs]
     points = pair.points(state)
     radius = np.linalg.norm(points.positions(pair.slave.positions(x)), axis=1)
-    expected = (points.weight * np.abs(state.tangential) * (radius + state.gap)).sum()
+    expected = (points.weight * np.abs(state.traction[1]) * (radius + state.gap)).sum()
     # tangents of the smoothed polygon lean by up to 1 % against the circle's
     assert resultant(basis, x, on_pin)[2] == pytest.approx(expected, rel=0.02)
 

@@ -47,11 +47,11 @@ def rugged_pair(element, quadrature, law, rng, **options):
 
 def augmented(state, rng):
     """The state after some augmentations: multipliers, other penalties, adjusted gaps."""
+    n = state.multiplier.shape[1]
     return replace(
         state,
-        normal_multiplier=-5 * rng.uniform(0, 1, state.normal_multiplier.shape),
-        tangential_multiplier=rng.standard_normal(state.tangential_multiplier.shape),
-        stiffening=np.array([3.0, 2.0]),
+        multiplier=np.stack((-5 * rng.uniform(0, 1, n), rng.standard_normal(n))),
+        penalty_factor=np.array([3.0, 2.0]),
         offset=0.01 * rng.standard_normal(state.offset.shape),
     )
 

@@ -53,7 +53,7 @@ def test_penalty_bar(element, quadrature):
     # the residual is solved to 1e-13 of the load, 100; u is of the order 0.05 and the stiffness 1e5
     np.testing.assert_allclose(u, (F + eps * gap) / (modulus + eps), rtol=1e-12)
     np.testing.assert_allclose(u, 0.0504950495049505, rtol=1e-12)
-    np.testing.assert_allclose(-result.states["stop"].normal, 49.5049504950495, rtol=1e-10)
+    np.testing.assert_allclose(-result.states["stop"].traction[0], 49.5049504950495, rtol=1e-10)
     force = forms["stop"].assemble(result.x, result.states["stop"]).force[1::2].sum()
     exact = F - modulus * gap
     assert 1 + force / exact == pytest.approx(1 / (1 + eps / modulus), rel=1e-8)  # two digits lost in 1 - 0.99
@@ -88,9 +88,9 @@ def test_frictional_patch(quadrature, ratio):
     result = sc.run(forms, stages, fixed, newton=EXACT, progress=False)["shear"]
     state = result.states["joint"]
     assert (state.status == sc.Status.STICK).all()
-    np.testing.assert_allclose(state.normal, -p, rtol=1e-8)
-    np.testing.assert_allclose(state.tangential, q, rtol=1e-8)
-    np.testing.assert_allclose(state.slip, q / 1e6, rtol=1e-6)
+    np.testing.assert_allclose(state.traction[0], -p, rtol=1e-8)
+    np.testing.assert_allclose(state.traction[1], q, rtol=1e-8)
+    np.testing.assert_allclose(state.slip[0], q / 1e6, rtol=1e-6)
     stress = result.states["blocks"].stress[:, basis.mesh.subdomains["upper"]]
     np.testing.assert_allclose(stress[1], -p, rtol=1e-8)
     np.testing.assert_allclose(stress[3], q, rtol=1e-8)
@@ -120,8 +120,8 @@ def test_frictional_patch_slips(quadrature):
     result = sc.run(forms, stages, fixed, newton=EXACT, progress=False)
     for stage, field, sign in zip(result, fields, signs, strict=True):
         state = stage.states["joint"]
-        np.testing.assert_allclose(state.normal, -p, rtol=1e-8)
-        np.testing.assert_allclose(state.tangential, sign * mu * p, rtol=1e-8)
+        np.testing.assert_allclose(state.traction[0], -p, rtol=1e-8)
+        np.testing.assert_allclose(state.traction[1], sign * mu * p, rtol=1e-8)
         np.testing.assert_allclose(stage.x, field, atol=1e-10)
 
 
@@ -157,7 +157,7 @@ def test_block_pushed_off(quadrature):
         # the corners are open over a thousandth of the length at most
         assert force == pytest.approx(4 * 2.5 + 100 * phi, rel=2e-3)
         joint = stage.states["joint"]
-        total = (forms["joint"].points(joint).weight * joint.normal).sum()
+        total = (forms["joint"].points(joint).weight * joint.traction[0]).sum()
         assert total == pytest.approx(-100, rel=1e-6)
 
 
@@ -256,7 +256,7 @@ def test_ten_lines_of_the_user_guide():
     assert norms[-1] < 1e-12
     result = run(forms, load, fixed)
     np.testing.assert_allclose(result.x, x, atol=1e-9 * np.abs(x).max())
-    np.testing.assert_allclose(result.states["joint"].normal, state["joint"].normal, atol=1e-8)
+    np.testing.assert_allclose(result.states["joint"].traction[0], state["joint"].traction[0], atol=1e-8)
     assert result.states["blocks"].internal.max() > 0
 
 
@@ -335,8 +335,7 @@ def test_rotation_of_everything_changes_nothing(element):
         expected = (a.x.reshape(-1, 2) @ Q.T).ravel()
         # equilibrium to 1e-13 of forces; the tangent's condition number of 1e4 is between
         np.testing.assert_allclose(b.x, expected, atol=1e-9 * np.abs(expected).max())
-        for name in ("normal", "tangential"):
-            old, new = getattr(a.states["joint"], name), getattr(b.states["joint"], name)
+        for old, new in zip(a.states["joint"].traction, b.states["joint"].traction, strict=True):
             np.testing.assert_allclose(new, old, atol=1e-8 * np.abs(old).max())
 
 
@@ -373,8 +372,7 @@ def test_units_change_nothing(stress, length):
     _, _, theirs = pushed_blocks((scaled, np.eye(2)), scale={"stress": stress, "length": length})
     for a, b in zip(ours, theirs, strict=True):
         np.testing.assert_allclose(b.x / length, a.x, atol=1e-8 * np.abs(a.x).max())
-        for name in ("normal", "tangential"):
-            old, new = getattr(a.states["joint"], name), getattr(b.states["joint"], name) / stress
+        for old, new in zip(a.states["joint"].traction, b.states["joint"].traction / stress, strict=True):
             np.testing.assert_allclose(new, old, atol=1e-8 * np.abs(old).max())
         assert a.iterations == b.iterations
 

@@ -131,7 +131,7 @@ def test_one_step_equals_many_where_the_path_does_not_matter():
         assert len(results[-1].iterations) == increments
     for other in results[1:]:
         np.testing.assert_allclose(other.x, results[0].x, atol=1e-9 * np.abs(results[0].x).max())
-        np.testing.assert_allclose(other.states["joint"].normal, results[0].states["joint"].normal, atol=1e-7)
+        np.testing.assert_allclose(other.states["joint"].traction[0], results[0].states["joint"].traction[0], atol=1e-7)
 
 
 def test_increments_are_cut_and_grow_again(caplog):
@@ -220,8 +220,8 @@ def test_block_drawn_off_a_table():
         place = forms["joint"].points(joint).positions(forms["joint"].slave.positions(stage.x))[:, 0]
         # the resultant of the pressure stands under the centre of gravity, but for the couple of the friction
         centre = -0.7 + stage.x[dragged].mean()
-        friction = (weight * joint.tangential).sum()
-        lever = (weight * joint.normal * place).sum() / (weight * joint.normal).sum()
+        friction = (weight * joint.traction[1]).sum()
+        lever = (weight * joint.traction[0] * place).sum() / (weight * joint.traction[0]).sum()
         assert lever == pytest.approx(centre, abs=abs(friction) * 0.2 / 10 + 0.01)
     # the centre passes the edge at 0.7
     assert 0.55 <= partial[-1].x[dragged].mean() <= 0.72
@@ -255,7 +255,7 @@ def test_two_runs_are_the_same():
         _, forms, fixed, top, side = friction_blocks("segments")
         results.append(sc.run(forms, [sc.Stage("a", top), sc.Stage("b", top + 8 * side)], fixed, **QUIET)["b"])
     assert np.array_equal(results[0].x, results[1].x) and results[0].iterations == results[1].iterations
-    assert np.array_equal(results[0].states["joint"].tangential, results[1].states["joint"].tangential)
+    assert np.array_equal(results[0].states["joint"].traction[1], results[1].states["joint"].traction[1])
 
 
 def test_run_changes_nothing_of_its_arguments():
@@ -370,5 +370,5 @@ def test_overlap_at_once_or_ramped(quadrature, overlap):
         results.append(sc.run(forms, [sc.Stage("fit", basis.zeros())], fixed, newton=sc.Newton(1e-11), **QUIET)["fit"])
         # two columns of the length 0.5 + overlap / 2 and the penalty in series
         pressure = overlap / (2 * (0.5 + overlap / 2) / 1e4 + 1e-6)
-        np.testing.assert_allclose(results[-1].states["joint"].normal, -pressure, rtol=1e-6)
+        np.testing.assert_allclose(results[-1].states["joint"].traction[0], -pressure, rtol=1e-6)
     np.testing.assert_allclose(results[1].x, results[0].x, atol=1e-9 * overlap)

@@ -240,7 +240,7 @@ class WrongForm:
         return out
 
     def outer(self, x, accepted, candidate):
-        return 1.0 if self.fault == "settle" else None
+        return 1.0 if self.fault == "outer" else None
 
     def summary(self, state):
         return 1 if self.fault == "summary" else "text"
@@ -260,7 +260,7 @@ class WrongForm:
         ("symmetric", "says `symmetric`"),
         ("state", "accepted candidate gives another force"),
         ("springs", "forces do not balance"),
-        ("settle", "`outer`"),
+        ("outer", "`outer`"),
         ("summary", "`summary`"),
         ("remarks", "`remarks`"),
     ],

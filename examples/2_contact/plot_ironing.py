@@ -129,7 +129,7 @@ def dissipated(pair, result):
     """Energy that every point dissipates in every step after the first, (n_steps - 1, n_points)."""
     states = [step.states["joint"] for step in result]
     dragged = np.diff([state.stick_point for state in states], axis=0)
-    return dragged * [state.tangential for state in states[1:]] * sc.tractions(pair, states[0]).weight
+    return dragged * [state.traction[1] for state in states[1:]] * sc.tractions(pair, states[0]).weight
 
 
 for n in meshes:

@@ -82,7 +82,7 @@ def dissipation(joint, result):
     """Energy that every point of the joint dissipates in every step but the first, (n_steps - 1, n_points)."""
     states = [step.states["joint"] for step in result]
     dragged = np.diff([state.stick_point for state in states], axis=0)
-    return dragged * [state.tangential for state in states[1:]] * sc.tractions(joint, states[0]).weight
+    return dragged * [state.traction[1] for state in states[1:]] * sc.tractions(joint, states[0]).weight
 
 
 # %%

@@ -24,6 +24,31 @@ _PROGRESS, _PATIENCE = 0.7, 2
 
 
 @dataclass(frozen=True)
+class Progress:
+    """How the corrections of an increment have gone.
+
+    Attributes
+    ----------
+    correction
+        What the multipliers were corrected by the last time, over the penalties, (dim, n_nodes).
+    stalls
+        How many times in a row that had not become less, (dim, n_nodes).
+    """
+
+    correction: ndarray | float = np.inf
+    stalls: ndarray | int = 0
+
+    def after(self, correction: ndarray, unfinished: ndarray) -> Progress:
+        """With one more correction; those that are small enough do not count."""
+        no_less = unfinished & (np.abs(correction) > _PROGRESS * np.abs(self.correction))
+        stalls = np.where(no_less, self.stalls + 1, 0)
+        if (left := (stalls == _PATIENCE).any(axis=0)).any():
+            logger.info("augmented method: corrections at the nodes %s of the slave do not become less; the penalty "
+                        "acts there", np.flatnonzero(left))
+        return Progress(correction, stalls)
+
+
+@dataclass(frozen=True)
 class AugmentedLagrangian:
     r"""Multipliers that take over the tractions until nothing penetrates: no penalty needs to be chosen.
 
@@ -69,13 +94,14 @@ class AugmentedLagrangian:
         """Factors, (2,), that bring the penalties into the range from which the first solution succeeds."""
         return np.clip(penalties, _SOFTEST * stiffness, _WANTED * stiffness) / penalties
 
-    def augment(self, accepted: ContactState, candidate: ContactState, points: SlavePoints,
-                penalties: tuple[float, float], stiffness: float) -> ContactState | None:
-        """The accepted state with improved multipliers, or None where they are good enough.
+    def augment(self, accepted: ContactState, found: ContactState, points: SlavePoints,
+                penalties: tuple[float, float], stiffness: float, progress: Progress
+                ) -> tuple[ContactState, Progress]:
+        """The accepted state with improved multipliers, or the same one where they are good enough.
 
         Parameters
         ----------
-        accepted, candidate
+        accepted, found
             State at the start of the increment, and the one that has been found.
         points
             The slave's points.
@@ -83,39 +109,28 @@ class AugmentedLagrangian:
             Normal and tangential penalty.
         stiffness
             Traction per displacement of the bodies' surfaces.
+        progress
+            How the corrections of the increment have gone.
         """
-        before = np.stack((accepted.normal_multiplier, accepted.tangential_multiplier))
-        moves = accepted.stalls < _PATIENCE if accepted.stalls.size else np.ones(before.shape, bool)
-        largest = candidate.normal.max(initial=0.0)  # a mean of tractions is no larger; zero where nothing pulls
-        closed = before[0] + _excess(points, candidate.normal, before[0]) < largest
-        after = np.stack((
-            np.minimum(_improved(points, candidate.normal, before[0], closed & moves[0]), largest),
-            _improved(points, candidate.tangential, before[1], closed & moves[1])))
+        before, pressure = accepted.multiplier, found.traction[0]
+        moves = np.broadcast_to(progress.stalls < _PATIENCE, before.shape)
+        largest = pressure.max(initial=0.0)  # a mean of tractions is no larger; zero where nothing pulls
+        closed = before[0] + _excess(points, pressure, before[0]) < largest
+        after = np.stack([_improved(points, traction, multiplier, closed & moving)
+                          for traction, multiplier, moving in zip(found.traction, before, moves, strict=True)])
+        after[0] = np.minimum(after[0], largest)
         correction = (after - before) / np.array(penalties)[:, None]
         # a sliding point's traction follows from the normal one; only where it sticks is its elastic slip an error
-        sticks = _nodal_mean(points, candidate.status == Status.STICK) > 0.99
+        sticks = _nodal_mean(points, found.status == Status.STICK) > 0.99
         error = stiffness * np.abs(correction) * np.stack((np.ones(len(sticks)), sticks))
-        unfinished = error > self.tolerance * np.abs(candidate.normal).max(initial=0.0)
+        unfinished = error > self.tolerance * np.abs(pressure).max(initial=0.0)
         if not (unfinished & moves).any():
-            return None
+            return accepted, progress
         factors = _WANTED * stiffness / np.array(penalties)
-        after = np.where(moves, after, before)
-        return replace(accepted, normal_multiplier=after[0], tangential_multiplier=after[1],
-                       stiffening=accepted.stiffening * factors,
-                       stick_point=accepted.arc - (accepted.arc - accepted.stick_point) / factors[1],
-                       correction=correction, stalls=_stalls(accepted, correction, unfinished))
-
-
-def _stalls(accepted: ContactState, correction: ndarray, unfinished: ndarray) -> ndarray:
-    """How many times in a row the corrections at the nodes, those that are large enough, have not become less."""
-    if not accepted.correction.size:
-        return np.zeros(correction.shape, int)
-    no_less = unfinished & (np.abs(correction) > _PROGRESS * np.abs(accepted.correction))
-    stalls = np.where(no_less, accepted.stalls + 1, 0)
-    if (held := (stalls == _PATIENCE).any(axis=0)).any():
-        logger.info("augmented method: corrections at the nodes %s of the slave do not become less; the penalty acts "
-                    "there", np.flatnonzero(held))
-    return stalls
+        improved = replace(accepted, multiplier=np.where(moves, after, before),
+                           penalty_factor=accepted.penalty_factor * factors,
+                           stick_point=accepted.position - (accepted.position - accepted.stick_point) / factors[1])
+        return improved, progress.after(correction, unfinished)
 
 
 def _improved(points: SlavePoints, traction: ndarray, multiplier: ndarray, closed: ndarray) -> ndarray:

@@ -6,8 +6,6 @@ from typing import Literal
 import numpy as np
 from numpy import ndarray
 
-from .diagnosis import PENETRATION
-
 #: What becomes of gaps and overlaps.
 Fit = Literal["as meshed", "adjusted", "ramped"]
 
@@ -41,8 +39,3 @@ def touching(gap: ndarray, meshed: ndarray, size: ndarray, fit: Fit, bonded: boo
     offset = np.where(np.abs(gap - moved) <= nothing, gap, moved)
     return np.minimum(gap, offset) if fit == "ramped" else offset
 
-
-def less_overlap(offset: ndarray, size: ndarray) -> ndarray:
-    """The next of the steps in which overlaps are resolved: half of them, and none of what is small."""
-    left = 0.5 * offset
-    return np.where(np.abs(left) < PENETRATION * size, 0.0, left)

@@ -9,7 +9,7 @@ from numpy import ndarray
 from .laws import InterfaceLaw, Status
 from .quadrature import SlavePoints
 from .state import ContactState
-from .surface import EXTENSION, Surface
+from .surface import Surface
 
 #: Penetration, as a share of the slave segment, from which the user is told.
 PENETRATION = 0.01
@@ -33,7 +33,7 @@ def passed_through(depth: ndarray, accepted: ContactState, candidate: ContactSta
 
 def remarks(slave: Surface, master: Surface, points: SlavePoints, depth: ndarray, penalties: tuple[float, float],
             law: InterfaceLaw, state: ContactState) -> Iterator[str]:
-    """Remarks on a state: penetration, round-off, points held to a facet that they have left, or too deep, no contact.
+    """Remarks on a state: penetration, round-off, bonds that are lost, points that lie too deep, no contact.
 
     Parameters
     ----------
@@ -55,15 +55,10 @@ def remarks(slave: Surface, master: Surface, points: SlavePoints, depth: ndarray
         yield (f"the slave penetrates by {share:.1%} of its segment length: the penalty, {penalties[0]:.3g}, is "
                "too soft for this load")
     lost = penalties[1] * ROUND_OFF * float(np.abs(master.nodes - slave.nodes.mean(axis=0)).max())
-    largest = float(np.abs((state.normal, state.tangential)).max(initial=0.0))
+    largest = float(np.abs(state.traction).max(initial=0.0))
     if 0.0 < largest < lost / _LOST and (state.status == Status.STICK).any():
         yield (f"round-off of the slip makes up to {lost / largest:.1%} of the largest traction: the tangential "
                f"penalty, {penalties[1]:.3g}, is too hard")
-    astray = _astray(master, depth, state)
-    if astray.any():
-        yield (f"points {np.flatnonzero(astray)} of '{slave.name}' went to and fro at ends of the facets of "
-               f"'{master.name}' and were held to the ones that they have left, or to none: smoothing the master would "
-               "take away the kinks there")
     lost_bond = _without_bond(law, state)
     if lost_bond.any():
         yield (f"points {np.flatnonzero(lost_bond)} of '{slave.name}' opened with their bond and closed without it: "
@@ -77,14 +72,6 @@ def remarks(slave: Surface, master: Surface, points: SlavePoints, depth: ndarray
         yield "no slave point found a master within reach: " + (
             f"nothing of '{master.name}' lies opposite '{slave.name}'" if np.isinf(gap) else
             f"gap is {gap:.3g} between '{slave.name}' and '{master.name}', smallest at {_place(slave, points, state)}")
-
-
-def _astray(master: Surface, depth: ndarray, state: ContactState) -> ndarray:
-    """Closed points beyond the ends of their facet by more than search lets pass, open ones that penetrate unseen."""
-    closed, none = state.status != Status.OPEN, state.segment == -1
-    start, length = master.start[state.segment], master.length[state.segment]
-    beyond = np.maximum(start - state.arc, state.arc - start - length) > EXTENSION * length
-    return (closed & ~none & beyond) | (none & (state.gap < 0.0) & (state.gap >= -depth))
 
 
 def _without_bond(law: InterfaceLaw, state: ContactState) -> ndarray:

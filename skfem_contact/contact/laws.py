@@ -75,6 +75,8 @@ class InterfaceLaw:
     ----------
     n_internal
         Number of internal variables of a point; they are zero at first.
+    reaches_far
+        Whether points at any distance from the master may carry traction: by default those within an element may.
     bonds
         Whether points near the master are bonded to it as they are meshed.
     symmetric
@@ -82,6 +84,7 @@ class InterfaceLaw:
     """
 
     n_internal: int = 0
+    reaches_far: bool = False
 
     @property
     def bonds(self) -> bool:

@@ -11,23 +11,21 @@ from scipy.sparse import csr_matrix
 from skfem import CellBasis
 
 from ..errors import check_basis
-from ..forms import IncrementTooLarge, Response
+from ..forms import Failure, IncrementTooLarge, Response
 from ..sparse import Gathering
-from .augmented import AugmentedLagrangian
-from .clearance import Fit, less_overlap, touching
+from .augmented import AugmentedLagrangian, Progress
+from .clearance import Fit, touching
 from .diagnosis import ROUND_OFF, passed_through, penetration, remarks
 from .kinematics import Kinematics, tangents, variations
 from .laws import InterfaceLaw, Status, Update
 from .neighbours import NeighbourList
 from .quadrature import SlavePoints
-from .recovery.chattering import calmed
-from .recovery.soft_stick import hardened
-from .recovery.stabilisation import Held, release, with_springs
+from .recovery.easing import Easing
 from .search import Projection, merged, project
-from .segmentation import Sampling
+from .segmentation import RECUTS, Sampling
 from .settings import check_law, check_settings
 from .smoothing import smoothed
-from .state import ContactState
+from .state import ContactState, nearest
 from .surface import Surface
 
 #: Largest tractions in the damped tangent's geometric part, over those at which the surfaces give way by a segment.
@@ -87,7 +85,7 @@ class ContactPair:
     >>> x = basis.zeros()
     >>> x[basis.nodal_dofs[1, mesh.t[:, mesh.subdomains["upper"]]]] = -1e-3     # press the upper block down
     >>> out = pair.assemble(x, pair.initial_state())
-    >>> out.state.normal.round(9).tolist()
+    >>> out.state.traction[0].round(9).tolist()
     [-10.0, -10.0, -10.0]
     """
 
@@ -112,6 +110,7 @@ class ContactPair:
         self.enforcement, self.initial, self.share, self.n = enforcement, initial, share, basis.N
         self.penalty: tuple[float, float] | None = None
         self.stiffness: float | None = None
+        self.easing, self._progress, self._recuts = Easing(), Progress(), 0
         if penalty is not None:
             both = penalty if isinstance(penalty, tuple) and len(penalty) == 2 else (penalty, penalty)
             self.penalty = self.with_penalty(*both).penalty
@@ -181,18 +180,15 @@ class ContactPair:
         found = self._project(points, master, points.positions(slave))
         meshed = found if x is None else self._project(points, mesh[1], points.positions(mesh[0]))
         offset = touching(found.gap, meshed.gap, points.size, self.initial, self.law.bonds)
-        arc, zero, nodal = self._arc(found), np.zeros(len(found.gap)), np.zeros(len(slave))
-        never = np.zeros(len(arc), bool)
+        n, nodal, position = len(found.gap), len(slave), self._position(found)
         status = np.where(found.gap <= offset, int(Status.STICK), int(Status.OPEN))
-        stiffening = np.ones(2)
+        factor = np.ones(2)
         if self.enforcement is not None and self.penalty is not None and self.stiffness is not None:
-            stiffening = self.enforcement.start(self.penalty, self.stiffness)
-        return ContactState(stick_point=arc, arc=arc, segment=_segments(found), gap=found.gap, slip=zero,
-                            normal=zero, tangential=zero, status=status,
-                            normal_multiplier=nodal, tangential_multiplier=nodal, stiffening=stiffening,
-                            offset=offset, cuts=cuts, springs=np.zeros(1), frozen=never, recuts=np.zeros(1),
-                            softness=np.ones(1), shift=zero,
-                            internal=np.zeros((self.law.n_internal, len(arc))))
+            factor = self.enforcement.start(self.penalty, self.stiffness)
+        return ContactState(facet=_facets(found), position=position, stick_point=position, gap=found.gap,
+                            slip=np.zeros((1, n)), traction=np.zeros((2, n)), status=status,
+                            internal=np.zeros((self.law.n_internal, n)), multiplier=np.zeros((2, nodal)),
+                            penalty_factor=factor, offset=offset, cuts=cuts)
 
     # -- the form -------------------------------------------------------------------------------------------
 
@@ -209,30 +205,27 @@ class ContactPair:
         slave, nodes = self._places(x)
         points = self.points(state)
         positions = points.positions(slave)
-        held = state.springs[0] > 0.0
-        law = Held(self.law, float(state.springs[0])) if held else self.law
-        depth = np.full(len(points.arc), np.inf) if held else self._depth(points)
-        normal_penalty, tangential_penalty = penalties = self.penalties(state)
-        closing = state.offset - points.at(state.normal_multiplier) / normal_penalty
+        state, law, locked = self.seen(state), self.easing.law(self.law), self.easing.locked
+        depth = np.full(len(points.arc), np.inf) if law.reaches_far else self._depth(points)
+        penalties = self.penalties(state)
+        closing = state.offset - points.at(state.multiplier[0]) / penalties[0]
         bonded = state.status != int(Status.OPEN)
         around = self._neighbours.at(nodes, positions)
         near = bonded | (around.clearance <= np.maximum(depth, closing))  # the others need not be projected
 
         def projected(chosen: ndarray) -> Projection:
-            return project(self.master, nodes, positions, depth, state.segment, state.frozen, around.of(chosen))
+            return project(self.master, nodes, positions, depth, state.facet, locked, around.of(chosen))
 
         found = projected(near)
         gap = found.gap - closing
         exact = ROUND_OFF * float(np.abs(nodes).max())
         gap = np.where(np.abs(gap) <= exact, 0.0, gap)
-        internal = self._internal(state)
-        at = np.flatnonzero(found.found & law.take(points).reaches(gap, internal, bonded))
+        at = np.flatnonzero(found.found & law.take(points).reaches(gap, state.internal, bonded))
 
-        kinematics = variations(points, self.slave, self.master, at, found, positions,
-                                state.stick_point - state.shift, nodes)
-        shift = points.at(state.tangential_multiplier)[at] / tangential_penalty
+        kinematics = variations(points, self.slave, self.master, at, found, positions, state.stick_point, nodes)
+        shift = points.at(state.multiplier[1])[at] / penalties[1]
         slip = kinematics.stretch * kinematics.elastic_arc + shift
-        update = law.take(points.take(at)).update(np.stack((gap[at], slip)), internal[:, at], penalties)
+        update = law.take(points.take(at)).update(np.stack((gap[at], slip)), state.internal[:, at], penalties)
 
         weight = self.share * points.weight[at]
         force = ((weight * update.traction[0])[:, None] * kinematics.gap_gradient
@@ -244,13 +237,21 @@ class ContactPair:
                         lambda: self._stiffness(kinematics, self._limited(update), weight, self.tangent == "exact"),
                         round_off=max(penalties) * exact * float(np.linalg.norm(weight)))
 
+    def seen(self, state: ContactState) -> ContactState:
+        """An accepted state as the pair sees it; internal variables that it lacks are zero, as before any update."""
+        missing = self.law.n_internal - len(state.internal)
+        if missing:
+            rows = np.pad(state.internal, ((0, max(missing, 0)), (0, 0)))
+            state = replace(state, internal=rows[:self.law.n_internal])
+        return self.easing.seen(state, self.law)
+
     def penalties(self, state: ContactState) -> tuple[float, float]:
         """Normal and tangential penalty in a state."""
         if self.penalty is None:
             raise ValueError(f"contact of '{self.slave.name}' on '{self.master.name}' has no penalty yet: give "
                              "`penalty=`, or call choose_penalties(forms), which `run` does for you")
-        normal, tangential = self.penalty * state.stiffening
-        return float(normal), float(tangential * state.softness[0])
+        normal, tangential = self.penalty * state.penalty_factor
+        return float(normal), float(tangential)
 
     def _places(self, x: ndarray) -> tuple[ndarray, ndarray]:
         """Nodes of both surfaces, seen from the middle of the slave: large coordinates would cost digits."""
@@ -265,29 +266,23 @@ class ContactPair:
         """Largest penetration: what is deeper than an element or so belongs to the other side of the body."""
         return np.maximum(points.size, self.master.spacing)
 
-    def _arc(self, found: Projection) -> ndarray:
+    def _position(self, found: Projection) -> ndarray:
         arc, at = np.full(len(found.gap), np.nan), np.isfinite(found.gap)
         arc[at] = self.master.arc(found.segment[at], found.xi[at])[0]
         return arc
 
-    def _internal(self, state: ContactState) -> ndarray:
-        """Internal variables, (n_internal, n); zero where those of another law are fewer, as before any update."""
-        missing = self.law.n_internal - len(state.internal)
-        return np.pad(state.internal, ((0, missing), (0, 0))) if missing > 0 else state.internal[:self.law.n_internal]
-
     def _candidate(self, state: ContactState, found: Projection, at: ndarray, update: Update,
                    elastic_arc: ndarray) -> ContactState:
         """Open points take their closest point along as stick point, sliding ones drag it behind (eq. 10)."""
-        arc, zero = self._arc(found), np.zeros(len(found.gap))
-        stick_point, normal, tangential = arc.copy(), zero.copy(), zero.copy()
-        status, internal = np.full(len(arc), int(Status.OPEN)), self._internal(state).copy()
+        position, traction = self._position(found), np.zeros_like(state.traction)
+        stick_point, internal = position.copy(), state.internal.copy()
+        status = np.full(len(position), int(Status.OPEN))
         stick_point[at] -= elastic_arc
-        (normal[at], tangential[at]), status[at], internal[:, at] = update.traction, update.status, update.internal
-        moved = self.master.along(arc - state.arc)
+        traction[:, at], status[at], internal[:, at] = update.traction, update.status, update.internal
+        moved = self.master.along(position - state.position)
         slip = np.where(status == Status.OPEN, 0.0, state.slip + np.where(np.isnan(moved), 0.0, moved))
-        return replace(state, stick_point=stick_point, arc=arc, segment=_segments(found), gap=found.gap, slip=slip,
-                       normal=normal, tangential=tangential, status=status, internal=internal,
-                       frozen=np.zeros(len(arc), bool), recuts=np.zeros(1))
+        return replace(state, facet=_facets(found), position=position, stick_point=stick_point, gap=found.gap,
+                       slip=slip, traction=traction, status=status, internal=internal)
 
     def _stiffness(self, kinematics: Kinematics, update: Update, weight: ndarray, exact: bool) -> csr_matrix:
         K = tangents(kinematics, update, exact) * weight[:, None, None]
@@ -300,13 +295,14 @@ class ContactPair:
         largest = _LARGEST_TRACTION * self.stiffness * self.slave.spacing
         return update._replace(traction=np.clip(update.traction, -largest, largest))
 
-    # -- what the analysis asks besides ---------------------------------------------------------------------
+    # -- increments that take more than one equilibrium ---------------------------------------------------------
 
-    def outer(self, x: ndarray, accepted: ContactState, candidate: ContactState) -> ContactState | None:
-        """State from which the same increment must be solved once more, or None where nothing is left to do.
+    def outer(self, x: ndarray, accepted: ContactState, found: ContactState
+              ) -> tuple[ContactPair, ContactState] | None:
+        """Pair and accepted state with which the increment must be solved once more; None where nothing is left to do.
 
-        The cuts of ``quadrature="segments"`` follow the bodies here, the augmented method improves its multipliers,
-        overlaps are resolved in steps, springs that held the bodies are taken away, and a soft stick is hardened.
+        An easier pair makes room for the next one of its family, the augmented method improves its multipliers, and
+        the cuts of ``quadrature="segments"`` follow the bodies.
 
         Raises
         ------
@@ -314,29 +310,43 @@ class ContactPair:
             Points have passed through the master.
         """
         points = self.points(accepted)
-        if passed := passed_through(self._depth(points), accepted, candidate):
+        if passed := passed_through(self._depth(points), accepted, found):
             raise IncrementTooLarge(f"{passed} of {len(points.arc)} points of '{self.slave.name}' have passed through "
                                     f"'{self.master.name}', or the penalty, {self.penalties(accepted)[0]:.3g}, is soft")
-        if accepted.springs.any():
-            return release(accepted, candidate, points.weight)
-        if accepted.softness[0] < 1.0:
-            return hardened(accepted, candidate, self.master)
-        if self.initial == "ramped" and accepted.offset.any():
-            return replace(accepted, offset=less_overlap(accepted.offset, points.size))
-        again = None
+        new, state = copy(self), accepted
+        new.easing = self.easing.proceed(self, accepted, found)
+        if new.easing is not self.easing:
+            return new, accepted
         if self.enforcement is not None:
             stiffness = self.penalty[0] if self.stiffness is None else self.stiffness  # type: ignore[index]
-            again = self.enforcement.augment(accepted, candidate, points, self.penalties(accepted), stiffness)
-        return self._sampling.follow(again or accepted, *self._places(x)) or again
+            state, new._progress = self.enforcement.augment(accepted, found, points, self.penalties(accepted),
+                                                            stiffness, self._progress)
+        cut = self._sampling.follow(state, *self._places(x)) if self._recuts < RECUTS else None
+        if cut is not None:
+            new._recuts, new.easing = self._recuts + 1, self.easing.at(nearest(points, self.points(cut)))
+            state = cut
+        return None if state is accepted else (new, state)
 
-    def hold(self, state: ContactState) -> ContactState:
-        """The state with soft springs that close the gaps; :meth:`outer` takes them away again."""
-        return state if self.law.bonds else with_springs(state)
+    def begin(self, accepted: ContactState, failure: Failure | None = None) -> ContactPair:
+        """An easier pair to begin an increment with, whose family ends at this one; itself where none is known.
 
-    def calm(self, state: ContactState, *candidates: ContactState) -> ContactState:
-        """The state with points that go to and fro frozen to their facet, sticking softly or without a bond."""
-        hardness = 1.0 if self.stiffness is None else self.penalties(state)[1] / self.stiffness
-        return calmed(state, candidates, self.slave.name, self.master, self.law, hardness)
+        Parameters
+        ----------
+        accepted
+            The accepted state.
+        failure
+            How Newton's method failed; None before the first attempt.
+        """
+        new = copy(self)
+        new.easing = self.easing.begin(self, accepted, failure)
+        return self if new.easing is self.easing else new
+
+    @property
+    def eased(self) -> str:
+        """Why there may be no equilibrium but of an easier pair, for a message."""
+        return self.easing.reason
+
+    # -- what the analysis asks besides ---------------------------------------------------------------------
 
     def summary(self, state: ContactState) -> str:
         """Counts of open, sticking and slipping points, for the table of a result."""
@@ -354,5 +364,5 @@ class ContactPair:
                             state))
 
 
-def _segments(found: Projection) -> ndarray:
+def _facets(found: Projection) -> ndarray:
     return np.where(found.found, found.segment, -1)

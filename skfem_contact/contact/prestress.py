@@ -69,7 +69,7 @@ class _Tractions:
         self._points = points = pair.points(state)
         slave, nodes = pair._places(x)
         positions = points.positions(slave)
-        found = pair._project(points, nodes, positions, state.segment)
+        found = pair._project(points, nodes, positions, state.facet)
         at = np.flatnonzero(found.found & (state.status != Status.OPEN))
         frame = variations(points, pair.slave, pair.master, at, found, positions, state.stick_point, nodes)
         self._at, self._normal, self._tangent = at, frame.normal, frame.tangent
@@ -101,9 +101,9 @@ class _Tractions:
             at_points = np.repeat(np.arange(len(normal)), points.nodes.shape[1])
             shapes = csr_matrix((points.values.ravel(), (at_points, points.nodes.ravel())))
             nodal = [lsqr(shapes, part, atol=_ACCURACY, btol=_ACCURACY)[0] for part in (normal, tangential)]
-            state = replace(state, normal_multiplier=nodal[0], tangential_multiplier=nodal[1])
+            state = replace(state, multiplier=np.stack(nodal))
             normal, tangential = normal - shapes @ nodal[0], tangential - shapes @ nodal[1]
         by_gap, by_slip = pair.penalties(state)
         offset = np.where(state.status != Status.OPEN, state.gap - normal / by_gap, state.offset)
-        stick_point = state.arc - tangential / by_slip / self._stretch
+        stick_point = state.position - tangential / by_slip / self._stretch
         return pair.assemble(self._x, replace(state, offset=offset, stick_point=stick_point)).state

@@ -18,7 +18,7 @@ _SLIVER = 1e-9
 #: The rule "segments" is cut anew when a cut has moved by more than this share of a segment.
 _MOVED = 1e-3
 #: ... but not more often than this in an increment: cuts may go to and fro.
-_RECUTS = 8
+RECUTS = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,10 +63,9 @@ class Sampling:
             Coordinates of the surfaces' nodes that have been found in the increment.
         """
         cuts = self.cuts(slave, master)
-        if len(cuts) == 0 or moved(state.cuts, cuts) <= _MOVED or state.recuts[0] >= _RECUTS:
+        if len(cuts) == 0 or moved(state.cuts, cuts) <= _MOVED:
             return None
-        return replace(transferred(state, self.points(state.cuts), self.points(cuts)), cuts=cuts,
-                       recuts=state.recuts + 1)
+        return replace(transferred(state, self.points(state.cuts), self.points(cuts)), cuts=cuts)
 
 
 def common_cuts(slave: Surface, slave_nodes: ndarray, master: Surface, master_nodes: ndarray) -> ndarray:

@@ -1,7 +1,7 @@
 """What the points of a contact pair remember."""
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy import ndarray
@@ -11,68 +11,48 @@ from .quadrature import SlavePoints
 
 @dataclass(frozen=True)
 class ContactState:
-    """State of a contact pair, arrays (n_points,).
+    """State of a contact pair with ``n`` points; the plane has ``dim = 2``.
 
     Attributes
     ----------
+    facet
+        Facet of the master with the closest point, (n,), -1 where there is none.
+    position
+        Arc position of the closest point on the undeformed master, (n,), NaN where there is none.
     stick_point
-        Arc position on the undeformed master to which each point sticks; NaN where it has no counterpart.
-    arc
-        Arc position of the closest point on the master.
-    segment
-        Segment of the master with the closest point, -1 where there is none.
-    gap, slip
-        Normal gap (negative: penetration, inf: nothing opposite) and slip since the point closed.
-    normal, tangential
-        Tractions: normal negative in compression; the tangential one opposes the slip.
+        Arc position to which each point sticks, (n,); NaN where it has no counterpart.
+    gap
+        Normal gap, (n,); negative: penetration, inf: nothing opposite.
+    slip
+        Slip since the point closed, (dim - 1, n).
+    traction
+        Normal traction, negative in compression, then shear, which opposes the slip, (dim, n).
     status
-        :class:`~skfem_contact.Status`.
-    normal_multiplier, tangential_multiplier
-        Lagrange multipliers of the augmented method at the slave's nodes, (n_nodes,); zero in the penalty method.
-    stiffening
+        :class:`~skfem_contact.Status`, (n,).
+    internal
+        Internal variables of the law, (n_internal, n).
+    multiplier
+        Lagrange multipliers of the augmented method at the slave's nodes, (dim, n_nodes); zero in the penalty method.
+    penalty_factor
         Factors by which the augmented method has changed the normal and the tangential penalty, (2,).
     offset
-        Gap that counts as touching: the initial one where it was adjusted.
+        Gap that counts as touching: the initial one where it was adjusted, (n,).
     cuts
         Chain coordinates at which ``quadrature="segments"`` cuts the slave; empty for other rules.
-    springs
-        Stiffness of the springs that hold open points until contact does, as a share of the penalty, (1,).
-    frozen
-        Whether the point stays on its segment in the increment that begins here.
-    recuts
-        Number of times that the slave has been cut anew in this increment, (1,).
-    softness
-        Share of the tangential penalty with which points stick while they cycle between stick and slip, (1,).
-    shift
-        What is added to the elastic slip of points that stick softly, along the undeformed master; zero else.
-    internal
-        Internal variables of the law, (n_internal, n_points).
-    correction, stalls
-        What the augmented method corrected the normal and the tangential multipliers by the last time, over the
-        penalties, and how many times in a row that had not become less, (2, n_nodes); empty before the first time.
     """
 
+    facet: ndarray
+    position: ndarray
     stick_point: ndarray
-    arc: ndarray
-    segment: ndarray
     gap: ndarray
     slip: ndarray
-    normal: ndarray
-    tangential: ndarray
+    traction: ndarray
     status: ndarray
-    normal_multiplier: ndarray
-    tangential_multiplier: ndarray
-    stiffening: ndarray
+    internal: ndarray
+    multiplier: ndarray
+    penalty_factor: ndarray
     offset: ndarray
     cuts: ndarray
-    springs: ndarray
-    frozen: ndarray
-    recuts: ndarray
-    softness: ndarray
-    shift: ndarray
-    internal: ndarray
-    correction: ndarray = field(default_factory=lambda: np.zeros((2, 0)))
-    stalls: ndarray = field(default_factory=lambda: np.zeros((2, 0), int))
 
 
 def transferred(state: ContactState, old: SlavePoints, new: SlavePoints) -> ContactState:
@@ -80,12 +60,18 @@ def transferred(state: ContactState, old: SlavePoints, new: SlavePoints) -> Cont
 
     Positions on the master, and what is no smooth field, come from the nearest old point.
     """
-    nearest = np.abs(new.arc[:, None] - old.arc).argmin(axis=1)
-    smooth = {name: np.interp(new.arc, old.arc, getattr(state, name)) for name in (
-        "slip", "normal", "tangential", "offset", "shift")}
-    elastic = np.interp(new.arc, old.arc, np.nan_to_num(state.arc - state.stick_point))
+    def smooth(values: ndarray) -> ndarray:
+        return np.array([np.interp(new.arc, old.arc, row) for row in np.atleast_2d(values)])
+
+    at = nearest(old, new)
+    elastic = smooth(np.nan_to_num(state.position - state.stick_point))[0]
     # master and slave run in opposite directions: what lies on along the slave lies back along the master
-    arc = state.arc[nearest] - (new.arc - old.arc[nearest])
-    return replace(state, arc=arc, stick_point=arc - elastic, segment=state.segment[nearest], gap=state.gap[nearest],
-                   status=state.status[nearest], frozen=state.frozen[nearest],
-                   internal=state.internal[:, nearest], **smooth)
+    position = state.position[at] - (new.arc - old.arc[at])
+    return replace(state, position=position, stick_point=position - elastic, facet=state.facet[at], gap=state.gap[at],
+                   status=state.status[at], internal=state.internal[:, at], slip=smooth(state.slip),
+                   traction=smooth(state.traction), offset=smooth(state.offset)[0])
+
+
+def nearest(old: SlavePoints, new: SlavePoints) -> ndarray:
+    """Number of the old point nearest to each new one, along the slave."""
+    return np.asarray(np.abs(new.arc[:, None] - old.arc).argmin(axis=1))

@@ -1,4 +1,4 @@
-"""Increments that take more than one equilibrium: multipliers to improve, overlaps to resolve, gaps to close."""
+"""Increments that take more than one equilibrium: outer loops of the forms, and easier forms where Newton fails."""
 from __future__ import annotations
 
 import logging
@@ -8,7 +8,7 @@ from typing import Any
 
 from numpy import ndarray
 
-from ..forms import IncrementTooLarge
+from ..forms import Failure, IncrementTooLarge
 from ..solvers.direct import SingularSystem
 from .evaluation import NoEquilibrium, NotConverged
 from .line_search import Search
@@ -16,22 +16,24 @@ from .newton import Newton
 from .system import Equilibrium, System
 
 logger = logging.getLogger("skfem_contact")
-#: Lengths of the step along which points that go to and fro show themselves.
-_LENGTHS = (1.0, 0.5, 0.25, 0.0625)
-logger = logging.getLogger("skfem_contact")
 
-_MOST = 30
-_REMEDIES = 3
+#: Lengths of the step along which points that chatter show themselves.
+_LENGTHS = (1.0, 0.5, 0.25, 0.0625)
+#: Equilibria of an increment, and recoveries that are tried one after the other.
+_MOST, _RECOVERIES = 30, 3
+#: Residual of what was found, assembled again, over the tolerance: round-off of what was returned to its bounds.
+_AGAIN = 10.0
 
 
 def solve_increment(system: System, x: ndarray, states: Mapping[str, Any], load: ndarray, prescribed: ndarray,
-            newton: Newton, start: ndarray | None = None, try_recovery: bool = True) -> Equilibrium:
+                    newton: Newton, start: ndarray | None = None, try_recovery: bool = True) -> Equilibrium:
     """Equilibrium of an increment with which every form is content.
 
-    After each equilibrium the forms are asked whether they want the increment solved once more from a changed
-    accepted state (:meth:`ContactPair.outer`); each time the last displacements are the start.
-
-    Where that fails from the last displacements, what :func:`remedy` knows is tried.
+    After each equilibrium the forms are asked whether they want the increment solved once more, by another form or
+    from other multipliers (:meth:`~skfem_contact.forms.Form.outer`); each time the last displacements are the start.
+    Where Newton's method fails from the last accepted displacements, forms are asked for easier ones that lead to
+    themselves (:meth:`~skfem_contact.forms.Form.begin`).  What is found is assembled again by the forms as given, from
+    the states that it leaves: only if that balances is it an answer.
 
     Parameters
     ----------
@@ -40,35 +42,37 @@ def solve_increment(system: System, x: ndarray, states: Mapping[str, Any], load:
     start
         Displacements to start from; where that fails, and by default, `x`.
     try_recovery
-        Whether to search along the energy, and for remedies, too: this takes several times as long as the rest.
+        Whether to search along the energy, and by easier forms, too: this takes several times as long as the rest.
 
     Raises
     ------
     NotConverged
-        One of the equilibria failed, the forms were not content after 30 of them, or could not tell what happened
-        during so large an increment.
+        One of the equilibria failed, the forms were not content after 30 of them, could not tell what happened during
+        so large an increment, or what was found is no equilibrium of the forms as given.
     """
     searches: tuple[Search, ...] = ("residual", "energy") if try_recovery else ("residual",)
+    given = system
+    system = _with(given, {name: _begin(form, states[name]) for name, form in given.forms.items()})
     if start is not None:
         try:
-            return _solve(system, x, states, load, prescribed, newton, searches, start)
+            return _solve(given, system, x, states, load, prescribed, newton, searches, start)
         except NotConverged as error:
             logger.info("from the extrapolated start: %s", error)
     if not try_recovery:
-        return _solve(system, x, states, load, prescribed, newton, searches)
-    for _ in range(_REMEDIES):
+        return _solve(given, system, x, states, load, prescribed, newton, searches)
+    for _ in range(_RECOVERIES):
         try:
-            return _solve(system, x, states, load, prescribed, newton, searches)
+            return _solve(given, system, x, states, load, prescribed, newton, searches)
         except NotConverged as error:
-            helped = remedy(system, states, load, error)
-            if helped is None:
+            easier = _easier(system, states, load, error)
+            if easier is system:
                 raise
-            states = helped
-    return _solve(system, x, states, load, prescribed, newton, searches)
+            system = easier
+    return _solve(given, system, x, states, load, prescribed, newton, searches)
 
 
-def _solve(system: System, x: ndarray, states: Mapping[str, Any], load: ndarray, prescribed: ndarray,
-             newton: Newton, searches: Sequence[Search], start: ndarray | None = None) -> Equilibrium:
+def _solve(given: System, system: System, x: ndarray, states: Mapping[str, Any], load: ndarray, prescribed: ndarray,
+           newton: Newton, searches: Sequence[Search], start: ndarray | None = None) -> Equilibrium:
     residuals: tuple[float, ...] = ()
     for count in range(1, _MOST + 1):
         new = system.equilibrium(x, states, load, prescribed, newton, searches, start=start)
@@ -77,19 +81,42 @@ def _solve(system: System, x: ndarray, states: Mapping[str, Any], load: ndarray,
             again = {name: form.outer(new.x, states[name], new.states[name]) for name, form in system.forms.items()}
         except IncrementTooLarge as error:
             raise NotConverged(f"the increment is too large: {error}", new.x, residuals) from error
-        if all(state is None for state in again.values()):
+        changed = {name: answer for name, answer in again.items() if answer is not None}
+        if not changed:
+            check(given, system, new, load, newton)
             return replace(new, residuals=residuals, equilibria=count)
-        states = {name: states[name] if state is None else state for name, state in again.items()}
+        states = {**states, **{name: state for name, (_, state) in changed.items()}}
+        system = _with(system, {**system.forms, **{name: form for name, (form, _) in changed.items()}})
         x, start = new.x, None
-    changing = [name for name, state in again.items() if state is not None]
-    raise NotConverged(f"the increment was solved {_MOST} times and {changing} still changes")
+    raise NotConverged(f"the increment was solved {_MOST} times and {list(changed)} still changes")
 
 
-def remedy(system: System, states: Mapping[str, Any], load: ndarray, error: NotConverged) -> dict[str, Any] | None:
-    """Accepted states from which the increment may succeed, or None; the log says what was done.
+def _begin(form: Any, accepted: Any, failure: Failure | None = None) -> Any:
+    """An easier form, or itself: not every form knows one."""
+    return form.begin(accepted, failure) if hasattr(form, "begin") else form
 
-    Bodies that are loose because contact is open are held by soft springs (:meth:`ContactPair.hold`).  Points that
-    go to and fro between facets, or between stick and slip, are calmed (:meth:`ContactPair.calm`).
+
+def _with(system: System, forms: Mapping[str, Any]) -> System:
+    """The system with other forms; the same one where they are the same."""
+    same = all(form is system.forms[name] for name, form in forms.items())
+    return system if same else system.with_forms(forms)
+
+
+def check(given: System, system: System, found: Equilibrium, load: ndarray, newton: Newton) -> None:
+    """Refuse what balances by easier forms alone."""
+    eased = {name: form for name, form in system.forms.items() if form is not given.forms[name]}
+    if not eased:
+        return
+    again = given.evaluate(found.x, found.states, load)
+    if again.norm > _AGAIN * newton.tolerance:
+        reasons = {name: getattr(form, "eased", "") for name, form in eased.items()}
+        told = "; ".join(f"{name}: {reason}" for name, reason in reasons.items() if reason)
+        raise NotConverged(f"an equilibrium was found that does not last, {again.norm:.1e} of the forces are out of "
+                           f"balance: {told}", found.x, (*found.residuals, again.norm), again.worst)
+
+
+def _easier(system: System, states: Mapping[str, Any], load: ndarray, error: NotConverged) -> System:
+    """The system with easier forms, or the same one where no form knows any.
 
     Parameters
     ----------
@@ -99,25 +126,13 @@ def remedy(system: System, states: Mapping[str, Any], load: ndarray, error: NotC
         How it failed.
     """
     if isinstance(error, NoEquilibrium) or isinstance(error.__cause__, SingularSystem):
-        new = {name: getattr(form, "hold", _keep)(states[name]) for name, form in system.forms.items()}
-        done = "bodies are loose while contact is open: soft springs in %s close it and are then taken away"
+        failures = {name: Failure(loose=True) for name in system.forms}
     elif error.x is None:  # every equilibrium was found, but a form was never content
-        return None
+        return system
     else:
         seen = _candidates(system, error.x, states, load)
-        new = {name: getattr(form, "calm", _keep)(states[name], *(candidates[name] for candidates in seen))
-               for name, form in system.forms.items()}
-        done = "points of %s go to and fro: they are calmed in this increment"
-    changed = [name for name in new if new[name] is not states[name]]
-    if not changed:
-        return None
-    logger.info(done, changed)
-    return new
-
-
-def _keep(state: Any, *candidates: Any) -> Any:
-    """A form that knows no remedy."""
-    return state
+        failures = {name: Failure(False, tuple(candidates[name] for candidates in seen)) for name in system.forms}
+    return _with(system, {name: _begin(form, states[name], failures[name]) for name, form in system.forms.items()})
 
 
 def _candidates(system: System, x: ndarray, states: Mapping[str, Any], load: ndarray) -> list[dict[str, Any]]:

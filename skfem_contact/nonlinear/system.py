@@ -60,6 +60,12 @@ class System:
         self.solver = solver
         self._total = Total()
 
+    def with_forms(self, forms: Mapping[str, Form]) -> System:
+        """Other forms, such as easier ones, with the same supports and solver."""
+        new = System(forms, self.fixed, self.free, self.solver)
+        new._total = self._total
+        return new
+
     @cached_property
     def symmetric(self) -> bool:
         """Whether the tangent is symmetric: all forms say so by an attribute `symmetric`."""

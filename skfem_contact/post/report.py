@@ -94,7 +94,7 @@ def contact_report(pair: ContactPair, x: ndarray, state: ContactState) -> Contac
         raise ValueError(f"the displacements have shape {np.shape(x)}, not ({pair.n},)")
     closed = state.status != Status.OPEN
     weight = pair.share * pair.points(state).weight[closed]
-    normal, tangential = state.normal[closed], state.tangential[closed]
+    normal, tangential = state.traction[:, closed]
     n = _normals(pair, x, state)[closed]
     along = np.column_stack((n[:, 1], -n[:, 0]))
     counts = np.bincount(state.status, minlength=3)
@@ -111,7 +111,7 @@ def _normals(pair: ContactPair, x: ndarray, state: ContactState) -> ndarray:
     """Outward normals of the master at the closest points, (n, 2)."""
     points, nodes = pair.points(state), pair.master.positions(x)
     positions = points.positions(pair.slave.positions(x))
-    found = pair._project(points, nodes, positions, state.segment)
+    found = pair._project(points, nodes, positions, state.facet)
     rho = pair.master.curve(found.segment, found.xi, nodes)[1]
     tangent = np.where(found.vertex[:, None], 0.0, rho[1])
     normal = np.column_stack((-tangent[:, 1], tangent[:, 0]))

@@ -87,8 +87,8 @@ def tractions(pair: ContactPair, state: ContactState) -> Tractions:
     check_state(pair, state)
     points = pair.points(state)
     x, y = points.positions(pair.slave.nodes).T
-    return Tractions(points.arc, x, y, pressure=-state.normal, shear=state.tangential,
-                     gap=state.gap - state.offset, slip=state.slip, status=state.status,
+    return Tractions(points.arc, x, y, pressure=-state.traction[0], shear=state.traction[1],
+                     gap=state.gap - state.offset, slip=state.slip[0], status=state.status,
                      weight=pair.share * points.weight)
 
 

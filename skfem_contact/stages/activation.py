@@ -258,6 +258,7 @@ def check_start(forms: Mapping[str, Form], start: StageResult) -> None:
         old = start.states[name]
         new = form.assemble(start.x, old).state
         both = (new.status != Status.OPEN) & (old.status != Status.OPEN)
-        if np.abs(new.normal - old.normal)[both].max(initial=0.0) > _SAME * np.abs(old.normal).max(initial=0.0):
+        pressure = old.traction[0]
+        if np.abs(new.traction[0] - pressure)[both].max(initial=0.0) > _SAME * np.abs(pressure).max(initial=0.0):
             raise ValueError(f"contact '{name}' has another penalty than in the start: give `penalty=`, or use "
                              "choose_penalties(forms) of the same forms in both analyses")

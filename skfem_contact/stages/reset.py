@@ -61,8 +61,8 @@ def _moved_back(pair: ContactPair, state: ContactState) -> ContactState:
     if pair.quadrature == "segments":
         excess = np.interp(new.arc, old.arc, np.where(np.isfinite(state.gap), state.gap - state.offset, 0.0))
         state = replace(transferred(state, old, new), cuts=home.cuts, offset=np.zeros(len(excess)), gap=excess)
-    elastic = np.nan_to_num(pair.master.along(state.arc - state.stick_point))
+    elastic = np.nan_to_num(pair.master.along(state.position - state.stick_point))
     near = np.isfinite(home.gap) & np.isfinite(state.gap)
     offset = np.where(near, home.gap - (state.gap - state.offset), 0.0)
-    return replace(state, arc=home.arc, stick_point=home.arc - elastic, segment=home.segment, gap=home.gap,
+    return replace(state, position=home.position, stick_point=home.position - elastic, facet=home.facet, gap=home.gap,
                    slip=np.zeros_like(state.slip), offset=offset)

@@ -108,7 +108,7 @@ def _fits(form: Form, state: Any, initial: Any) -> bool:
         return len(state.cuts) > 0 and state.cuts[-1] == len(form.slave.segments)
     if isinstance(form, SolidForm):
         return np.shape(state.stress) == np.shape(initial.stress)
-    names = {f.name for f in fields(initial)} - {"correction", "stalls"}  # empty before multipliers are corrected
+    names = {f.name for f in fields(initial)} - {"internal"}
     return all(np.shape(getattr(state, name)) == np.shape(getattr(initial, name)) for name in names)
 
 

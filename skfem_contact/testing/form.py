@@ -80,7 +80,8 @@ def check_form(form: Form, x: ndarray, state: Any, locations: ndarray | None = N
     accepted = form.assemble(x, first.state)
     require(np.abs(accepted.force - force).max() <= 1e-7 * scale, "the accepted candidate gives another force")
     again = form.outer(x, state, first.state)
-    require(again is None or isinstance(again, type(state)), "`outer` returns neither a state nor None")
+    require(again is None or (isinstance(again, tuple) and len(again) == 2 and isinstance(again[1], type(state))),
+            "`outer` returns neither a form with a state nor None")
     require(isinstance(form.summary(first.state), str), "`summary` returns no text")
     require(all(isinstance(remark, str) for remark in form.remarks(first.state)), "`remarks` returns no texts")
     error = _form_tangent(form, x, state, K, rng.standard_normal((directions, len(x))), tolerance)

@@ -112,7 +112,7 @@ def test_needles(quadrature):
     forms = in_contact(basis, sc.Coulomb(), quadrature, nu=0.0)
     fixed = np.union1d(basis.get_dofs("lower:bottom").all(), basis.get_dofs({"lower:left", "upper:left"}).all("u^1"))
     stage = run(forms, [sc.Stage("press", traction(basis, "upper:top", (0.0, -5.0)))], fixed)["press"]
-    np.testing.assert_allclose(stage.states["joint"].normal, -5, rtol=1e-7)
+    np.testing.assert_allclose(stage.states["joint"].traction[0], -5, rtol=1e-7)
     np.testing.assert_allclose(stage.states["blocks"].stress[1], -5, rtol=1e-7)
 
 
@@ -182,7 +182,7 @@ def test_one_point_carries_a_body():
     fixed = np.concatenate((basis.get_dofs("lower:bottom").all(), guided, level))
     stage = run(forms, [sc.Stage("press", basis.zeros(), target)], fixed)["press"]
     internal = forms["blocks"].assemble(stage.x, stage.states["blocks"]).force
-    assert -stage.states["joint"].normal[0] == pytest.approx(-internal[level].sum(), rel=1e-9)
+    assert -stage.states["joint"].traction[0][0] == pytest.approx(-internal[level].sum(), rel=1e-9)
 
 
 def test_five_thousand_points():
@@ -196,7 +196,7 @@ def test_five_thousand_points():
     forms = in_contact(basis, sc.Coulomb(), nu=0.0)
     fixed = np.union1d(basis.get_dofs("lower:bottom").all(), basis.get_dofs({"lower:left", "upper:left"}).all("u^1"))
     stage = run(forms, [sc.Stage("press", traction(basis, "upper:top", (0.0, -5.0)))], fixed)["press"]
-    normal = stage.states["joint"].normal
+    normal = stage.states["joint"].traction[0]
     assert len(normal) == n + 1
     weight = forms["joint"].points(stage.states["joint"]).weight
     assert (weight * normal).sum() == pytest.approx(-50)

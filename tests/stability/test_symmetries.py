@@ -135,7 +135,7 @@ def test_units(stress, length, quadrature, enforcement):
         forms = in_contact(basis, quadrature=quadrature, E=(1e3 * s, 2e3 * s), enforcement=enforcement)
         result = dragged(forms, basis, [(x * m, y * m) for x, y in PATH])
         joint = result[-1].states["joint"]
-        results.append((result[-1].x / m, joint.normal / s, joint.tangential / s))
+        results.append((result[-1].x / m, joint.traction[0] / s, joint.traction[1] / s))
         assert (joint.status != sc.Status.OPEN).any()
     for one, other in zip(*results, strict=True):
         np.testing.assert_allclose(other, one, atol=1e-8 * np.abs(one).max())
@@ -163,6 +163,6 @@ def test_interrupted(quadrature):
     continued = dragged(forms, basis, PATH[2:], start=half)
     assert [stage.name for stage in continued] == ["0", "1", "2"]
     np.testing.assert_allclose(continued[-1].x, whole[-1].x, atol=1e-14)
-    for name in ("stick_point", "normal", "tangential", "status"):
+    for name in ("stick_point", "traction", "status"):
         one, other = (getattr(result[-1].states["joint"], name) for result in (continued, whole))
         np.testing.assert_allclose(one, other, rtol=1e-10, atol=1e-13)

@@ -1,39 +1,59 @@
-"""Bonds that break: points that open and close in turn go on without what holds them together."""
+"""Bonds that break: points that chatter between closed with their bond and open go on without it."""
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy import ndarray
 
 from ..laws import InterfaceLaw, Status
 from ..state import ContactState
+from .family import Recovery
+
+if TYPE_CHECKING:
+    from ...forms import Failure
+    from ..pair import ContactPair
 
 logger = logging.getLogger("skfem_contact")
 
 
-def debonded(state: ContactState, candidates: Sequence[ContactState], slave: str, law: InterfaceLaw) -> ContactState:
-    """The state with broken bonds at points that open and close, or the same one where there is none to break.
+@dataclass(frozen=True, eq=False)
+class Debonding(Recovery):
+    """Points whose bond is broken, for good: the law's internal variables say so from then on.
 
     The tractions of a brittle bond jump to zero as a point opens.  Then there may be no equilibrium: with its bond the
-    point is drawn open, and without it pressed on.  Without the bond, for good, tractions do not jump.
+    point is drawn open, and without it pressed on.  Without the bond tractions do not jump.
 
     Parameters
     ----------
-    state
-        Accepted state.
-    candidates
-        States between which Newton's method goes to and fro.
-    slave
-        Name of the slave, for the log.
-    law
-        The interface law.
+    points
+        Whether the bond breaks, (n_points,).
     """
-    closed = np.array([candidate.status != Status.OPEN for candidate in candidates])
-    without = law.debonded(state.internal)
-    breaks = closed.any(axis=0) & ~closed.all(axis=0) & (without != state.internal).any(axis=0)
-    if not breaks.any():
-        return state
-    logger.info("points %s of '%s' open and close in turn: their bond breaks", np.flatnonzero(breaks), slave)
-    return replace(state, internal=np.where(breaks, without, state.internal))
+
+    points: ndarray
+
+    @classmethod
+    def begin(cls, pair: ContactPair, accepted: ContactState, failure: Failure | None) -> Debonding | None:
+        """Points that open and close in turn, of a law that has a bond to break."""
+        if failure is None or not failure.seen:
+            return None
+        closed = np.array([state.status != Status.OPEN for state in failure.seen])
+        state = pair.seen(accepted)
+        bonded = (pair.law.debonded(state.internal) != state.internal).any(axis=0)
+        breaks = closed.any(axis=0) & ~closed.all(axis=0) & bonded
+        if not breaks.any():
+            return None
+        logger.info("points %s of '%s' open and close in turn: their bond breaks", np.flatnonzero(breaks),
+                    pair.slave.name)
+        before = pair.easing.of(cls)
+        return cls(breaks if before is None else breaks | before.points)
+
+    def seen(self, state: ContactState, law: InterfaceLaw) -> ContactState:
+        """With broken bonds."""
+        return replace(state, internal=np.where(self.points, law.debonded(state.internal), state.internal))
+
+    def at(self, points: ndarray) -> Debonding:
+        """Of the nearest points."""
+        return Debonding(self.points[points])

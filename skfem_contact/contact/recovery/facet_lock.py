@@ -1,41 +1,82 @@
-"""Points that go to and fro between two facets, or across an end: they stay until the increment has been found."""
+"""Points that chatter between two facets, or across an end: they stay on one until an equilibrium is found."""
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy import ndarray
 
-from ..laws import Status
+from ..laws import InterfaceLaw, Status
 from ..state import ContactState
+from .family import Recovery
+
+if TYPE_CHECKING:
+    from ...forms import Failure
+    from ..pair import ContactPair
 
 logger = logging.getLogger("skfem_contact")
 
 
-def frozen(state: ContactState, candidates: Sequence[ContactState], slave: str) -> ContactState:
-    """The state with points frozen to their segment, or the same one where none goes to and fro.
+@dataclass(frozen=True, eq=False)
+class FacetLock(Recovery):
+    """Points that are locked to a facet, also a little beyond its ends.
 
-    At a joint that turns, the direction of a point's traction jumps, and off the end of a chain it is gone.  A point
-    that slides there may find equilibrium neither before nor after; frozen, it goes on along its facet, or has none.
+    At a joint that turns, the direction of a point's traction jumps, and off the end of a chain it is gone.  Locked, a
+    point goes on along its facet, and Newton's method finds on which side of the joint it comes to rest.  Whether that
+    is equilibrium of points that are free shows when the forms as given are assembled from what was found.
 
     Parameters
     ----------
-    state
-        Accepted state.
-    candidates
-        States between which Newton's method goes to and fro; the points stay where the first one has them.
+    points
+        Whether the point is locked, (n_points,).
+    facet
+        Facets to which they are, -1 for none, (n_points,).
     slave
-        Name of the slave, for the log.
+        Name of the slave, for messages.
     """
-    segments = np.array([candidate.segment for candidate in candidates])
-    closed = np.array([candidate.status != Status.OPEN for candidate in candidates])
-    absent = (segments == -1) | (segments[0] == -1)
-    roams = ((segments != segments[0]) & np.where(absent, closed | closed[0], closed & closed[0])).any(axis=0)
-    roams &= ~state.frozen
-    if not roams.any():
-        return state
-    logger.info("points %s of '%s' go to and fro between the facets %s of the master, -1 for none: they stay on %s",
-                np.flatnonzero(roams), slave, [sorted(set(column)) for column in segments[:, roams].T.tolist()],
-                segments[0, roams])
-    return replace(state, frozen=state.frozen | roams, segment=np.where(roams, segments[0], state.segment))
+
+    points: ndarray
+    facet: ndarray
+    slave: str
+
+    @classmethod
+    def begin(cls, pair: ContactPair, accepted: ContactState, failure: Failure | None) -> FacetLock | None:
+        """Points that are not locked yet and change their facet; they stay where the first state has them."""
+        if failure is None or not failure.seen:
+            return None
+        facets = np.array([state.facet for state in failure.seen])
+        closed = np.array([state.status != Status.OPEN for state in failure.seen])
+        absent = (facets == -1) | (facets[0] == -1)
+        chatters = ((facets != facets[0]) & np.where(absent, closed | closed[0], closed & closed[0])).any(axis=0)
+        before = pair.easing.of(cls)
+        if before is not None:
+            chatters &= ~before.points
+        if not chatters.any():
+            return None
+        between = [sorted(set(column)) for column in facets[:, chatters].T.tolist()]
+        logger.info("points %s of '%s' chatter between the facets %s of '%s', -1 for none: locked to %s",
+                    np.flatnonzero(chatters), pair.slave.name, between, pair.master.name, facets[0, chatters])
+        if before is None:
+            return cls(chatters, facets[0], pair.slave.name)
+        return cls(chatters | before.points, np.where(chatters, facets[0], before.facet), pair.slave.name)
+
+    @property
+    def locked(self) -> ndarray:
+        """The points."""
+        return self.points
+
+    def seen(self, state: ContactState, law: InterfaceLaw) -> ContactState:
+        """On their facets."""
+        return replace(state, facet=np.where(self.points, self.facet, state.facet))
+
+    def at(self, points: ndarray) -> FacetLock:
+        """Of the nearest points."""
+        return FacetLock(self.points[points], self.facet[points], self.slave)
+
+    @property
+    def reason(self) -> str:
+        """Where the points rest, and what helps."""
+        return (f"points {np.flatnonzero(self.points)} of '{self.slave}' rest on neither side of a joint between "
+                "facets that turns, or of an end: smoothing the master takes the joints away")

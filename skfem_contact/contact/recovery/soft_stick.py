@@ -1,4 +1,4 @@
-"""Points that cycle between stick and slip: they stick softly at first, and harder from solution to solution.
+"""Points that chatter between stick and slip: they stick softly at first, and harder from solution to solution.
 
 Sticking points answer to an elastic slip e with the traction ``s epsilon_T (e + d)``, with a softness s < 1 and a
 shift d of the slip that would give the traction of the last solution, t, if its elastic slip were that of the whole
@@ -9,15 +9,19 @@ last one is found.
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy import ndarray
 
-from ..laws import Status
+from ..laws import InterfaceLaw, Status
 from ..state import ContactState
-from ..surface import Surface
+from .family import Recovery
+
+if TYPE_CHECKING:
+    from ...forms import Failure
+    from ..pair import ContactPair
 
 logger = logging.getLogger("skfem_contact")
 
@@ -29,59 +33,65 @@ _FIRST, _SHARE = 10.0, 0.1
 _GROWTH, _CHANGE = 1.6, 0.05
 
 
-def softened(state: ContactState, candidates: Sequence[ContactState], slave: str, master: Surface, hardness: float
-             ) -> ContactState:
-    """The state with a softer stick, or the same one where no point goes to and fro between stick and slip.
-
-    From slip in one direction to slip in the other the traction runs through stick, in an elastic slip that is smaller
-    the higher the penalty; Newton's method may jump over it for ever.  From the solution with a softer stick the next
-    one is near.
+@dataclass(frozen=True, eq=False)
+class SoftStick(Recovery):
+    """A softer stick from shifted slips.
 
     Parameters
     ----------
-    state
-        Accepted state.
-    candidates
-        States between which Newton's method goes to and fro.
-    slave, master
-        Name of the slave, for the log; the master.
-    hardness
-        Tangential penalty over the stiffness of the surfaces.
+    softness
+        Share of the tangential penalty.
+    shift
+        What is added to the elastic slip, along the undeformed master, (n_points,).
     """
-    slides = np.array([np.sign(at.tangential) * (at.status == Status.SLIP) for at in candidates])
-    cycles = (slides != slides[0]).any(axis=0)
-    if state.softness[0] < 1.0 or not cycles.any():
-        return state
-    softness = min(_SHARE, _FIRST / hardness)
-    logger.info("points %s of '%s' go to and fro between stick and slip: the stick begins with %.1g of its penalty",
-                np.flatnonzero(cycles), slave, softness)
-    return _with_softness(state, state, master, softness)
+
+    softness: float
+    shift: ndarray
+
+    @classmethod
+    def begin(cls, pair: ContactPair, accepted: ContactState, failure: Failure | None) -> SoftStick | None:
+        """The softest stick where points change between stick and slip, or slip to and fro.
+
+        From slip in one direction to slip in the other the traction runs through stick, in an elastic slip that is
+        smaller the higher the penalty; Newton's method may jump over it for ever.
+        """
+        if failure is None or not failure.seen or pair.easing.of(cls) is not None:
+            return None
+        slides = np.array([np.sign(state.traction[1:]) * (state.status == Status.SLIP) for state in failure.seen])
+        chatters = (slides != slides[0]).any(axis=(0, 1))
+        if not chatters.any():
+            return None
+        hardness = 1.0 if pair.stiffness is None else pair.penalties(accepted)[1] / pair.stiffness
+        softness = min(_SHARE, _FIRST / hardness)
+        logger.info("points %s of '%s' chatter between stick and slip: a soft stick begins with %.1g of the penalty",
+                    np.flatnonzero(chatters), pair.slave.name, softness)
+        return cls._of(softness, _elastic_slip(pair, accepted))
+
+    @classmethod
+    def _of(cls, softness: float, elastic: ndarray) -> SoftStick:
+        """A softness, and the shifts that stand for the elastic slip that the whole penalty would leave."""
+        return cls(softness, elastic / softness - elastic)
+
+    def seen(self, state: ContactState, law: InterfaceLaw) -> ContactState:
+        """With a softer penalty from a shifted stick point."""
+        return replace(state, penalty_factor=state.penalty_factor * [1.0, self.softness],
+                       stick_point=state.stick_point - self.shift)
+
+    def proceed(self, pair: ContactPair, accepted: ContactState, found: ContactState) -> SoftStick | None:
+        """A harder stick, with the tractions of the last solution."""
+        elastic = _elastic_slip(pair, found) * self.softness
+        sticks = found.status == Status.STICK
+        slip = np.nan_to_num(pair.master.along(found.position - accepted.stick_point))
+        wrong = np.abs(slip - elastic)[sticks].max(initial=0.0)
+        harder = _CHANGE * np.abs(elastic).max() / max(wrong, 1e-300)
+        softness = max(harder, self.softness * _GROWTH)
+        return self._of(softness, elastic) if softness < 1.0 else None
+
+    def at(self, points: ndarray) -> SoftStick:
+        """Of the nearest points."""
+        return SoftStick(self.softness, self.shift[points])
 
 
-def hardened(accepted: ContactState, candidate: ContactState, master: Surface) -> ContactState:
-    """The accepted state with a harder stick, for the next solution, and the tractions of the last one.
-
-    Parameters
-    ----------
-    accepted, candidate
-        State at the start of the increment, and the one that has been found.
-    master
-        The master.
-    """
-    elastic = _elastic(candidate, master)
-    sticks = candidate.status == Status.STICK
-    slip = np.nan_to_num(master.along(candidate.arc - accepted.stick_point))
-    wrong = np.abs(slip - elastic)[sticks].max(initial=0.0)
-    harder = _CHANGE * np.abs(elastic).max() / max(wrong, 1e-300)
-    return _with_softness(accepted, candidate, master, min(1.0, max(harder, accepted.softness[0] * _GROWTH)))
-
-
-def _with_softness(accepted: ContactState, last: ContactState, master: Surface, softness: float) -> ContactState:
-    """The accepted state with a softness, and the shifts that stand for the tractions of the last solution."""
-    elastic = _elastic(last, master)
-    return replace(accepted, softness=np.array([softness]), shift=elastic / softness - elastic)
-
-
-def _elastic(last: ContactState, master: Surface) -> ndarray:
-    """Elastic slip along the undeformed master with which the whole penalty has the tractions of a state."""
-    return np.asarray(np.nan_to_num(master.along(last.arc - last.stick_point)) * last.softness)
+def _elastic_slip(pair: ContactPair, state: ContactState) -> ndarray:
+    """Elastic slip along the undeformed master."""
+    return np.asarray(np.nan_to_num(pair.master.along(state.position - state.stick_point)))

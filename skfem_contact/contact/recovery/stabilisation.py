@@ -1,7 +1,9 @@
 """Start-up of bodies that nothing but contact holds: soft springs until it is closed."""
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy import ndarray
@@ -9,6 +11,13 @@ from numpy import ndarray
 from ..laws import InterfaceLaw, Status, Update
 from ..quadrature import SlavePoints
 from ..state import ContactState
+from .family import Recovery
+
+if TYPE_CHECKING:
+    from ...forms import Failure
+    from ..pair import ContactPair
+
+logger = logging.getLogger("skfem_contact")
 
 #: Stiffness of the springs as a share of the penalty: at first, and when they are as good as gone.  Stiffer ones draw
 #: wide gaps, as beside a cylinder on a plane, with many times the load.
@@ -20,7 +29,41 @@ _NEGLIGIBLE = 1e-3
 
 
 @dataclass(frozen=True)
-class Held(InterfaceLaw):
+class Stabilisation(Recovery):
+    """Springs that become softer from solution to solution.
+
+    Parameters
+    ----------
+    share
+        Stiffness of the springs as a share of the penalty.
+    """
+
+    share: float = _FIRST
+
+    @classmethod
+    def begin(cls, pair: ContactPair, accepted: ContactState, failure: Failure | None) -> Stabilisation | None:
+        """The stiffest springs where bodies are loose, unless a bond holds them."""
+        if failure is None or not failure.loose or pair.law.bonds or pair.easing.of(cls) is not None:
+            return None
+        logger.info("bodies are loose while contact is open: stabilisation by soft springs closes '%s', which are then "
+                    "taken away", pair.slave.name)
+        return cls()
+
+    def law(self, law: InterfaceLaw) -> Stabilised:
+        """The law with springs."""
+        return Stabilised(law, self.share)
+
+    def proceed(self, pair: ContactPair, accepted: ContactState, found: ContactState) -> Stabilisation | None:
+        """Softer springs, or none where they are next to nothing or exert next to nothing."""
+        force = pair.points(accepted).weight * np.abs(found.traction[0])
+        is_open, slides = found.status == Status.OPEN, (found.status == Status.SLIP).any()
+        share = self.share * _FALL
+        gone = share < _LAST or (not slides and force[is_open].sum() <= _NEGLIGIBLE * force[~is_open].sum())
+        return None if gone else Stabilisation(share)
+
+
+@dataclass(frozen=True)
+class Stabilised(InterfaceLaw):
     """An interface law with soft springs: normal ones draw open points to the surface that they face.
 
     Sideways springs act only where the law resists slip under pressure, for without friction nothing will hold the
@@ -37,6 +80,8 @@ class Held(InterfaceLaw):
     law: InterfaceLaw
     share: float
 
+    reaches_far = True
+
     @property
     def n_internal(self) -> int:  # type: ignore[override]
         """As the law."""
@@ -47,7 +92,7 @@ class Held(InterfaceLaw):
         """As the law."""
         return self.law.bonds
 
-    def take(self, points: SlavePoints) -> Held:
+    def take(self, points: SlavePoints) -> Stabilised:
         """The springs are the same everywhere."""
         return replace(self, law=self.law.take(points))
 
@@ -72,25 +117,3 @@ class Held(InterfaceLaw):
             elastic_slip=np.where(is_open, 0.0, law.elastic_slip),
             status=np.where(is_open, int(Status.OPEN), law.status),
         )
-
-
-def with_springs(state: ContactState) -> ContactState:
-    """The state with springs at its open points; the same one where it has them."""
-    return state if state.springs[0] == _FIRST else replace(state, springs=np.array([_FIRST]))
-
-
-def release(accepted: ContactState, candidate: ContactState, weight: ndarray) -> ContactState:
-    """The accepted state with softer springs, or with none where they are next to nothing or exert next to nothing.
-
-    Parameters
-    ----------
-    accepted, candidate
-        State at the start of the increment, and the one that has been found with springs.
-    weight
-        Lengths of surface that belong to the points.
-    """
-    force = weight * np.abs(candidate.normal)
-    is_open, slides = candidate.status == Status.OPEN, (candidate.status == Status.SLIP).any()
-    share = float(accepted.springs[0]) * _FALL
-    gone = share < _LAST or (not slides and force[is_open].sum() <= _NEGLIGIBLE * force[~is_open].sum())
-    return replace(accepted, springs=np.array([0.0 if gone else share]))
