@@ -149,7 +149,7 @@ def test_load_for_other_forms(example, tmp_path):
     with pytest.raises(ValueError, match="'joint' in the file has another size"):
         sc.load_result(file, other)
     swapped = {"blocks": forms["joint"], "joint": forms["blocks"]}
-    with pytest.raises(ValueError, match=r"'blocks' in the file has no stick_point, arc, .*another version"):
+    with pytest.raises(ValueError, match=r"'blocks' in the file has no facet, position, .*another version"):
         sc.load_result(file, swapped)
 
 

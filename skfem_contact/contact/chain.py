@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy import ndarray
 
+from .material_points import MaterialPoints
 from .surface import Surface
 
 _GAUSS = np.polynomial.legendre.leggauss(5)
@@ -55,3 +56,9 @@ class Chain:
         inner = -1.0 + half[:, None] * (t + 1.0)  # five Gauss points on [-1, xi]
         tangent = surface.at(np.repeat(facet, len(t)), inner.reshape(-1, 1), nodes, 1).x[1][:, 0]
         return np.asarray(first + half * (np.linalg.norm(tangent, axis=1).reshape(-1, len(t)) @ w))
+
+    def way(self, closest: MaterialPoints, before: MaterialPoints) -> ndarray:
+        """Way from material points to others along the chain, (n,), the short way round a closed one; zero for none."""
+        way = np.where(closest.exist & before.exist, self.arc(*closest) - self.arc(*before), 0.0)
+        total = float(self.surface.area.sum())
+        return (way + 0.5 * total) % total - 0.5 * total if self.closed else way

@@ -24,14 +24,14 @@ _LAST_STEP = 1e-9  # of Newton's method: the error is its square
 
 
 def piecewise(slave: Surface, slave_nodes: ndarray, master: Surface, master_nodes: ndarray
-              ) -> tuple[ndarray, ndarray, ndarray, ndarray]:
+              ) -> ndarray:
     """Points on all pieces of the slave's facets where the nodes lie now.
 
     Returns
     -------
-    tuple
-        Slave facet (n,), local coordinates (n, 2), weight in their measure (n,), and facet of the master that the
-        piece faces (n,), -1 on facets that face none.
+    ndarray
+        One row each, (n, 5): the slave's facet, two local coordinates, the weight in their measure, and the facet of
+        the master that the piece faces, -1 on facets that face none.
     """
     own, facing = _pairs(slave, slave_nodes, master, master_nodes)
     centre, axes = _mean_planes(_corners(slave, slave_nodes))
@@ -47,7 +47,7 @@ def piecewise(slave: Surface, slave_nodes: ndarray, master: Surface, master_node
     piece, triangles, size = piece[large], triangles[large], size[large]
 
     order = int(slave.shape.exponents.max())
-    xi, w = get_quadrature(RefTri, 2 * order if slave.shape.triangular else 4 + order)
+    xi, w = get_quadrature(RefTri, 2 * order if slave.shape.triangular else 4 + 2 * order)
     shapes = np.stack((1.0 - xi.sum(axis=0), *xi), axis=1)
     places, area = (shapes @ triangles).reshape(-1, 2), (2.0 * size[:, None] * w).ravel()
     piece = np.repeat(piece, len(w))
@@ -145,12 +145,12 @@ def _back(slave: Surface, nodes: ndarray, facet: ndarray, centre: ndarray, axes:
 
 
 def _with_the_others(slave: Surface, facet: ndarray, xi: ndarray, weight: ndarray, facing: ndarray
-                     ) -> tuple[ndarray, ndarray, ndarray, ndarray]:
+                     ) -> ndarray:
     """The points, ordered by facet, and Gauss points on the facets that face nothing."""
     alone = np.setdiff1d(np.arange(len(slave.facets)), facet)
     inner, w = rule(slave.shape, int(slave.shape.exponents.max()) + 1)
     facets = np.concatenate((facet, np.repeat(alone, len(w))))
-    order = np.argsort(facets, kind="stable")
-    return (facets[order], np.concatenate((xi, np.tile(inner, (len(alone), 1))))[order],
-            np.concatenate((weight, np.tile(w, len(alone))))[order],
-            np.concatenate((facing, np.full(len(alone) * len(w), -1)))[order])
+    rows = np.column_stack((facets, np.concatenate((xi, np.tile(inner, (len(alone), 1)))),
+                            np.concatenate((weight, np.tile(w, len(alone)))),
+                            np.concatenate((facing, np.full(len(alone) * len(w), -1)))))
+    return rows[np.argsort(facets, kind="stable")]

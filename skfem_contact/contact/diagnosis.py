@@ -6,6 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy import ndarray
 
+from ..errors import place
 from .laws import InterfaceLaw, Status
 from .quadrature import SlavePoints
 from .state import ContactState
@@ -82,5 +83,4 @@ def _without_bond(law: InterfaceLaw, state: ContactState) -> ndarray:
 
 
 def _place(slave: Surface, points: SlavePoints, state: ContactState) -> str:
-    x, y = points.positions(slave.nodes)[np.argmin(state.gap)]
-    return f"({x:g}, {y:g}) of the mesh"
+    return f"{place(points.positions(slave.nodes)[np.argmin(state.gap)])} of the mesh"

@@ -39,22 +39,22 @@ class Kinematics(NamedTuple):
     ----------
     dofs
         Unknowns: of the slave, of the closest facet and, where it is another, of the stick point's, (n, m); -1: none.
-    gap_gradient
-        ``G`` = d gap / d u, the work conjugate of the normal traction, (n, m).
-    tangential
-        Work conjugates of the tangential tractions, (n, dim - 1, m).
+    work
+        Work conjugates of the tractions, (n, dim, m): ``G`` = d gap / d u, and those of the tangential ones.
     slip
         Slip from the stick point, (n, dim - 1); zero where a point comes from beyond the rim: it sticks there.
     normal, tangents
         Unit vectors of the master at the closest point, (n, dim) and (n, dim - 1, dim).
+    closest
+        The closest points.
     """
 
     dofs: ndarray
-    gap_gradient: ndarray
-    tangential: ndarray
+    work: ndarray
     slip: ndarray
     normal: ndarray
     tangents: ndarray
+    closest: MaterialPoints
     facets: _OnFacets
     joints: Joints | None
 
@@ -80,27 +80,24 @@ class _OnFacets(NamedTuple):
     delta: ndarray
 
 
-def variations(points: SlavePoints, slave: Surface, master: Surface, at: ndarray, projection: Projection,
-               slave_nodes: ndarray, stick: MaterialPoints, nodes: ndarray) -> Kinematics:
-    """Variations of the points ``at``.
+def variations(points: SlavePoints, slave: Surface, master: Surface, projection: Projection, slave_nodes: ndarray,
+               nodes: ndarray, stick: MaterialPoints) -> Kinematics:
+    """Variations of points.
 
     Parameters
     ----------
     points, slave, master
         The slave's points and the two surfaces.
-    at
-        Numbers of the points that are in contact, (n,).
     projection
-        Closest points of all points.
+        Their closest points.
     slave_nodes, nodes
         Current coordinates of the slave's and the master's nodes.
     stick
-        Stick points of all points.
+        Their stick points.
     """
-    points = points.take(at)
-    facet, xi, g, r = projection.facet[at], projection.xi[at], projection.gap[at], points.positions(slave_nodes)
+    facet, xi, g, r = projection.facet, projection.xi, projection.gap, points.positions(slave_nodes)
     place, N, direction = master.at(facet, xi, nodes, 3), points.values, points.direction(slave, slave_nodes)
-    held, weights, others = _stick_weights(master, facet, MaterialPoints(stick.facet[at], stick.xi[at]))
+    held, weights, others = _stick_weights(master, facet, stick)
     dofs = [slave.dofs[points.nodes], master.dofs[master.facets[facet]], *(
         np.where((block < 0)[:, :, None], -1, master.dofs[block]) for block in others)]
     stuck = (held >= 0)[:, None]
@@ -124,13 +121,13 @@ def variations(points: SlavePoints, slave: Surface, master: Surface, at: ndarray
     facets = _OnFacets(place, own, alpha, beta, sigma, g, r - x_stick, m, h, operator, Xi, direction,
                        delta)
     joints = None
-    if (v := np.flatnonzero(projection.feature[at])).size:
-        joints = Joints(v, master, facet[v], xi[v], _free(master, projection.feature[at[v]]), g[v], r[v],
+    if (v := np.flatnonzero(projection.feature)).size:
+        joints = Joints(v, master, facet[v], xi[v], _free(master, projection.feature[v]), g[v], r[v],
                         nodes[master.facets[facet[v]]], (r - x_stick)[v], direction[v], N[v], sigma[v], delta[v])
         n, e = n.copy(), e.copy()
         n[v], e[v], G[v], T[v] = joints.first[:4]
-    return Kinematics(np.concatenate(dofs, axis=1).reshape(G.shape), G, T, np.einsum("nic,nc->ni", e, r - x_stick), n, e,
-                      facets, joints)
+    return Kinematics(np.concatenate(dofs, axis=1).reshape(G.shape), np.concatenate((G[:, None], T), axis=1), np.einsum("nic,nc->ni", e, r - x_stick), n, e,
+                      MaterialPoints(facet, xi), facets, joints)
 
 
 def _free(master: Surface, feature: ndarray) -> ndarray:
@@ -177,9 +174,8 @@ def tangents(kinematics: Kinematics, traction: ndarray, derivative: ndarray, exa
     exact
         Whether the rotation and curvature parts belong to it.
     """
-    G = kinematics.gap_gradient[:, None]
-    jump = np.concatenate((G, slip_gradient(kinematics)), axis=1)
-    work = np.concatenate((G, kinematics.tangential), axis=1)
+    work = kinematics.work
+    jump = np.concatenate((work[:, :1], slip_gradient(kinematics)), axis=1)
     K = work.transpose(0, 2, 1) @ (derivative.transpose(2, 0, 1) @ jump)
     return K + geometric_tangent(kinematics, traction) if exact else K
 
@@ -219,11 +215,11 @@ def _tangential_part(kinematics: Kinematics, t: ndarray) -> ndarray:
     gamma = np.zeros_like(on.beta)
     gamma[:, :, on.own] = np.einsum("na,nabk->nbk", p, on.place.shapes[2])
     bent = lift(gamma, n[:, None])
-    K = (outer(lift(beta[:, None], n[:, None])[:, 0], kinematics.gap_gradient) + spread(on.alpha, dP) + g * spread(beta, dn)
+    K = (outer(lift(beta[:, None], n[:, None])[:, 0], kinematics.work[:, 0]) + spread(on.alpha, dP) + g * spread(beta, dn)
          + (g * bent - lift(on.beta, P[:, None])).transpose(0, 2, 1) @ Xi)
     rho3 = np.einsum("na,nabcd,nd->nbc", p, on.place.x[3], n, optimize=True)
     d_operator = (np.einsum("nacm,nc->nam", da, P) + np.einsum("ncm,nac->nam", dP, a)
-                  - np.einsum("na,nab->nb", p, on.curvature)[:, :, None] * kinematics.gap_gradient[:, None]
+                  - np.einsum("na,nab->nb", p, on.curvature)[:, :, None] * kinematics.work[:, :1]
                   - g * (rho2p @ dn + bent + rho3 @ Xi))
     return K + Xi.transpose(0, 2, 1) @ (by_frame - d_operator)
 
@@ -241,7 +237,8 @@ def _normal_motion(on: _OnFacets) -> ndarray:
 def _tangent_motion(on: _OnFacets) -> ndarray:
     """``da`` of the tangents of the closest facet, the motion of the closest point included, (n, dim - 1, dim, m)."""
     n, dim = len(on.gap), on.from_stick.shape[1]
-    fixed = (on.beta[:, :, None, :, None] * np.eye(dim)[:, None]).reshape(n, dim - 1, dim, -1)
+    fixed = (on.beta[:, :, None, :, None] * np.eye(dim)[:, None]).reshape(
+        n, dim - 1, dim, dim * on.beta.shape[2])
     return np.asarray(fixed + np.einsum("nabc,nbm->nacm", on.place.x[2], on.Xi))
 
 

@@ -19,6 +19,11 @@ class MaterialPoints(NamedTuple):
     facet: ndarray
     xi: ndarray
 
+    @classmethod
+    def none(cls, n: int, dim: int) -> MaterialPoints:
+        """Points that are not on the surface."""
+        return cls(np.full(n, -1), np.full((n, dim - 1), np.nan))
+
     @property
     def exist(self) -> ndarray:
         """Which of them are on the surface at all, (n,)."""
@@ -41,7 +46,7 @@ def apart(surface: Surface, nodes: ndarray, tangents: ndarray, point: MaterialPo
 
 def behind(surface: Surface, nodes: ndarray, tangents: ndarray, point: MaterialPoints, way: ndarray) -> MaterialPoints:
     """Material points of the same facets from which it is a given way, (n, dim - 1), to these along unit tangents."""
-    xi, start = point.xi.copy(), point.places(surface, nodes)
+    xi, start = np.nan_to_num(point.xi), point.places(surface, nodes)
     for _ in range(_NEWTON_STEPS):
         place = surface.at(point.facet, xi, nodes)
         missing = np.einsum("nic,nc->ni", tangents, start - place.x[0]) - way
@@ -49,7 +54,7 @@ def behind(surface: Surface, nodes: ndarray, tangents: ndarray, point: MaterialP
         xi = xi + step
         if surface.shape.affine or np.abs(step).max(initial=0.0) < _EXACT:
             break
-    return MaterialPoints(point.facet, xi)
+    return MaterialPoints(point.facet, np.where(point.exist[:, None], xi, np.nan))
 
 
 def shifted(surface: Surface, nodes: ndarray, points: MaterialPoints, motion: ndarray) -> MaterialPoints:

@@ -18,18 +18,22 @@ from .clearance import Fit, touching
 from .diagnosis import ROUND_OFF, passed_through, penetration, remarks
 from .kinematics import Kinematics, tangents, variations
 from .laws import InterfaceLaw, Status, Update
+from .material_points import MaterialPoints, behind
 from .neighbours import NeighbourList
 from .quadrature import SlavePoints
 from .recovery.easing import Easing
-from .search import Projection, merged, project
+from .search import Projection, merged
 from .segmentation import RECUTS, Sampling
 from .settings import check_law, check_settings
 from .smoothing import smoothed
-from .state import ContactState, nearest
+from .state import ContactState
 from .surface import Surface
+from .transfer import elastic_slip, nearest, slid, with_elastic_slip
 
 #: Largest tractions in the damped tangent's geometric part, over those at which the surfaces give way by a segment.
 _LARGEST_TRACTION = 0.1
+#: Round-off of an elastic slip, as a share of it.
+_SAME_SLIP = 1e-9
 
 
 class ContactPair:
@@ -40,7 +44,7 @@ class ContactPair:
     basis
         ``Basis`` of the mesh that holds the bodies.
     slave, master
-        Names of the boundaries; each must be a single chain.  The paper's advice: the softer body is the slave.
+        Names of the boundaries; in the plane each must be a single chain.  The paper's advice: the softer body is the slave.
         The master may be a rigid obstacle, e.g. :func:`rigid_line`.
     law
         Interface law: :class:`Coulomb`, :class:`Tied`, or your own :class:`~skfem_contact.InterfaceLaw`.
@@ -116,7 +120,7 @@ class ContactPair:
             self.penalty = self.with_penalty(*both).penalty
 
     def __repr__(self) -> str:
-        return (f"<ContactPair {self.slave.name} on {self.master.name}, {len(self.slave.segments)} segments, "
+        return (f"<ContactPair {self.slave.name} on {self.master.name}, {len(self.slave.facets)} facets, "
                 f"quadrature {self.quadrature}, {self.law!r}>")
 
     @property
@@ -180,14 +184,15 @@ class ContactPair:
         found = self._project(points, master, points.positions(slave))
         meshed = found if x is None else self._project(points, mesh[1], points.positions(mesh[0]))
         offset = touching(found.gap, meshed.gap, points.size, self.initial, self.law.bonds)
-        n, nodal, position = len(found.gap), len(slave), self._position(found)
+        n, nodal, dim, closest = len(found.gap), len(slave), self.slave.dim, found.closest
         status = np.where(found.gap <= offset, int(Status.STICK), int(Status.OPEN))
         factor = np.ones(2)
         if self.enforcement is not None and self.penalty is not None and self.stiffness is not None:
             factor = self.enforcement.start(self.penalty, self.stiffness)
-        return ContactState(facet=_facets(found), position=position, stick_point=position, gap=found.gap,
-                            slip=np.zeros((1, n)), traction=np.zeros((2, n)), status=status,
-                            internal=np.zeros((self.law.n_internal, n)), multiplier=np.zeros((2, nodal)),
+        return ContactState(facet=closest.facet, position=closest.xi.T, stick_facet=closest.facet,
+                            stick_position=closest.xi.T, gap=found.gap, slip=np.zeros((dim - 1, n)),
+                            traction=np.zeros((dim, n)), status=status,
+                            internal=np.zeros((self.law.n_internal, n)), multiplier=np.zeros((dim, nodal)),
                             penalty_factor=factor, offset=offset, cuts=cuts)
 
     # -- the form -------------------------------------------------------------------------------------------
@@ -205,8 +210,8 @@ class ContactPair:
         slave, nodes = self._places(x)
         points = self.points(state)
         positions = points.positions(slave)
-        state, law, locked = self.seen(state), self.easing.law(self.law), self.easing.locked
-        depth = np.full(len(points.arc), np.inf) if law.reaches_far else self._depth(points)
+        accepted, state, law, locked = state, self.seen(state), self.easing.law(self.law), self.easing.locked
+        depth = np.full(len(points.weight), np.inf) if law.reaches_far else self._depth(points)
         penalties = self.penalties(state)
         closing = state.offset - points.at(state.multiplier[0]) / penalties[0]
         bonded = state.status != int(Status.OPEN)
@@ -214,7 +219,7 @@ class ContactPair:
         near = bonded | (around.clearance <= np.maximum(depth, closing))  # the others need not be projected
 
         def projected(chosen: ndarray) -> Projection:
-            return project(self.master, nodes, positions, depth, state.facet, locked, around.of(chosen))
+            return self._sampling.project(points, nodes, positions, depth, state.facet, locked, around.of(chosen))
 
         found = projected(near)
         gap = found.gap - closing
@@ -222,17 +227,19 @@ class ContactPair:
         gap = np.where(np.abs(gap) <= exact, 0.0, gap)
         at = np.flatnonzero(found.found & law.take(points).reaches(gap, state.internal, bonded))
 
-        kinematics = variations(points, self.slave, self.master, at, found, positions, state.stick_point, nodes)
-        shift = points.at(state.multiplier[1])[at] / penalties[1]
-        slip = kinematics.stretch * kinematics.elastic_arc + shift
-        update = law.take(points.take(at)).update(np.stack((gap[at], slip)), state.internal[:, at], penalties)
+        closing_points = points.take(at)
+        kinematics = variations(closing_points, self.slave, self.master, found.take(at), slave, nodes,
+                                state.stick.take(at))
+        multiplied = closing_points.at(state.multiplier[1:].T).T / penalties[1]
+        slip = kinematics.slip.T + multiplied + self.easing.slip(at)
+        update = law.take(closing_points).update(np.stack((gap[at], *slip)), state.internal[:, at], penalties)
 
-        weight = self.share * points.weight[at]
-        force = ((weight * update.traction[0])[:, None] * kinematics.gap_gradient
-                 + (weight * update.traction[1])[:, None] * kinematics.tangential)
-        elastic = np.where(update.status == Status.OPEN, 0.0, (update.elastic_slip[0] - shift) / kinematics.stretch)
+        weight = self.share * closing_points.weight
+        force = weight[:, None] * np.einsum("in,nim->nm", update.traction, kinematics.work)
+        elastic = np.where(update.status == Status.OPEN, 0.0, update.elastic_slip - multiplied)
         return Response(self._gathering.force(kinematics.dofs, force),
-                        lambda: self._candidate(state, merged(near, found, projected), at, update, elastic),
+                        lambda: self._candidate(accepted, merged(near, found, projected), at, update,
+                                                self._dragged(state, nodes, at, kinematics, elastic)),
                         lambda: self._stiffness(kinematics, update, weight, self.tangent == "exact"),
                         lambda: self._stiffness(kinematics, self._limited(update), weight, self.tangent == "exact"),
                         round_off=max(penalties) * exact * float(np.linalg.norm(weight)))
@@ -260,32 +267,37 @@ class ContactPair:
 
     def _project(self, points: SlavePoints, nodes: ndarray, positions: ndarray,
                  previous: ndarray | None = None) -> Projection:
-        return project(self.master, nodes, positions, self._depth(points), previous)
+        return self._sampling.project(points, nodes, positions, self._depth(points), previous)
 
     def _depth(self, points: SlavePoints) -> ndarray:
         """Largest penetration: what is deeper than an element or so belongs to the other side of the body."""
         return np.maximum(points.size, self.master.spacing)
 
-    def _position(self, found: Projection) -> ndarray:
-        arc, at = np.full(len(found.gap), np.nan), np.isfinite(found.gap)
-        arc[at] = self.master.arc(found.segment[at], found.xi[at])[0]
-        return arc
+    def _dragged(self, state: ContactState, nodes: ndarray, at: ndarray, kinematics: Kinematics, elastic: ndarray
+                 ) -> MaterialPoints:
+        """Stick points of points in contact: those that slide drag them behind by their elastic slip (eq. 10)."""
+        left = np.abs(elastic.T - kinematics.slip).max(axis=1)
+        stays = (left <= _SAME_SLIP * np.abs(elastic).max(axis=0)) & (state.stick_facet[at] >= 0)
+        behind_ = behind(self.master, nodes, kinematics.tangents, kinematics.closest, elastic.T)
+        stick = state.stick.take(at)
+        return MaterialPoints(np.where(stays, stick.facet, behind_.facet), np.where(stays[:, None], stick.xi, behind_.xi))
 
-    def _candidate(self, state: ContactState, found: Projection, at: ndarray, update: Update,
-                   elastic_arc: ndarray) -> ContactState:
-        """Open points take their closest point along as stick point, sliding ones drag it behind (eq. 10)."""
-        position, traction = self._position(found), np.zeros_like(state.traction)
-        stick_point, internal = position.copy(), state.internal.copy()
-        status = np.full(len(position), int(Status.OPEN))
-        stick_point[at] -= elastic_arc
+    def _candidate(self, accepted: ContactState, found: Projection, at: ndarray, update: Update, dragged: MaterialPoints
+                   ) -> ContactState:
+        """The state that is found; open points take their closest point along as stick point."""
+        closest, traction = found.closest, np.zeros_like(accepted.traction)
+        stick = MaterialPoints(closest.facet.copy(), closest.xi.copy())
+        status, internal = np.full(len(found.gap), int(Status.OPEN)), self.seen(accepted).internal.copy()
+        stick.facet[at], stick.xi[at] = dragged
         traction[:, at], status[at], internal[:, at] = update.traction, update.status, update.internal
-        moved = self.master.along(position - state.position)
-        slip = np.where(status == Status.OPEN, 0.0, state.slip + np.where(np.isnan(moved), 0.0, moved))
-        return replace(state, facet=_facets(found), position=position, stick_point=stick_point, gap=found.gap,
-                       slip=slip, traction=traction, status=status, internal=internal)
+        way = slid(self.points(accepted), self.slave, self.master, closest, accepted.closest)
+        slip = np.where(status == Status.OPEN, 0.0, accepted.slip + way)
+        return replace(accepted, facet=closest.facet, position=closest.xi.T, stick_facet=stick.facet,
+                       stick_position=stick.xi.T, gap=found.gap, slip=slip, traction=traction, status=status,
+                       internal=internal)
 
     def _stiffness(self, kinematics: Kinematics, update: Update, weight: ndarray, exact: bool) -> csr_matrix:
-        K = tangents(kinematics, update, exact) * weight[:, None, None]
+        K = tangents(kinematics, update.traction, update.tangent, exact) * weight[:, None, None]
         return self._gathering.matrix(kinematics.dofs, K)
 
     def _limited(self, update: Update) -> Update:
@@ -311,7 +323,7 @@ class ContactPair:
         """
         points = self.points(accepted)
         if passed := passed_through(self._depth(points), accepted, found):
-            raise IncrementTooLarge(f"{passed} of {len(points.arc)} points of '{self.slave.name}' have passed through "
+            raise IncrementTooLarge(f"{passed} of {len(points.weight)} points of '{self.slave.name}' have passed through "
                                     f"'{self.master.name}', or the penalty, {self.penalties(accepted)[0]:.3g}, is soft")
         new, state = copy(self), accepted
         new.easing = self.easing.proceed(self, accepted, found)
@@ -321,9 +333,11 @@ class ContactPair:
             stiffness = self.penalty[0] if self.stiffness is None else self.stiffness  # type: ignore[index]
             state, new._progress = self.enforcement.augment(accepted, found, points, self.penalties(accepted),
                                                             stiffness, self._progress)
+            if (harder := state.penalty_factor[1] / accepted.penalty_factor[1]) != 1.0:  # with the same tractions
+                state = self.with_elastic_slip(state, self.elastic_slip(state) / harder)
         cut = self._sampling.follow(state, *self._places(x)) if self._recuts < RECUTS else None
         if cut is not None:
-            new._recuts, new.easing = self._recuts + 1, self.easing.at(nearest(points, self.points(cut)))
+            new._recuts, new.easing = self._recuts + 1, self.easing.at(nearest(self.slave, points, self.points(cut)))
             state = cut
         return None if state is accepted else (new, state)
 
@@ -346,6 +360,22 @@ class ContactPair:
         """Why there may be no equilibrium but of an easier pair, for a message."""
         return self.easing.reason
 
+    def elastic_slip(self, state: ContactState, found: ContactState | None = None) -> ndarray:
+        """Slip of a state's closest points, or of those of another one, from its stick points, (dim - 1, n)."""
+        return elastic_slip(self.points(state), self.slave, self.master, state, found)
+
+    def fits_cuts(self, cuts: ndarray) -> bool:
+        """Whether cuts of a state are some of the slave."""
+        return self._sampling.fits(cuts)
+
+    def transferred(self, state: ContactState, cuts: ndarray) -> ContactState:
+        """The state at the points between other cuts of the undeformed slave."""
+        return self._sampling.transferred(state, cuts, self.slave.nodes, self.master.nodes)
+
+    def with_elastic_slip(self, state: ContactState, slip: ndarray) -> ContactState:
+        """The state with stick points from which the closest points have slipped, (dim - 1, n)."""
+        return with_elastic_slip(self.points(state), self.slave, self.master, state, slip)
+
     # -- what the analysis asks besides ---------------------------------------------------------------------
 
     def summary(self, state: ContactState) -> str:
@@ -362,7 +392,3 @@ class ContactPair:
         points = self.points(state)
         return list(remarks(self.slave, self.master, points, self._depth(points), self.penalties(state), self.law,
                             state))
-
-
-def _facets(found: Projection) -> ndarray:
-    return np.where(found.found, found.segment, -1)

@@ -33,6 +33,8 @@ class SlavePoints:
     along
         Factors of the facet's nodes in the direction from which tangents are counted in space, (n, k); see
         :meth:`direction`.
+    facing
+        Facets of the master that pieces of facets in space face, (n,), -1 for none; None for other points.
     """
 
     facet: ndarray
@@ -42,6 +44,7 @@ class SlavePoints:
     weight: ndarray
     size: ndarray
     along: ndarray
+    facing: ndarray | None = None
 
     @classmethod
     def on(cls, surface: Surface, facet: ndarray, xi: ndarray, weight: ndarray) -> SlavePoints:
@@ -53,7 +56,8 @@ class SlavePoints:
 
     def take(self, chosen: ndarray) -> SlavePoints:
         """Some of the points, given by their numbers."""
-        return SlavePoints(*(getattr(self, one.name)[chosen] for one in fields(self)))
+        parts = [getattr(self, one.name) for one in fields(self)]
+        return SlavePoints(*(None if part is None else part[chosen] for part in parts))  # type: ignore[arg-type]
 
     def positions(self, nodes: ndarray) -> ndarray:
         """Coordinates of the points, (n, dim), from those of the slave nodes."""
@@ -64,8 +68,8 @@ class SlavePoints:
         return np.asarray(np.einsum("nk,nkc->nc", self.along, nodes[slave.facets[self.facet]]))
 
     def at(self, nodal: ndarray) -> ndarray:
-        """Values at the points, (n,), of a field given at the slave nodes."""
-        return np.asarray(np.einsum("nk,nk->n", self.values, nodal[self.nodes]))
+        """Values at the points, (n, ...), of a field given at the slave nodes, (n_nodes, ...)."""
+        return np.asarray(np.einsum("nk,nk...->n...", self.values, nodal[self.nodes]))
 
 
 def _along(surface: Surface, place: Place) -> ndarray:

@@ -36,7 +36,7 @@ def rigid_polyline(points: ndarray, closed: bool = False, name: str = "obstacle"
     --------
     >>> from skfem_contact import rigid_polyline
     >>> floor = rigid_polyline([[5., 0.], [-5., 0.]])    # the free side is below
-    >>> round(floor.area.sum(), 12)
+    >>> round(float(floor.area.sum()), 12)
     10.0
     """
     points = np.asarray(points, float)
@@ -69,7 +69,7 @@ def rigid_line(start: tuple[float, float], end: tuple[float, float], name: str =
     Examples
     --------
     >>> from skfem_contact import rigid_line
-    >>> round(rigid_line((-1., 0.), (1., 0.)).area.sum(), 12)      # the free side is above
+    >>> round(float(rigid_line((-1., 0.), (1., 0.)).area.sum()), 12)      # the free side is above
     2.0
     """
     return rigid_polyline(np.array([start, end]), name=name)

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy import ndarray
 
+from .material_points import MaterialPoints
 from .neighbours import Neighbours, neighbours
 from .shape import Shape
 from .surface import Surface
@@ -48,6 +49,15 @@ class Projection(NamedTuple):
     xi: ndarray
     gap: ndarray
     feature: ndarray
+
+    def take(self, chosen: ndarray) -> Projection:
+        """Some of the points."""
+        return Projection(*(part[chosen] for part in self))
+
+    @property
+    def closest(self) -> MaterialPoints:
+        """Closest points where contact is possible."""
+        return MaterialPoints(np.where(self.found, self.facet, -1), np.where(self.found[:, None], self.xi, np.nan))
 
     @property
     def vertex(self) -> ndarray:

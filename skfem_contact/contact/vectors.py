@@ -63,10 +63,10 @@ def solve(A: ndarray, b: ndarray) -> ndarray:
 def lift(factors: ndarray, vectors: ndarray) -> ndarray:
     """``A^T v`` for operators that act node by node: (n, i, nodes) or (n, 1, nodes) and (n, i, dim) or (n, 1, dim)."""
     product = factors[:, :, :, None] * vectors[:, :, None, :]
-    return np.asarray(product.reshape(*product.shape[:2], -1))
+    return np.asarray(product.reshape(*product.shape[:2], product.shape[2] * product.shape[3]))
 
 
 def spread(factors: ndarray, operator: ndarray) -> ndarray:
     """``A^T B`` for an operator A that acts node by node: (n, nodes) and (n, dim, m) give (n, dim nodes, m)."""
     product = factors[:, :, None, None] * operator[:, None]
-    return np.asarray(product.reshape(len(factors), -1, operator.shape[2]))
+    return np.asarray(product.reshape(len(factors), factors.shape[1] * operator.shape[1], operator.shape[2]))

@@ -8,6 +8,7 @@ from numpy import ndarray
 
 from ..contact import ContactPair, ContactState
 from ..contact.laws import Status
+from ..contact.vectors import frame, unit
 from .tractions import check_state
 
 
@@ -20,7 +21,7 @@ class ContactReport:
     name
         Slave and master.
     normal, tangential
-        Resultants of the contact pressure and of the friction on the slave, (2,).
+        Resultants of the contact pressure and of the friction on the slave, (dim,).
     pressure, friction
         Integrals of the pressure and of the magnitude of the friction over the surface.
     mobilised
@@ -44,14 +45,15 @@ class ContactReport:
 
     @property
     def force(self) -> ndarray:
-        """Resultant of all contact tractions on the slave, (2,)."""
+        """Resultant of all contact tractions on the slave, (dim,)."""
         return self.normal + self.tangential
 
     def __str__(self) -> str:
         lines = [f"contact of {self.name}: {self.stick} stick, {self.slip} slip, {self.open} open"]
-        for what, total, (x, y) in (("pressure", self.pressure, self.normal),
+        for what, total, vector in (("pressure", self.pressure, self.normal),
                                     ("friction", self.friction, self.tangential)):
-            lines.append(f"  {what:8} {total:12.5g}   resultant on the slave ({x:.5g}, {y:.5g})")
+            resultant = ", ".join(f"{part:.5g}" for part in vector)
+            lines.append(f"  {what:8} {total:12.5g}   resultant on the slave ({resultant})")
         lines.append(f"  friction over pressure at most {self.mobilised:.3f}, "
                      f"penetration at most {self.penetration:.2%} of a segment")
         return "\n".join(lines)
@@ -94,26 +96,26 @@ def contact_report(pair: ContactPair, x: ndarray, state: ContactState) -> Contac
         raise ValueError(f"the displacements have shape {np.shape(x)}, not ({pair.n},)")
     closed = state.status != Status.OPEN
     weight = pair.share * pair.points(state).weight[closed]
-    normal, tangential = state.traction[:, closed]
-    n = _normals(pair, x, state)[closed]
-    along = np.column_stack((n[:, 1], -n[:, 0]))
+    normal, tangential = state.traction[0, closed], state.traction[1:, closed]
+    n, tangents = _frames(pair, x, state)
+    n, friction = n[closed], np.linalg.norm(tangential, axis=0)
     counts = np.bincount(state.status, minlength=3)
-    ratio = np.divide(np.abs(tangential), -normal, out=np.zeros(len(normal)), where=normal < 0)
+    ratio = np.divide(friction, -normal, out=np.zeros(len(normal)), where=normal < 0)
     return ContactReport(
         name=f"{pair.slave.name} on {pair.master.name}",
-        normal=-(weight * normal) @ n + 0.0, tangential=-(weight * tangential) @ along + 0.0,
-        pressure=-float(weight @ normal), friction=float(weight @ np.abs(tangential)),
+        normal=-(weight * normal) @ n + 0.0,
+        tangential=-np.einsum("n,in,nic->c", weight, tangential, tangents[closed]) + 0.0,
+        pressure=-float(weight @ normal), friction=float(weight @ friction),
         mobilised=float(ratio.max(initial=0.0)), penetration=pair.penetration(state),
         open=int(counts[Status.OPEN]), stick=int(counts[Status.STICK]), slip=int(counts[Status.SLIP]))
 
 
-def _normals(pair: ContactPair, x: ndarray, state: ContactState) -> ndarray:
-    """Outward normals of the master at the closest points, (n, 2)."""
-    points, nodes = pair.points(state), pair.master.positions(x)
-    positions = points.positions(pair.slave.positions(x))
+def _frames(pair: ContactPair, x: ndarray, state: ContactState) -> tuple[ndarray, ndarray]:
+    """Outward normals of the master at the closest points, (n, dim), and its tangents, (n, dim - 1, dim)."""
+    points, nodes, slave = pair.points(state), pair.master.positions(x), pair.slave.positions(x)
+    positions = points.positions(slave)
     found = pair._project(points, nodes, positions, state.facet)
-    rho = pair.master.curve(found.segment, found.xi, nodes)[1]
-    tangent = np.where(found.vertex[:, None], 0.0, rho[1])
-    normal = np.column_stack((-tangent[:, 1], tangent[:, 0]))
-    normal[found.vertex] = (positions - rho[0])[found.vertex] * np.sign(found.gap[found.vertex])[:, None]
-    return normal / np.linalg.norm(normal, axis=1)[:, None]
+    place = pair.master.at(found.facet, found.xi, nodes)
+    normal, at_joint = place.normal, found.vertex
+    normal[at_joint] = unit((positions - place.x[0])[at_joint] * np.sign(found.gap[at_joint])[:, None])
+    return normal, frame(normal, points.direction(pair.slave, slave))

@@ -276,10 +276,10 @@ def _balanced(forms: Mapping[str, Form], load: ndarray, fixed: ndarray, stress: 
 
 
 def _stress_at(pair: ContactPair, stress: _Field, solids: Mapping[str, SolidForm]) -> ndarray:
-    """A field of stresses at the points of a pair, (4, n_points); their elements are those of the nearest points."""
+    """A field of stresses at the points of a pair, (4 or 6, n_points); their elements are those of the nearest points."""
     points = pair.points(pair.initial_state())
     places = points.positions(pair.slave.nodes)
-    inside = [np.asarray(form.basis.global_coordinates()).reshape(2, -1).T for form in solids.values()]
+    inside = [np.asarray(form.basis.global_coordinates()).reshape(pair.slave.dim, -1).T for form in solids.values()]
     elements = [np.broadcast_to(_elements(form), form.weight.shape).ravel() for form in solids.values()]
     nearest = cKDTree(np.concatenate(inside)).query(places)[1]
     return np.asarray(stress(places.T[:, :, None], np.concatenate(elements)[nearest][:, None]))[:, :, 0]

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from ..contact.pair import ContactPair
-from ..contact.state import ContactState, transferred
+from ..contact.state import ContactState
+from ..contact.transfer import interpolated
 from ..errors import look_up
 from ..forms import Form
 from ..solid import SolidForm
@@ -58,11 +59,13 @@ def _moved_back(pair: ContactPair, state: ContactState) -> ContactState:
     """The state of a pair whose bodies are back in their places, with all it carries."""
     home = pair.initial_state()
     old, new = pair.points(state), pair.points(home)
+    elastic = pair.elastic_slip(state)
     if pair.quadrature == "segments":
-        excess = np.interp(new.arc, old.arc, np.where(np.isfinite(state.gap), state.gap - state.offset, 0.0))
-        state = replace(transferred(state, old, new), cuts=home.cuts, offset=np.zeros(len(excess)), gap=excess)
-    elastic = np.nan_to_num(pair.master.along(state.position - state.stick_point))
+        excess = interpolated(pair.slave, old, new, np.where(np.isfinite(state.gap), state.gap - state.offset, 0.0))
+        elastic = interpolated(pair.slave, old, new, elastic)
+        state = replace(pair.transferred(state, home.cuts), offset=np.zeros(len(excess)), gap=excess)
     near = np.isfinite(home.gap) & np.isfinite(state.gap)
     offset = np.where(near, home.gap - (state.gap - state.offset), 0.0)
-    return replace(state, position=home.position, stick_point=home.position - elastic, facet=home.facet, gap=home.gap,
-                   slip=np.zeros_like(state.slip), offset=offset)
+    state = replace(state, facet=home.facet, position=home.position, gap=home.gap, slip=np.zeros_like(state.slip),
+                    offset=offset)
+    return pair.with_elastic_slip(state.with_stick(home.stick), elastic)

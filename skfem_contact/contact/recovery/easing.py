@@ -68,6 +68,10 @@ class Easing:
             state = member.seen(state, law)
         return state
 
+    def slip(self, at: ndarray) -> ndarray | float:
+        """What is added to the slips of points, given by their numbers, (dim - 1, n)."""
+        return sum(member.slip(at) for member in self.members)
+
     @property
     def locked(self) -> ndarray | None:
         """Points that stay on their facet, (n_points,), or None."""

@@ -47,6 +47,10 @@ class Recovery:
         """The accepted state as the easier pair sees it."""
         return state
 
+    def slip(self, at: ndarray) -> ndarray | float:
+        """What is added to the slips of points, given by their numbers."""
+        return 0.0
+
     def proceed(self, pair: ContactPair, accepted: ContactState, found: ContactState) -> Recovery | None:
         """The next member, once an equilibrium is found; None for the pair as given, this one where nothing is left.
 

@@ -42,7 +42,7 @@ class SoftStick(Recovery):
     softness
         Share of the tangential penalty.
     shift
-        What is added to the elastic slip, along the undeformed master, (n_points,).
+        What is added to the elastic slip, (dim - 1, n_points).
     """
 
     softness: float
@@ -65,7 +65,7 @@ class SoftStick(Recovery):
         softness = min(_SHARE, _FIRST / hardness)
         logger.info("points %s of '%s' chatter between stick and slip: a soft stick begins with %.1g of the penalty",
                     np.flatnonzero(chatters), pair.slave.name, softness)
-        return cls._of(softness, _elastic_slip(pair, accepted))
+        return cls._of(softness, pair.elastic_slip(accepted))
 
     @classmethod
     def _of(cls, softness: float, elastic: ndarray) -> SoftStick:
@@ -73,25 +73,22 @@ class SoftStick(Recovery):
         return cls(softness, elastic / softness - elastic)
 
     def seen(self, state: ContactState, law: InterfaceLaw) -> ContactState:
-        """With a softer penalty from a shifted stick point."""
-        return replace(state, penalty_factor=state.penalty_factor * [1.0, self.softness],
-                       stick_point=state.stick_point - self.shift)
+        """With a softer penalty."""
+        return replace(state, penalty_factor=state.penalty_factor * [1.0, self.softness])
+
+    def slip(self, at: ndarray) -> ndarray:
+        """The shift."""
+        return np.asarray(self.shift[:, at])
 
     def proceed(self, pair: ContactPair, accepted: ContactState, found: ContactState) -> SoftStick | None:
         """A harder stick, with the tractions of the last solution."""
-        elastic = _elastic_slip(pair, found) * self.softness
+        elastic = pair.elastic_slip(found) * self.softness
         sticks = found.status == Status.STICK
-        slip = np.nan_to_num(pair.master.along(found.position - accepted.stick_point))
-        wrong = np.abs(slip - elastic)[sticks].max(initial=0.0)
+        wrong = np.abs(pair.elastic_slip(accepted, found) - elastic)[:, sticks].max(initial=0.0)
         harder = _CHANGE * np.abs(elastic).max() / max(wrong, 1e-300)
         softness = max(harder, self.softness * _GROWTH)
         return self._of(softness, elastic) if softness < 1.0 else None
 
     def at(self, points: ndarray) -> SoftStick:
         """Of the nearest points."""
-        return SoftStick(self.softness, self.shift[points])
-
-
-def _elastic_slip(pair: ContactPair, state: ContactState) -> ndarray:
-    """Elastic slip along the undeformed master."""
-    return np.asarray(np.nan_to_num(pair.master.along(state.position - state.stick_point)))
+        return SoftStick(self.softness, self.shift[:, points])
