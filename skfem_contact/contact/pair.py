@@ -18,7 +18,7 @@ from .clearance import Fit, touching
 from .diagnosis import ROUND_OFF, passed_through, penetration, remarks
 from .kinematics import Kinematics, tangents, variations
 from .laws import InterfaceLaw, Status, Update
-from .material_points import MaterialPoints, behind
+from .material_points import MaterialPoints
 from .neighbours import NeighbourList
 from .quadrature import SlavePoints
 from .recovery.easing import Easing
@@ -28,12 +28,10 @@ from .settings import check_law, check_settings
 from .smoothing import smoothed
 from .state import ContactState
 from .surface import Surface
-from .transfer import elastic_slip, nearest, slid, with_elastic_slip
+from .transfer import dragged, elastic_slip, follow, nearest, slid, with_elastic_slip
 
 #: Largest tractions in the damped tangent's geometric part, over those at which the surfaces give way by a segment.
 _LARGEST_TRACTION = 0.1
-#: Round-off of an elastic slip, as a share of it.
-_SAME_SLIP = 1e-9
 
 
 class ContactPair:
@@ -238,8 +236,8 @@ class ContactPair:
         force = weight[:, None] * np.einsum("in,nim->nm", update.traction, kinematics.work)
         elastic = np.where(update.status == Status.OPEN, 0.0, update.elastic_slip - multiplied)
         return Response(self._gathering.force(kinematics.dofs, force),
-                        lambda: self._candidate(accepted, merged(near, found, projected), at, update,
-                                                self._dragged(state, nodes, at, kinematics, elastic)),
+                        lambda: self._candidate(accepted, state, merged(near, found, projected), at, update,
+                                                dragged(kinematics, self.master, nodes, state.stick.take(at), elastic)),
                         lambda: self._stiffness(kinematics, update, weight, self.tangent == "exact"),
                         lambda: self._stiffness(kinematics, self._limited(update), weight, self.tangent == "exact"),
                         round_off=max(penalties) * exact * float(np.linalg.norm(weight)))
@@ -273,28 +271,10 @@ class ContactPair:
         """Largest penetration: what is deeper than an element or so belongs to the other side of the body."""
         return np.maximum(points.size, self.master.spacing)
 
-    def _dragged(self, state: ContactState, nodes: ndarray, at: ndarray, kinematics: Kinematics, elastic: ndarray
-                 ) -> MaterialPoints:
-        """Stick points of points in contact: those that slide drag them behind by their elastic slip (eq. 10)."""
-        left = np.abs(elastic.T - kinematics.slip).max(axis=1)
-        stays = (left <= _SAME_SLIP * np.abs(elastic).max(axis=0)) & (state.stick_facet[at] >= 0)
-        behind_ = behind(self.master, nodes, kinematics.tangents, kinematics.closest, elastic.T)
-        stick = state.stick.take(at)
-        return MaterialPoints(np.where(stays, stick.facet, behind_.facet), np.where(stays[:, None], stick.xi, behind_.xi))
-
-    def _candidate(self, accepted: ContactState, found: Projection, at: ndarray, update: Update, dragged: MaterialPoints
-                   ) -> ContactState:
-        """The state that is found; open points take their closest point along as stick point."""
-        closest, traction = found.closest, np.zeros_like(accepted.traction)
-        stick = MaterialPoints(closest.facet.copy(), closest.xi.copy())
-        status, internal = np.full(len(found.gap), int(Status.OPEN)), self.seen(accepted).internal.copy()
-        stick.facet[at], stick.xi[at] = dragged
-        traction[:, at], status[at], internal[:, at] = update.traction, update.status, update.internal
-        way = slid(self.points(accepted), self.slave, self.master, closest, accepted.closest)
-        slip = np.where(status == Status.OPEN, 0.0, accepted.slip + way)
-        return replace(accepted, facet=closest.facet, position=closest.xi.T, stick_facet=stick.facet,
-                       stick_position=stick.xi.T, gap=found.gap, slip=slip, traction=traction, status=status,
-                       internal=internal)
+    def _candidate(self, accepted: ContactState, seen: ContactState, found: Projection, at: ndarray, update: Update,
+                   stick: MaterialPoints) -> ContactState:
+        way = slid(self.points(accepted), self.slave, self.master, found.closest, accepted.closest)
+        return follow(seen, found, at, update, stick, accepted.slip + way)
 
     def _stiffness(self, kinematics: Kinematics, update: Update, weight: ndarray, exact: bool) -> csr_matrix:
         K = tangents(kinematics, update.traction, update.tangent, exact) * weight[:, None, None]

@@ -1,4 +1,4 @@
-"""A state carried over from the slave's old points to new ones."""
+"""How a contact state goes on: from the accepted one to what is found, and from the slave's old points to new ones."""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -8,11 +8,51 @@ from numpy import ndarray
 from scipy.spatial import cKDTree
 
 from .chain import Chain
+from .kinematics import Kinematics
+from .laws import Status, Update
 from .material_points import MaterialPoints, apart, behind, shifted
 from .quadrature import SlavePoints
+from .search import Projection
 from .state import ContactState
 from .surface import Surface
 from .vectors import frame
+
+
+#: Round-off of an elastic slip, as a share of it.
+_SAME_SLIP = 1e-9
+
+
+def follow(seen: ContactState, found: Projection, at: ndarray, update: Update, stick: MaterialPoints, slip: ndarray
+           ) -> ContactState:
+    """The state that is found; open points take their closest point along as stick point.
+
+    Parameters
+    ----------
+    seen
+        Accepted state, as the pair sees it.
+    found
+        Closest points of all points.
+    at, update, stick
+        Points that the law reaches, its answer for them and their stick points.
+    slip
+        Slip of all points since they closed, (dim - 1, n), if they have not opened.
+    """
+    closest, traction, internal = found.closest, np.zeros_like(seen.traction), seen.internal.copy()
+    facet, xi, status = closest.facet.copy(), closest.xi.copy(), np.full(len(found.gap), int(Status.OPEN))
+    facet[at], xi[at] = stick
+    traction[:, at], status[at], internal[:, at] = update.traction, update.status, update.internal
+    return replace(seen, facet=closest.facet, position=closest.xi.T, stick_facet=facet, stick_position=xi.T,
+                   gap=found.gap, slip=np.where(status == Status.OPEN, 0.0, slip), traction=traction, status=status,
+                   internal=internal)
+
+
+def dragged(kinematics: Kinematics, master: Surface, nodes: ndarray, stick: MaterialPoints, elastic: ndarray
+            ) -> MaterialPoints:
+    """Stick points after a step: those that slide drag them behind by their elastic slip, (dim - 1, n) (eq. 10)."""
+    left = np.abs(elastic.T - kinematics.slip).max(axis=1)
+    stays = stick.exist & (left <= _SAME_SLIP * np.abs(elastic).max(axis=0))
+    after = behind(master, nodes, kinematics.tangents, kinematics.closest, elastic.T)
+    return MaterialPoints(np.where(stays, stick.facet, after.facet), np.where(stays[:, None], stick.xi, after.xi))
 
 
 def tangents_at(points: SlavePoints, slave: Surface, slave_nodes: ndarray, master: Surface, nodes: ndarray,

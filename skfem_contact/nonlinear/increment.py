@@ -110,9 +110,9 @@ def check(given: System, system: System, found: Equilibrium, load: ndarray, newt
     again = given.evaluate(found.x, found.states, load)
     if again.norm > _AGAIN * newton.tolerance:
         reasons = {name: getattr(form, "eased", "") for name, form in eased.items()}
-        told = "; ".join(f"{name}: {reason}" for name, reason in reasons.items() if reason)
+        why = "; ".join(f"{name}: {reason}" for name, reason in reasons.items() if reason)
         raise NotConverged(f"an equilibrium was found that does not last, {again.norm:.1e} of the forces are out of "
-                           f"balance: {told}", found.x, (*found.residuals, again.norm), again.worst)
+                           f"balance: {why}", found.x, (*found.residuals, again.norm), again.worst)
 
 
 def _easier(system: System, states: Mapping[str, Any], load: ndarray, error: NotConverged) -> System:

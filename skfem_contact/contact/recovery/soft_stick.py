@@ -50,7 +50,7 @@ class SoftStick(Recovery):
 
     @classmethod
     def begin(cls, pair: ContactPair, accepted: ContactState, failure: Failure | None) -> SoftStick | None:
-        """The softest stick where points change between stick and slip, or slip to and fro.
+        """The softest stick where points change between stick and slip, or the direction of their slip.
 
         From slip in one direction to slip in the other the traction runs through stick, in an elastic slip that is
         smaller the higher the penalty; Newton's method may jump over it for ever.
