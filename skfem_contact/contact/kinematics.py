@@ -101,7 +101,7 @@ def variations(points: SlavePoints, slave: Surface, master: Surface, projection:
     dofs = [slave.dofs[points.nodes], master.dofs[master.facets[facet]], *(
         np.where((block < 0)[:, :, None], -1, master.dofs[block]) for block in others)]
     stuck = (held >= 0)[:, None]
-    x_stick = np.where(stuck, np.einsum("nk,nkc->nc", sum(weights), nodes[master.facets[held]]), r)
+    way = _from_stick(master, nodes, facet, place, held, weights)
     M, rest = place.shapes, [np.zeros_like(M) for M in weights[1:]]
     alpha = np.concatenate((N, -M[0], *rest), axis=1)
     beta = np.concatenate([np.zeros((*M[1].shape[:2], N.shape[1])), M[1], *(z[:, None] + 0 * M[1] for z in rest)], axis=2)
@@ -118,15 +118,15 @@ def variations(points: SlavePoints, slave: Surface, master: Surface, projection:
     Xi = operator @ (lift(alpha[:, None], a) + g[:, None, None] * lift(beta, n[:, None]))
     G, T = lift(alpha[:, None], n[:, None])[:, 0], products(e, a) @ Xi
     own = slice(N.shape[1], N.shape[1] + M[0].shape[1])
-    facets = _OnFacets(place, own, alpha, beta, sigma, g, r - x_stick, m, h, operator, Xi, direction,
+    facets = _OnFacets(place, own, alpha, beta, sigma, g, way + np.where(stuck, r - place.x[0], 0.0), m, h, operator, Xi, direction,
                        delta)
     joints = None
     if (v := np.flatnonzero(projection.feature)).size:
         joints = Joints(v, master, facet[v], xi[v], _free(master, projection.feature[v]), g[v], r[v],
-                        nodes[master.facets[facet[v]]], (r - x_stick)[v], direction[v], N[v], sigma[v], delta[v])
+                        nodes[master.facets[facet[v]]], facets.from_stick[v], direction[v], N[v], sigma[v], delta[v])
         n, e = n.copy(), e.copy()
         n[v], e[v], G[v], T[v] = joints.first[:4]
-    return Kinematics(np.concatenate(dofs, axis=1).reshape(G.shape), np.concatenate((G[:, None], T), axis=1), np.einsum("nic,nc->ni", e, r - x_stick), n, e,
+    return Kinematics(np.concatenate(dofs, axis=1).reshape(G.shape), np.concatenate((G[:, None], T), axis=1), np.einsum("nic,nc->ni", e, way), n, e,
                       MaterialPoints(facet, xi), facets, joints)
 
 
@@ -145,6 +145,16 @@ def _stick_weights(master: Surface, facet: ndarray, stick: MaterialPoints) -> tu
         return held, [weights], []
     return held, [np.where(elsewhere, 0.0, weights), np.where(elsewhere, weights, 0.0)], [
         np.where(elsewhere, master.facets[held], -1)]
+
+
+def _from_stick(master: Surface, nodes: ndarray, facet: ndarray, place: Place, held: ndarray, weights: list[ndarray]
+                ) -> ndarray:
+    """Way from the stick points to the closest points, (n, dim), to the last bit zero where they are the same."""
+    near = np.where((held >= 0)[:, None], place.shapes[0], 0.0) - weights[0]
+    way = np.einsum("nk,nkc->nc", near, nodes[master.facets[facet]])
+    for others in weights[1:]:
+        way -= np.einsum("nk,nkc->nc", others, nodes[master.facets[held]])
+    return np.asarray(way)
 
 
 def slip_gradient(kinematics: Kinematics) -> ndarray:
