@@ -24,7 +24,7 @@ _ON_FACET = 1e-9  # round-off of xi at a joint
 _ON_SIDE = 1e-10  # last step along a side, that of Newton's method: the error is its square
 _NEWTON_STEPS = 25
 _ROUND_OFF = 16 * np.finfo(float).eps  # ... of xi where the coordinates are as large as the facet
-_BEYOND = 0.1  # share of its width by which a curved facet is followed beyond its sides
+_BEYOND = 0.3  # share of its width by which a curved facet is followed beyond its sides: farther than locked points go
 
 
 class Projection(NamedTuple):
