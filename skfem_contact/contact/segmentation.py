@@ -50,9 +50,10 @@ class Sampling:
 
     def fits(self, cuts: ndarray) -> bool:
         """Whether cuts are some of this slave."""
-        if self.rule != "segments" or self.slave.dim == 2:
-            return bool(len(cuts) == 0) if self.rule != "segments" else bool(cuts[-1:] == len(self.slave.facets))
-        return cuts.ndim == 2 and bool(cuts[-1, 0] == len(self.slave.facets) - 1)
+        if self.rule != "segments" or len(cuts) == 0:
+            return self.rule != "segments" and len(cuts) == 0
+        last = cuts[-1] - 1 if self.slave.dim == 2 else cuts[-1, 0] if cuts.ndim == 2 else -1
+        return bool(last == len(self.slave.facets) - 1)
 
     def points(self, cuts: ndarray) -> SlavePoints:
         """The points between cuts."""

@@ -128,7 +128,7 @@ class Surface:
         xi, weight = rule(shape, 5)
         everywhere = np.repeat(np.arange(len(facets)), len(weight)), np.tile(xi, (len(facets), 1))
         area = surface.density(*everywhere).reshape(len(facets), -1) @ weight
-        if (flat := ~(area > 0.0)).any():
+        if (flat := area <= 0.0).any():
             raise ValueError(f"'{name}': facets without area at {nodes[facets[flat]].mean(axis=1)[:3].round(6).tolist()}")
         return replace(surface, nodes=nodes, area=area)
 

@@ -43,7 +43,7 @@ def waved(mesh, height, number):
 def dissipation(forms, result):
     """Work of the friction on the way of the stick points, of every point in every step, (n_steps - 1, n)."""
     states = [stage.states["joint"] for stage in result]
-    way = np.diff([arcs(pair, state.stick) for state in states], axis=0)
+    way = np.diff([arcs(forms["joint"], state.stick) for state in states], axis=0)
     way = np.where(np.isnan(way), 0.0, way)
     return way * np.array([state.traction[1] for state in states[1:]])
 
