@@ -1,8 +1,8 @@
 """Frictional contact, soil plasticity and staged analysis for scikit-fem."""
 
-from .collapse.flow import reduced_strength
-from .collapse.limit_load import LimitLoad, limit_load
-from .collapse.strength import StrengthReduction, strength_reduction
+from .collapse.limit_load import limit_load
+from .collapse.result import CollapseResult
+from .collapse.strength import strength_reduction
 from .contact import (
     AugmentedLagrangian,
     ContactPair,
@@ -21,27 +21,32 @@ from .contact import (
     two_pass,
 )
 from .contact.laws import Coulomb, InterfaceLaw, Status, Tied
-from .errors import AnalysisWarning
-from .forms import Response
+from .errors import AnalysisWarning, NoEquilibrium, NotConverged
+from .forms import Form, Response
+from .links import Bar, BarState, MatrixForm, Spring
 from .loads import hydrostatic, water_load, weight
 from .materials import DruckerPrager, HardeningMohrCoulomb, LinearElastic, MohrCoulomb, Tresca, VonMises
+from .materials.reduction import reduced_strength
 from .mesh.check import check_mesh
 from .mesh.join import bodies, join_bodies
 from .mesh.read import load_mesh
-from .nonlinear.evaluation import NoEquilibrium, NotConverged
 from .nonlinear.newton import Newton
 from .post import (
     ContactReport,
+    PointStatus,
     SectionForces,
     Sections,
     Tractions,
     contact_report,
+    export_pvd,
     export_vtu,
     line_sections,
     nodal_field,
     reactions,
     ring_sections,
     section_forces,
+    to_frame,
+    to_pyvista,
     tractions,
 )
 from .solid import SolidForm, SolidState
@@ -52,37 +57,38 @@ from .stages.run import run
 from .stages.stage import Stage
 from .strain import StrainOperator, axisymmetric, b_bar, plane_strain, three_dimensional
 from .testing import CheckFailed, check_form, check_interface_law, check_material
+from .unknowns import Field, unknowns_at
 
 __version__ = "0.1.0"
 
 __all__ = [
     "AnalysisWarning",
-    "AugmentedLagrangian",
+    "AugmentedLagrangian", "Bar", "BarState",
     "CheckFailed",
+    "CollapseResult",
     "ContactPair",
     "ContactReport",
     "ContactState",
     "Coulomb",
-    "DruckerPrager",
+    "DruckerPrager", "Field", "Form",
     "HardeningMohrCoulomb",
     "InterfaceLaw",
-    "LimitLoad",
     "LinearElastic",
-    "MohrCoulomb",
+    "MatrixForm", "MohrCoulomb",
     "Newton",
     "NoEquilibrium",
     "NotConverged",
+    "PointStatus",
     "Response",
     "Result",
     "SectionForces",
     "Sections",
     "SolidForm",
-    "SolidState",
+    "SolidState", "Spring",
     "Stage",
     "StageResult",
     "Status",
     "StrainOperator",
-    "StrengthReduction",
     "Surface",
     "Tied",
     "Tractions",
@@ -97,6 +103,7 @@ __all__ = [
     "check_mesh",
     "choose_penalties",
     "contact_report",
+    "export_pvd",
     "export_vtu",
     "given_state",
     "gravity_state",
@@ -126,8 +133,10 @@ __all__ = [
     "section_forces",
     "strength_reduction",
     "three_dimensional",
+    "to_frame",
+    "to_pyvista",
     "tractions",
-    "two_pass",
+    "two_pass", "unknowns_at",
     "water_load",
     "weight",
 ]

@@ -18,6 +18,8 @@ from skfem import CellBasis
 
 from .sparse import with_data
 
+#: Share of the symmetric companion in a damped tangent: more of it makes Newton's method slow, less lets it stall.
+_DAMPING = 0.2
 _CHUNK = 512  # elements a batch: B, DB and BᵀDB of a batch stay in the processor's cache
 
 
@@ -132,3 +134,17 @@ def _frozen(numbers: ndarray) -> ndarray:
     frozen = numbers.astype(np.int32)
     frozen.flags.writeable = False
     return frozen
+
+
+def damped(tangent: ndarray, elasticity: ndarray) -> ndarray:
+    r"""Move tangents of non-associated flow, (n, ncomp, ncomp), towards a symmetric and positive neighbour.
+
+    :math:`D = D_e P` with a projector P along the plastic flow. Its companion :math:`P^T D_e P = D^T D_e^{-1} D`
+    resists all strains but the same flow, and is symmetric.
+    """
+    skew = np.abs(tangent - tangent.transpose(0, 2, 1)).max(axis=(1, 2))
+    at = np.flatnonzero(skew > 1e-9 * np.abs(elasticity).max(axis=(1, 2)))
+    new = tangent.copy()
+    companion = tangent[at].transpose(0, 2, 1) @ np.linalg.solve(elasticity[at], tangent[at])
+    new[at] += _DAMPING * (companion - tangent[at])
+    return new

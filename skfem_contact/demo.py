@@ -178,25 +178,27 @@ def _draw(model: Culvert, out: Path) -> dict[str, str]:
     matplotlib.use("Agg")
     import skfem_contact.plot as plot
 
+    plot.set_units("kN", "m")
     gravity, surcharge = model.result["gravity"], model.result["surcharge"]
     skin = {stage.name: _clockwise(model, stage) for stage in model.result}
     ring = {stage.name: _section_forces(model, stage) for stage in model.result}
     angle, cuts = skin["gravity"].central_angle(), ring["gravity"].position
     diagrams = {
-        "pressure": (angle, {k: p.pressure for k, p in skin.items()}, "contact pressure (kPa)"),
-        "friction": (angle, {k: p.shear for k, p in skin.items()}, "friction (kPa)"),
-        "moment": (cuts, {k: forces.M for k, forces in ring.items()}, "moment (kNm/m)"),
-        "thrust": (cuts, {k: -forces.N for k, forces in ring.items()}, "thrust (kN/m)"),
+        "pressure": (angle, {k: p.pressure for k, p in skin.items()}, "contact pressure", "stress"),
+        "friction": (angle, {k: p.shear for k, p in skin.items()}, "friction", "stress"),
+        "moment": (cuts, {k: forces.M for k, forces in ring.items()}, "moment", "moment"),
+        "thrust": (cuts, {k: -forces.N for k, forces in ring.items()}, "thrust", "line"),
     }
     written = {}
-    for name, (position, series, quantity) in diagrams.items():
-        plot.ring_diagram(position, series, quantity, file=out / f"{name}.png")
-        written[f"{name}.png"] = f"{quantity.split(' (')[0]} around the pipe in both stages"
+    for name, (position, series, quantity, unit) in diagrams.items():
+        plot.ring_diagram(position, series, plot.labelled(quantity, unit), file=out / f"{name}.png")
+        written[f"{name}.png"] = f"{quantity} around the pipe in both stages"
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # it is said below the list of files
-        added = replace(surcharge, x=surcharge.x - gravity.x)
-        if plot.contour(model.forms, added, "uy", deformed=100.0, file=out / _PICTURE):
-            written[_PICTURE] = "settlement that the surcharge adds, displacements enlarged 100 times"
+        if plot.contour(model.forms, surcharge, "uy", since=gravity, deformed="auto", contact=True,
+                        loads=surcharge.load - gravity.load, file=out / _PICTURE):
+            written[_PICTURE] = "settlement that the surcharge adds, and what the ground exerts on the pipe"
+    plot.set_units()
     return written
 
 
@@ -205,7 +207,7 @@ def _save(model: Culvert, out: Path) -> dict[str, str]:
     written = {}
     for stage in model.result:
         sc.export_vtu(out / f"{stage.name}.vtu", model.forms, stage)
-        written[f"{stage.name}.vtu"] = f"displacements and stresses of stage '{stage.name}', for ParaView"
+        written[f"{stage.name}.vtu"] = f"displacements, stresses and contact of '{stage.name}', for ParaView"
     model.result.save(out / "culvert.npz")
     written["culvert.npz"] = "the whole result, for load_result"
     return written

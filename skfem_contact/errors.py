@@ -1,8 +1,8 @@
-"""One clear error before the analysis starts."""
+"""Errors and warnings: bad input before the analysis starts, and what is raised where there is no equilibrium."""
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TypeVar
+from collections.abc import Mapping, Sequence
+from typing import Any, TypeVar
 
 from numpy import ndarray
 from skfem import (
@@ -29,6 +29,50 @@ _MODES = {2: (3, 3, 1), 3: (6, 6, 6)}
 
 class AnalysisWarning(UserWarning):
     """Something that was done but should be looked at."""
+
+
+class NotConverged(RuntimeError):
+    """Newton's method found no equilibrium; whether there is one remains open.
+
+    Attributes
+    ----------
+    result
+        The stages and increments that were accepted before, as far as they came.
+    x
+        The displacements that were reached, (N,).
+    residuals
+        History of the residual.
+    unknown
+        Where the largest unbalanced force acts, or the first unknown that can move freely.
+    """
+
+    result: Any = None
+
+    def __init__(self, message: str, x: ndarray | None = None, residuals: Sequence[float] = (),
+                 unknown: int | None = None) -> None:
+        super().__init__(message)
+        self.x, self.residuals, self.unknown = x, tuple(residuals), unknown
+
+
+class NoEquilibrium(NotConverged):
+    """The bodies collapse under this load: they move on and on, and the load does more work than they resist.
+
+    With associated flow the residual is the gradient of a convex potential.  A line search along this energy
+    finds its minimum if there is one; where there is none, which is what collapse means, it runs away along the
+    mechanism.  A hundred times the elastic displacements are taken for that.  With friction and
+    non-associated flow there is no potential, but the mechanism is found in the same way.
+    """
+
+
+class IncrementTooLarge(RuntimeError):
+    """What a form's ``outer`` raises where it cannot tell what happened during an increment: it must be cut.
+
+    Examples
+    --------
+    >>> from skfem_contact.errors import IncrementTooLarge
+    >>> issubclass(IncrementTooLarge, RuntimeError)
+    True
+    """
 
 
 def look_up(name: str, existing: Mapping[str, T], kind: str) -> T:

@@ -166,6 +166,8 @@ def water_load(basis: CellBasis, pressure: Pressure, boundaries: str | Sequence[
     check_plane(basis, "water_load")
     named = (boundaries,) if isinstance(boundaries, str) else tuple(boundaries)
     facets = [look_up(name, basis.mesh.boundaries or {}, "boundary") for name in named]
+    if empty := [name for name, part in zip(named, facets) if len(np.asarray(part)) == 0]:
+        raise ValueError(f"water cannot press on the boundaries {empty}: they are empty")
     _warn_of_water(basis, pressure, np.concatenate([np.asarray(f) for f in facets]) if facets else np.zeros(0, int))
 
     @LinearForm
@@ -180,6 +182,8 @@ def water_load(basis: CellBasis, pressure: Pressure, boundaries: str | Sequence[
     for part in facets:
         outside = FacetBasis(basis.mesh, basis.elem, facets=np.asarray(part))
         load = load + np.asarray(from_outside.assemble(outside, p=_at_points(outside, pressure)))
+    if not load.any():
+        warnings.warn("there is no water: the pressure is zero everywhere", AnalysisWarning, stacklevel=2)
     return load
 
 

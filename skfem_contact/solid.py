@@ -1,9 +1,9 @@
 """A body that carries load: a basis, a strain measure and the materials of its regions."""
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from copy import copy
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -11,14 +11,14 @@ from numpy import ndarray
 from scipy.sparse import csr_matrix
 from skfem import CellBasis
 
-from .assembly import Pattern, element_stiffness, force_matrix, strain_matrix
+from .assembly import Pattern, damped, element_stiffness, force_matrix, strain_matrix
 from .errors import check_basis, check_quadrature, look_up
-from .forms import Response
+from .forms import Form, Response
 from .materials import Material, Update
-from .strain import StrainOperator, plane_strain
+from .materials.reduction import reduced_strength
+from .materials.spectral import largest_shear
+from .strain import StrainOperator, axisymmetric, plane_strain
 
-#: Share of the symmetric companion in a damped tangent: more of it makes Newton's method slow, less lets it stall.
-_DAMPING = 0.2
 #: Round-off of the forces of a displaced body, relative to those of its displacements taken one by one.
 _ROUND_OFF = 8 * np.finfo(float).eps
 
@@ -49,7 +49,7 @@ class _Region:
     elements: slice = field(default_factory=lambda: slice(None))
 
 
-class SolidForm:
+class SolidForm(Form):
     """Internal force and tangent of a body or of several, small strains.
 
     Parameters
@@ -99,11 +99,12 @@ class SolidForm:
                  strain: Callable[[CellBasis], StrainOperator] = plane_strain) -> None:
         check_basis(basis)
         check_quadrature(basis)
-        self.basis, self.regions = _by_region(basis, materials)
-        self.strain = strain
+        self.basis, regions = _by_region(basis, materials)  # state arrays follow this order of the elements
+        self.size, self.strain = int(self.basis.N), strain
+        self.joins, self.axisymmetric = np.zeros(0, int), strain is axisymmetric
         B, self.weight = strain(self.basis)
         self._ncomp = B.shape[2]
-        _check_materials(self.regions, self.basis.nelems, self._ncomp)
+        self._set(regions)
         self._pattern = Pattern.of(self.basis)
         self._force_matrix = force_matrix(strain_matrix(B, self.basis.element_dofs, self.basis.N), self.weight)
         self._element_dofs = np.ascontiguousarray(self.basis.element_dofs.T)
@@ -115,15 +116,15 @@ class SolidForm:
         regions = ", ".join(f"{r.name}: {r.material!r}" for r in self.regions)
         return f"<SolidForm {self.basis.nelems} elements, {regions}>"
 
-    @property
-    def materials(self) -> dict[str, Material]:
-        """Materials by the name of their subdomain (``"all"`` where one material was given)."""
-        return {region.name: region.material for region in self.regions}
-
-    @property
-    def symmetric(self) -> bool:
-        """Whether the tangent is symmetric: all materials say so by an attribute `symmetric`."""
-        return all(getattr(material, "symmetric", False) for material in self.materials.values())
+    def _set(self, regions: tuple[_Region, ...]) -> None:
+        """Regions with their materials, and what follows from these."""
+        _check_materials(regions, self.basis.nelems, self._ncomp)
+        self.regions = regions
+        self.materials = {region.name: region.material for region in regions}
+        self.symmetric = all(getattr(material, "symmetric", False) for material in self.materials.values())
+        elastic = all(material.n_internal == 0 for material in self.materials.values())
+        self.changing = self.joins if elastic else None
+        self.strengths = tuple(name for name, material in self.materials.items() if hasattr(material, "reduced"))
 
     def with_materials(self, materials: Mapping[str, Material]) -> SolidForm:
         """The same body with some materials replaced; what does not change is shared, not computed again.
@@ -136,14 +137,28 @@ class SolidForm:
         for name in materials:
             look_up(name, self.materials, "region of this solid")
         new = copy(self)
-        new.regions = tuple(_Region(r.name, materials.get(r.name, r.material), r.elements) for r in self.regions)
-        _check_materials(new.regions, new.basis.nelems, new._ncomp)
+        new._set(tuple(_Region(r.name, materials.get(r.name, r.material), r.elements) for r in self.regions))
         same = all(np.array_equal(a.material.elasticity(self._ncomp), b.material.elasticity(self._ncomp))
                    for a, b in zip(self.regions, new.regions, strict=True))
         if not same:
             for name in ("_elasticity", "elastic_stiffness", "_diagonal"):
                 new.__dict__.pop(name, None)
         return new
+
+    def reduced(self, factor: float, flow: str, names: Collection[str]) -> SolidForm:
+        """The same body with the strength of some regions divided by a factor, see :func:`reduced_strength`."""
+        return self.with_materials({name: reduced_strength(self.materials[name], factor, flow) for name in names})
+
+    def yielding(self, before: SolidState, after: SolidState) -> tuple[int, int]:
+        """Number of points whose plastic strain has grown from one state to another, and of all points."""
+        if not len(after.internal):
+            return 0, after.stress[0].size
+        earlier = before.internal[0] if len(before.internal) else 0.0
+        return int((after.internal[0] > earlier).sum()), after.stress[0].size
+
+    def shear_strain(self, x: ndarray) -> ndarray:
+        """Largest shear strain of displacements, of plane bodies that in their plane, (n_elements, n_points)."""
+        return largest_shear(self._strains(x))
 
     def initial_state(self, x: ndarray | None = None) -> SolidState:
         """Stress-free: undeformed or, when the body is built after others have deformed, at the displacements `x`.
@@ -184,6 +199,8 @@ class SolidForm:
         state
             The last accepted state.
         """
+        if len(x) != self.size:
+            raise ValueError(f"there are {len(x)} displacements for {self.size} unknowns")
         strain = self._strains(x)
         increment = strain - state.strain
         before = self._remembered(state)
@@ -193,7 +210,7 @@ class SolidForm:
         stress = updates[0].stress if len(updates) == 1 else np.concatenate([u.stress for u in updates], axis=1)
         force = self._force_matrix @ stress.ravel()
         return Response(force, lambda: SolidState(strain, stress, self._internal(before, updates)),
-                        lambda: self._tangent(updates), lambda: self._tangent(updates, damped=True),
+                        lambda: self._tangent(updates), lambda: self._tangent(updates, damping=True),
                         _ROUND_OFF * float(np.linalg.norm(self._diagonal * x)))
 
     def _internal(self, before: ndarray, updates: list[Update]) -> ndarray:
@@ -210,12 +227,20 @@ class SolidForm:
             return ""
         return f"{yielded.mean():.1%} yielded"
 
-    def remarks(self, state: SolidState) -> list[str]:
-        """What a user should know of an accepted state: nothing here."""
-        return []
+    def continues(self, old: Form) -> SolidForm:
+        """The form in the place of another one of the same elements."""
+        if not isinstance(old, SolidForm) or old.weight.shape != self.weight.shape \
+                or not np.array_equal(old.basis.element_dofs, self.basis.element_dofs):
+            raise ValueError("its elements are others")
+        return self
 
-    def outer(self, x: ndarray, accepted: SolidState, candidate: SolidState) -> None:
-        """Nothing is left to do once an increment has converged."""
+    def fits(self, state: SolidState) -> bool:
+        """Whether a state has stresses at the points of this body; internal variables may be others than at first."""
+        return np.shape(state.stress) == (self._ncomp, *self.weight.shape)
+
+    def moved_back(self, x: ndarray, state: SolidState) -> SolidState:
+        """The state with its stresses, of a body that counts as undeformed from here on."""
+        return replace(state, strain=np.zeros_like(state.strain))
 
     def element_forces(self, stress: ndarray, elements: ndarray) -> ndarray:
         """Internal forces that the nodes exert on some elements, (n_local_dofs, len(elements))."""
@@ -244,7 +269,7 @@ class SolidForm:
     def _diagonal(self) -> ndarray:
         return self.elastic_stiffness.diagonal()
 
-    def _tangent(self, updates: list[Update], damped: bool = False) -> csr_matrix:
+    def _tangent(self, updates: list[Update], damping: bool = False) -> csr_matrix:
         """Elastic stiffness corrected in the elements that hold a plastic point."""
         n_points = self.weight.shape[1]
         points, tangents = [], []
@@ -252,11 +277,11 @@ class SolidForm:
             if len(update.plastic):
                 points.append(update.plastic + n_points * (region.elements.start or 0))
                 tangent = update.tangent()
-                if damped:
+                if damping:
                     n_elements = len(range(self.basis.nelems)[region.elements])
                     n = self._ncomp
                     elasticity = np.broadcast_to(region.material.elasticity(n), (n_elements, n, n))
-                    tangent = _damped(tangent, elasticity[update.plastic // n_points])
+                    tangent = damped(tangent, elasticity[update.plastic // n_points])
                 tangents.append(tangent)
         if not points:
             return self.elastic_stiffness
@@ -273,20 +298,6 @@ class SolidForm:
         correction = self._pattern.scatter(element_stiffness(self._B[elements], change), elements)
         correction += self.elastic_stiffness.data
         return self._pattern.matrix(correction)
-
-
-def _damped(tangent: ndarray, elasticity: ndarray) -> ndarray:
-    r"""Move tangents of non-associated flow, (n, ncomp, ncomp), towards a symmetric and positive neighbour.
-
-    :math:`D = D_e P` with a projector P along the plastic flow. Its companion :math:`P^T D_e P = D^T D_e^{-1} D`
-    resists all strains but the same flow, and is symmetric.
-    """
-    skew = np.abs(tangent - tangent.transpose(0, 2, 1)).max(axis=(1, 2))
-    at = np.flatnonzero(skew > 1e-9 * np.abs(elasticity).max(axis=(1, 2)))
-    new = tangent.copy()
-    companion = tangent[at].transpose(0, 2, 1) @ np.linalg.solve(elasticity[at], tangent[at])
-    new[at] += _DAMPING * (companion - tangent[at])
-    return new
 
 
 def _check_materials(regions: tuple[_Region, ...], n_elements: int, ncomp: int) -> None:

@@ -17,6 +17,12 @@ def with_data(pattern: csr_matrix, data: ndarray) -> csr_matrix:
     return matrix
 
 
+def padded(K: csr_matrix, n: int) -> csr_matrix:
+    """The matrix among n unknowns, of which it knows the first ones; its data are shared."""
+    indptr = np.pad(K.indptr, (0, n - K.shape[0]), mode="edge")
+    return csr_matrix((K.data, K.indices, indptr), shape=(n, n))
+
+
 class Gathering:
     """Forces and tangents of points, added up; places in the matrix are found anew only for points on other nodes.
 

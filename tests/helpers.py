@@ -54,20 +54,11 @@ def traction(basis: Basis, facets: str, force) -> ndarray:
     return form.assemble(FacetBasis(basis.mesh, basis.elem, facets=facets))
 
 
-class WithoutState:
+class WithoutState(sc.Form):
     """A form of the user's own that remembers nothing: what is left to write is ``assemble``."""
 
     def initial_state(self, x=None):
         return None
-
-    def outer(self, x, accepted, candidate):
-        return None
-
-    def summary(self, state):
-        return ""
-
-    def remarks(self, state):
-        return []
 
 
 @dataclass(frozen=True)

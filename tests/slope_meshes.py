@@ -64,7 +64,7 @@ def held(basis: Basis) -> ndarray:
     return np.flatnonzero(np.isclose(y, y.min()) | (across & (np.isclose(x, x.min()) | np.isclose(x, x.max()))))
 
 
-def reduced_slope(mesh: MeshTri, materials, unit_weight: float = 20.0, **settings) -> sc.StrengthReduction:
+def reduced_slope(mesh: MeshTri, materials, unit_weight: float = 20.0, **settings) -> sc.CollapseResult:
     """Strength reduction under the weight."""
     basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
     forms = {"soil": sc.SolidForm(basis, materials)}

@@ -166,11 +166,11 @@ def test_smoothing_of_curved_facets():
 def test_pair_without_penalty_is_assembled():
     p = pair()
     with pytest.raises(ValueError, match="'b:bottom' on 'a:top' has no penalty yet"):
-        p.assemble(np.zeros(p.n), p.initial_state())
+        p.assemble(np.zeros(p.size), p.initial_state())
 
 
 def test_no_solid_to_take_a_penalty_from():
-    with pytest.raises(ValueError, match="no solid among the forms"):
+    with pytest.raises(ValueError, match="no SolidForm among the forms"):
         sc.choose_penalties({"joint": pair()})
 
 

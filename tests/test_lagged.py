@@ -7,8 +7,8 @@ from helpers import grid, vector_basis
 from skfem import FacetBasis, LinearForm
 
 import skfem_contact as sc
-from skfem_contact.collapse.flow import AssociatedSubstitute, associated_substitute
 from skfem_contact.materials import HardeningMohrCoulomb
+from skfem_contact.materials.substitute import AssociatedSubstitute
 
 SOIL = sc.MohrCoulomb(E=1e3, nu=0.3, c=1.0, phi=30.0, psi=5.0)
 
@@ -66,10 +66,10 @@ def test_parameters_may_vary_by_element():
 def test_associated_soil_stays_as_it_is():
     """[X] With psi = phi there is nothing to lag behind, and other laws are refused."""
     associated = sc.MohrCoulomb(E=1e3, nu=0.3, c=1.0, phi=30.0, psi=30.0)
-    assert associated_substitute(associated) is associated
+    assert type(associated.reduced(2.0, "lagged")) is sc.MohrCoulomb
     softening = HardeningMohrCoulomb(1e3, 0.3, c=2.0, c_end=1.0, phi=20.0, phi_end=20.0, strain_end=0.1)
-    with pytest.raises(ValueError, match="not for HardeningMohrCoulomb"):
-        associated_substitute(softening)
+    with pytest.raises(ValueError, match="'lagged' is for MohrCoulomb"):
+        softening.reduced(1.0, "lagged")
 
 
 def footing(psi: float, phi: float = 20.0):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import runpy
 from importlib.resources import files
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from skfem_contact import bodies, join_bodies
 from skfem_contact.mesh.read import load_mesh
 
 DATA = files("skfem_contact") / "data"
+SCRIPT = Path(__file__).parents[1] / "examples" / "1_first_steps" / "make_culvert.py"
 BODIES = {"ground": ["soft", "stiff"], "culvert": "culvert"}
 INNER, OUTER = 0.72, 0.90
 DIGITS = 1e-6  # the coordinates in the file are rounded to six digits
@@ -26,7 +28,7 @@ def mesh():
 def make(path, **options):
     """Run the script that makes the mesh."""
     pytest.importorskip("gmsh")
-    runpy.run_path(str(DATA / "make_culvert.py"))["make_culvert"](str(path), **options)
+    runpy.run_path(str(SCRIPT))["make_culvert"](str(path), **options)
     return load_mesh(path)
 
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from skfem_contact.nonlinear.evaluation import Evaluation, NotConverged
+from skfem_contact.errors import NotConverged
+from skfem_contact.nonlinear.evaluation import Evaluation
 from skfem_contact.nonlinear.newton import Newton, iterate
 
 
 def scalar(residual):
-    """SearchLog of a scalar equation, relative to a load of 1."""
+    """Evaluations of a scalar equation, relative to a load of 1."""
     def evaluate(z):
         value = residual(z)
         return Evaluation(z, {}, value, float(np.linalg.norm(value) / max(1.0, np.linalg.norm(1.0 - value))))

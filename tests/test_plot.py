@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import subprocess
 import sys
@@ -16,17 +17,21 @@ from helpers import ELEMENTS, grid, vector_basis
 
 import skfem_contact as sc
 from skfem_contact import plot
-from skfem_contact.plot import contours
+from skfem_contact.plot import picture
+from skfem_contact.plot.scales import make_scale
+from skfem_contact.plot.scene import Scene
 
 matplotlib.use("Agg")
 ROOT = Path(__file__).parents[1]
-needs_opengl = pytest.mark.skipif(not contours._can_render(), reason="VTK cannot draw on this machine")
+needs_opengl = pytest.mark.skipif(not picture._can_render(), reason="VTK cannot draw on this machine")
+FOOT = picture.FOOT
 
 
 @pytest.fixture(autouse=True)
 def _close_figures():
     yield
     plt.close("all")
+    plot.set_units()
 
 
 def block(element="Q1"):
@@ -39,52 +44,130 @@ def block(element="Q1"):
     return forms, sc.StageResult("now", x, 0 * x, states, (), 0.0)
 
 
+def shot(plotter):
+    return plotter.screenshot(None, return_img=True)
+
+
 def colored(image):
     """Pixels that are neither grey nor white."""
-    return np.ptp(image[..., :3].astype(int), axis=2) > 30
+    return np.ptp(image[..., :3].astype(int), axis=2) > 12
+
+
+# -- scales -------------------------------------------------------------------------------------------------------
+
+
+def ones(values):
+    return np.ones(len(values))
+
+
+def test_levels_are_round_and_zero_is_one_of_them():
+    values = np.linspace(-0.37, 1.13, 50)
+    scale = make_scale(values, ones(values), None, 10, None)
+    np.testing.assert_allclose(scale.levels, np.arange(-4, 13, 2) / 10, atol=1e-12)
+    assert 0.0 in scale.levels and scale.extend == "neither"
+
+
+def test_a_corner_does_not_spoil_the_scale():
+    """A hundredth of the area at a thousand times the stress is beyond the arrow."""
+    values = np.append(np.linspace(0.0, 10.0, 999), 5000.0)
+    scale = make_scale(values, ones(values), None, 10, None)
+    assert scale.levels[-1] <= 11.0 and scale.extend == "max"
+    smooth = np.linspace(0.0, 10.0, 1000) ** 1.5
+    assert make_scale(smooth, ones(smooth), None, 10, None).extend == "neither"
+
+
+def test_both_signs_have_both_colors_and_zero_between_them():
+    values = np.linspace(-2.0, 4.0, 40)
+    scale = make_scale(values, ones(values), None, 10, None)
+    colors = np.asarray(scale.colors.colors)
+    below = scale.levels[:-1] < 0.0
+    assert (colors[below, 2] > colors[below, 0]).all()  # blue
+    assert (colors[~below, 0] > colors[~below, 2]).all()  # red
+    pressed = make_scale(-values - 10.0, ones(values), None, 10, None)
+    shades = np.asarray(pressed.colors.colors)[:, :3].sum(axis=1)
+    assert (np.diff(shades) > 0).all()  # of one sign: the larger the darker
+
+
+def test_given_limits_are_kept():
+    values = np.linspace(0.0, 10.0, 20)
+    scale = make_scale(values, ones(values), (0.5, 3.3), 10, None)
+    assert (scale.levels[0], scale.levels[-1], scale.extend) == (0.5, 3.3, "both")
+    for limits in ((3.0, 3.0), (0.0, np.nan)):
+        with pytest.raises(ValueError, match="limits are two finite numbers"):
+            make_scale(values, ones(values), limits, 10, None)
+
+
+def test_constant_fields_have_a_scale():
+    for value in (0.0, 7.0):
+        levels = make_scale(np.full(5, value), np.ones(5), None, 10, None).levels
+        assert levels[0] <= value <= levels[-1] and (np.diff(levels) > 0).all()
+
+
+# -- contours -----------------------------------------------------------------------------------------------------
 
 
 @needs_opengl
 @pytest.mark.parametrize("element", ELEMENTS)
 def test_contour_shows_the_field(element, tmp_path):
-    """A field that rises from left to right: dark violet on the left, yellow on the right; the file is written."""
+    """Eight bands from pale to dark over a field that rises from left to right; the file is written."""
     forms, step = block(element)
-    plotter = plot.contour(forms, step, "ux", file=tmp_path / "ux.png", edges=False)
+    plot.contour(forms, step, "ux", file=tmp_path / "ux.png", mesh=False, limits=(0.0, 0.2), levels=8)
     image = plt.imread(tmp_path / "ux.png")
     height, width = image.shape[:2]
-    body = image[: height - 120, :, :3]
+    body = image[: height - FOOT, :, :3]
     assert width == 1400
-    np.testing.assert_allclose(height - 120, 700, atol=2)  # the plate is twice as wide as high; pixels are whole
-    row = body[len(body) // 2]
-    assert row[60, 2] > row[60, 1] + 0.2  # violet
-    assert row[-60, 0] > 0.9 > 0.3 > row[-60, 2]  # yellow
-    assert plotter.scalar_bar.GetLookupTable().GetTableRange() == (0.0, pytest.approx(0.2))
+    # the plate is twice as wide as high, with margins of 2.5 % of its length; pixels are whole
+    np.testing.assert_allclose(height - FOOT, 1400 * 1.1 / 2.1, atol=2)
+    row = body[len(body) // 2, 60:-60]
+    shades = [color for color, left in itertools.pairwise(row) if np.array_equal(color, left)]
+    bands = [shades[0]] + [b for a, b in itertools.pairwise(shades) if np.abs(a - b).max() > 0.03]
+    assert len(bands) == 8
+    assert (np.diff([band.sum() for band in bands]) < 0).all()  # darker and darker
 
 
 @needs_opengl
 def test_deformed_body_leaves_its_outline(tmp_path):
     """Ten times a tenth: the body becomes as wide again; its outline stays where it was."""
     forms, step = block()
-    plot.contour(forms, step, "sxx", deformed=10.0, file=tmp_path / "sxx.png", limits=(0.0, 200.0), edges=False)
+    plot.contour(forms, step, "sxx", deformed=10.0, file=tmp_path / "sxx.png", limits=(0.0, 1e3), levels=1, mesh=False)
     image = (255 * plt.imread(tmp_path / "sxx.png")).astype(int)
-    body = image[: len(image) - 120]
-    share = colored(body).any(axis=0).mean()
-    assert share == pytest.approx(1 / 1.04, abs=0.01)  # the frame's margin is 2 % on each side
-    assert body.shape[1] / body.shape[0] == pytest.approx(4, rel=0.01)
-    middle = body[len(body) // 2]
+    body = image[: len(image) - FOOT]
+    assert colored(body).any(axis=0).mean() == pytest.approx(1 / 1.05, abs=0.01)
+    middle = body[len(body) // 3]
     inside = np.arange(100, body.shape[1] - 100)
-    (line,) = np.flatnonzero(np.abs(middle[inside, 0] - np.median(middle[inside, 0])) > 90)
-    assert inside[line] == pytest.approx(body.shape[1] / 2, abs=2)  # the right side of the undeformed plate
+    found = np.flatnonzero(np.abs(middle[inside, 0] - np.median(middle[inside, 0])) > 40)
+    assert inside[found].mean() == pytest.approx(body.shape[1] / 2, abs=2)  # the right side of the undeformed plate
+
+
+def test_automatic_factors_are_round():
+    forms, step = block()
+    scene = Scene(forms, step, "auto")
+    assert scene.factor == pytest.approx(0.2)  # 4 % of 2 over 0.2 is 0.4, and 1, 2 and 5 are round
+    assert Scene(forms, sc.StageResult("still", 0 * step.x, step.load, step.states, (), 0.0), "auto").factor == 1.0
 
 
 @needs_opengl
-def test_window_and_constant_field(tmp_path):
+def test_a_factor_of_one_is_not_told(monkeypatch):
+    told = []
+    monkeypatch.setattr("skfem_contact.plot.contours.bar_figure", lambda scale, title, note, size, marks: told.append(
+        (title, note)) or plt.figure())
     forms, step = block()
-    plotter = plot.contour(forms, step, "uy", window=(0.5, 1.0, 0.0, 1.0))
-    image = plotter.screenshot(None, return_img=True)
-    plotter.close()
-    assert image.shape[0] / image.shape[1] == pytest.approx((1000 + 120) / 700, rel=0.01)
-    assert colored(image[:900]).mean() > 0.6  # half as wide as high, in the least width of 700
+    plot.set_units("kN", "m")
+    plot.contour(forms, step, "sxx", deformed=1.0)
+    plot.contour(forms, step, "ux", since=step, deformed=20.0)
+    assert told == [("Horizontal stress [kPa]", "now"),
+                    ("Change of horizontal displacement [m]", "now, since now, displacements × 20")]
+
+
+@needs_opengl
+def test_window_and_constant_field():
+    forms, step = block()
+    image = shot(plot.contour(forms, step, "uy", window=(0.5, 1.0, 0.0, 1.0)))
+    assert image.shape[0] == 1000 + FOOT
+    body = image[:1000, :, :3].reshape(-1, 3)
+    assert (body != 255).any(axis=1).mean() > 0.9  # nothing but the plate is seen
+    with pytest.raises(ValueError, match="a window is"):
+        plot.contour(forms, step, "uy", window=(1.0, 0.5, 0.0, 1.0))
 
 
 @needs_opengl
@@ -94,17 +177,99 @@ def test_bodies_that_are_not_there_are_not_drawn():
     basis = vector_basis(sc.join_bodies({"a": plate, "b": plate.translated((1.0, 0.0))}), "Q1")
     forms = {name: sc.SolidForm(basis.with_elements(name), sc.LinearElastic(E=1e3, nu=0.0)) for name in "ab"}
     step = sc.StageResult("now", basis.zeros(), basis.zeros(), {"a": forms["a"].initial_state()}, (), 0.0)
-    image = plot.contour(forms, step, "uy", edges=False).screenshot(None, return_img=True)
-    assert image.shape[:2] == (1000 + 120, 1000)  # a square of the largest height; two plates would be 1400 wide
+    image = shot(plot.contour(forms, step, "uy", mesh=False))
+    assert image.shape[:2] == (1000 + FOOT, 1000)  # a square of the largest height; two plates would be 1400 wide
+
+
+@needs_opengl
+def test_borders_of_materials_are_sharp():
+    """[X] Uniform strain in two materials: two colours with nothing between them."""
+    basis = vector_basis(grid("Q1", np.linspace(0, 2, 5), np.linspace(0, 1, 3)).with_subdomains(
+        {"left": lambda x: x[0] < 1, "right": lambda x: x[0] > 1}), "Q1")
+    soils = {"left": sc.LinearElastic(E=1e3, nu=0.0), "right": sc.LinearElastic(E=4e3, nu=0.0)}
+    forms = {"block": sc.SolidForm(basis, soils)}
+    x = basis.zeros()
+    x[0::2] = 0.1 * basis.doflocs[0, 0::2]
+    states = {"block": forms["block"].assemble(x, forms["block"].initial_state()).state}
+    step = sc.StageResult("now", x, 0 * x, states, (), 0.0)
+    image = shot(plot.contour(forms, step, "sxx", mesh=False, limits=(0.0, 450.0), levels=9))
+    row = image[350, 60:-60, :3].astype(int)
+    _kinds, count = np.unique(row, axis=0, return_counts=True)
+    assert (count > 100).sum() == 2
+
+
+@needs_opengl
+def test_marks_are_drawn_where_they_belong():
+    """Supports below, loads above, the water table in the middle; without them nothing is outside of the plate."""
+    forms, step = block()
+    basis = forms["block"].basis
+    load = basis.zeros()
+    load[basis.get_dofs("top").all("u^2")] = -1.0
+    plain = shot(plot.contour(forms, step, "uy"))
+    image = shot(plot.contour(forms, step, "uy", supports=basis.get_dofs("bottom").all(), loads=load,
+                              water=sc.hydrostatic(0.5), vectors=True))
+    height = len(image) - FOOT
+    blue = (image[:height, :, 2].astype(int) - image[:height, :, 0] > 60).any(axis=1)
+    assert np.flatnonzero(blue).mean() == pytest.approx(height / 2, rel=0.1)
+    pink = (image[:height, :, 0].astype(int) - image[:height, :, 1] > 100).any(axis=1)
+    assert np.flatnonzero(pink).max() < 0.35 * height
+    dark = (image[: height, :, :3].max(axis=2) < 110).any(axis=1)
+    margin = (plain[: len(plain) - FOOT, :, :3].max(axis=2) < 110).any(axis=1)
+    # below the plate there is a margin of 8 % of its length with loads, and of 2.5 % on the plain picture
+    assert np.flatnonzero(dark).max() > (1.16 / 1.32 + 0.01) * height
+    assert np.flatnonzero(margin).max() < (1.05 / 1.10 + 0.01) * (len(plain) - FOOT)
+
+
+@needs_opengl
+def test_points_that_yield_and_contact_are_in_the_legend():
+    from skfem_contact.demo import culvert
+    from skfem_contact.plot.marks import Marks
+
+    model = culvert()
+    stage = model.result["surcharge"]
+    marks = Marks(model.forms, stage, points=True, contact=True)
+    assert [label for label, _ in marks.legend()] == ["yields", "contact sticks"]
+    with_marks = shot(plot.contour(model.forms, stage, "mobilised", points=True, contact=True, window=(-1, 1, -1, 1)))
+    without = shot(plot.contour(model.forms, stage, "mobilised", window=(-1, 1, -1, 1)))
+    assert np.abs(with_marks[:-FOOT].astype(int) - without[:-FOOT]).max(axis=2).astype(bool).mean() > 0.005
+
+
+@needs_opengl
+def test_stages_share_a_scale_and_a_film_has_frames(tmp_path):
+    forms, step = block()
+    still = sc.StageResult("before", 0 * step.x, step.load, {"block": forms["block"].initial_state()}, (), 0.0)
+    image = shot(plot.stages(forms, [still, step], "ux"))
+    half = image.shape[1] // 2
+    body = image[: len(image) - FOOT]
+    assert len(np.unique(body[200, 40:half - 40, :3], axis=0)) < 6  # one colour and mesh lines
+    assert len(np.unique(body[200, half + 40:-40, :3], axis=0)) > 6
+    pytest.importorskip("imageio")
+    import imageio.v3
+
+    file = plot.animate(forms, [still, step], "ux", tmp_path / "film.gif", deformed=1.0, frames=4)
+    assert imageio.v3.improps(file).n_images >= 3  # equal ones are kept as one
+    with pytest.raises(ValueError, match=r"a film is a \.gif or an \.mp4 file"):
+        plot.animate(forms, [step], "ux", tmp_path / "film.avi")
+    with pytest.raises(ValueError, match="no stage to draw"):
+        plot.stages(forms, [], "ux")
 
 
 @needs_opengl
 def test_a_notebook_shows_the_picture():
     forms, step = block()
-    plotter = plot.contour(forms, step, "ux", edges=False)
+    plotter = plot.contour(forms, step, "ux", mesh=False)
     shown = plt.imread(BytesIO(plotter._repr_png_()))
-    assert shown.shape[:2] == plotter.screenshot(None, return_img=True).shape[:2]
+    assert shown.shape[:2] == shot(plotter).shape[:2]
     assert colored(255 * shown).mean() > 0.3
+
+
+@needs_opengl
+def test_a_window_without_a_display_is_told_and_the_file_written(tmp_path, monkeypatch):
+    monkeypatch.setattr(picture, "_has_windows", lambda: False)
+    forms, step = block()
+    with pytest.warns(UserWarning, match="this machine has no display"):
+        plot.contour(forms, step, "ux", file=tmp_path / "ux.png", show=True)
+    assert (tmp_path / "ux.png").stat().st_size > 1000
 
 
 def test_unknown_field_is_refused_before_anything_is_drawn():
@@ -114,9 +279,9 @@ def test_unknown_field_is_refused_before_anything_is_drawn():
 
 
 def test_no_opengl_is_said_once_and_clearly(monkeypatch):
-    monkeypatch.setattr(contours, "_can_render", lambda: False)
+    monkeypatch.setattr(picture, "_can_render", lambda: False)
     forms, step = block()
-    with pytest.warns(UserWarning, match=r"no picture of 'ux': .* needs OpenGL"):
+    with pytest.warns(UserWarning, match=r"no picture of 'Horizontal displacement': .* needs OpenGL"):
         assert plot.contour(forms, step, "ux") is None
 
 
@@ -131,7 +296,7 @@ def test_missing_opengl_library_does_not_crash(tmp_path):
     done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert done.stdout.strip() in ("drawn", "no picture")
-    assert ("no picture of 'ux'" in done.stderr) == (done.stdout.strip() == "no picture")
+    assert ("no picture of 'Horizontal displacement'" in done.stderr) == (done.stdout.strip() == "no picture")
 
 
 def test_ring_diagram_is_closed_and_styled(tmp_path):
@@ -177,3 +342,58 @@ def test_section_diagram_runs_downwards():
     for axes, values in zip(figure.axes, (-s, 2 * s, 3 * s)):
         np.testing.assert_array_equal(axes.lines[0].get_xdata(), values)
     assert not plot.section_diagram({"wall": forces}).axes[0].yaxis_inverted()
+
+
+def cut():
+    """The collapse of a vertical cut in clay under its weight."""
+    basis = vector_basis(grid("P2", np.linspace(0, 5, 7), np.linspace(0, 5, 7)), "P2", intorder=2)
+    forms = {"cut": sc.SolidForm(basis, sc.Tresca(E=1e4, nu=0.3, c=10.0))}
+    fixed = np.append(basis.get_dofs("bottom").all(), basis.get_dofs("right").all("u^1"))
+    return forms, sc.limit_load(forms, fixed, sc.weight(basis, 5.0), progress=False)
+
+
+@needs_opengl
+def test_mechanism_tells_its_factor(monkeypatch):
+    forms, found = cut()
+    told = []
+    monkeypatch.setattr("skfem_contact.plot.contours.bar_figure", lambda scale, title, note, size, marks: told.append(
+        (title, note)) or plt.figure())
+    image = shot(plot.mechanism(forms, found, vectors=False))
+    assert told[0][0].startswith(f"Limit load {found.value:.4g}: shear strain") and told[0][1] == ""
+    body = image[: len(image) - FOOT].astype(int)
+    red = (body[..., 0] - body[..., 2] > 150) & (body[..., 1] < 100)
+    rows, columns = np.nonzero(red)
+    assert len(rows) > 500
+    # the band falls from the right towards the foot on the left: image rows count downwards
+    assert np.corrcoef(rows, columns)[0, 1] < -0.5
+
+
+def test_curve_ends_at_the_limit():
+    _, found = cut()
+    (axes,) = plot.load_curve(found).axes
+    assert axes.lines[0].get_ydata()[-1] == pytest.approx(found.value, rel=0.02)
+    assert axes.get_ylabel() == "limit load"
+
+
+def test_history_shows_the_nearest_nodes():
+    forms, step = block()
+    still = sc.StageResult("before", 0 * step.x, step.load, {"block": forms["block"].initial_state()}, (), 0.0)
+    plot.set_units("N", "mm")
+    (axes,) = plot.history(forms, sc.Result((still, step)), "ux", {"right": (2.0, 1.0), "middle": (1.01, 0.5)}).axes
+    np.testing.assert_allclose([line.get_ydata() for line in axes.lines], [[0.0, 0.2], [0.0, 0.1]])
+    assert axes.get_ylabel() == "horizontal displacement [mm]"
+    assert [tick.get_text() for tick in axes.get_xticklabels()] == ["before", "now"]
+
+
+def test_diagram_stands_on_the_structure():
+    """Ordinates to the left of the axis, the longest 28 % of its length; extremes are written."""
+    forms, step = block()
+    s = np.linspace(0.0, 2.0, 5)
+    forces = sc.SectionForces(s, s, 0.5 + 0 * s, N=0 * s, V=0 * s, M=s * (2.0 - s) * 10.0)
+    (axes,) = plot.diagram_on(forms, step, "M", forces).axes
+    tips = axes.lines[0].get_xydata()
+    np.testing.assert_allclose(tips[:, 0], s)
+    np.testing.assert_allclose(tips[:, 1], 0.5 + 0.28 * 2.0 * s * (2.0 - s))
+    assert {text.get_text() for text in axes.texts} == {"10", "0"}
+    with pytest.raises(ValueError, match="no quantity of SectionForces 'pressure'; existing: M, N, V"):
+        plot.diagram_on(forms, step, "pressure", forces)

@@ -64,16 +64,6 @@ def test_constant_stress_is_met_at_every_node(element):
         assert np.isnan(field[nodes["c"]]).all()
 
 
-def test_average_weighs_by_volume():
-    """[X] A node between elements of length 1 and 3 takes a quarter and three quarters."""
-    basis = vector_basis(grid("Q1", [0, 1, 4], [0, 1]), "Q1", intorder=2)
-    form = sc.SolidForm(basis, sc.LinearElastic(E=1.0, nu=0.0))
-    x = basis.zeros()
-    x[basis.nodal_dofs[0]] = np.where(basis.mesh.p[0] > 0.5, 1.0, 0.0)  # strain 1 in the first element only
-    field = sc.nodal_field({"bar": form}, step_of({"bar": form}, x), "sxx")
-    np.testing.assert_allclose(field[basis.mesh.p[0] == 1.0], 0.25)
-
-
 def test_plastic_strain_of_soil_beside_an_elastic_body():
     basis, forms = two_bodies("Q1")
     forms["a"] = sc.SolidForm(basis.with_elements("a"), sc.MohrCoulomb(E=1e3, nu=0.3, c=0.01, phi=20.0))

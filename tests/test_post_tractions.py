@@ -98,7 +98,7 @@ def test_state_of_another_form_is_refused():
         sc.tractions(other, state)
     with pytest.raises(ValueError, match="str is not the state of a contact pair"):
         sc.contact_report(pair, x, "skin")
-    with pytest.raises(ValueError, match=rf"displacements have shape \({pair.n - 2},\), not \({pair.n},\)"):
+    with pytest.raises(ValueError, match=rf"displacements have shape \({pair.size - 2},\), not \({pair.size},\)"):
         sc.contact_report(pair, x[:-2], state)
     with pytest.raises(ValueError, match="str is no contact pair"):
         sc.tractions("skin", state)

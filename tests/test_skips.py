@@ -143,7 +143,7 @@ def test_interface_solver_solves_as_a_new_factor_does() -> None:
     basis = forms["block"].basis
     free = np.setdiff1d(np.arange(basis.N), fixed)
     joint, rng = forms["joint"], np.random.default_rng(3)
-    solver = SchurSolver(as_solver(None, basis.doflocs, free), basis.doflocs, free, joint.unknowns)
+    solver = SchurSolver(as_solver(None, basis.doflocs, free), basis.doflocs, free, joint.changing)
     bodies = forms["layer"].elastic_stiffness + forms["block"].elastic_stiffness
     for depth in (1e-3, 2e-3, 3e-3, 1e-2):
         x = basis.zeros()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from skfem_contact.nonlinear.evaluation import NoEquilibrium, NotConverged
+from skfem_contact.errors import NoEquilibrium, NotConverged
 from skfem_contact.nonlinear.stepping import Stepping
 
 
@@ -22,7 +22,7 @@ def follow(capacity: float, error: type[NotConverged], increments: int = 3) -> t
 
 
 def test_collapse_next_to_an_equilibrium_is_the_limit():
-    """[X] NoEquilibrium beyond 0.35: the limit is told between both, 2 % of the load apart at most."""
+    """[X] Collapse beyond 0.35: the limit lies between both, 2 % of the load apart at most."""
     stepping, attempts = follow(0.35, NoEquilibrium)
     assert attempts < 20
     reached, beyond = (float(word.rstrip("%,")) for word in str(stepping).split() if "%" in word)

@@ -9,6 +9,7 @@ import pytest
 from skfem import Basis, ElementQuad1, ElementTriP2, ElementVector, MeshQuad, MeshTri
 
 import skfem_contact as sc
+from skfem_contact.collapse.result import Stop
 
 METHODS = ("continuation", "bracket")
 SOIL = {"E": 1e5, "nu": 0.3, "c": 10.0, "phi": 20.0, "psi": 20.0}
@@ -55,7 +56,7 @@ def test_factor_lies_above_the_rigorous_lower_bound(reference):
     """H1 [B]: limit analysis has 1.375 to 1.385; a coarse mesh of quadratic triangles reads up to 7 % more."""
     assert 1.375 < reference.factor < 1.07 * 1.385
     assert reference.bracket[1] - reference.bracket[0] <= 0.0025  # a quarter of the default tolerance
-    assert reference.criterion.startswith("plateau")
+    assert reference.stop.kind == "plateau" and reference.criterion == str(reference.stop)
 
 
 @pytest.mark.parametrize("psi", [20.0, 0.0])
@@ -63,7 +64,7 @@ def test_both_methods_agree(psi):
     """K7 [X]: the bracket is at most 0.01 wide and the curve ends at most 0.0025 below its plateau."""
     first, second = (reduce(*slope(psi=psi), method=method) for method in METHODS)
     assert abs(first.factor - second.factor) <= 0.01
-    assert second.criterion.startswith("collapse at")
+    assert second.stop.kind == "collapse"
 
 
 @pytest.mark.parametrize("change", [{"E": 1e3}, {"E": 1e7}, {"nu": 0.45}])
@@ -102,7 +103,7 @@ def test_what_is_elastic_until_it_collapses():
     column = sc.SolidForm(basis, sc.MohrCoulomb(E=1e3, nu=0.3, c=10.0, phi=0.0), strain=sc.b_bar)
     result = reduce({"soil": column}, fixed, load)
     assert result.factor == pytest.approx(2.0, abs=0.0025)  # a quarter of the tolerance
-    assert result.criterion == "collapse: the bodies are elastic up to there"
+    assert result.stop == Stop("collapse", "the bodies are elastic up to there")
 
 
 def test_start_from_a_stage_gives_the_same_factor(reference):
@@ -216,14 +217,15 @@ def blocks(mu=0.5):
     return forms, basis.get_dofs("plate:bottom").all(), load
 
 
-def test_contact_is_reduced_where_it_is_named():
+def test_contact_is_reduced_like_all_other_strength():
     """[X] Coulomb: the factor of a block is mu N / T = 2.5; elastic up to there, so a quarter of 0.01 is the width."""
     forms, fixed, load = blocks()
-    result = reduce(forms, fixed, load, reduce={"joint"}, method="bracket")
+    result = reduce(forms, fixed, load, method="bracket")
+    assert result.reduced == ("joint",)
     assert result.bracket[0] <= 2.5 * (1 + 1e-3) and result.bracket[1] >= 2.5 * (1 - 1e-3)
     assert repr(result) == str(result)
     with pytest.raises(ValueError, match="nothing to reduce"):
-        reduce(forms, fixed, load)
+        reduce(forms, fixed, load, exclude="joint")
 
 
 def test_stall_is_no_collapse():

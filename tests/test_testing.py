@@ -11,6 +11,7 @@ from scipy.sparse import identity
 
 import skfem_contact as sc
 from skfem_contact.materials import HardeningMohrCoulomb
+from skfem_contact.remarks import Remark
 
 STIFF = {"E": 1e4, "nu": 0.3}
 #: Stresses of about 10: all these laws yield at strains of 1e-3.
@@ -246,7 +247,7 @@ class WrongForm:
         return 1 if self.fault == "summary" else "text"
 
     def remarks(self, state):
-        return [1] if self.fault == "remarks" else ["text"]
+        return [1] if self.fault == "remarks" else [Remark("kind", 1.0, "text")]
 
 
 @pytest.mark.parametrize(

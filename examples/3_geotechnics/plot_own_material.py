@@ -157,7 +157,8 @@ for strain in (sc.plane_strain, sc.axisymmetric):
 
 # %%
 # Materials whose strength shall be reduced by :func:`~skfem_contact.strength_reduction` have a method
-# ``reduced(factor)`` besides, which returns the material with its strength divided by the factor.
+# ``reduced(factor, flow)`` besides, which returns the material with its strength divided by the factor; the flow that
+# is asked for (:func:`~skfem_contact.reduced_strength`) may be ignored by a law that has one only, as this one.
 #
 # Figures
 # -------

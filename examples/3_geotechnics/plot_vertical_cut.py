@@ -39,7 +39,7 @@ def ground(n: int) -> Basis:
 
 
 # %%
-# NoEquilibrium
+# Collapse
 # --------
 rows = []
 for n in (6, 12, 24) if "--full" in sys.argv else (6, 12):

@@ -130,7 +130,7 @@ ax.legend(frameon=False)
 plt.show()
 
 # %%
-# NoEquilibrium
+# Collapse
 # --------
 # The wall yields as a whole when the plastic zone reaches its outside.
 begin = process_time()

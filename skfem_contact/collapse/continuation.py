@@ -9,28 +9,38 @@ S. Sysala, E. Hrubesova, Z. Michalec, F. Tschuchnigg, Int. J. Numer. Anal. Metho
 """
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from typing import Any, Literal, Protocol
 
 import numpy as np
 from numpy import ndarray
 
-from ..nonlinear.evaluation import Evaluation, NotConverged
+from ..errors import NoEquilibrium, NotConverged
+from ..nonlinear.evaluation import Evaluation
 from ..nonlinear.line_search import Search
 from ..nonlinear.newton import Newton, iterate
 from ..nonlinear.system import System
-from ..stages.result import StageResult
+from ..solvers.direct import SingularSystem
+from ..stages.result import Result, StageResult
+from .result import Stop, no_collapse_below
 
 #: Relative step of the difference quotient by the parameter.
 _DIFFERENCE = 1e-6
 #: Growth of the steps.
 GROWTH = 2.0
-#: Step lengths in a row that may fail before the curve ends.
-_CUTS = 6
+#: Step lengths in a row that may fail before the curve ends: no equilibrium is found, or one below the last.
+_CUTS = {"stall": 6, "peak": 2}
+#: Iterations of failed steps after which it ends, too.
+_VAIN = 150
 _MOST_STEPS = 100
 #: Share of the work at which the curve's last part begins.
 _CHORD = 0.7
+
+
+class Fall(NotConverged):
+    """An equilibrium was found, but below the last one: the step was too long, or the curve has a peak."""
 
 
 class Branch(Protocol):
@@ -88,35 +98,43 @@ class Report(Protocol):
 
 @dataclass(frozen=True)
 class Curve:
-    """Points of the curve, and why it ends.
+    """Points of the curve, why it ends, and a value of the parameter that it does not reach.
 
     Attributes
     ----------
     points
         Equilibria in the order they were found.
-    criterion
-        What stopped the continuation.
+    stop
+        Why it ends there.
+    above
+        The smallest parameter that is known not to be reached; infinite where nothing is known.
     """
 
     points: tuple[Point, ...]
-    criterion: str
+    stop: Stop
+    above: float = np.inf
 
     @property
-    def limit(self) -> tuple[float, float]:
-        """Largest parameter on the curve, and what the last slope leaves room for.
-
-        Close to the limit the curve runs like a hyperbola, ``limit - a / work``, whose slope times the work
-        is what is left.
-        """
-        best = max(point.parameter for point in self.points)
-        return best, best + max(remainder(self.points), 0.0)
+    def highest(self) -> Point:
+        """The point of the largest parameter."""
+        return max(self.points, key=lambda point: point.parameter)
 
 
-def starting_point(system: System, last: StageResult | None) -> Point:
-    """Where a search starts: at the end of a stage, or with unstrained bodies."""
-    if last is None:
-        return Point(np.zeros(system.size), {name: form.initial_state() for name, form in system.forms.items()}, 0.0)
-    return Point(last.x, last.states, 0.0)
+def last_stage(start: Result | StageResult | None) -> StageResult | None:
+    """The stage that a search starts from: the last one of a result."""
+    return start[-1] if isinstance(start, Result) else start
+
+
+def starting_point(system: System, last: StageResult | None) -> tuple[System, Point]:
+    """Where a search starts, at the end of a stage or with unstrained bodies, and the system with its geometry there.
+
+    What follows displaced bodies is held where it is: limits are those of one geometry, whatever the stiffness.
+    """
+    x = np.zeros(system.size) if last is None else last.x
+    states = {name: form.initial_state() for name, form in system.forms.items()} if last is None else last.states
+    held = {name: form.first_geometry(x, states[name]) for name, form in system.forms.items()}
+    forms, states = ({name: pair[i] for name, pair in held.items()} for i in (0, 1))
+    return system.with_forms(forms), Point(x, states, 0.0)
 
 
 def remainder(points: list[Point] | tuple[Point, ...]) -> float:
@@ -164,27 +182,39 @@ def follow(branch: Branch, control: ndarray, points: list[Point], newton: Newton
     until
         Largest displacement that a curve that has levelled off must have reached.
     """
-    points, length, cuts, failed = list(points), min(points[-1].work - points[-2].work, longest), 0, False
+    points, length, failures, vain = list(points), min(points[-1].work - points[-2].work, longest), Counter[str](), 0
     while len(points) < _MOST_STEPS:
+        last = points[-1]
+        margin = tolerance * (abs(last.parameter) if relative else 1.0)
         try:
-            point = correct(branch, control, points, points[-1].work + length, newton)
+            point = correct(branch, control, points, last.work + length, newton)
+            if until == 0.0 and point.parameter < last.parameter - margin:
+                raise Fall("the curve falls", point.x, point.residuals)
         except NotConverged as error:
-            report.reject(points[-1].parameter, error, points[-1].work + length)
-            cuts += 1
-            if cuts > _CUTS:
-                return Curve(tuple(points), f"stall: {error}")
-            length, failed = 0.5 * length, True
+            report.reject(last.parameter, error, last.work + length)
+            rise = length * (last.parameter - points[-2].parameter) / (last.work - points[-2].work)
+            if isinstance(error, NoEquilibrium) and rise < margin:
+                return Curve(tuple(points), Stop("collapse", str(error)), last.parameter + rise)
+            kind = kind_of(error)
+            failures[kind] += 1
+            vain += max(len(error.residuals) - 1, 0)
+            if kind != "collapse" and (failures[kind] > _CUTS[kind] or vain > _VAIN):
+                return Curve(tuple(points), Stop(kind, str(error)))
+            length *= 0.5
             continue
         points.append(point)
         report.accept(point)
         left = remainder(points)
         reached = np.abs(point.x - points[0].x).max() >= until
-        if reached and left < tolerance * (abs(point.parameter) if relative else 1.0):
-            return Curve(tuple(points), f"plateau: the curve may rise by {max(left, 0.0):.2g} more")
+        if reached and left < margin:
+            best = max(point.parameter for point in points)
+            stop = Stop("plateau", f"the curve may rise by {max(left, 0.0):.2g} more")
+            return Curve(tuple(points), stop, best + (left if left > 0.0 else margin))
         if point.parameter > highest:
-            return Curve(tuple(points), f"the parameter {highest:g}: there is no collapse below it")
-        cuts, length, failed = 0, length if failed else min(growth * length, longest), False
-    return Curve(tuple(points), f"{_MOST_STEPS} steps without a plateau")
+            return Curve(tuple(points), no_collapse_below(highest))
+        length = length if failures else min(growth * length, longest)
+        failures.clear()
+    return Curve(tuple(points), Stop("steps", f"{_MOST_STEPS} of them without a plateau"))
 
 
 def correct(branch: Branch, control: ndarray, points: list[Point], work: float, newton: Newton) -> Point:
@@ -215,7 +245,7 @@ def correct(branch: Branch, control: ndarray, points: list[Point], work: float, 
         beside = now.z.copy()
         beside[-1] += delta
         by_parameter = (evaluate(beside).residual - now.residual) / delta
-        solve = system.solver.factor(system.tangent(now, damped), system.symmetric)
+        solve = system.factor(system.tangent(now, damped))
         balance, drift = solve(now.residual), solve(by_parameter)
         lag = target - system.work(control, now.z[:-1] + balance)
         slope = system.work(control, drift)
@@ -228,5 +258,20 @@ def correct(branch: Branch, control: ndarray, points: list[Point], work: float, 
         now, norms = iterate(evaluate(guess), evaluate, direction, newton, branch.search, at_least=1, damp=True)
     except NotConverged as error:
         error.x = None if error.x is None else error.x[:-1]
-        raise
+        raise as_collapse(error, system) from error
     return Point(now.z[:-1], now.states, float(now.z[-1]), work, norms)
+
+
+def as_collapse(error: NotConverged, system: System) -> NotConverged:
+    """The error, or :class:`NoEquilibrium` where all points flow from the start and nothing resists any more."""
+    singular = error.__cause__
+    if len(error.residuals) > 1 or not isinstance(singular, SingularSystem) \
+            or len(singular.unknowns) < len(system.free):
+        return error
+    return NoEquilibrium("all points flow at once, and nothing resists any more", error.x, error.residuals,
+                         error.unknown)
+
+
+def kind_of(error: NotConverged) -> Literal["collapse", "peak", "stall"]:
+    """How a step failed."""
+    return "collapse" if isinstance(error, NoEquilibrium) else "peak" if isinstance(error, Fall) else "stall"

@@ -2,94 +2,28 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy import ndarray
-from tqdm import tqdm
 
+from ..errors import NotConverged
 from ..forms import Form
-from ..nonlinear.evaluation import NotConverged
+from ..materials.reduction import Flow, check_reduction
 from ..nonlinear.line_search import Search
 from ..nonlinear.newton import Newton
 from ..nonlinear.system import System
-from ..solid import SolidForm
+from ..progress import progress_bar
 from ..solvers.threads import single_threaded
 from ..stages.result import Result, StageResult
 from ..stages.setup import build_system, check_load, left_by
-from .continuation import GROWTH, Point, follow, starting_point
-from .flow import Flow, associated_substitute, reduced_strength
-from .history import SearchLog, Step, describe_mesh, shear_bands, table, warn_of_stall
+from .continuation import GROWTH, Point, follow, last_stage, starting_point
+from .history import SearchLog
+from .result import LOAD, CollapseResult, Found, conclude
 
 _CUTS = 10
 #: Growth of the steps where friction lags behind by one of them.
 _SMALL_GROWTH = 1.5
-
-
-@dataclass(frozen=True)
-class LimitLoad:
-    """Load multiplier at collapse and the curve to it; printed as a table.
-
-    Attributes
-    ----------
-    multiplier
-        Largest multiplier of the reference load with an equilibrium.
-    bracket
-        That multiplier, and what the last slope of the curve leaves room for.
-    criterion
-        What stopped the continuation.
-    mesh
-        Elements and unknowns.
-    steps
-        Every step.
-    x, states
-        Displacements and states at the end of the curve.
-    load
-        Whole load there, (N,).
-    mechanism
-        Displacement increment at collapse, its largest component is 1, (N,).
-    bands
-        In-plane shear strain of the mechanism by solid, (n_elements, n_points).
-    path
-        Multiplier and displacements of every equilibrium.
-    """
-
-    multiplier: float
-    bracket: tuple[float, float]
-    criterion: str
-    mesh: str
-    steps: tuple[Step, ...]
-    x: ndarray = field(repr=False)
-    states: Mapping[str, Any] = field(repr=False)
-    load: ndarray = field(repr=False)
-    mechanism: ndarray = field(repr=False)
-    bands: Mapping[str, ndarray] = field(repr=False)
-    path: tuple[tuple[float, ndarray], ...] = field(repr=False)
-
-    @property
-    def iterations(self) -> int:
-        """Newton iterations of all steps, failed ones included."""
-        return sum(step.iterations for step in self.steps)
-
-    @property
-    def curve(self) -> ndarray:
-        """Work of the reference load, multiplier and largest displacement of all equilibria, (n, 3)."""
-        return np.array([(t.work, t.parameter, t.displacement) for t in self.steps if t.outcome == "equilibrium"])
-
-    @property
-    def end(self) -> StageResult:
-        """What the bodies carry at the end of the curve: a start for other analyses."""
-        last = next(t for t in reversed(self.steps) if t.outcome == "equilibrium")
-        return StageResult("limit load", self.x, self.load, self.states, (self.iterations,), last.residual)
-
-    def __str__(self) -> str:
-        return (f"limit load {self.multiplier:.4g} times the reference load, bracket "
-                f"[{self.bracket[0]:.4g}, {self.bracket[1]:.4g}]\n"
-                f"{self.mesh}; {self.iterations} Newton iterations\n"
-                f"stopped by {self.criterion}\n{table(self.steps, 'multiplier')}")
-
-    __repr__ = __str__  # a notebook would show the arrays
 
 
 class _Load:
@@ -108,9 +42,9 @@ class _Load:
 
 @single_threaded
 def limit_load(forms: Mapping[str, Form], fixed: ndarray, load: ndarray, start: Result | StageResult | None = None,
-               tol: float = 0.005, step: float = 1.0, highest: float = np.inf, flow: Flow | Literal["lagged"] = "given",
+               tol: float = 0.005, step: float = 1.0, highest: float = np.inf, flow: Flow = "given",
                newton: Newton | None = None, solver: Any = None, progress: bool | None = None,
-               longest: float = np.inf, until: float = 0.0) -> LimitLoad:
+               longest: float = np.inf, until: float = 0.0) -> CollapseResult:
     """Multiply a load until the structure collapses.
 
     The work of the reference load is prescribed and its multiplier follows, until the curve of the multiplier
@@ -134,10 +68,9 @@ def limit_load(forms: Mapping[str, Form], fixed: ndarray, load: ndarray, start: 
     highest
         The curve ends when the multiplier exceeds this.
     flow
-        Flow rule, see :func:`reduced_strength`, or ``"lagged"``: as given, with the friction of the pressure at the
-        start of each step (Krabbenhoft and others 2012). With psi < phi the given law takes hundreds
-        of iterations or stalls; the lagged one does not, but must start from equilibrium with its own friction.
-        In long steps it carries more than the given law; `longest` keeps them short.
+        Flow rule, see :func:`reduced_strength`.  With psi < phi the law as given takes hundreds of iterations or
+        stalls; one that is ``"lagged"`` (Krabbenhoft and others 2012) does not, but must start from equilibrium with
+        its own friction, and in long steps it carries more than the given law: `longest` keeps them short.
     newton
         Settings of Newton's method; by default the residual is at most 0.03 ``tol`` of the load.
     solver
@@ -159,7 +92,7 @@ def limit_load(forms: Mapping[str, Form], fixed: ndarray, load: ndarray, start: 
     Warns
     -----
     AnalysisWarning
-        The search ended at a stall, and the limit load may be higher.
+        The search has shown no limit, and it may be higher: :attr:`CollapseResult.stop` says why.
 
     Examples
     --------
@@ -175,42 +108,30 @@ def limit_load(forms: Mapping[str, Form], fixed: ndarray, load: ndarray, start: 
     >>> print(f"{sc.limit_load({'soil': column}, fixed, load).multiplier:.3f}")
     20.000
     """
+    check_reduction(1.0, flow)
     if not tol > 0 or not step > 0 or not longest > 0:
         raise ValueError(f"tol, step and longest must be positive, not {tol!r}, {step!r} and {longest!r}")
-    last = start[-1] if isinstance(start, Result) else start
-    system = build_system(*left_by(last, _flowing(forms, flow), fixed), solver)
-    reference = check_load(load, system.size)
+    last = last_stage(start)
+    there, held, unknowns = left_by(last, forms, fixed)
+    if flow != "given":
+        there = {name: form.reduced(1.0, flow, form.strengths) for name, form in there.items()}
+    system, origin = starting_point(build_system(there, held, unknowns, solver), last)
+    reference = check_load(load, system.unknowns)
     branch = _Load(system, np.zeros(system.size) if last is None else last.load, reference)
     newton = newton or Newton(tolerance=0.03 * tol, max_iterations=30)
-    path: list[Point] = []
-    with tqdm(desc="limit load", disable=None if progress is None else not progress,
-              bar_format="{desc} {postfix} {elapsed}") as bar:
-        log = SearchLog(bar)
-        origin = starting_point(system, last)
+    with progress_bar(progress, desc=LOAD, bar_format="{desc} {postfix} {elapsed}") as bar:
+        log = SearchLog(system.forms, bar)
         log.begin(origin)
-        path = [origin, _first(branch, origin, step, newton, log)]
-        curve = follow(branch, reference, path, newton, tol, log, relative=True, highest=highest,
-                       growth=_SMALL_GROWTH if flow == "lagged" else GROWTH, longest=longest * path[-1].work,
+        points = [origin, _first(branch, origin, step, newton, log)]
+        curve = follow(branch, reference, points, newton, tol, log, relative=True, highest=highest,
+                       growth=_SMALL_GROWTH if flow == "lagged" else GROWTH, longest=longest * points[-1].work,
                        until=until)
-    multiplier, above = curve.limit
-    warn_of_stall("limit load", multiplier, curve.criterion)
     end = curve.points[-1]
-    mechanism = end.x - curve.points[-2].x
-    mechanism = mechanism / (np.abs(mechanism).max() or 1.0)
-    return LimitLoad(multiplier, (multiplier, above), curve.criterion, describe_mesh(system.forms),
-                     tuple(log.steps), end.x, end.states, branch.at(end.parameter)[1], mechanism,
-                     shear_bands(system.forms, mechanism), tuple((p.parameter, p.x) for p in curve.points))
-
-
-def _flowing(forms: Mapping[str, Form], flow: Flow | Literal["lagged"]) -> dict[str, Form]:
-    """The forms with their flow as it is assumed."""
-    new = dict(forms)
-    for name, form in forms.items():
-        if isinstance(form, SolidForm) and flow != "given":
-            soils = {region: soil for region, soil in form.materials.items() if hasattr(soil, "psi")}
-            new[name] = form.with_materials({region: associated_substitute(soil) if flow == "lagged" else
-                                             reduced_strength(soil, 1.0, flow) for region, soil in soils.items()})
-    return new
+    value = curve.highest.parameter
+    found = Found(value, (value, curve.above), curve.stop, curve.points, end, end.x - curve.points[-2].x)
+    result = conclude(LOAD, found, system, branch.at(end.parameter)[1], log.steps, "continuation", flow)
+    result.warn(stacklevel=3)
+    return result
 
 
 def _first(branch: _Load, origin: Point, step: float, newton: Newton, log: SearchLog) -> Point:

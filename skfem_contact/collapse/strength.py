@@ -2,30 +2,27 @@
 from __future__ import annotations
 
 import logging
-import warnings
-from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Collection, Mapping
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
 from numpy import ndarray
-from tqdm import tqdm
 
-from ..errors import AnalysisWarning
+from ..errors import NoEquilibrium, NotConverged
 from ..forms import Form
-from ..nonlinear.evaluation import NoEquilibrium, NotConverged
+from ..materials.reduction import Flow, associated_bound, check_reduction, dilates_less
 from ..nonlinear.line_search import Search
 from ..nonlinear.newton import Newton
 from ..nonlinear.system import System
-from ..solid import SolidForm
-from ..solvers.direct import SingularSystem
+from ..progress import progress_bar
 from ..solvers.threads import single_threaded
 from ..stages.result import Result, StageResult
 from ..stages.setup import build_system, check_load, left_by
-from .continuation import Point, follow, starting_point
-from .flow import FLOWS, Flow, reduced_strength
-from .history import SearchLog, Step, describe_mesh, shear_bands, table, warn_of_stall
+from .continuation import Point, as_collapse, follow, last_stage, starting_point
+from .history import SearchLog
 from .reduction import reduced_parts
+from .result import FACTOR, CollapseResult, Found, Stop, conclude, no_collapse_below
 
 logger = logging.getLogger("skfem_contact")
 
@@ -35,118 +32,59 @@ _FIRST = (1.0, 0.7, 0.5, 0.35, 0.25)
 _OPEN = 0.25
 #: Work, as a share of the elastic work of the whole load, from which it can be prescribed.
 _NOTICEABLE = 1e-4
-#: What stands with so much less strength does not live on it.
-_HIGHEST = 100.0
-_ENDLESS = f"the factor {_HIGHEST:g}: there is no collapse"
-
-
-@dataclass(frozen=True)
-class StrengthReduction:
-    """Factor of safety and how it was found; printed as a table.
-
-    Attributes
-    ----------
-    factor
-        Largest factor with an equilibrium.
-    bracket
-        That factor, and the smallest one that is not reached any more: where collapse was shown (bracketing),
-        or what the last slope of the curve leaves room for (continuation).
-    criterion
-        What stopped the search.
-    method, flow
-        As they were asked for.
-    reduced
-        Names of forms and regions whose strength was reduced.
-    mesh
-        Elements and unknowns.
-    steps
-        Every step.
-    x, states
-        Displacements and states at ``factor``.
-    mechanism
-        Displacement increment at collapse, its largest component is 1, (N,).
-    bands
-        In-plane shear strain of the mechanism by solid, (n_elements, n_points).
-    """
-
-    factor: float
-    bracket: tuple[float, float]
-    criterion: str
-    method: str
-    flow: str
-    reduced: tuple[str, ...]
-    mesh: str
-    steps: tuple[Step, ...]
-    x: ndarray = field(repr=False)
-    states: Mapping[str, Any] = field(repr=False)
-    mechanism: ndarray = field(repr=False)
-    bands: Mapping[str, ndarray] = field(repr=False)
-
-    @property
-    def iterations(self) -> int:
-        """Newton iterations of all steps, failed ones included."""
-        return sum(step.iterations for step in self.steps)
-
-    @property
-    def curve(self) -> ndarray:
-        """Work of the load, factor and largest displacement of all equilibria, (n, 3)."""
-        return np.array([(t.work, t.parameter, t.displacement) for t in self.steps if t.outcome == "equilibrium"])
-
-    def __str__(self) -> str:
-        head = (f"factor of safety {self.factor:.3f}, bracket [{self.bracket[0]:.3f}, {self.bracket[1]:.3f}]\n"
-                f"{self.method}, flow {self.flow}, reduced: {', '.join(self.reduced)}\n"
-                f"{self.mesh}; {self.iterations} Newton iterations\n"
-                f"stopped by {self.criterion}")
-        return f"{head}\n{table(self.steps, 'factor')}"
-
-    __repr__ = __str__  # a notebook would show the arrays
 
 
 class _Strength:
-    """The structure with its strength divided by a factor: a :class:`~.continuation.Branch`."""
+    """The structure with its strength divided by a factor: a :class:`~.continuation.Branch`.
+
+    It is known to stand at all factors up to ``safe``, and at none from ``above`` on.
+    """
 
     lowest = 0.0
 
-    def __init__(self, whole: System, load: ndarray, targets: dict[str, tuple[str, ...] | None],
-                 flow: Flow) -> None:
+    def __init__(self, whole: System, load: ndarray, targets: dict[str, tuple[str, ...]], flow: Flow) -> None:
         self.whole, self.load, self.targets, self.flow = whole, load, targets, flow
+        self.safe, self.above = 0.0, np.inf
         # where contact opens, closes and slips on the way, the residual may rise now and then
-        alone = all(isinstance(form, SolidForm) for form in whole.forms.values())
-        self.search: Search = "step" if alone else "residual"
+        unilateral = any(form.unilateral for form in whole.forms.values())
+        self.search: Search = "residual" if unilateral else "step"
 
     @property
     def names(self) -> tuple[str, ...]:
         """What is reduced."""
-        return tuple(name if regions is None else f"{name}.{region}"
-                     for name, regions in self.targets.items() for region in regions or ("",))
+        return tuple(f"{name}.{part}" if part else name for name, parts in self.targets.items() for part in parts)
+
+    @property
+    def materials(self) -> list[Any]:
+        """Materials of what is reduced."""
+        forms = self.whole.forms
+        return [forms[name].materials[part] for name, parts in self.targets.items() for part in parts if part]
+
+    def bound(self, davis: CollapseResult) -> float:
+        """Factor that is not reached with any dilatancy, if all that flows obeys Radenkovic's theorem."""
+        rest = [form.reduced(1.0, "associated", self.targets.get(name, ())) for name, form in self.whole.forms.items()]
+        if not davis.stop.shows_limit or not all(form.symmetric for form in rest):
+            return np.inf
+        return max(associated_bound(material, davis.bracket[1]) for material in self.materials)
 
     def at(self, parameter: float) -> tuple[System, ndarray]:
         """Forms of reduced strength, and the load."""
         forms = dict(self.whole.forms)
-        for name, regions in self.targets.items():
-            form = forms[name]
-            if regions is None:
-                forms[name] = form.with_law(form.law.reduced(parameter))  # type: ignore[attr-defined]
-            else:
-                forms[name] = form.with_materials(  # type: ignore[attr-defined]
-                    {r: reduced_strength(form.materials[r], parameter, self.flow)  # type: ignore[attr-defined]
-                     for r in regions})
-        return System(forms, self.whole.fixed, self.whole.free, self.whole.solver), self.load
+        for name, parts in self.targets.items():
+            forms[name] = forms[name].reduced(parameter, self.flow, parts)
+        return self.whole.with_forms(forms), self.load
 
     def equilibrium(self, start: Point, factor: float, newton: Newton, elastic: float = 0.0,
                     searches: tuple[Search, ...] = ("energy", "residual")) -> Point:
         """Equilibrium at a factor from another point; there is none where everything flows from the start."""
         system, load = self.at(factor)
+        if factor <= self.safe:  # there is no collapse to be looked for
+            searches = searches[:1]
         try:
             found = system.equilibrium(start.x, start.states, load, start.x[system.fixed], newton,
                                        searches, elastic, at_least=1, damp=True)
         except NotConverged as error:
-            singular = error.__cause__
-            if len(error.residuals) > 1 or not isinstance(singular, SingularSystem) \
-                    or len(singular.unknowns) < len(system.free):
-                raise
-            raise NoEquilibrium("collapse: with all points flowing at once nothing resists any more", error.x,
-                           error.residuals, error.unknown) from error
+            raise as_collapse(error, system) from error
         return Point(found.x, found.states, factor, start.work + system.work(load, found.x - start.x),
                      found.residuals)
 
@@ -155,8 +93,9 @@ class _Strength:
 def strength_reduction(forms: Mapping[str, Form], fixed: ndarray, load: ndarray | None = None,
                        start: Result | StageResult | None = None, reduce: str | Collection[str] | None = None,
                        exclude: str | Collection[str] = (), method: Literal["continuation", "bracket"] = "continuation",
-                       flow: Flow = "given", tol: float = 0.01, step: float = 0.1, newton: Newton | None = None,
-                       solver: Any = None, progress: bool | None = None) -> StrengthReduction:
+                       flow: Flow = "given", tol: float = 0.01, step: float = 0.1, highest: float = 100.0,
+                       newton: Newton | None = None, solver: Any = None, progress: bool | None = None
+                       ) -> CollapseResult:
     """Reduce the strength until the structure collapses under its load.
 
     Parameters
@@ -171,8 +110,8 @@ def strength_reduction(forms: Mapping[str, Form], fixed: ndarray, load: ndarray 
         Where to start: a result (its last stage) or a stage.  By default the load is applied to the unstrained
         bodies first.
     reduce
-        Names of forms and of regions whose strength is reduced, or one; by default all regions of all solids that have
-        a strength.  Contact pairs are reduced, friction and adhesion, where they are named.
+        Names of forms and of regions whose strength is reduced, or one; by default all that have a strength: regions of
+        solids, and friction and adhesion of contact pairs.
     exclude
         Names of forms and of regions that keep their strength, or one.
     method
@@ -184,6 +123,8 @@ def strength_reduction(forms: Mapping[str, Form], fixed: ndarray, load: ndarray 
         Width of the bracket; the curve is followed until a quarter of it is left.
     step
         First step of the factor, at least `tol`: over less than that no curve can be told from its plateau.
+    highest
+        The search ends above this factor: what stands with so much less strength does not live on it.
     newton
         Settings of Newton's method; by default the residual is at most 0.03 ``tol`` of the load.
     solver
@@ -201,8 +142,8 @@ def strength_reduction(forms: Mapping[str, Form], fixed: ndarray, load: ndarray 
     Warns
     -----
     AnalysisWarning
-        The structure is unstable under its own load: the factor is less than 1. Or the search ended at a stall, and
-        the factor of collapse may be higher: the bracket tells how far.
+        The structure is unstable under its own load: the factor is less than 1.  Or the search has shown no collapse,
+        and the factor may be higher: :attr:`CollapseResult.stop` says why.
 
     Examples
     --------
@@ -221,46 +162,56 @@ def strength_reduction(forms: Mapping[str, Form], fixed: ndarray, load: ndarray 
     """
     if method not in ("continuation", "bracket"):
         raise ValueError(f"method must be 'continuation' or 'bracket', not {method!r}")
-    if flow not in FLOWS:
-        raise ValueError(f"flow must be one of {', '.join(FLOWS)}, not {flow!r}")
-    if not tol > 0 or not step > 0:
-        raise ValueError(f"tol and step must be positive, not {tol!r} and {step!r}")
-    last = start[-1] if isinstance(start, Result) else start
+    check_reduction(1.0, flow)
+    if not tol > 0 or not step > 0 or not highest > 1:
+        raise ValueError(f"tol and step must be positive and highest above 1, not {tol!r}, {step!r} and {highest!r}")
+    last = last_stage(start)
     if load is None and last is None:
         raise ValueError("there is no load: give `load`, or a `start` that carries one")
-    whole = build_system(*left_by(last, forms, fixed), solver)
-    load = check_load(load if last is None or load is not None else last.load, whole.size)
+    whole, origin = starting_point(build_system(*left_by(last, forms, fixed), solver=solver), last)
+    load = check_load(load if last is None or load is not None else last.load, whole.unknowns)
     branch = _Strength(whole, load, reduced_parts(whole.forms, reduce, exclude), flow)
     newton = newton or Newton(tolerance=0.03 * tol, max_iterations=30)
-    step = max(step, tol)
-    with tqdm(desc="factor of safety", disable=None if progress is None else not progress,
-              bar_format="{desc} {postfix} {elapsed}") as bar:
-        log = SearchLog(bar)
-        first = _first(branch, last, newton, log)
-        search = _continuation if method == "continuation" else _bracket
-        factor, bracket, criterion, points, mechanism = search(branch, first, newton, tol, step, log)
-    if factor < 1.0 and not criterion.startswith("stall"):
-        warnings.warn(f"the structure is unstable under its own load: its factor of safety is {factor:.3f}",
-                      AnalysisWarning, stacklevel=3)
-    warn_of_stall("factor of safety", factor, criterion)
-    best = max(points, key=lambda p: p.parameter)
-    mechanism = mechanism / (np.abs(mechanism).max() or 1.0)
-    return StrengthReduction(factor, bracket, criterion, method, flow, branch.names, describe_mesh(whole.forms),
-                             tuple(log.steps), best.x, best.states, mechanism,
-                             shear_bands(whole.forms, mechanism))
+    search = partial(_search, origin=origin, newton=newton, tol=tol, step=max(step, tol), highest=highest)
+    with progress_bar(progress, desc=FACTOR, bar_format="{desc} {postfix} {elapsed}") as bar:
+        davis = _davis(branch, search, bar) if flow == "given" else None
+        result = search(branch, method=method, bar=bar, davis=davis)
+    result.warn(stacklevel=3)
+    return result
 
 
-_Found = tuple[float, tuple[float, float], str, list[Point], ndarray]
+def _search(branch: _Strength, origin: Point, newton: Newton, tol: float, step: float, highest: float,
+            method: str, bar: Any, davis: CollapseResult | None = None) -> CollapseResult:
+    log = SearchLog(branch.whole.forms, bar)
+    if davis is not None:
+        branch.safe, branch.above = davis.factor, branch.bound(davis)
+    first = _first(branch, origin, newton, log)
+    search = _continuation if method == "continuation" else _bracket
+    found = search(branch, first, newton, tol, step, highest, log)
+    if np.isfinite(branch.above) and found.stop.kind != "collapse":
+        found = found._replace(bracket=(found.value, max(found.value, branch.above)))
+    system, load = branch.at(found.value)
+    return conclude(FACTOR, found, system, load, log.steps, method, branch.flow, branch.names, davis)
 
 
-def _first(branch: _Strength, last: StageResult | None, newton: Newton, log: SearchLog) -> Point:
+def _davis(branch: _Strength, search: Callable[..., CollapseResult], bar: Any) -> CollapseResult | None:
+    """The search with the soils of Davis where dilatancy is less than friction: on the safe side, whatever the path."""
+    if not any(dilates_less(material) for material in branch.materials):
+        return None
+    try:
+        return search(_Strength(branch.whole, branch.load, branch.targets, "davis_b"), method="continuation", bar=bar)
+    except (ValueError, NotConverged) as error:  # materials without that flow, or nothing to begin with
+        logger.info("no factor after Davis: %s", error)
+        return None
+
+
+def _first(branch: _Strength, origin: Point, newton: Newton, log: SearchLog) -> Point:
     """The first equilibrium: at factor 1, or below where there is none."""
-    nothing = starting_point(branch.whole, last)
-    log.begin(nothing)
+    log.begin(origin)
     error: NotConverged | None = None
-    for factor in _FIRST:
+    for factor in (factor for factor in _FIRST if factor < branch.above):
         try:
-            point = branch.equilibrium(nothing, factor, newton)
+            point = branch.equilibrium(origin, factor, newton)
         except NotConverged as reason:
             error = reason
             log.reject(factor, reason, 0.0)
@@ -279,33 +230,38 @@ def _first(branch: _Strength, last: StageResult | None, newton: Newton, log: Sea
 def _elastic(branch: _Strength, first: Point) -> ndarray:
     """Displacements under the whole load with the stiffness of the first point."""
     system, load = branch.at(first.parameter)
-    return system.solver.factor(system.tangent(system.evaluate(first.x, first.states, load)), system.symmetric)(load)
+    return system.factor(system.tangent(system.evaluate(first.x, first.states, load)))(load)
 
 
-def _continuation(branch: _Strength, first: Point, newton: Newton, tol: float, step: float,
-                  log: SearchLog) -> _Found:
-    points, failed = _approach(branch, first, newton, _OPEN * tol, step, log)
+def _continuation(branch: _Strength, first: Point, newton: Newton, tol: float, step: float, highest: float,
+                  log: SearchLog) -> Found:
+    points, failed = _approach(branch, first, newton, _OPEN * tol, step, highest, log)
     last = points[-1]
-    if last.parameter > _HIGHEST:
-        return last.parameter, (last.parameter, np.inf), _ENDLESS, points, np.zeros_like(last.x)
-    if failed is not None:
-        flowing = any(step.yielding > 0.0 for step in log.steps)
-        where = "the first equilibrium is at its limit" if flowing else "the bodies are elastic up to there"
-        criterion = f"{log.steps[-1].outcome}: {where}"
-        mechanism = np.zeros_like(last.x) if failed.x is None else failed.x - last.x
-        return last.parameter, (last.parameter, log.steps[-1].parameter), criterion, points, mechanism
-    curve = follow(branch, branch.load, points, newton, _OPEN * tol, log)
-    factor, above = curve.limit
-    return factor, (factor, above), curve.criterion, list(curve.points), curve.points[-1].x - curve.points[-2].x
+    if len(points) > 1:
+        curve = follow(branch, branch.load, points, newton, _OPEN * tol, log, highest=highest)
+        best, motion = curve.highest, curve.points[-1].x - curve.points[-2].x
+        return Found(best.parameter, (best.parameter, curve.above), curve.stop, curve.points, best, motion)
+    if failed is None:
+        return Found(last.parameter, (last.parameter, np.inf), no_collapse_below(highest), points, last, 0 * last.x)
+    where = "the first equilibrium is at its limit" if log.ever_yielding else "the bodies are elastic up to there"
+    shown = isinstance(failed, NoEquilibrium)
+    above = log.steps[-1].parameter if shown else np.inf
+    stop = Stop("collapse" if shown else "stall", where)
+    return Found(last.parameter, (last.parameter, above), stop, points, last, _motion(last, failed))
 
 
-def _approach(branch: _Strength, first: Point, newton: Newton, least: float, step: float,
+def _motion(last: Point, failed: NotConverged | None) -> ndarray:
+    """Displacements from the last equilibrium to where the next step failed."""
+    return np.zeros_like(last.x) if failed is None or failed.x is None else failed.x - last.x
+
+
+def _approach(branch: _Strength, first: Point, newton: Newton, least: float, step: float, highest: float,
               log: SearchLog) -> tuple[list[Point], NotConverged | None]:
     """Fixed factors until the load does work: as long as the bodies are elastic the factor has no effect."""
     response = _elastic(branch, first)
     noticeable = _NOTICEABLE * branch.whole.work(branch.load, response)
     last = first
-    while last.parameter <= _HIGHEST:
+    while last.parameter <= highest:
         factor = last.parameter + step
         try:
             # the collapse is still far: what leads to it is tried last
@@ -323,10 +279,12 @@ def _approach(branch: _Strength, first: Point, newton: Newton, least: float, ste
     return [last], None
 
 
-def _bracket(branch: _Strength, first: Point, newton: Newton, tol: float, step: float, log: SearchLog) -> _Found:
+def _bracket(branch: _Strength, first: Point, newton: Newton, tol: float, step: float, highest: float,
+             log: SearchLog) -> Found:
     elastic = float(np.linalg.norm(_elastic(branch, first)))
-    points, above, shown, failed = [first], np.inf, np.inf, NotConverged("no step has failed")
-    while above - points[-1].parameter > tol and points[-1].parameter <= _HIGHEST:
+    points, above, shown = [first], np.inf, np.inf
+    failed: NotConverged | None = None
+    while above - points[-1].parameter > tol and points[-1].parameter <= highest:
         last = points[-1]
         factor = last.parameter + step if np.isinf(above) else 0.5 * (last.parameter + above)
         try:
@@ -339,9 +297,11 @@ def _bracket(branch: _Strength, first: Point, newton: Newton, tol: float, step: 
         log.accept(point)
         points.append(point)
     last = points[-1]
-    criterion = f"collapse at {shown:.4f}" if np.isfinite(shown) else _ENDLESS
-    if shown > above:
-        higher = criterion if np.isfinite(shown) else "no collapse above it either"
-        criterion = f"stall at {above:.4f}, where neither equilibrium nor collapse was found ({higher}): {failed}"
-    mechanism = np.zeros_like(last.x) if failed.x is None else failed.x - last.x
-    return last.parameter, (last.parameter, shown), criterion, points, mechanism
+    if failed is None:
+        stop = no_collapse_below(highest)
+    elif shown > above:
+        higher = f"collapse at {shown:.4f}" if np.isfinite(shown) else "no collapse above it either"
+        stop = Stop("stall", f"at {above:.4f} neither equilibrium nor collapse was found ({higher}): {failed}")
+    else:
+        stop = Stop("collapse", f"at {shown:.4f}")
+    return Found(last.parameter, (last.parameter, shown), stop, points, last, _motion(last, failed))

@@ -2,15 +2,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy import ndarray
 
 from ..errors import place
+from ..remarks import Remark
 from .laws import InterfaceLaw, Status
 from .quadrature import SlavePoints
 from .state import ContactState
 from .surface import Surface
+
+if TYPE_CHECKING:
+    from .pair import ContactPair
 
 #: Penetration, as a share of the slave segment, from which the user is told.
 PENETRATION = 0.01
@@ -32,47 +37,36 @@ def passed_through(depth: ndarray, accepted: ContactState, candidate: ContactSta
     return int((was_outside & (candidate.gap < -depth)).sum())
 
 
-def remarks(slave: Surface, master: Surface, points: SlavePoints, depth: ndarray, penalties: tuple[float, float],
-            law: InterfaceLaw, state: ContactState) -> Iterator[str]:
-    """Remarks on a state: penetration, round-off, bonds that are lost, points that lie too deep, no contact.
-
-    Parameters
-    ----------
-    slave, master
-        The surfaces.
-    points
-        The slave's points.
-    depth
-        Largest penetration that counts as contact, (n,).
-    penalties
-        Normal and tangential penalty.
-    law
-        The interface law.
-    state
-        The points' state.
-    """
+def remarks(pair: ContactPair, state: ContactState) -> Iterator[Remark]:
+    """Remarks on a state: penetration, round-off, bonds that are lost, points that lie too deep, no contact."""
+    slave, master, points, penalties = pair.slave, pair.master, pair.points(state), pair.penalties(state)
     share = penetration(points, state)
     if share > PENETRATION:
-        yield (f"the slave penetrates by {share:.1%} of its segment length: the penalty, {penalties[0]:.3g}, is "
-               "too soft for this load")
+        yield Remark("penetration", share,
+                     f"the slave penetrates by {share:.1%} of its segment length: the penalty, {penalties[0]:.3g}, is "
+                     "too soft for this load")
     lost = penalties[1] * ROUND_OFF * float(np.abs(master.nodes - slave.nodes.mean(axis=0)).max())
     largest = float(np.abs(state.traction).max(initial=0.0))
     if 0.0 < largest < lost / _LOST and (state.status == Status.STICK).any():
-        yield (f"round-off of the slip makes up to {lost / largest:.1%} of the largest traction: the tangential "
-               f"penalty, {penalties[1]:.3g}, is too hard")
-    lost_bond = _without_bond(law, state)
+        yield Remark("round-off", lost / largest,
+                     f"round-off of the slip makes up to {lost / largest:.1%} of the largest traction: the tangential "
+                     f"penalty, {penalties[1]:.3g}, is too hard")
+    lost_bond = _without_bond(pair.law, state)
     if lost_bond.any():
-        yield (f"points {np.flatnonzero(lost_bond)} of '{slave.name}' opened with their bond and closed without it: "
-               "they have lost it, adhesion and tension, for good")
-    deep = state.gap < -depth
+        yield Remark("bond", lost_bond.sum(),
+                     f"points {np.flatnonzero(lost_bond)} of '{slave.name}' opened with their bond and closed without "
+                     "it: they have lost it, adhesion and tension, for good")
+    deep = state.gap < -pair.depth(points)
     if deep.any():
-        yield (f"{deep.sum()} of {len(deep)} points of '{slave.name}' lie deeper in '{master.name}' than an element, "
-               f"up to {-state.gap.min():.3g}, and do not touch it; the deepest is at {_place(slave, points, state)}")
+        yield Remark("too deep", -state.gap.min(),
+                     f"{deep.sum()} of {len(deep)} points of '{slave.name}' lie deeper in "
+                     f"'{master.name}' than an element, up to {-state.gap.min():.3g}, and do not touch it; the "
+                     f"deepest is at {_place(slave, points, state)}")
     elif (state.status == Status.OPEN).all():
         gap = float((state.gap - state.offset).min())
-        yield "no slave point found a master within reach: " + (
+        yield Remark("open", np.nan_to_num(gap), "no slave point found a master within reach: " + (
             f"nothing of '{master.name}' lies opposite '{slave.name}'" if np.isinf(gap) else
-            f"gap is {gap:.3g} between '{slave.name}' and '{master.name}', smallest at {_place(slave, points, state)}")
+            f"gap is {gap:.3g} between '{slave.name}' and '{master.name}', smallest at {_place(slave, points, state)}"))
 
 
 def _without_bond(law: InterfaceLaw, state: ContactState) -> ndarray:

@@ -85,16 +85,8 @@ class InterfaceLaw:
 
     n_internal: int = 0
     reaches_far: bool = False
-
-    @property
-    def bonds(self) -> bool:
-        """No bond: contact is where the bodies meet."""
-        return False
-
-    @property
-    def symmetric(self) -> bool:
-        """Nothing is known."""
-        return False
+    bonds: bool = False
+    symmetric: bool = False
 
     def take(self, points: SlavePoints) -> InterfaceLaw:
         """The law at points of the slave: parameters that are arrays are interpolated there."""
@@ -202,7 +194,7 @@ class Coulomb(InterfaceLaw):
         return replace(self, mu=self.mu / factor, adhesion=self.adhesion / factor, tension=self.tension / factor)
 
     @property
-    def symmetric(self) -> bool:
+    def symmetric(self) -> bool:  # type: ignore[override]
         """Whether the tangent of contact is symmetric: there is no shear, and the pressure has a potential."""
         return not (np.any(self.mu) or np.any(self.adhesion))
 
@@ -260,10 +252,7 @@ class Tied(InterfaceLaw):
     10.0
     """
 
-    @property
-    def bonds(self) -> bool:
-        """Points near the master are bonded to it."""
-        return True
+    bonds = True
 
     def reaches(self, gap: ndarray, internal: ndarray, closed: ndarray) -> ndarray:
         """What was tied at the start."""

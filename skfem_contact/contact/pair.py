@@ -10,18 +10,20 @@ from numpy import ndarray
 from scipy.sparse import csr_matrix
 from skfem import CellBasis
 
-from ..errors import check_basis
-from ..forms import Failure, IncrementTooLarge, Response
+from ..errors import IncrementTooLarge, check_basis
+from ..forms import Failure, Response
 from ..sparse import Gathering
+from .answers import Answers
 from .augmented import AugmentedLagrangian, Progress
 from .clearance import Fit, touching
-from .diagnosis import ROUND_OFF, passed_through, penetration, remarks
+from .diagnosis import ROUND_OFF, passed_through
 from .kinematics import Kinematics, tangents, variations
 from .laws import InterfaceLaw, Status, Update
 from .material_points import MaterialPoints
 from .neighbours import NeighbourList
 from .quadrature import SlavePoints
 from .recovery.easing import Easing
+from .recovery.facet_lock import FacetLock
 from .search import Projection, merged
 from .segmentation import RECUTS, Sampling
 from .settings import check_law, check_settings
@@ -34,7 +36,7 @@ from .transfer import dragged, elastic_slip, follow, nearest, slid, with_elastic
 _LARGEST_TRACTION = 0.1
 
 
-class ContactPair:
+class ContactPair(Answers):
     """Frictional contact with finite sliding between two boundaries, or a boundary and a rigid obstacle.
 
     Parameters
@@ -109,7 +111,8 @@ class ContactPair:
         self.law, self.quadrature, self.tangent = law, quadrature, tangent
         self._sampling = Sampling(self.slave, self.master, quadrature)
         self._neighbours, self._gathering = NeighbourList(self.master), Gathering(basis.N)
-        self.enforcement, self.initial, self.share, self.n = enforcement, initial, share, basis.N
+        self.enforcement, self.initial, self.share = enforcement, initial, share
+        self.size: int = int(basis.N)
         self.penalty: tuple[float, float] | None = None
         self.stiffness: float | None = None
         self.easing, self._progress, self._recuts = Easing(), Progress(), 0
@@ -120,20 +123,6 @@ class ContactPair:
     def __repr__(self) -> str:
         return (f"<ContactPair {self.slave.name} on {self.master.name}, {len(self.slave.facets)} facets, "
                 f"quadrature {self.quadrature}, {self.law!r}>")
-
-    @property
-    def unknowns(self) -> ndarray:
-        """The unknowns that the pair acts on: those of the two surfaces."""
-        dofs = np.unique(np.concatenate((self.slave.dofs.ravel(), self.master.dofs.ravel())))
-        return dofs[dofs >= 0]
-
-    @property
-    def symmetric(self) -> bool:
-        """Whether the tangent is symmetric: the law says so.
-
-        Points that stick have no symmetric tangent once they carry shear or have slipped elastically.
-        """
-        return self.law.symmetric
 
     # -- what is given once ---------------------------------------------------------------------------------
 
@@ -175,7 +164,7 @@ class ContactPair:
             Displacements, (N,), that the bodies have when the pair becomes active. Gaps are still those of the mesh,
             or as adjusted: bodies are built to fit into displaced surfaces, and touch them without traction.
         """
-        mesh = self._places(np.zeros(self.n))
+        mesh = self._places(np.zeros(self.size))
         slave, master = mesh if x is None else self._places(x)
         cuts = self._sampling.cuts(slave, master)
         points = self._sampling.points(cuts)
@@ -208,8 +197,8 @@ class ContactPair:
         slave, nodes = self._places(x)
         points = self.points(state)
         positions = points.positions(slave)
-        accepted, state, law, locked = state, self.seen(state), self.easing.law(self.law), self.easing.locked
-        depth = np.full(len(points.weight), np.inf) if law.reaches_far else self._depth(points)
+        accepted, state, law, lock = state, self.seen(state), self.easing.law(self.law), self.easing.of(FacetLock)
+        depth = np.full(len(points.weight), np.inf) if law.reaches_far else self.depth(points)
         penalties = self.penalties(state)
         closing = state.offset - points.at(state.multiplier[0]) / penalties[0]
         bonded = state.status != int(Status.OPEN)
@@ -217,7 +206,8 @@ class ContactPair:
         near = bonded | (around.clearance <= np.maximum(depth, closing))  # the others need not be projected
 
         def projected(chosen: ndarray) -> Projection:
-            return self._sampling.project(points, nodes, positions, depth, state.facet, locked, around.of(chosen))
+            return self._sampling.project(points, nodes, positions, depth, state.facet, lock and lock.points,
+                                          around.of(chosen))
 
         found = projected(near)
         gap = found.gap - closing
@@ -240,7 +230,8 @@ class ContactPair:
                                                 dragged(kinematics, self.master, nodes, state.stick.take(at), elastic)),
                         lambda: self._stiffness(kinematics, update, weight, self.tangent == "exact"),
                         lambda: self._stiffness(kinematics, self._limited(update), weight, self.tangent == "exact"),
-                        round_off=max(penalties) * exact * float(np.linalg.norm(weight)))
+                        round_off=max(penalties) * exact * float(np.linalg.norm(weight)),
+                        active=at.tobytes() + update.status.tobytes())
 
     def seen(self, state: ContactState) -> ContactState:
         """An accepted state as the pair sees it; internal variables that it lacks are zero, as before any update."""
@@ -265,11 +256,7 @@ class ContactPair:
 
     def _project(self, points: SlavePoints, nodes: ndarray, positions: ndarray,
                  previous: ndarray | None = None) -> Projection:
-        return self._sampling.project(points, nodes, positions, self._depth(points), previous)
-
-    def _depth(self, points: SlavePoints) -> ndarray:
-        """Largest penetration: what is deeper than an element or so belongs to the other side of the body."""
-        return np.maximum(points.size, self.master.spacing)
+        return self._sampling.project(points, nodes, positions, self.depth(points), previous)
 
     def _candidate(self, accepted: ContactState, seen: ContactState, found: Projection, at: ndarray, update: Update,
                    stick: MaterialPoints) -> ContactState:
@@ -287,6 +274,10 @@ class ContactPair:
         largest = _LARGEST_TRACTION * self.stiffness * self.slave.spacing
         return update._replace(traction=np.clip(update.traction, -largest, largest))
 
+    def depth(self, points: SlavePoints) -> ndarray:
+        """Largest penetration: what is deeper than an element or so belongs to the other side of the body."""
+        return np.maximum(points.size, self.master.spacing)
+
     # -- increments that take more than one equilibrium ---------------------------------------------------------
 
     def outer(self, x: ndarray, accepted: ContactState, found: ContactState
@@ -302,7 +293,7 @@ class ContactPair:
             Points have passed through the master.
         """
         points = self.points(accepted)
-        if passed := passed_through(self._depth(points), accepted, found):
+        if passed := passed_through(self.depth(points), accepted, found):
             raise IncrementTooLarge(f"{passed} of {len(points.weight)} points of '{self.slave.name}' have passed through "
                                     f"'{self.master.name}', or the penalty, {self.penalties(accepted)[0]:.3g}, is soft")
         new, state = copy(self), accepted
@@ -355,20 +346,3 @@ class ContactPair:
     def with_elastic_slip(self, state: ContactState, slip: ndarray) -> ContactState:
         """The state with stick points from which the closest points have slipped, (dim - 1, n)."""
         return with_elastic_slip(self.points(state), self.slave, self.master, state, slip)
-
-    # -- what the analysis asks besides ---------------------------------------------------------------------
-
-    def summary(self, state: ContactState) -> str:
-        """Counts of open, sticking and slipping points, for the table of a result."""
-        counts = np.bincount(state.status, minlength=3)
-        return f"{counts[Status.STICK]} stick, {counts[Status.SLIP]} slip, {counts[Status.OPEN]} open"
-
-    def penetration(self, state: ContactState) -> float:
-        """Largest penetration as a share of the slave segment there."""
-        return penetration(self.points(state), state)
-
-    def remarks(self, state: ContactState) -> list[str]:
-        """What a user should know of an accepted state: contact that is not there, or not where it should be."""
-        points = self.points(state)
-        return list(remarks(self.slave, self.master, points, self._depth(points), self.penalties(state), self.law,
-                            state))

@@ -3,14 +3,17 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.sparse import csr_matrix
 
 from ..errors import AnalysisWarning
-from .pair import ContactPair
+from ..forms import Form, as_forms
 from .surface import Surface
+
+if TYPE_CHECKING:
+    from .pair import ContactPair
 
 #: Penalty over the stiffness of the layers of elements beside the surfaces.  On the average over many loads
 #: the nodal forces of a Hertz contact are closest to the exact ones at 6 to 12 (surface-to-surface rules, 10 and 20
@@ -22,7 +25,7 @@ _RATIO = 6.0
 _HARDEST = 1e9
 
 
-def choose_penalties(forms: Mapping[str, Any]) -> dict[str, Any]:
+def choose_penalties(forms: Mapping[str, Any]) -> dict[str, Form]:
     """Give every contact pair without a penalty one that suits the bodies it joins.
 
     The stiffness of a surface is that of its nodes, each by itself, against pressure, per length of surface: about
@@ -56,20 +59,22 @@ def choose_penalties(forms: Mapping[str, Any]) -> dict[str, Any]:
     >>> bool(1e3 < forms["contact"].penalty[0] < 1e5)        # some E/h
     True
     """
-    pairs = {k: f for k, f in forms.items() if isinstance(f, ContactPair) and f.stiffness is None}
-    solids = [f.elastic_stiffness for f in forms.values() if hasattr(f, "elastic_stiffness")]
-    if pairs and not solids:
-        raise ValueError("no solid among the forms: the contact pairs need `penalty=`")
-    new = dict(forms)
-    for name, pair in pairs.items():
-        stiffness = _series(pair, solids)
-        penalty = pair.penalty or (_RATIO * stiffness, _RATIO * stiffness)
-        if pair.enforcement is None and max(penalty) > _HARDEST * stiffness:
-            warnings.warn(f"contact '{name}': the penalty, {max(penalty):.3g}, is {max(penalty) / stiffness:.0e} times "
-                          "the stiffness of the surfaces: round-off hides the penetration; 1 to 1e3 times are enough",
-                          AnalysisWarning, stacklevel=2)
-        new[name] = pair.with_penalty(*penalty, stiffness=stiffness)
-    return new
+    given = as_forms(forms)
+    return {name: form.completed(given) for name, form in given.items()}
+
+
+def with_chosen_penalty(pair: ContactPair, forms: Mapping[str, Form]) -> ContactPair:
+    """The pair with the stiffness of its surfaces, and with the default penalty where it has none."""
+    solids = [form.elastic_stiffness for form in forms.values() if form.elastic_stiffness is not None]
+    if not solids:
+        raise ValueError("there is no SolidForm among the forms: contact takes its stiffness from what it joins")
+    stiffness = _series(pair, solids)
+    penalty = pair.penalty or (_RATIO * stiffness, _RATIO * stiffness)
+    if pair.enforcement is None and max(penalty) > _HARDEST * stiffness:
+        warnings.warn(f"contact of '{pair.slave.name}' on '{pair.facets.name}': the penalty, {max(penalty):.3g}, is "
+                      f"{max(penalty) / stiffness:.0e} times the stiffness of the surfaces: round-off hides the "
+                      "penetration; 1 to 1e3 times are enough", AnalysisWarning, stacklevel=4)
+    return pair.with_penalty(*penalty, stiffness=stiffness)
 
 
 def _series(pair: ContactPair, solids: Sequence[csr_matrix]) -> float:

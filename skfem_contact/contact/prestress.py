@@ -3,6 +3,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy import ndarray
@@ -12,8 +13,11 @@ from scipy.sparse.linalg import lsqr
 from .kinematics import variations
 from .laws import Status
 from .material_points import MaterialPoints, behind
-from .pair import ContactPair
 from .state import ContactState
+from .transfer import interpolated
+
+if TYPE_CHECKING:
+    from .pair import ContactPair
 
 #: Components of a stress at their places in the tensor.
 _TENSOR = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
@@ -21,8 +25,8 @@ _ACCURACY = 1e-14
 _MOST = 10_000
 
 
-def prestressed(pairs: Mapping[str, ContactPair], x: ndarray, states: Mapping[str, ContactState], force: ndarray,
-                where: ndarray | None = None, guess: Mapping[str, ndarray] | None = None) -> dict[str, ContactState]:
+def prestressed(operators: Mapping[str, TractionOperator], force: ndarray, where: ndarray | None = None,
+                guess: Mapping[str, ndarray] | None = None) -> dict[str, ContactState]:
     """States in which pairs carry given nodal forces.
 
     Of all tractions with these nodal forces those of least norm are taken, or those nearest to a guess. Gap and
@@ -31,12 +35,8 @@ def prestressed(pairs: Mapping[str, ContactPair], x: ndarray, states: Mapping[st
 
     Parameters
     ----------
-    pairs
-        Contact pairs by name, with penalties.
-    x
-        Displacements, (N,).
-    states
-        Their states; points that are not open take part.
+    operators
+        How the tractions of each pair make nodal forces (:meth:`ContactPair.tractions_at`), by name.
     force
         Internal forces that the pairs are to exert together, (N,).
     where
@@ -45,18 +45,17 @@ def prestressed(pairs: Mapping[str, ContactPair], x: ndarray, states: Mapping[st
         Stresses (xx, yy, zz, xy, in space yz, zx too) at the points whose tractions to be near to, (4 or 6, n_points), by pair.
     """
     where = np.arange(len(force)) if where is None else where
-    acting = {name: _Tractions(pair, x, states[name]) for name, pair in pairs.items()}
     near = {name: np.zeros(a.forces.shape[1]) if guess is None else a.of_stress(guess[name])
-            for name, a in acting.items()}
-    left = force - sum(acting[name].forces @ near[name] for name in pairs)
-    operator = csr_matrix(hstack([a.forces @ diags_array(a.scale) for a in acting.values()]))[where]
+            for name, a in operators.items()}
+    left = force - sum(a.forces @ near[name] for name, a in operators.items())
+    operator = csr_matrix(hstack([a.forces @ diags_array(a.scale) for a in operators.values()]))[where]
     found = lsqr(operator, left[where], atol=_ACCURACY, btol=_ACCURACY, conlim=0.0, iter_lim=_MOST)[0]
-    ends = np.cumsum([0] + [len(a.scale) for a in acting.values()])
+    ends = np.cumsum([0] + [len(a.scale) for a in operators.values()])
     return {name: a.state_with(near[name] + a.scale * found[ends[k]:ends[k + 1]])
-            for k, (name, a) in enumerate(acting.items())}
+            for k, (name, a) in enumerate(operators.items())}
 
 
-class _Tractions:
+class TractionOperator:
     """Tractions at the points of a pair, and their nodal forces.
 
     Attributes
@@ -65,6 +64,8 @@ class _Tractions:
         Matrix from the tractions at all points, (dim n_points,), the normal ones first, to nodal forces (N,).
     scale
         Tractions for each of which the integral of the square is one, (dim n_points,).
+    places
+        Where the points are in the mesh, (n_points, dim).
     """
 
     def __init__(self, pair: ContactPair, x: ndarray, state: ContactState) -> None:
@@ -75,12 +76,13 @@ class _Tractions:
         self._at = at = np.flatnonzero(found.found & (state.status != Status.OPEN))
         self._frame = frame = variations(points.take(at), pair.slave, pair.master, found.take(at), slave, nodes,
                                          state.stick.take(at))
+        self.places = points.positions(pair.slave.nodes)
         n, dim, weight = len(points.weight), pair.slave.dim, pair.share * points.weight[at]
         values = weight[:, None, None] * frame.work
         rows = np.broadcast_to(frame.dofs[:, None], values.shape)
         columns = np.broadcast_to((at[:, None] + n * np.arange(dim))[:, :, None], values.shape)
         moving = rows >= 0
-        self.forces = coo_matrix((values[moving], (rows[moving], columns[moving])), shape=(pair.n, dim * n)).tocsr()
+        self.forces = coo_matrix((values[moving], (rows[moving], columns[moving])), shape=(pair.size, dim * n)).tocsr()
         self.scale = np.tile(1.0 / np.sqrt(points.weight), dim)
 
     def of_stress(self, stress: ndarray) -> ndarray:
@@ -109,3 +111,19 @@ class _Tractions:
         stick.facet[at], stick.xi[at] = behind(pair.master, nodes, self._frame.tangents, self._frame.closest,
                                                tractions[1:, at].T / by_slip)
         return pair.assemble(self._x, replace(state, offset=offset).with_stick(stick)).state
+
+
+def moved_back(pair: ContactPair, state: ContactState) -> ContactState:
+    """The state of a pair whose bodies are back in their places, with all it carries."""
+    home = pair.initial_state()
+    old, new = pair.points(state), pair.points(home)
+    elastic = pair.elastic_slip(state)
+    if pair.quadrature == "segments":
+        excess = interpolated(pair.slave, old, new, np.where(np.isfinite(state.gap), state.gap - state.offset, 0.0))
+        elastic = interpolated(pair.slave, old, new, elastic)
+        state = replace(pair.transferred(state, home.cuts), offset=np.zeros(len(excess)), gap=excess)
+    near = np.isfinite(home.gap) & np.isfinite(state.gap)
+    offset = np.where(near, home.gap - (state.gap - state.offset), 0.0)
+    state = replace(state, facet=home.facet, position=home.position, gap=home.gap, slip=np.zeros_like(state.slip),
+                    offset=offset)
+    return pair.with_elastic_slip(state.with_stick(home.stick), elastic)

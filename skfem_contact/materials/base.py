@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from ..errors import AnalysisWarning
 
 Array = NDArray[np.float64]
 Parameter = float | Array
@@ -92,6 +95,19 @@ def require(name: str, value: Parameter, holds: Any, demand: str) -> None:
     values = np.atleast_1d(value)
     where = f" in element {first}" if np.size(holds) > 1 else ""
     raise ValueError(f"{name} must {demand}, got {values[first if values.size > 1 else 0]}{where}")
+
+
+def warn_of_radians(**angles: Parameter) -> None:
+    """Warn of angles that may have been meant in radians: all of them less than a right angle is there.
+
+    Examples
+    --------
+    >>> warn_of_radians(phi=30.0, psi=0.0)
+    """
+    for name, angle in angles.items():
+        largest = float(np.max(angle))
+        if 0.0 < largest < np.pi / 2:
+            warnings.warn(f"{name} is {largest:.4g}: angles are given in degrees", AnalysisWarning, stacklevel=4)
 
 
 def require_same_length(**parameters: Parameter | None) -> None:

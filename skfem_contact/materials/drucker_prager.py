@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from .base import Parameter, reduced_dilatancy, require
 from .cone import ConeConstants, ConePlasticity
 from .mohr_coulomb import MohrCoulomb
+from .reduction import Flow, check_reduction
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +100,7 @@ class DruckerPrager(ConePlasticity):
         alpha = np.where(np.equal(psi, phi), beta, np.sin(phi) / (3 * scale))
         return cls(E, nu, k=model.c * np.cos(phi) / scale, alpha=alpha, beta=beta)
 
-    def reduced(self, factor: float) -> DruckerPrager:
+    def reduced(self, factor: float, flow: Flow = "given") -> DruckerPrager:
         """The material with its strength k and alpha divided by a factor.
 
         Where the flow is associated (beta = alpha) it stays so; elsewhere the new beta is the smaller of
@@ -109,6 +110,9 @@ class DruckerPrager(ConePlasticity):
         ----------
         factor : float
             Positive.
+        flow : str
+            ``"given"``, or ``"associated"``: beta = alpha. A cone of less dilatancy has no other: Davis' strength is
+            that of c and phi on a plane.
 
         Returns
         -------
@@ -117,7 +121,7 @@ class DruckerPrager(ConePlasticity):
         Raises
         ------
         ValueError
-            If the factor is not positive.
+            If the factor is not positive, or the cone does not have the flow.
 
         Examples
         --------
@@ -125,11 +129,15 @@ class DruckerPrager(ConePlasticity):
         >>> soil.k, soil.alpha
         (5.0, 0.1)
         """
-        require("factor", factor, np.isfinite(factor) and factor > 0, "be positive")
+        check_reduction(factor, flow)
+        if flow not in ("given", "associated") and not self.symmetric:
+            raise ValueError(
+                f"flow '{flow}' needs cohesion and friction angle, which a DruckerPrager cone with beta < alpha has "
+                "not: use MohrCoulomb, or flow 'given' or 'associated'"
+            )
         alpha = self.alpha / factor
-        return replace(
-            self, k=self.k / factor, alpha=alpha, beta=reduced_dilatancy(self.beta, self.alpha, alpha)
-        )
+        beta = alpha if flow == "associated" else reduced_dilatancy(self.beta, self.alpha, alpha)
+        return self._with(k=self.k / factor, alpha=alpha, beta=beta)
 
     def _constants(self) -> ConeConstants:
         return ConeConstants(*self.lame, self.alpha, self.beta, self.k)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 
@@ -35,11 +37,18 @@ class Isotropic:
     def __post_init__(self) -> None:
         for field in fields(self):
             value = getattr(self, field.name)
-            if value is not None:
+            if value is not None or field.default is not None:
                 object.__setattr__(self, field.name, as_parameter(field.name, value))
         require_same_length(**{field.name: getattr(self, field.name) for field in fields(self)})
         require("E", self.E, np.greater(self.E, 0), "be positive")
         require("nu", self.nu, np.greater(self.nu, -1) & np.less(self.nu, 0.5), "lie between -1 and 0.5")
+
+    def _with(self, **changes: Parameter | None) -> Any:
+        """The material with other parameters, which need not be checked: they follow from those that were."""
+        new = copy(self)
+        for name, value in changes.items():
+            object.__setattr__(new, name, None if value is None else as_parameter(name, value))
+        return new
 
     @property
     def lame(self) -> tuple[Parameter, Parameter]:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import NamedTuple
+from dataclasses import dataclass
+from typing import NamedTuple, cast
 
 import numpy as np
 
-from .base import Array, Parameter, reduced_dilatancy, require
+from .base import Array, Parameter, reduced_dilatancy, require, warn_of_radians
+from .mohr_coulomb import MohrCoulomb
 from .plastic import ROUND_OFF, IsotropicPlasticity, Return, chosen, equivalent_shear_strain
 from .pyramid import PyramidConstants, PyramidReturn, pyramid_excess, pyramid_return
+from .reduction import Flow, check_reduction
 from .spectral import extremes
 
 _NEWTON_ITERATIONS = 20
@@ -97,9 +99,10 @@ class HardeningMohrCoulomb(IsotropicPlasticity):
             require(name, angle, np.greater_equal(angle, 0) & np.less(angle, 90), "lie in [0, 90) degrees")
             require("psi", self.psi, np.less_equal(self.psi, angle), f"not exceed {name}")
         require("psi", self.psi, np.greater_equal(self.psi, 0), "not be negative")
+        warn_of_radians(phi=np.maximum(self.phi, self.phi_end))
         require("strain_end", self.strain_end, np.greater(self.strain_end, 0), "be positive")
 
-    def reduced(self, factor: float) -> HardeningMohrCoulomb:
+    def reduced(self, factor: float, flow: Flow = "given") -> HardeningMohrCoulomb:
         """The material with c and tan(phi), first and last, divided by a factor.
 
         Where psi equals the smaller friction angle it goes on to do so; elsewhere it is capped by it.
@@ -108,6 +111,8 @@ class HardeningMohrCoulomb(IsotropicPlasticity):
         ----------
         factor : float
             Positive.
+        flow : str
+            ``"given"``; or, where phi = phi_end, ``"associated"`` or one of Davis' as for `MohrCoulomb`.
 
         Returns
         -------
@@ -116,14 +121,23 @@ class HardeningMohrCoulomb(IsotropicPlasticity):
         Raises
         ------
         ValueError
-            If the factor is not positive.
+            If the factor is not positive, or the flow unknown, or not that of soil whose friction changes.
         """
-        require("factor", factor, np.isfinite(factor) and factor > 0, "be positive")
-        phi, phi_end = (
-            np.degrees(np.arctan(np.tan(np.radians(angle)) / factor)) for angle in (self.phi, self.phi_end)
+        check_reduction(factor, flow)
+        if flow == "lagged":
+            raise ValueError("flow 'lagged' is for MohrCoulomb, not for HardeningMohrCoulomb, whose strength changes")
+        if flow != "given" and not np.all(self.phi == self.phi_end):
+            raise ValueError(
+                f"flow '{flow}' needs one friction angle: the constant psi of a HardeningMohrCoulomb cannot follow "
+                "phi to another phi_end"
+            )
+        first, last = (
+            cast(MohrCoulomb, MohrCoulomb(self.E, self.nu, c, phi, self.psi).reduced(factor, flow))
+            for c, phi in ((self.c, self.phi), (self.c_end, self.phi_end))
         )
-        psi = reduced_dilatancy(self.psi, np.minimum(self.phi, self.phi_end), np.minimum(phi, phi_end))
-        return replace(self, c=self.c / factor, c_end=self.c_end / factor, phi=phi, phi_end=phi_end, psi=psi)
+        least, reduced = np.minimum(self.phi, self.phi_end), np.minimum(first.phi, last.phi)
+        psi = reduced_dilatancy(self.psi, least, reduced) if flow == "given" else first.psi
+        return self._with(c=first.c, c_end=last.c, phi=first.phi, phi_end=last.phi, psi=psi)
 
     def _constants(self) -> _Constants:
         phi, phi_end, psi = np.radians(self.phi), np.radians(self.phi_end), np.radians(self.psi)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from .base import Parameter, reduced_dilatancy, require
+from .base import Parameter, reduced_dilatancy, require, warn_of_radians
 from .pyramid import PyramidConstants, PyramidPlasticity
+from .reduction import Flow, check_reduction, without_dilatancy
+from .substitute import AssociatedSubstitute
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,10 +69,11 @@ class MohrCoulomb(PyramidPlasticity):
         require("phi", self.phi, in_range, "lie in [0, 90) degrees")
         require("psi", self.psi, np.greater_equal(self.psi, 0), "not be negative")
         require("psi", self.psi, np.less_equal(self.psi, self.phi), "not exceed phi")
+        warn_of_radians(phi=self.phi)
         if self.tension is not None:
             require("tension", self.tension, np.greater_equal(self.tension, 0), "not be negative")
 
-    def reduced(self, factor: float) -> MohrCoulomb:
+    def reduced(self, factor: float, flow: Flow = "given") -> MohrCoulomb | AssociatedSubstitute:
         """The material with its strength, c, tan(phi) and tension, divided by a factor.
 
         Where the flow is associated (psi = phi) it stays so; elsewhere the new psi is the smaller of psi and
@@ -80,15 +83,18 @@ class MohrCoulomb(PyramidPlasticity):
         ----------
         factor : float
             Positive.
+        flow : str
+            The flow that is assumed, see `reduced_strength`.
 
         Returns
         -------
         MohrCoulomb
+            Or, with a flow that lags, its associated substitute.
 
         Raises
         ------
         ValueError
-            If the factor is not positive.
+            If the factor is not positive, or the flow unknown.
 
         Examples
         --------
@@ -96,15 +102,31 @@ class MohrCoulomb(PyramidPlasticity):
         >>> print(f"{soil.c:.3f} {soil.phi:.3f} {soil.psi:.3f}")
         5.000 26.565 26.565
         """
-        require("factor", factor, np.isfinite(factor) and factor > 0, "be positive")
+        check_reduction(factor, flow)
+        if flow == "associated":
+            return self._with(psi=self.phi)._divided(factor)
+        if flow == "davis_a":
+            return self._davis(self.psi)._divided(factor)
+        weaker = self._divided(factor)
+        if flow == "davis_b":
+            return weaker._davis(weaker.psi)
+        if flow == "davis_c":
+            psi = np.degrees(np.arctan(np.tan(np.radians(self.psi)) / factor))
+            return weaker._davis(np.minimum(psi, weaker.phi))
+        return AssociatedSubstitute(weaker) if flow == "lagged" and not weaker.symmetric else weaker
+
+    def _divided(self, factor: float) -> MohrCoulomb:
         phi = np.degrees(np.arctan(np.tan(np.radians(self.phi)) / factor))
-        return replace(
-            self,
+        return self._with(
             c=self.c / factor,
             phi=phi,
             psi=reduced_dilatancy(self.psi, self.phi, phi),
             tension=None if self.tension is None else self.tension / factor,
         )
+
+    def _davis(self, psi: Parameter) -> MohrCoulomb:
+        c, phi = without_dilatancy(self.c, self.phi, psi)
+        return self._with(c=c, phi=phi, psi=phi)
 
     def _constants(self) -> PyramidConstants:
         phi, psi = np.radians(self.phi), np.radians(self.psi)

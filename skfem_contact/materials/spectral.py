@@ -241,3 +241,17 @@ class _SpaceFrame(NamedTuple):
 def _space_frame(stress: Array) -> _SpaceFrame:
     values, directions = np.linalg.eigh(stress[_TENSOR].transpose(2, 0, 1))
     return _SpaceFrame(np.ascontiguousarray(values[:, ::-1].T), directions[:, :, ::-1])
+
+
+def largest_shear(strain: Array) -> Array:
+    """Largest shear strain of engineering strains (4 or 6, ...); of plane ones that in their plane.
+
+    Examples
+    --------
+    >>> largest_shear(np.array([[3.0], [0.0], [9.0], [4.0]]))
+    array([5.])
+    """
+    if len(strain) == 4:
+        return np.hypot(strain[0] - strain[1], strain[3])
+    largest, smallest = extremes(np.concatenate((strain[:3], 0.5 * strain[3:])))
+    return largest - smallest

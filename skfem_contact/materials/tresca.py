@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from .base import Parameter, require
 from .pyramid import PyramidConstants, PyramidPlasticity
+from .reduction import Flow, check_reduction
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,13 +49,15 @@ class Tresca(PyramidPlasticity):
         super().__post_init__()
         require("c", self.c, np.greater_equal(self.c, 0), "not be negative")
 
-    def reduced(self, factor: float) -> Tresca:
+    def reduced(self, factor: float, flow: Flow = "given") -> Tresca:
         """The material with its shear strength divided by a factor.
 
         Parameters
         ----------
         factor : float
             Positive.
+        flow : str
+            Without effect: the volume never changes.
 
         Returns
         -------
@@ -63,15 +66,15 @@ class Tresca(PyramidPlasticity):
         Raises
         ------
         ValueError
-            If the factor is not positive.
+            If the factor is not positive, or the flow unknown.
 
         Examples
         --------
         >>> Tresca(E=1e4, nu=0.3, c=10.0).reduced(2.0).c
         5.0
         """
-        require("factor", factor, np.isfinite(factor) and factor > 0, "be positive")
-        return replace(self, c=self.c / factor)
+        check_reduction(factor, flow)
+        return self._with(c=self.c / factor)
 
     def _constants(self) -> PyramidConstants:
         return PyramidConstants(*self.lame, sin_phi=0.0, sin_psi=0.0, strength=2 * self.c)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from .base import Parameter, require
 from .cone import ConeConstants, ConePlasticity
+from .reduction import Flow, check_reduction
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,13 +50,15 @@ class VonMises(ConePlasticity):
         super().__post_init__()
         require("strength", self.strength, np.greater_equal(self.strength, 0), "not be negative")
 
-    def reduced(self, factor: float) -> VonMises:
+    def reduced(self, factor: float, flow: Flow = "given") -> VonMises:
         """The material with its strength divided by a factor.
 
         Parameters
         ----------
         factor : float
             Positive.
+        flow : str
+            Without effect: the volume never changes.
 
         Returns
         -------
@@ -64,15 +67,15 @@ class VonMises(ConePlasticity):
         Raises
         ------
         ValueError
-            If the factor is not positive.
+            If the factor is not positive, or the flow unknown.
 
         Examples
         --------
         >>> VonMises(E=1e4, nu=0.3, strength=10.0).reduced(2.0).strength
         5.0
         """
-        require("factor", factor, np.isfinite(factor) and factor > 0, "be positive")
-        return replace(self, strength=self.strength / factor)
+        check_reduction(factor, flow)
+        return self._with(strength=self.strength / factor)
 
     def _constants(self) -> ConeConstants:
         return ConeConstants(*self.lame, alpha=0.0, beta=0.0, k=self.strength / np.sqrt(3))

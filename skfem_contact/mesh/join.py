@@ -98,6 +98,8 @@ def join_bodies(
     ['block:left', 'block:bottom', 'block:right', 'block:top']
     """
     if isinstance(mesh, Mapping):
+        if wrong := [name for name in mesh if not isinstance(name, str)]:
+            raise ValueError(f"bodies have names, not {wrong}")
         if bodies is not None:
             raise ValueError("bodies= is for a single mesh; of several meshes, each is one body")
         joined = _side_by_side(mesh)

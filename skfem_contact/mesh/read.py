@@ -18,6 +18,10 @@ _LOWER = {"vertex", "line", "line3"}
 Integers = NDArray[np.integer]
 
 
+#: A plane mesh has heights below this share of its size.
+_FLAT = 1e-9
+
+
 def load_mesh(path: str | PathLike[str]) -> Mesh:
     """The plane mesh of a Gmsh file, with physical surfaces as subdomains and physical curves as boundaries.
 
@@ -56,12 +60,26 @@ def load_mesh(path: str | PathLike[str]) -> Mesh:
     ['bottom', 'culvert_inner', 'left', 'right', 'skin', 'surface']
     """
     try:
-        file = meshio.gmsh.read(fspath(path))
+        return _plane_mesh(meshio.gmsh.read(fspath(path)))
+    except FileNotFoundError:
+        raise
     except meshio.ReadError as error:
         raise ValueError(f"{fspath(path)} is not a Gmsh mesh{f': {error}' if str(error) else ''}") from error
+    except (ValueError, KeyError, IndexError) as error:  # the last two: what is left of a file that was cut
+        raise ValueError(f"{fspath(path)}: {error}") from error
+
+
+def _plane_mesh(file: meshio.Mesh) -> Mesh:
+    """The mesh of a file that has been read."""
     kind = _element_type(file)
+    if not np.isfinite(file.points).all():
+        raise ValueError("it has coordinates that are not finite")
+    if np.ptp(file.points[:, 2:]) > _FLAT * np.ptp(file.points[:, :2]):
+        raise ValueError("it does not lie in the x-y plane: turn it there, or export the coordinates x and y")
     n_corners, line = _ELEMENTS[kind]
     elements = file.cells_dict[kind]
+    if elements.max(initial=0) >= len(file.points):
+        raise ValueError(f"an element names node {elements.max() + 1}, but there are {len(file.points)}")
     lines = file.cells_dict.get(line, np.empty((0, 2), dtype=int))[:, :2]
     curves = _physical_groups(file, 1, line)
     _check_curves(curves, lines, elements[:, :n_corners])

@@ -8,9 +8,9 @@ from typing import Any
 
 from numpy import ndarray
 
-from ..forms import Failure, IncrementTooLarge
+from ..errors import IncrementTooLarge, NoEquilibrium, NotConverged
+from ..forms import Failure
 from ..solvers.direct import SingularSystem
-from .evaluation import NoEquilibrium, NotConverged
 from .line_search import Search
 from .newton import Newton
 from .system import Equilibrium, System
@@ -52,7 +52,7 @@ def solve_increment(system: System, x: ndarray, states: Mapping[str, Any], load:
     """
     searches: tuple[Search, ...] = ("residual", "energy") if try_recovery else ("residual",)
     given = system
-    system = _with(given, {name: _begin(form, states[name]) for name, form in given.forms.items()})
+    system = _with(given, {name: form.begin(states[name]) for name, form in given.forms.items()})
     if start is not None:
         try:
             return _solve(given, system, x, states, load, prescribed, newton, searches, start)
@@ -91,11 +91,6 @@ def _solve(given: System, system: System, x: ndarray, states: Mapping[str, Any],
     raise NotConverged(f"the increment was solved {_MOST} times and {list(changed)} still changes")
 
 
-def _begin(form: Any, accepted: Any, failure: Failure | None = None) -> Any:
-    """An easier form, or itself: not every form knows one."""
-    return form.begin(accepted, failure) if hasattr(form, "begin") else form
-
-
 def _with(system: System, forms: Mapping[str, Any]) -> System:
     """The system with other forms; the same one where they are the same."""
     same = all(form is system.forms[name] for name, form in forms.items())
@@ -109,8 +104,7 @@ def check(given: System, system: System, found: Equilibrium, load: ndarray, newt
         return
     again = given.evaluate(found.x, found.states, load)
     if again.norm > _AGAIN * newton.tolerance:
-        reasons = {name: getattr(form, "eased", "") for name, form in eased.items()}
-        why = "; ".join(f"{name}: {reason}" for name, reason in reasons.items() if reason)
+        why = "; ".join(f"{name}: {form.eased}" for name, form in eased.items() if form.eased)
         raise NotConverged(f"an equilibrium was found that does not last, {again.norm:.1e} of the forces are out of "
                            f"balance: {why}", found.x, (*found.residuals, again.norm), again.worst)
 
@@ -132,14 +126,14 @@ def _easier(system: System, states: Mapping[str, Any], load: ndarray, error: Not
     else:
         seen = _candidates(system, error.x, states, load)
         failures = {name: Failure(False, tuple(candidates[name] for candidates in seen)) for name in system.forms}
-    return _with(system, {name: _begin(form, states[name], failures[name]) for name, form in system.forms.items()})
+    return _with(system, {name: form.begin(states[name], failures[name]) for name, form in system.forms.items()})
 
 
 def _candidates(system: System, x: ndarray, states: Mapping[str, Any], load: ndarray) -> list[dict[str, Any]]:
     """Candidate states where the method stopped, and at several places along its next step."""
     now = system.evaluate(x, states, load)
     try:
-        step = system.solver.factor(system.tangent(now), system.symmetric)(now.residual)
+        step = system.factor(system.tangent(now))(now.residual)
     except SingularSystem:
         return [now.states]
     return [now.states, *(system.evaluate(x + length * step, states, load).states for length in _LENGTHS)]

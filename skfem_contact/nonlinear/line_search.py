@@ -57,7 +57,7 @@ def unbalanced(new: Evaluation) -> float:
     whole = new.norm + new.hidden
     if whole == 0.0 or not np.isfinite(whole):
         return whole
-    return float(np.linalg.norm(new.residual)) * new.norm / whole
+    return new.size * new.norm / whole
 
 
 def backtrack(now: Evaluation, step: ndarray, sizes: list[float], evaluate: Callable[[ndarray], Evaluation]

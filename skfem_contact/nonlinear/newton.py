@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy import ndarray
 
+from ..errors import NoEquilibrium, NotConverged
 from ..solvers.direct import SingularSystem
-from .evaluation import Evaluation, NoEquilibrium, NotConverged
+from .evaluation import Evaluation
 from .line_search import Search, backtrack, bisect_work, unbalanced
 
 logger = logging.getLogger("skfem_contact")
@@ -21,6 +22,11 @@ _ASTRAY, _LOST = 10, 3
 _TIMES, _NOTHING, _HALF = 2.0, 0.95, 0.5
 #: Along the energy, so many residuals that differ by so little and are so many times the smallest one.
 _STUCK, _SAME, _WORSE = 6, 0.8, 5.0
+#: Round-off of the forces, as a share of the residual, that is mentioned where the iterations fail.
+_NOISE = 0.1
+#: Times as many iterations as asked for while the active set of contact is one that has not been met: layers that lift
+#: off need 1 to 2 times as many, a point or two in each.
+_MOVING = 4
 #: Displacements of so many times the elastic ones are those of a collapse.
 FAR = 100.0
 
@@ -34,7 +40,8 @@ class Newton:
     tolerance
         Norm of the residual over the largest norm among the load and the forms' forces.
     max_iterations
-        After so many iterations the increment has failed.
+        After so many iterations the increment has failed; those do not count that find an active set of contact that
+        is new, up to four times as many.
 
     Raises
     ------
@@ -52,10 +59,10 @@ class Newton:
     max_iterations: int = 25
 
     def __post_init__(self) -> None:
-        if not 0 < self.tolerance < np.inf:
+        if not (isinstance(self.tolerance, (int, float)) and 0 < self.tolerance < np.inf):
             raise ValueError(f"tolerance must be positive, not {self.tolerance!r}")
-        if self.max_iterations < 1:
-            raise ValueError(f"max_iterations must be at least 1, not {self.max_iterations!r}")
+        if not (isinstance(self.max_iterations, (int, np.integer)) and self.max_iterations >= 1):
+            raise ValueError(f"max_iterations must be a whole number, at least 1, not {self.max_iterations!r}")
 
 
 def iterate(now: Evaluation, evaluate: Callable[[ndarray], Evaluation],
@@ -91,8 +98,9 @@ def iterate(now: Evaluation, evaluate: Callable[[ndarray], Evaluation],
         There is no solution; none was found.
     """
     norms, sizes, damped = [now.norm], [unbalanced(now)], damp
+    met, counted = {now.active}, 0
     while len(norms) <= at_least or not (now.norm <= settings.tolerance and now.lag == 0.0):
-        if len(norms) > settings.max_iterations or not now.norm < 1e8 \
+        if max(counted, (len(norms) - 1) / _MOVING) >= settings.max_iterations or not now.norm < 1e8 \
                 or (_stuck(norms) if search == "energy" else _hopeless(norms)):
             raise NotConverged(f"no equilibrium after {len(norms) - 1} iterations; {_why(now, norms)}",
                                now.z, norms, now.worst)
@@ -109,6 +117,8 @@ def iterate(now: Evaluation, evaluate: Callable[[ndarray], Evaluation],
             raise NotConverged(f"the iterations run away; {_why(now, norms)}", now.z, norms, now.worst)
         now = new
         norms.append(now.norm)
+        counted += now.active in met
+        met.add(now.active)
         sizes.append(unbalanced(now))
         logger.debug("iteration %d: residual %.3e", len(norms) - 1, now.norm)
         if search == "energy" and now.norm > settings.tolerance and far(now):
@@ -139,8 +149,12 @@ def _stuck(norms: list[float]) -> bool:
 
 
 def _why(now: Evaluation, norms: list[float]) -> str:
+    """Where the iterations stand, for a message."""
     worst = now.worst
     names = [k for k, r in now.responses.items() if r.force[worst] != 0.0]
     history = ", ".join(f"{v:.1e}" for v in norms[-5:])
+    round_off = sum(r.round_off for r in now.responses.values())
+    noise = f"; round-off alone may leave {round_off:.1e}: the displacements are lost in the coordinates" \
+        if round_off > _NOISE * now.size else ""
     return (f"the residual went {history}; the largest unbalanced force, {now.residual[worst]:.3g}, acts on "
-            f"unknown {worst} of {names}")
+            f"unknown {worst} of {names}{noise}")

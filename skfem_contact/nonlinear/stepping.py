@@ -4,7 +4,7 @@ from __future__ import annotations
 import numpy as np
 from numpy import ndarray
 
-from .evaluation import NoEquilibrium, NotConverged
+from ..errors import NoEquilibrium, NotConverged
 
 #: Changes of the load that differ by less than this share are in proportion.
 _PROPORTIONAL = 1e-6
@@ -122,19 +122,25 @@ class Predictor:
 
     def __init__(self, fixed: ndarray) -> None:
         self._fixed = fixed
-        self._accepted: tuple[tuple[ndarray, ndarray], ...] = ()
+        self._accepted: tuple[tuple[ndarray, ndarray, float], ...] = ()
 
-    def accept(self, x: ndarray, load: ndarray) -> None:
-        """Remember displacements and load of an accepted increment."""
-        self._accepted = (*self._accepted[-1:], (x, load))
+    @property
+    def time(self) -> float:
+        """When the last increment was accepted."""
+        return self._accepted[-1][2] if self._accepted else 0.0
 
-    def start(self, load: ndarray, prescribed: ndarray) -> ndarray | None:
+    def accept(self, x: ndarray, load: ndarray, time: float = 0.0) -> None:
+        """Remember displacements and load of an accepted increment, and when it was."""
+        self._accepted = (*self._accepted[-1:], (x, load, time))
+
+    def start(self, load: ndarray, prescribed: ndarray, time: float = 0.0) -> ndarray | None:
         """Displacements to start from under a load, or None where the last increment does not tell."""
         if len(self._accepted) < 2:
             return None
-        (x_before, load_before), (x, load_last) = self._accepted
+        (x_before, load_before, then), (x, load_last, last) = self._accepted
         moved, held = x - x_before, self._fixed
-        changes = ((load_last - load_before, load - load_last), (moved[held], prescribed - x[held]))
+        changes = ((load_last - load_before, load - load_last), (moved[held], prescribed - x[held]),
+                   (np.array([last - then]), np.array([time - last])))
         ratios = [float(old @ new / (old @ old)) for old, new in changes if old.any()]
         if not ratios or not ratios[0] > 0.0:
             return None

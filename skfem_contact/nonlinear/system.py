@@ -11,10 +11,12 @@ import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix
 
-from ..forms import Form, are_symmetric
-from ..solvers.direct import SingularSystem
-from ..sparse import Total
-from .evaluation import Evaluation, NoEquilibrium, NotConverged
+from ..errors import NoEquilibrium, NotConverged
+from ..forms import Form, Response, answers, are_symmetric
+from ..solvers.direct import LinearSolver, SingularSystem, Solve
+from ..sparse import Total, with_data
+from ..unknowns import Unknowns
+from .evaluation import Evaluation
 from .line_search import Search
 from .newton import FAR, Newton, iterate
 
@@ -22,6 +24,8 @@ logger = logging.getLogger("skfem_contact")
 
 #: Share of the load that may be lost in round-off.
 _HIDDEN = 1e-6
+#: Share of all forces, in scaled equations, by which a field without any is measured: the residual then is round-off.
+_FLOOR = 1e-4
 #: Displacements whose squares are no longer numbers are not far from here.
 _ENDLESS = 1e100
 
@@ -48,33 +52,47 @@ class System:
     ----------
     forms
         Forms by name.
+    unknowns
+        All unknowns, field by field.
     fixed
-        Unknowns whose values are prescribed.
+        Those whose values are prescribed.
     solver
         Linear solver: ``factor(K) -> solve``.
     """
 
-    def __init__(self, forms: Mapping[str, Form], fixed: ndarray, free: ndarray, solver: Any) -> None:
-        self.forms = dict(forms)
-        self.fixed, self.free = fixed, free
-        self.solver = solver
-        self._total = Total()
+    def __init__(self, forms: Mapping[str, Form], unknowns: Unknowns, fixed: ndarray, solver: LinearSolver) -> None:
+        self.forms, self.unknowns, self.fixed = dict(forms), unknowns, fixed
+        self.free = np.setdiff1d(np.arange(unknowns.size), fixed)
+        self._solver, self._total = solver, Total()
+        self._scale = unknowns.scale
 
     def with_forms(self, forms: Mapping[str, Form]) -> System:
-        """Other forms, such as easier ones, with the same supports and solver."""
-        new = System(forms, self.fixed, self.free, self.solver)
-        new._total = self._total
-        return new
+        """The system with other forms on the same unknowns."""
+        return System(forms, self.unknowns, self.fixed, self._solver)
+
+    def over(self, duration: float) -> System:
+        """The system of a step in time; itself where time matters to none of its forms."""
+        forms = {name: form.over(duration) for name, form in self.forms.items()}
+        return self if all(forms[name] is form for name, form in self.forms.items()) else self.with_forms(forms)
 
     @cached_property
     def symmetric(self) -> bool:
-        """Whether the tangent is symmetric: all forms say so by an attribute `symmetric`."""
+        """Whether the tangent is symmetric: that of all forms is."""
         return are_symmetric(self.forms)
 
     @property
     def size(self) -> int:
         """Number of unknowns."""
-        return len(self.fixed) + len(self.free)
+        return self.unknowns.size
+
+    def factor(self, K: csr_matrix) -> Solve:
+        """Solution of K[free, free] x[free] = b[free] for any b; with several fields in scaled unknowns."""
+        if self._scale is None:
+            return self._solver.factor(K, self.symmetric)
+        scale = self._scale
+        data = K.data * np.repeat(scale, np.diff(K.indptr)) * scale[K.indices]
+        solve = self._solver.factor(with_data(K, data), self.symmetric)
+        return lambda b: scale * solve(scale * b)
 
     def work(self, load: ndarray, displacements: ndarray) -> float:
         """Work of a load on the free unknowns."""
@@ -84,17 +102,26 @@ class System:
         """Answers of all forms at some displacements, unless these have run away."""
         if not np.abs(x).max(initial=0.0) < _ENDLESS:
             raise NotConverged("the iterations run away: the displacements are no numbers any more")
-        responses = {name: form.assemble(x, states[name]) for name, form in self.forms.items()}
+        responses = answers(self.forms, x, states)
         residual = load - sum(r.force for r in responses.values())
         residual[self.fixed] = 0.0
-        carried = float(np.linalg.norm(load))
-        scale = max(carried, *(float(np.linalg.norm(r.force)) for r in responses.values()))
-        round_off = sum(r.round_off for r in responses.values())
+        norm, hidden = max(self._relative(part, residual, load, responses) for part in self.unknowns.parts)
+        return Evaluation(x, responses, residual, norm, hidden=hidden, scale=self._scale)
+
+    def _relative(self, part: slice, residual: ndarray, load: ndarray, responses: Mapping[str, Response]
+                  ) -> tuple[float, float]:
+        """Norm of the residual of a field over the largest forces there, less what may be round-off, and that."""
+        carried = float(np.linalg.norm(load[part]))
+        scale = max(carried, *(float(np.linalg.norm(r.force[part])) for r in responses.values()))
+        if self._scale is not None:  # where all forces of a field vanish, as those of multipliers do, others measure it
+            everywhere = max(float(np.linalg.norm(self._scale * r.force)) for r in responses.values())
+            scale = max(scale, _FLOOR * everywhere / float(self._scale[part].max()))
+        round_off = sum(r.round_off for r in responses.values()) if part.start == 0 else 0.0
         if carried > 0.0:  # displacements so large that their round-off hides the load are no equilibrium
             round_off = min(round_off, _HIDDEN * carried)
-        norm, unit = float(np.linalg.norm(residual)), scale if scale > 0 else 1.0
+        norm, unit = float(np.linalg.norm(residual[part])), scale if scale > 0 else 1.0
         hidden = min(norm, round_off)
-        return Evaluation(x, responses, residual, (norm - hidden) / unit, hidden=hidden / unit)
+        return (norm - hidden) / unit, hidden / unit
 
     def tangent(self, now: Evaluation, damped: bool = False) -> csr_matrix:
         """Tangent of all forms together."""
@@ -137,6 +164,7 @@ class System:
         """
         first: list[float] = [elastic] if elastic > 0.0 else []
         regular: list[csr_matrix] = []
+        moves = self.unknowns.parts[0]
 
         def evaluate(z: ndarray) -> Evaluation:
             new = self.evaluate(z, states, load)
@@ -145,12 +173,12 @@ class System:
         def direction(now: Evaluation, damped: bool) -> ndarray:
             step = self._direction(now, prescribed - now.z[self.fixed], damped, regular)
             if not first:
-                first.append(max(float(np.linalg.norm(now.z + step - x)), float(np.linalg.norm(x))))
+                first.append(max(float(np.linalg.norm((now.z + step - x)[moves])), float(np.linalg.norm(x[moves]))))
             return step
 
         def far(now: Evaluation) -> bool:
             moved = now.z - x
-            times = np.linalg.norm(moved) / first[0]
+            times = np.linalg.norm(moved[moves]) / first[0]
             return bool((times > FAR and now.residual @ moved > 0.0) or times > FAR**2)
 
         spent: tuple[float, ...] = ()
@@ -177,10 +205,10 @@ class System:
             step[self.fixed] = lag
             right = right - K @ step
         try:
-            solve = self.solver.factor(K, self.symmetric)
+            solve = self.factor(K)
             regular[:] = [K]  # not its factors, which would be in memory beside the next ones
         except SingularSystem:
             if not regular:
                 raise
-            solve = self.solver.factor(regular[0], self.symmetric)
+            solve = self.factor(regular[0])
         return step + solve(right)

@@ -1,9 +1,16 @@
 """Pictures of results: contours by pyvista, diagrams by matplotlib.
 
 Import it by itself, ``import skfem_contact.plot as plot``: the solver needs no graphics library.  Every
-function returns what it has drawn and writes it to ``file`` if one is given.
+function takes forms, stage and quantity in this order, returns what it has drawn and writes it to ``file`` if one is
+given.
 """
-from .contours import contour
+from .animation import animate
+from .contours import contour, stages
 from .diagrams import contact_diagram, ring_diagram, section_diagram
+from .history import history, load_curve
+from .mechanism import mechanism
+from .structures import diagram_on
+from .units import labelled, set_units
 
-__all__ = ["contact_diagram", "contour", "ring_diagram", "section_diagram"]
+__all__ = ["animate", "contact_diagram", "contour", "diagram_on", "history", "labelled", "load_curve", "mechanism",
+           "ring_diagram", "section_diagram", "set_units", "stages"]

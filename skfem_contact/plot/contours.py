@@ -1,34 +1,44 @@
 """Contour pictures by pyvista."""
 from __future__ import annotations
 
-import subprocess
-import sys
-import warnings
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
-from functools import cache
-from io import BytesIO
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy import ndarray
 
 from ..errors import check_plane
-from ..post.fields import QUANTITIES, element_nodes, nodal_field, solids, solids_there
-from ..stages.result import StageResult
+from ..post.fields import Water, quantities, region_fields, solids
+from ..stages.result import Result, StageResult
+from .marks import Marks
+from .picture import FOOT, Frame, can_draw, finish
+from .scales import Scale, bar_figure, make_scale
+from .scene import Scene
+from .units import labelled
 
-#: VTK's numbers of the cells with so many nodes.
-_CELL_TYPES = {3: 5, 4: 9, 6: 22, 8: 23, 9: 28}
-_BANDS = 12
-_WIDTH, _HEIGHT, _BAR = 1400, 1000, 120  # pixels of the bodies at most, and of the colour bar below them
+Window = tuple[float, float, float, float]
 
 
-def contour(forms: Mapping[str, Any], step: StageResult, quantity: str, deformed: float = 0.0,
-            file: str | Path | None = None, limits: tuple[float, float] | None = None,
-            window: tuple[float, float, float, float] | None = None, colors: str = "viridis",
-            edges: bool = True) -> Any:
+class View(NamedTuple):
+    """A stage that is drawn, the field on its nodes, and the name above it."""
+
+    scene: Scene
+    values: ndarray
+    title: str
+
+
+def contour(forms: Mapping[str, Any], step: StageResult, quantity: str, *, since: StageResult | None = None,
+            deformed: float | Literal["auto"] = 0.0, limits: tuple[float, float] | None = None,
+            window: Window | None = None, levels: int = 10, colors: str | None = None, mesh: bool = True,
+            water: Water | None = None, supports: ndarray | None = None, loads: ndarray | None = None,
+            vectors: bool = False, points: bool = False, contact: bool = False,
+            file: str | Path | None = None, show: bool = False) -> Any:
     """Contour picture of a field on the bodies.
+
+    The scale has round levels and zero is one of them; fields of both signs have two colours. Where a few nodes would
+    make it much longer, at a singular corner, it ends before them with an arrow. Nothing is smeared over a contact or
+    a border between materials.
 
     Parameters
     ----------
@@ -37,19 +47,37 @@ def contour(forms: Mapping[str, Any], step: StageResult, quantity: str, deformed
     step
         A stage of the result of these forms.
     quantity
-        A field of :func:`~skfem_contact.nodal_field`: ``"ux"``, ``"syy"``, ``"mises"``, ``"plastic"``, ...
+        A field of :func:`~skfem_contact.nodal_field`: ``"ux"``, ``"syy"``, ``"mises"``, ``"gamma"``, ...
+    since
+        An earlier stage: draw the change from there on.
     deformed
-        Factor of the displacements; with one, the undeformed outline is drawn too.
-    file
-        Name of a picture to write, ``.png``.
+        Factor of the displacements, or ``"auto"``; the undeformed outline is drawn too.
     limits
-        Values at the ends of the colour scale; by default those of the field.
+        Values at the ends of the colour scale; by default those of the field, rounded.
     window
         Part to show, ``(xmin, xmax, ymin, ymax)``; by default everything.
+    levels
+        Number of bands, about.
     colors
-        Name of a matplotlib colour map.
-    edges
+        Name of a matplotlib colour map in place of ours.
+    mesh
         Whether to draw the elements.
+    water
+        Pore pressure as a function of places, :func:`~skfem_contact.hydrostatic`: draws the water table.
+    supports
+        Fixed unknowns, as they were given to ``run``: drawn as triangles.
+    loads
+        A load vector (N,): its forces are drawn as arrows.
+    vectors
+        Whether to draw the displacements as arrows.
+    points
+        Whether to mark the integration points that yield, and those at their tensile strength.
+    contact
+        Whether to mark the contact points by their status and to draw the tractions between the bodies.
+    file
+        Name of a picture to write, ``.png``.
+    show
+        Open a window in which the picture can be moved; the plotter's ``export_html`` writes a page that can do so.
 
     Returns
     -------
@@ -70,140 +98,97 @@ def contour(forms: Mapping[str, Any], step: StageResult, quantity: str, deformed
     >>> basis = Basis(MeshQuad().refined(3).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
     >>> forms = {"block": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=.3))}
     >>> stage = sc.Stage("weight", sc.weight(basis, 20.))
-    >>> result = sc.run(forms, [stage], fixed=basis.get_dofs("bottom").all())
-    >>> picture = plot.contour(forms, result["weight"], "uy", deformed=10.)
+    >>> fixed = basis.get_dofs("bottom").all()
+    >>> result = sc.run(forms, [stage], fixed)
+    >>> picture = plot.contour(forms, result["weight"], "uy", deformed="auto", supports=fixed)
     """
+    view = make_view(forms, step, quantity, since, deformed, water)
+    marks = Marks(forms, step, since, water, supports, loads, vectors, points, contact)
+    scale = make_scale(view.values, view.scene.area, limits, levels, colors)
+    note = _and_factor(view.title, view.scene.factor)
+    return draw([view], [marks], scale, headline(forms, quantity, since), note, window, mesh, file, show)
+
+
+def stages(forms: Mapping[str, Any], result: Result | Sequence[StageResult], quantity: str, *,
+           since: StageResult | None = None, deformed: float | Literal["auto"] = 0.0,
+           limits: tuple[float, float] | None = None, window: Window | None = None, levels: int = 10,
+           colors: str | None = None, mesh: bool = False, water: Water | None = None, points: bool = False,
+           contact: bool = False, file: str | Path | None = None, show: bool = False) -> Any:
+    """Contour pictures of several stages side by side on one scale; arguments as for :func:`contour`.
+
+    Parameters
+    ----------
+    forms
+        Forms by name; those that are there in a stage are drawn.
+    result
+        Result of these forms, or some stages of it: ``[result["dig"], result["filled"]]``.
+    quantity, since, deformed, limits, window, levels, colors, mesh, water, points, contact, file, show
+        As for :func:`contour`; an automatic factor of the displacements is that of the stage that has moved most.
+
+    Examples
+    --------
+    >>> from skfem_contact.demo import culvert
+    >>> import skfem_contact.plot as plot
+    >>> model = culvert()
+    >>> picture = plot.stages(model.forms, model.result, "syy", window=(-3., 3., -3., 2.))
+    """
+    chosen = list(result)
+    if not chosen:
+        raise ValueError("there is no stage to draw")
+    views = [make_view(forms, step, quantity, since, deformed, water) for step in chosen]
+    if deformed == "auto":
+        factor = min(view.scene.factor for view in views)
+        views = [make_view(forms, step, quantity, since, factor, water) for step in chosen]
+    marks = [Marks(forms, step, since, water, points=points, contact=contact) for step in chosen]
+    scale = make_scale(np.concatenate([view.values for view in views]), np.concatenate([v.scene.area for v in views]),
+                       limits, levels, colors)
+    note = _and_factor("", views[0].scene.factor)
+    return draw(views, marks, scale, headline(forms, quantity, since), note, window, mesh, file, show)
+
+
+def make_view(forms: Mapping[str, Any], step: StageResult, quantity: str, since: StageResult | None,
+              deformed: float | Literal["auto"], water: Water | None) -> View:
+    """The bodies of a stage and the field on their nodes."""
     check_plane(next(iter(solids(forms).values())).basis, "plot.contour")
-    values = nodal_field(forms, step, quantity)
-    if not _can_render():
-        warnings.warn(f"no picture of '{quantity}': VTK cannot draw on this machine, it needs OpenGL "
-                      "(a display, or the libraries EGL or OSMesa)", stacklevel=2)
+    fields = region_fields(forms, step, quantity, since, water)
+    title = step.name if since is None else f"{step.name}, since {since.name}"
+    return View(Scene(forms, step, deformed, since), np.concatenate([field.values[0] for field in fields]), title)
+
+
+def headline(forms: Mapping[str, Any], quantity: str, since: StageResult | None) -> str:
+    """What the colour bar shows, with its unit."""
+    what = quantities(solids(forms))[quantity]
+    title = labelled(what.title, what.unit)
+    return f"Change of {title}" if since is not None else title[0].upper() + title[1:]
+
+
+def draw(views: Sequence[View], marks: Sequence[Marks], scale: Scale, title: str, note: str, window: Window | None,
+         mesh: bool, file: str | Path | None, show: bool) -> Any:
+    """Draw views on one sheet, with the colour bar below them, its title on the left and a note on the right."""
+    able, show = can_draw(f"'{title}'", show)
+    if not able:
         return None
-    scene = _Scene(forms, step, deformed)
-    with _quiet_vtk():
-        plotter = _picture()(off_screen=True, window_size=scene.frame(window), lighting="none",
-                             shape=(2, 1), row_weights=(scene.size[1] - _BAR, _BAR), border=False)
-    plotter.set_background("white", all_renderers=True)
-    plotter.enable_anti_aliasing("ssaa")
-    mapper = scene.add_field(plotter, values, limits, colors)
-    if edges:
-        plotter.add_mesh(scene.lines(scene.edges, scene.moved, 1), color="black", opacity=0.3, line_width=2)
-    if deformed:
-        plotter.add_mesh(scene.lines(scene.outline, scene.points, 2), color="#999999", line_width=3)
-    plotter.add_mesh(scene.lines(scene.outline, scene.moved, 3), color="black", line_width=4)
-    scene.look_from_above(plotter)
-    _add_bar(plotter, mapper, QUANTITIES[quantity] + (f", deformed {deformed:g} times" if deformed else ""))
-    plotter.screenshot(file, return_img=False) if file else plotter.render()
-    return plotter
+    seen = np.concatenate([view.scene.seen for view in views])
+    frame = Frame(seen, window, len(views), len(views) > 1, max(mark.room for mark in marks))
+    plotter = frame.sheet(show)
+    paint(plotter, frame, views, marks, scale, mesh)
+    legend = {label: style for mark in marks for label, style in mark.legend()}
+    frame.put_foot(plotter, bar_figure(scale, title, note, (frame.size[0], FOOT), legend))
+    return finish(plotter, file, show)
 
 
-class _Scene:
-    """The bodies of some forms, ready to be drawn from above."""
-
-    def __init__(self, forms: Mapping[str, Any], step: StageResult, deformed: float) -> None:
-        bodies = list(solids_there(forms, step).values())
-        basis = bodies[0].basis
-        self.cells = np.concatenate([element_nodes(form) for form in bodies])
-        self.points = basis.doflocs[:, 0::2].T
-        self.moved = self.points + deformed * step.x.reshape(-1, 2)
-        n = {3: 3, 4: 4, 6: 3, 8: 4, 9: 4}[self.cells.shape[1]]
-        corner = np.arange(n)
-        middle = (n + corner,) if self.cells.shape[1] > n else ()
-        side = np.column_stack((corner, *middle, (corner + 1) % n))
-        sides = self.cells[:, side].reshape(-1, side.shape[1])
-        ends = np.sort(sides[:, [0, -1]], axis=1)
-        _, first, count = np.unique(ends, axis=0, return_index=True, return_counts=True)
-        self.edges, self.outline = sides[first], sides[first[count == 1]]
-
-    def frame(self, window: tuple[float, float, float, float] | None) -> list[int]:
-        """Choose what is seen, and the size of the picture in pixels: the colour bar goes below."""
-        shown = np.concatenate((self.moved[self.edges.ravel()], self.points[self.edges.ravel()]))
-        low, high = shown.min(axis=0), shown.max(axis=0)
-        if window is not None:
-            low, high = np.array(window[0::2]), np.array(window[1::2])
-        low, high = low - 0.02 * (high - low), high + 0.02 * (high - low)
-        self.pixel = max((high - low) / (_WIDTH, _HEIGHT))
-        width, height = np.ceil((high - low) / self.pixel).astype(int)
-        self.size = [max(int(width), _WIDTH // 2), int(height) + _BAR]
-        self.focus = 0.5 * (low + high)
-        return self.size
-
-    def lines(self, sides: ndarray, points: ndarray, level: int) -> Any:
-        """Sides of elements as lines, lifted a little so that they are seen on top of the field."""
-        import pyvista
-
-        cells = np.column_stack((np.full(len(sides), sides.shape[1]), sides))
-        return pyvista.PolyData(self._in_space(points, level), lines=cells.ravel())
-
-    def add_field(self, plotter: Any, values: ndarray, limits: tuple[float, float] | None,
-                  colors: str) -> Any:
-        """The bodies, coloured by values at their nodes; returns the mapper of the colours."""
-        import pyvista
-
-        cells = np.column_stack((np.full(len(self.cells), self.cells.shape[1]), self.cells))
-        types = np.full(len(cells), _CELL_TYPES[self.cells.shape[1]])
-        grid = pyvista.UnstructuredGrid(cells.ravel(), types, self._in_space(self.moved, 0))
-        grid["values"] = values
-        return plotter.add_mesh(grid, scalars="values", cmap=colors, clim=limits or _limits(values),
-                                n_colors=_BANDS, lighting=False, show_scalar_bar=False).mapper
-
-    def look_from_above(self, plotter: Any) -> None:
-        """Parallel view, tight."""
-        plotter.enable_parallel_projection()
-        plotter.camera_position = [(*self.focus, 1.0), (*self.focus, 0.0), (0.0, 1.0, 0.0)]
-        plotter.camera.parallel_scale = 0.5 * (self.size[1] - _BAR) * self.pixel
+def paint(plotter: Any, frame: Frame, views: Sequence[View], marks: Sequence[Marks], scale: Scale, mesh: bool) -> None:
+    """Draw the bodies of all views and what is marked on them."""
+    for number, (view, mark) in enumerate(zip(views, marks, strict=True)):
+        frame.aim(plotter, number, view.title)
+        view.scene.pixel = frame.pixel
+        view.scene.draw_field(plotter, view.values, scale)
+        view.scene.draw_lines(plotter, mesh, undeformed=view.scene.factor != 0.0)
+        mark.draw(plotter, view.scene)
         plotter.renderer.ResetCameraClippingRange()
 
-    def _in_space(self, points: ndarray, level: int) -> ndarray:
-        return np.column_stack((points, np.full(len(points), level * self.pixel)))
 
-
-def _add_bar(plotter: Any, mapper: Any, title: str) -> None:
-    """The colour bar of the field, with its title, below the picture."""
-    plotter.subplot(1, 0)
-    plotter.add_scalar_bar(title="", mapper=mapper, color="black", vertical=False, n_labels=5, fmt="%.3g",
-                           n_colors=_BANDS, label_font_size=24, width=0.8, height=0.5, position_x=0.1,
-                           position_y=0.05)
-    plotter.add_text(title, position="upper_edge", color="black", font_size=13)
-    plotter.subplot(0, 0)
-
-
-def _limits(values: ndarray) -> tuple[float, float]:
-    """Smallest and largest value, apart even where the field is constant."""
-    low, high = float(np.nanmin(values)), float(np.nanmax(values))
-    apart = 1e-9 * max(abs(low), abs(high)) or 1.0
-    return (low, high) if high - low > apart else (low - apart, high + apart)
-
-
-@cache
-def _picture() -> Any:
-    """Plotters that a notebook shows; the class is made at its first use, because pyvista is not needed before."""
-    import pyvista
-
-    class Picture(pyvista.Plotter):
-        def _repr_png_(self) -> bytes:
-            image = BytesIO()
-            self.screenshot(image, return_img=False)
-            return image.getvalue()
-
-    return Picture
-
-
-@cache
-def _can_render() -> bool:
-    """Whether VTK can draw here; asked in a process of its own, because without OpenGL it crashes."""
-    code = ("import vtkmodules.vtkRenderingOpenGL2; from vtkmodules.vtkRenderingCore import vtkRenderWindow; "
-            "w = vtkRenderWindow(); w.SetOffScreenRendering(1); w.SetSize(8, 8); w.Render()")
-    return subprocess.run([sys.executable, "-c", code], capture_output=True).returncode == 0
-
-
-@contextmanager
-def _quiet_vtk() -> Iterator[None]:
-    """Keep VTK from complaining about the displays that it tries in vain before it finds one."""
-    from vtkmodules.vtkCommonCore import vtkLogger
-
-    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)
-    try:
-        yield
-    finally:
-        vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_INFO)
+def _and_factor(note: str, factor: float) -> str:
+    """The note with the factor of the displacements, where they are enlarged."""
+    enlarged = f"displacements × {factor:g}" if factor not in (0.0, 1.0) else ""
+    return ", ".join(text for text in (note, enlarged) if text)

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 from ..contact.laws import Status
 from ..post.sections import SectionForces
 from ..post.tractions import Tractions
+from .units import labelled
 
 _COLORS = ("#d55e00", "#1f4e8c", "#2a7f3f", "#7b3294", "#444444")
 
@@ -52,7 +53,7 @@ def ring_diagram(angle: ArrayLike, series: Mapping[str, ArrayLike], quantity: st
     polar.set_theta_zero_location("N")  # type: ignore[attr-defined]
     polar.set_theta_direction(-1)  # type: ignore[attr-defined]
     turns = np.concatenate((angle[order], angle[order[:1]] + 360.0))
-    for style, (label, values) in zip(_styles(len(series)), series.items()):
+    for style, (label, values) in zip(styles(len(series)), series.items()):
         around = np.asarray(values, float)[closed]
         polar.plot(np.radians(turns), around, **style)
         plain.plot(turns, around, label=label, **style)
@@ -64,8 +65,8 @@ def ring_diagram(angle: ArrayLike, series: Mapping[str, ArrayLike], quantity: st
     polar.tick_params(axis="y", labelsize=8)
     plain.set(xlim=(0.0, 360.0), xticks=range(0, 361, 45), ylabel=quantity,
               xlabel="central angle from the crown, clockwise [°]")
-    _finish(plain, len(series))
-    return _saved(figure, file)
+    tidy(plain, len(series))
+    return saved(figure, file)
 
 
 def contact_diagram(series: Mapping[str, Tractions], along: Literal["arc", "x", "y"] = "arc",
@@ -94,15 +95,16 @@ def contact_diagram(series: Mapping[str, Tractions], along: Literal["arc", "x", 
     upright = along == "y"
     figure, axes = plt.subplots(1, 2, figsize=(8.0, 6.0), sharey=True, layout="constrained") if upright else \
         plt.subplots(2, 1, figsize=(8.0, 6.0), sharex=True, layout="constrained")
-    for style, (label, t) in zip(_styles(len(series)), series.items()):
+    for style, (label, t) in zip(styles(len(series)), series.items()):
         position, slips = getattr(t, along), t.status == Status.SLIP
         for ax, values in zip(axes, (t.pressure, t.shear)):
             _draw(ax, position, values, upright, label=label, **style)
             _draw(ax, position[slips], values[slips], upright, color=style["color"], linestyle="none",
                   marker="o", markersize=4, markerfacecolor="white")
     names = {"arc": "position along the slave", "x": "x", "y": "y"}
-    _label(axes, ("pressure", "friction"), names[along], upright, len(series))
-    return _saved(figure, file)
+    _label(axes, (labelled("pressure", "stress"), labelled("friction", "stress")), labelled(names[along], "length"),
+           upright, len(series))
+    return saved(figure, file)
 
 
 def section_diagram(series: Mapping[str, SectionForces], upright: bool = False,
@@ -129,16 +131,17 @@ def section_diagram(series: Mapping[str, SectionForces], upright: bool = False,
     """
     figure, axes = plt.subplots(1, 3, figsize=(9.0, 6.0), sharey=True, layout="constrained") if upright else \
         plt.subplots(3, 1, figsize=(8.0, 7.5), sharex=True, layout="constrained")
-    for style, (label, forces) in zip(_styles(len(series)), series.items()):
+    for style, (label, forces) in zip(styles(len(series)), series.items()):
         for ax, values in zip(axes, (forces.N, forces.V, forces.M)):
             _draw(ax, forces.position, values, upright, label=label, **style)
-    _label(axes, ("normal force N", "shear force V", "moment M"), "position", upright, len(series))
+    names = labelled("normal force N", "line"), labelled("shear force V", "line"), labelled("moment M", "moment")
+    _label(axes, names, labelled("position", "length"), upright, len(series))
     if upright:
         axes[0].invert_yaxis()
-    return _saved(figure, file)
+    return saved(figure, file)
 
 
-def _styles(n: int) -> list[dict[str, Any]]:
+def styles(n: int) -> list[dict[str, Any]]:
     """Line styles of n series; the first of several is dashed."""
     colors = _COLORS[1:2] if n == 1 else _COLORS
     return [{"color": colors[i % len(colors)], "linestyle": "--" if n > 1 and i == 0 else "-",
@@ -152,7 +155,7 @@ def _draw(ax: Axes, position: ndarray, values: ndarray, upright: bool, **style: 
 def _label(axes: ndarray, quantities: tuple[str, ...], position: str, upright: bool, n: int) -> None:
     """Names of the axes; the position is written once."""
     for ax, name in zip(axes, quantities):
-        _finish(ax, n if ax is axes[0] else 1)
+        tidy(ax, n if ax is axes[0] else 1)
         ax.set(**{"xlabel" if upright else "ylabel": name})
     if upright:
         axes[0].set_ylabel(position)
@@ -160,7 +163,7 @@ def _label(axes: ndarray, quantities: tuple[str, ...], position: str, upright: b
         axes[-1].set_xlabel(position)
 
 
-def _finish(ax: Axes, n: int) -> None:
+def tidy(ax: Axes, n: int) -> None:
     """A grid, and a legend where there are several series."""
     ax.grid(color="#dddddd", linewidth=0.6)
     ax.spines[["top", "right"]].set_visible(False)
@@ -168,7 +171,8 @@ def _finish(ax: Axes, n: int) -> None:
         ax.legend(frameon=False)
 
 
-def _saved(figure: Figure, file: str | Path | None) -> Figure:
+def saved(figure: Figure, file: str | Path | None) -> Figure:
+    """Write the figure to a file if one is given."""
     if file is not None:
         figure.savefig(file, dpi=160)
     return figure

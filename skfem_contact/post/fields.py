@@ -1,4 +1,4 @@
-"""Fields for pictures: displacements and nodal averages of stresses and plastic strain."""
+"""Fields at nodes, region by region: displacements, strains, stresses and what follows from them."""
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
@@ -10,47 +10,21 @@ from numpy import ndarray
 from ..errors import look_up
 from ..solid import SolidForm
 from ..stages.result import StageResult
+from .quantities import PLANE, SPACE, Quantity
+from .recovery import RegionField, recovered, recovered_stress, regions_of
+from .strength import mobilised
+
+#: Pore pressure: a function of places (2, n).
+Water = Callable[[ndarray], ndarray]
 
 
-def _principal(stress: ndarray) -> ndarray:
-    """Principal stresses of (4 or 6, ...) in ascending order along the last axis."""
-    xx, yy, zz, xy, *out_of_plane = stress
-    if out_of_plane:
-        yz, zx = out_of_plane
-        tensors = np.array([[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]])
-        return np.linalg.eigvalsh(np.moveaxis(tensors, (0, 1), (-2, -1)))
-    center, radius = 0.5 * (xx + yy), np.hypot(0.5 * (xx - yy), xy)
-    return np.sort(np.stack((center - radius, center + radius, zz), axis=-1), axis=-1)
+def nodal_field(forms: Mapping[str, Any], step: StageResult, quantity: str, since: StageResult | None = None,
+                water: Water | None = None) -> ndarray:
+    """A field at the nodes.
 
-
-def _mises(stress: ndarray) -> ndarray:
-    xx, yy, zz = stress[:3]
-    return np.sqrt(0.5 * ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) + 3.0 * (stress[3:] ** 2).sum(axis=0))
-
-
-#: Fields of plane bodies and what a legend calls them.
-QUANTITIES = {
-    "ux": "horizontal displacement", "uy": "vertical displacement", "u": "displacement",
-    "sxx": "horizontal stress", "syy": "vertical stress", "szz": "out-of-plane stress", "sxy": "shear stress",
-    "s1": "largest principal stress", "s2": "middle principal stress", "s3": "smallest principal stress",
-    "mean": "mean stress", "mises": "von Mises stress", "plastic": "equivalent plastic strain"}
-
-_IN_SPACE = {"uz": "displacement along z", "syz": "shear stress", "szx": "shear stress"}
-
-_OF_DISPLACEMENT: dict[str, Callable[[ndarray], ndarray]] = {
-    "ux": lambda u: u[0], "uy": lambda u: u[1], "uz": lambda u: u[2], "u": lambda u: np.hypot.reduce(u, axis=0)}
-_OF_STRESS: dict[str, Callable[[ndarray], ndarray]] = {
-    "sxx": lambda s: s[0], "syy": lambda s: s[1], "szz": lambda s: s[2], "sxy": lambda s: s[3],
-    "syz": lambda s: s[4], "szx": lambda s: s[5],
-    "s1": lambda s: _principal(s)[..., 2], "s2": lambda s: _principal(s)[..., 1],
-    "s3": lambda s: _principal(s)[..., 0], "mean": lambda s: s[:3].mean(axis=0), "mises": _mises}
-
-
-def nodal_field(forms: Mapping[str, Any], step: StageResult, quantity: str) -> ndarray:
-    """A field at the nodes, for contour pictures.
-
-    Stresses are averaged over the elements at a node, weighted by their volumes; bodies do not share nodes,
-    so nothing is averaged across a contact.  Invariants are those of the averaged stress.
+    Stresses are recovered at the nodes of every region of every body from the forces and the stresses of its elements
+    (:doc:`theory </theory/recovery>`); nothing is taken across a contact or from another material. A node between two
+    regions has the mean of theirs here, and both in pictures and files. Invariants are those of the recovered stress.
 
     Parameters
     ----------
@@ -59,10 +33,17 @@ def nodal_field(forms: Mapping[str, Any], step: StageResult, quantity: str) -> n
     step
         A stage of the result of these forms.
     quantity
-        ``"ux"``, ``"uy"``, ``"u"`` (length of the displacement); ``"sxx"``, ``"syy"``, ``"szz"``, ``"sxy"``; in three
-        dimensions also ``"uz"``, ``"syz"``, ``"szx"``;
-        principal stresses ``"s1"`` >= ``"s2"`` >= ``"s3"``; ``"mean"``, ``"mises"``; ``"plastic"``, the
-        equivalent plastic strain (zero in elastic bodies).
+        ``"ux"``, ``"uy"``, ``"u"`` (length of the displacement); stresses ``"sxx"``, ``"syy"``, ``"szz"``, ``"sxy"``;
+        principal stresses ``"s1"`` >= ``"s2"`` >= ``"s3"``; ``"mean"``, ``"mises"``; strains ``"exx"``, ``"eyy"``,
+        ``"exy"`` (engineering shear), ``"gamma"`` (largest shear strain, in the plane), ``"ev"`` (volumetric);
+        ``"plastic"``, the equivalent plastic strain (zero in elastic bodies); ``"mobilised"``, the share of the shear
+        strength that is used; ``"pore"``, the pore pressure of `water`. In three dimensions also ``"uz"``, ``"syz"``,
+        ``"szx"``.
+    since
+        An earlier stage: the change from there on. Displacements and strains are those of the change; invariants of
+        stresses are subtracted.
+    water
+        Pore pressure as a function of places, :func:`hydrostatic`.
 
     Returns
     -------
@@ -79,26 +60,40 @@ def nodal_field(forms: Mapping[str, Any], step: StageResult, quantity: str) -> n
     >>> import numpy as np
     >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
     >>> import skfem_contact as sc
-    >>> basis = Basis(MeshQuad().with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+    >>> basis = Basis(MeshQuad().refined(2).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
     >>> forms = {"block": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.))}
     >>> fixed = np.hstack((basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1")))
     >>> result = sc.run(forms, [sc.Stage("weight", sc.weight(basis, 20.))], fixed=fixed)
-    >>> sc.nodal_field(forms, result["weight"], "syy").round(6).tolist()
-    [-10.0, -10.0, -10.0, -10.0]
+    >>> stress = sc.nodal_field(forms, result["weight"], "syy")
+    >>> stress[basis.mesh.p[0] == 0.][[0, 2, 1]].round(2) + 0.      # at the bottom, in the middle, at the top
+    array([-20., -10.,   0.])
     """
-    forms = solids_there(forms, step)
-    dim = next(iter(forms.values())).basis.mesh.dim()
-    look_up(quantity, QUANTITIES if dim == 2 else QUANTITIES | _IN_SPACE, "field")
-    used = np.unique(np.concatenate([element_nodes(form).ravel() for form in forms.values()]))
-    field = np.full(len(step.x) // dim, np.nan)
-    if quantity in _OF_DISPLACEMENT:
-        field[used] = _OF_DISPLACEMENT[quantity](step.x.reshape(-1, dim)[used].T)
-    elif quantity == "plastic":
-        field[used] = _average(forms, {name: plastic_strain(step.states[name]) for name in forms})[0, used]
-    else:
-        stress = _average(forms, {name: step.states[name].stress for name in forms})
-        field[used] = _OF_STRESS[quantity](stress[:, used])
-    return field
+    fields = region_fields(forms, step, quantity, since, water)
+    basis = next(iter(solids(forms).values())).basis
+    n = basis.N // basis.mesh.dim()
+    total, count = np.zeros(n), np.zeros(n)
+    for field in fields:
+        total[field.nodes] += field.values[0]
+        count[field.nodes] += 1
+    return np.divide(total, count, out=np.full(n, np.nan), where=count > 0)
+
+
+def region_fields(forms: Mapping[str, Any], step: StageResult, quantity: str, since: StageResult | None = None,
+                  water: Water | None = None) -> list[RegionField]:
+    """The field of every region of all solids that are there, values (1, n_nodes); arguments of :func:`nodal_field`."""
+    found = solids_there(forms, step)
+    what = look_up(quantity, quantities(found), "field")
+    if quantity == "pore" and water is None:
+        raise ValueError("pore pressure: give water=, a function of places such as hydrostatic(level)")
+    fields: list[RegionField] = []
+    for name, form in found.items():
+        fields += _of_form(form, step, name, quantity, what, since, water)
+    return fields
+
+
+def quantities(forms: Mapping[str, SolidForm]) -> dict[str, Quantity]:
+    """The fields that there are of these solids."""
+    return PLANE if next(iter(forms.values())).basis.mesh.dim() == 2 else SPACE
 
 
 def solids(forms: Mapping[str, Any]) -> dict[str, SolidForm]:
@@ -110,7 +105,7 @@ def solids(forms: Mapping[str, Any]) -> dict[str, SolidForm]:
 
 
 def solids_there(forms: Mapping[str, Any], step: StageResult) -> dict[str, SolidForm]:
-    """The solids among the forms that are there in a stage: neither taken away nor still to come."""
+    """The solids among the forms that are there in a stage, with the materials that they have there."""
     if not hasattr(step, "states"):
         raise ValueError(f"one stage is needed, result[name of the stage], not {type(step).__name__}")
     given = solids(forms)
@@ -118,13 +113,7 @@ def solids_there(forms: Mapping[str, Any], step: StageResult) -> dict[str, Solid
     if not found:
         raise ValueError(f"none of the solids {list(given)} is there in stage '{step.name}', which holds "
                          f"{list(step.states)}")
-    return found
-
-
-def element_nodes(form: SolidForm) -> ndarray:
-    """Nodes of all elements, (n_elements, n_nodes): corners, middles of edges and faces, centre."""
-    dim = form.basis.mesh.dim()
-    return np.asarray(form.basis.element_dofs[0::dim].T) // dim
+    return solids({name: step.forms.get(name, form) for name, form in found.items()})
 
 
 def plastic_strain(state: Any) -> ndarray:
@@ -132,16 +121,42 @@ def plastic_strain(state: Any) -> ndarray:
     return state.internal[:1] if len(state.internal) else np.zeros((1, *state.stress.shape[1:]))
 
 
-def _average(forms: Mapping[str, SolidForm], values: Mapping[str, ndarray]) -> ndarray:
-    """Averages of (components, n_elements, n_points) at the nodes, weighted by the elements' volumes."""
-    first = next(iter(forms.values())).basis
-    n_nodes = first.N // first.mesh.dim()
-    components = len(next(iter(values.values())))
-    volume, total = np.zeros(n_nodes), np.zeros((components, n_nodes))
-    for name, form in forms.items():
-        nodes = element_nodes(form)
-        flat, k = nodes.ravel(), nodes.shape[1]
-        volume += np.bincount(flat, np.repeat(form.weight.sum(axis=1), k), minlength=n_nodes)
-        integral = np.einsum("ceq,eq->ce", values[name], form.weight)
-        total += [np.bincount(flat, np.repeat(c, k), minlength=n_nodes) for c in integral]
-    return np.divide(total, volume, out=np.full_like(total, np.nan), where=volume > 0)
+def _of_form(form: SolidForm, step: StageResult, name: str, quantity: str, what: Quantity,
+             since: StageResult | None, water: Water | None) -> list[RegionField]:
+    """The field of the regions of one solid."""
+    state, before = step.states[name], None if since is None else since.states.get(name)
+    if what.source == "displacement":
+        x = step.x if since is None else step.x - since.x
+        return _valued(what, _displaced(form, x))
+    if what.source == "strain":
+        return _valued(what, recovered(form, state.strain if before is None else state.strain - before.strain))
+    if quantity == "pore":
+        assert water is not None
+        dim = form.basis.mesh.dim()
+        return [f._replace(values=water(form.basis.doflocs[:, dim * f.nodes])[None]) for f in _displaced(form, step.x)]
+    at = _at_points if what.source == "points" else _stress
+    now = _valued(what, at(form, state, quantity))
+    if before is None:
+        return now
+    return [a._replace(values=a.values - b.values)
+            for a, b in zip(now, _valued(what, at(form, before, quantity)), strict=True)]
+
+
+def _valued(what: Quantity, fields: list[RegionField]) -> list[RegionField]:
+    return [field._replace(values=what.value(field.values)[None]) for field in fields]
+
+
+def _displaced(form: SolidForm, x: ndarray) -> list[RegionField]:
+    """Displacements at the nodes of the regions."""
+    u = x[:form.basis.N].reshape(-1, form.basis.mesh.dim()).T
+    return [field._replace(values=u[:, field.nodes]) for field in regions_of(form)]
+
+
+def _stress(form: SolidForm, state: Any, quantity: str) -> list[RegionField]:
+    return recovered_stress(form, state.stress)
+
+
+def _at_points(form: SolidForm, state: Any, quantity: str) -> list[RegionField]:
+    """What points have, within their range: plastic strain, or mobilised strength."""
+    values = plastic_strain(state) if quantity == "plastic" else mobilised(form, state)[None]
+    return recovered(form, values, limited=True)

@@ -1,37 +1,34 @@
-"""Results as VTU files for ParaView and other programs."""
+"""Results for other programs: VTU files and their series, pyvista's grids, data frames."""
 from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
+from xml.sax.saxutils import quoteattr
 
 import numpy as np
-from numpy import ndarray
 
-from ..mesh.join import bodies
-from ..solid import SolidForm
-from ..stages.result import StageResult
-from .fields import element_nodes, plastic_strain, solids, solids_there
-
-#: VTK's cells by the numbers of dimensions and of nodes.
-_CELLS = {(2, 3): "triangle", (2, 4): "quad", (2, 6): "triangle6", (2, 8): "quad8", (2, 9): "quad9",
-          (3, 4): "tetra", (3, 10): "tetra10", (3, 8): "hexahedron", (3, 20): "hexahedron20", (3, 27): "hexahedron27"}
+from ..stages.result import Result, StageResult
+from .fields import nodal_field, quantities, solids_there
+from .grids import grid_of
 
 
 def export_vtu(file: str | Path, forms: Mapping[str, Any], step: StageResult) -> None:
-    """Write the solids of a stage to a ``.vtu`` file.
+    """Write the solids and the contact of a stage to a ``.vtu`` file.
 
-    Points carry the ``displacement``; cells carry the mean ``stress`` (xx, yy, zz, xy, yz, xz), the mean
-    equivalent ``plastic_strain``, the number of the ``body``, in the order of :func:`bodies`, and of the
-    ``region``, counted through the materials of all solids.  Bodies share no points, quadratic elements stay
-    quadratic.
+    Points carry the ``displacement``, the recovered ``stress`` and ``strain`` (xx, yy, zz, xy, yz, xz; engineering
+    shear) and the equivalent ``plastic_strain``; regions share no points, so that nothing is averaged between them.
+    Cells carry means of ``stress`` and ``plastic_strain``, the number of the ``body``, in the order of
+    :func:`bodies`, and of the ``region``, counted through the materials of all solids. The slave's facets of every
+    contact pair are line cells with ``pressure``, ``shear``, ``gap``, ``slip`` and ``status``. Quadratic elements
+    stay quadratic.
 
     Parameters
     ----------
     file
         Name of the file.
     forms
-        Forms by name; the solids among them that are there in the stage are written.
+        Forms by name; those that are there in the stage are written.
     step
         A stage of the result of these forms.
 
@@ -53,44 +50,97 @@ def export_vtu(file: str | Path, forms: Mapping[str, Any], step: StageResult) ->
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     sc.export_vtu(folder + "/weight.vtu", forms, result["weight"])
     ...     mesh = meshio.read(folder + "/weight.vtu")
-    >>> sorted(mesh.cell_data), mesh.cell_data["stress"][0].round(6)[0, 1].item()
-    (['body', 'plastic_strain', 'region', 'stress'], -10.0)
+    >>> sorted(mesh.point_data), mesh.cell_data["stress"][0].round(6)[0, 1].item()
+    (['displacement', 'plastic_strain', 'strain', 'stress'], -10.0)
     """
     import meshio
-    from skfem.io.meshio import HEX_MAPPING
 
-    given = solids(forms)  # their regions have the same numbers in all stages
-    first = dict(zip(given, np.cumsum([0] + [len(form.regions) for form in given.values()])))
-    forms = solids_there(forms, step)
-    basis = next(iter(forms.values())).basis
+    grid = grid_of(forms, step)
+    meshio.Mesh(grid.points, grid.cells, point_data=grid.point_data, cell_data=grid.cell_data).write(
+        file, file_format="vtu")
+
+
+def export_pvd(file: str | Path, forms: Mapping[str, Any], result: Result) -> list[Path]:
+    """Write all stages as a series that ParaView plays: a ``.pvd`` file and a ``.vtu`` file for each stage beside it.
+
+    Parameters
+    ----------
+    file
+        Name of the series, ``"dig.pvd"``; the stages are ``dig_0.vtu``, ``dig_1.vtu``, ...
+    forms, result
+        Forms by name and the result of their analysis.
+
+    Returns
+    -------
+    list of Path
+        The files that were written, the series first.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from skfem_contact.demo import culvert
+    >>> import skfem_contact as sc
+    >>> model = culvert()
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     [path.name for path in sc.export_pvd(folder + "/culvert.pvd", model.forms, model.result)]
+    ['culvert.pvd', 'culvert_0.vtu', 'culvert_1.vtu']
+    """
+    file = Path(file)
+    parts = [file.with_name(f"{file.stem}_{number}.vtu") for number in range(len(result))]
+    for part, stage in zip(parts, result, strict=True):
+        export_vtu(part, forms, stage)
+    lines = [f'    <DataSet timestep="{number}" name={quoteattr(stage.name)} file={quoteattr(part.name)}/>'
+             for number, (part, stage) in enumerate(zip(parts, result, strict=True))]
+    file.write_text("\n".join(['<?xml version="1.0"?>', '<VTKFile type="Collection" version="0.1">', "  <Collection>",
+                               *lines, "  </Collection>", "</VTKFile>", ""]), encoding="utf-8")
+    return [file, *parts]
+
+
+def to_pyvista(forms: Mapping[str, Any], step: StageResult) -> Any:
+    """A stage as pyvista's ``UnstructuredGrid``, with the data of :func:`export_vtu`, for all that pyvista can do.
+
+    Parameters
+    ----------
+    forms
+        Forms by name, or one form of them: ``{"ground": forms["ground"]}``.
+    step
+        A stage of the result of these forms.
+
+    Examples
+    --------
+    >>> from skfem_contact.demo import culvert
+    >>> import skfem_contact as sc
+    >>> model = culvert()
+    >>> grid = sc.to_pyvista(model.forms, model.result["surcharge"])
+    >>> moved = grid.warp_by_vector("displacement", factor=100.)
+    >>> grid.point_data["stress"].shape[1], grid.n_cells == len(grid.cell_data["pressure"])
+    (6, True)
+    """
+    import meshio
+    import pyvista
+
+    grid = grid_of(forms, step)
+    return pyvista.from_meshio(meshio.Mesh(grid.points, grid.cells, point_data=grid.point_data,
+                                           cell_data=grid.cell_data))
+
+
+def to_frame(forms: Mapping[str, Any], step: StageResult) -> Any:
+    """All nodal fields of a stage as a pandas data frame: a row for each node that a solid uses.
+
+    Columns are the place, ``x``, ``y`` (and ``z``), and the quantities of :func:`nodal_field`. Tractions, section
+    forces and other dataclasses of arrays become one by ``pandas.DataFrame(vars(tractions))``.
+
+    Raises
+    ------
+    ImportError
+        pandas is not installed.
+    """
+    import pandas
+
+    found = solids_there(forms, step)
+    basis = next(iter(found.values())).basis
     dim = basis.mesh.dim()
-    plane = np.zeros((basis.N // dim, 3 - dim))
-    points = np.column_stack((basis.doflocs[:, 0::dim].T, plane))
-    displacement = np.column_stack((step.x.reshape(-1, dim), plane))
-    nodes = np.concatenate([element_nodes(form) for form in forms.values()])
-    kind = _CELLS[dim, nodes.shape[1]]
-    if kind.startswith("hexahedron"):  # of all others the nodes come in the same order
-        nodes = nodes[:, HEX_MAPPING[:nodes.shape[1]]]
-    data = [_cell_data(form, step.states[name]) for name, form in forms.items()]
-    merged = {key: np.concatenate([d[key] for d in data]) for key in data[0]}
-    merged["region"] = np.concatenate([d["region"] + first[name] for d, name in zip(data, forms)])
-    used, cells = np.unique(nodes, return_inverse=True)
-    meshio.Mesh(points[used], [(kind, cells.reshape(nodes.shape))],
-                point_data={"displacement": displacement[used]},
-                cell_data={key: [values] for key, values in merged.items()}).write(file, file_format="vtu")
-
-
-def _cell_data(form: SolidForm, state: Any) -> dict[str, ndarray]:
-    """Means over the elements of a solid, and the numbers of their body and region."""
-    elements = np.arange(form.basis.mesh.nelements) if form.basis.tind is None else form.basis.tind
-    share = form.weight / form.weight.sum(axis=1)[:, None]
-    stress = np.zeros((len(elements), 6))
-    stress[:, :len(state.stress)] = np.einsum("ceq,eq->ec", state.stress, share)
-    body = np.empty(form.basis.mesh.nelements, dtype=int)
-    for number, members in enumerate(bodies(form.basis.mesh).values()):
-        body[members] = number
-    region = np.empty(len(elements), dtype=int)
-    for number, part in enumerate(form.regions):
-        region[part.elements] = number
-    return {"stress": stress, "plastic_strain": np.einsum("eq,eq->e", plastic_strain(state)[0], share),
-            "body": body[elements], "region": region}
+    places = dict(zip("xyz", basis.doflocs[:, 0::dim]))
+    fields = {name: nodal_field(forms, step, name) for name in quantities(found) if name != "pore"}
+    frame = pandas.DataFrame(places | fields, index=pandas.RangeIndex(basis.N // dim, name="node"))
+    return frame[np.isfinite(frame["u"])]

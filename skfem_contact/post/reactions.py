@@ -4,9 +4,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
 from numpy import ndarray
 
+from ..forms import carried
 from ..stages.result import StageResult
 from ..stages.setup import forms_there
 
@@ -44,6 +44,4 @@ def reactions(forms: Mapping[str, Any], step: StageResult) -> ndarray:
     >>> round(float(sc.reactions(forms, result["weight"])[bottom.all("u^2")].sum()), 9)
     20.0
     """
-    carried = sum((form.assemble(step.x, step.states[name]).force for name, form in forms_there(step, forms).items()),
-                  start=np.zeros(len(step.x)))
-    return carried - step.load
+    return carried(forms_there(step, forms), step.x, step.states) - step.load

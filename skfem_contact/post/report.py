@@ -92,8 +92,8 @@ def contact_report(pair: ContactPair, x: ndarray, state: ContactState) -> Contac
       friction over pressure at most 0.000, penetration at most 0.20% of a segment
     """
     check_state(pair, state)
-    if np.shape(x) != (pair.n,):
-        raise ValueError(f"the displacements have shape {np.shape(x)}, not ({pair.n},)")
+    if np.shape(x) != (pair.size,):
+        raise ValueError(f"the displacements have shape {np.shape(x)}, not ({pair.size},)")
     closed = state.status != Status.OPEN
     weight = pair.share * pair.points(state).weight[closed]
     normal, tangential = state.traction[0, closed], state.traction[1:, closed]

@@ -18,7 +18,7 @@ from scipy.spatial import cKDTree
 
 from ..errors import check_plane
 from ..solid import SolidForm, SolidState
-from .fields import element_nodes
+from .recovery import element_nodes
 
 #: Round-off of a position, as a share of the element: a cut through the end of a body meets its elements.
 _ROUND_OFF = 1e-9

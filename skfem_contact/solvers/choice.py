@@ -10,7 +10,7 @@ import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix
 
-from ..forms import are_symmetric
+from ..forms import Form, are_symmetric
 from ..sparse import FreeBlock
 from .direct import ENGINES, DirectSolver, LinearSolver, SingularSystem, Solve
 from .multigrid import AmgOrDirect, AmgSolver, amg_pays
@@ -80,27 +80,22 @@ def as_solver(solver: Any, locations: ndarray, free: ndarray) -> LinearSolver:
     raise ValueError(f"solver must be None, one of {names}, or a function (A, b) -> x, not {solver!r}")
 
 
-def linear_solver(forms: Mapping[str, Any], solver: Any, locations: ndarray, free: ndarray) -> LinearSolver:
+def linear_solver(forms: Mapping[str, Form], solver: Any, locations: ndarray, free: ndarray) -> LinearSolver:
     """The linear solver of an analysis.
 
     Parameters
     ----------
     forms
-        Forms by name; those with an attribute `unknowns` act on these alone, those with `materials` yield where one
-        of these has internal variables.
+        Forms by name: where their tangents change, and whether these are symmetric, decides.
     solver, locations, free
         As for :func:`as_solver`.  A user's own function and multigrid are used for everything.
     """
-    yielding = any(_may_yield(form) for form in forms.values())
-    if solver is None and are_symmetric(forms) and not yielding and amg_pays(locations, free):
+    changing = [form.changing for form in forms.values() if form.changing is not None]
+    anywhere = len(changing) < len(forms)
+    if solver is None and are_symmetric(forms) and not anywhere and amg_pays(locations, free) \
+            and not any(form.fields for form in forms.values()):
         return AmgOrDirect(locations, free)
     inner = as_solver(solver, locations, free)
-    touched = [form.unknowns for form in forms.values() if hasattr(form, "unknowns")]
-    if callable(solver) or solver == "amg" or not touched or yielding:
-        return inner
-    return SchurSolver(inner, locations, free, np.concatenate(touched))
-
-
-def _may_yield(form: Any) -> bool:
-    """Whether a form's tangent may change inside the bodies: then factors that are made to be kept do not pay."""
-    return any(material.n_internal > 0 for material in getattr(form, "materials", {}).values())
+    if callable(solver) or solver == "amg" or anywhere or not any(map(len, changing)):
+        return inner  # where bodies yield, factors that are made to be kept do not pay
+    return SchurSolver(inner, locations, free, np.unique(np.concatenate(changing)))

@@ -12,9 +12,9 @@ from numpy import ndarray
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import connected_components
 
-from ..nonlinear.evaluation import NotConverged
+from ..errors import NotConverged
 from ..sparse import FreeBlock, same_matrix
-from ..stages.supports import rigid_modes
+from ..unknowns import rigid_modes
 from .direct import REFINE, WRONG, DirectSolver, LinearSolver, SingularSystem, Solve
 
 logger = logging.getLogger("skfem_contact")

@@ -3,7 +3,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache, wraps
-from typing import ParamSpec, TypeVar
+from threading import Lock
+from typing import Any, ParamSpec, TypeVar
 
 from threadpoolctl import ThreadpoolController
 
@@ -31,7 +32,30 @@ def single_threaded(function: Callable[P, R]) -> Callable[P, R]:
 
     @wraps(function)
     def limited(*args: P.args, **kwargs: P.kwargs) -> R:
-        with _controller().limit(limits=1, user_api="blas"):
+        with _limit:
             return function(*args, **kwargs)
 
     return limited
+
+
+class _Limit:
+    """The limit of one thread, set by the first of several runs side by side and lifted by the last."""
+
+    def __init__(self) -> None:
+        self._lock, self._runs = Lock(), 0
+        self._context: Any = None
+
+    def __enter__(self) -> None:
+        with self._lock:
+            if self._runs == 0:
+                self._context = _controller().limit(limits=1, user_api="blas")
+            self._runs += 1
+
+    def __exit__(self, *error: object) -> None:
+        with self._lock:
+            self._runs -= 1
+            if self._runs == 0:
+                self._context.restore_original_limits()
+
+
+_limit = _Limit()

@@ -1,7 +1,7 @@
 """What is there in each stage: bodies and contacts that come and go, supports that change."""
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -9,16 +9,16 @@ import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix, diags_array
 
-from ..contact.laws import Status
-from ..contact.pair import ContactPair
 from ..contact.penalty import choose_penalties
 from ..contact.prestress import prestressed
 from ..errors import look_up
-from ..forms import Form
-from ..solid import SolidForm
+from ..forms import Form, as_forms, carried
+from ..remarks import Remark
 from ..solvers.choice import as_solver
-from .setup import check_vector, unknowns_of
-from .supports import as_unknowns, check_supports
+from ..sparse import padded
+from ..unknowns import Unknowns
+from .setup import on_all, unknowns_of
+from .supports import all_unknowns, as_unknowns, check_supports
 
 if TYPE_CHECKING:
     from .result import StageResult
@@ -28,8 +28,6 @@ if TYPE_CHECKING:
 _LOOSE = 1e-9
 #: Loads on nothing below this share of the largest one are round-off of their integration.
 _NO_LOAD = 1e-12
-#: Tractions that differ by this share come from another penalty.
-_SAME = 1e-6
 
 
 @dataclass(frozen=True)
@@ -38,20 +36,30 @@ class Phase:
 
     Attributes
     ----------
+    unknowns
+        All unknowns, those of forms that are not there included.
     before
         Forms that are active before, by name: as they are then.
     forms
         Forms that are active in the stage, by name.
     fixed
         Unknowns that are supported, or held because no active solid has them.
+    load, prescribed
+        Loads and prescribed displacements of all unknowns, (N,).
     changed
         Whether the stage begins with anything else than the one before ended with.
+    remarks
+        What in the stage changes nothing, and was probably meant to.
     """
 
+    unknowns: Unknowns
     before: dict[str, Form]
     forms: dict[str, Form]
     fixed: ndarray
+    load: ndarray
+    prescribed: ndarray | None
     changed: bool
+    remarks: tuple[Remark, ...] = ()
 
 
 def plan(forms: Mapping[str, Form], stages: Sequence[Stage], fixed: ndarray, start: StageResult | None) -> list[Phase]:
@@ -74,41 +82,29 @@ def plan(forms: Mapping[str, Form], stages: Sequence[Stage], fixed: ndarray, sta
         Names that do not exist, a form that is activated twice, contact with a body that is not there, a load on
         one, or a body without support; the stage is named.
     """
-    now, active = dict(forms), _at_first(forms, stages, start)
+    unknowns = all_unknowns(forms, np.size(stages[0].load))
+    now = choose_penalties(forms)
+    active = _at_first(forms, stages, start)
     phases: list[Phase] = []
     for stage in stages:
         before = {name: now[name] for name in now if name in active}
         changes = bool(stage.activate or stage.deactivate or stage.change or stage.fixed is not None)
         try:
             active = _after(stage, now, active)
-            now.update({name: _changed(name, now[name], new) for name, new in stage.change.items()})
-            fixed = fixed if stage.fixed is None else as_unknowns(stage.fixed)
+            now.update({name: _changed(name, now[name], new) for name, new in as_forms(stage.change).items()})
+            supported, fixed = fixed, fixed if stage.fixed is None else as_unknowns(stage.fixed)
             there = {name: now[name] for name in now if name in active}
             held = np.setdiff1d(unknowns_of(now), unknowns_of(there))
             if changes or not phases:
                 check_contacts(there, held)
-                check_supports(there, np.union1d(fixed, held))
+                check_supports(there, np.union1d(fixed, held), unknowns)
         except ValueError as error:
             raise (ValueError(f"stage '{stage.name}': {error}") if changes else error) from None
-        _check_values(stage, _size(there), held, [name for name in now if name not in active])
-        phases.append(Phase(before, there, np.union1d(fixed, held), changes and bool(phases or start is not None)))
-    return _with_penalties(phases, forms)
-
-
-def _with_penalties(phases: list[Phase], forms: Mapping[str, Form]) -> list[Phase]:
-    """Contact pairs keep their penalty through all stages, whatever their law and whatever is around them."""
-    chosen = choose_penalties(forms)
-
-    def finished(name: str, form: Form) -> Form:
-        if form is forms[name]:
-            return chosen[name]
-        if isinstance(form, ContactPair) and form.penalty is None:
-            normal, tangential = chosen[name].penalty
-            return form.with_penalty(normal, tangential, chosen[name].stiffness)
-        return form
-
-    return [replace(phase, before={k: finished(k, f) for k, f in phase.before.items()},
-                    forms={k: finished(k, f) for k, f in phase.forms.items()}) for phase in phases]
+        load, prescribed = _values(stage, unknowns, held, [name for name in now if name not in active])
+        phases.append(Phase(unknowns, before, there, np.union1d(fixed, held), load, prescribed,
+                            changes and bool(phases or start is not None),
+                            tuple(_idle(stage, load, prescribed, phases, np.array_equal(supported, fixed)))))
+    return phases
 
 
 def _at_first(forms: Mapping[str, Form], stages: Sequence[Stage], start: StageResult | None) -> set[str]:
@@ -144,39 +140,44 @@ def _after(stage: Stage, forms: Mapping[str, Form], active: set[str]) -> set[str
 
 def _changed(name: str, old: Form, new: Form) -> Form:
     """The new form in the place of the old one, whose state it goes on from."""
-    same = type(old) is type(new)
-    if isinstance(old, SolidForm) and isinstance(new, SolidForm):
-        same = np.array_equal(old.basis.element_dofs, new.basis.element_dofs) and old.weight.shape == new.weight.shape
-    if isinstance(old, ContactPair) and isinstance(new, ContactPair):
-        same = (old.slave.name, old.facets.name, old.quadrature) == (new.slave.name, new.facets.name, new.quadrature)
-    if not same:
-        raise ValueError(f"'{name}' can only be changed to another material or law of the same elements or surfaces; "
-                         "deactivate it and activate another form instead")
-    return new
-
-
-def _size(forms: Mapping[str, Form]) -> int:
-    return next(int(form.basis.N) for form in forms.values() if isinstance(form, SolidForm))
+    try:
+        return new.continues(old)
+    except ValueError as error:
+        raise ValueError(f"'{name}' can only be changed to another material or law of the same elements or surfaces "
+                         f"({error}); deactivate it and activate another form instead") from None
 
 
 def check_contacts(there: Mapping[str, Form], held: ndarray) -> None:
-    """Refuse contact with bodies that are not there, whose unknowns are held."""
+    """Refuse forms that act on bodies that are not there, whose unknowns are held."""
     for name, form in there.items():
-        if isinstance(form, ContactPair) and np.isin(form.unknowns, held).any():
-            raise ValueError(f"contact '{name}' is active, but a part of '{form.slave.name}' or '{form.facets.name}' "
-                             "belongs to a body that is not")
+        if form.joins is not None and np.isin(form.joins, held).any():
+            raise ValueError(f"'{name}' is active, but acts on a body that is not there: {form!r}")
 
 
-def _check_values(stage: Stage, n: int, held: ndarray, absent: list[str]) -> None:
-    """Load and prescribed displacements are as many as the unknowns, finite, and act on what is there."""
-    given = [("load", stage.load)]
-    if stage.prescribed is not None:
-        given.append(("prescribed displacement", stage.prescribed))
-    for what, values in given:
-        check_vector(values, n, f"stage '{stage.name}': the {what}")
-    if acts_on(stage.load, held):
+def _values(stage: Stage, unknowns: Unknowns, held: ndarray, absent: list[str]) -> tuple[ndarray, ndarray | None]:
+    """Load and prescribed displacements of all unknowns: as many as these, finite, and acting on what is there."""
+    load = on_all(stage.load, unknowns, f"stage '{stage.name}': the load")
+    if acts_on(load, held):
         raise ValueError(f"stage '{stage.name}': a part of the load acts on bodies that are not there; {absent} are "
                          "not active")
+    if stage.prescribed is None:
+        return load, None
+    return load, on_all(stage.prescribed, unknowns, f"stage '{stage.name}': the prescribed displacement")
+
+
+def _idle(stage: Stage, load: ndarray, prescribed: ndarray | None, before: list[Phase], same_supports: bool
+          ) -> Iterator[Remark]:
+    """Remarks on supports that are given though they are those of before, and on a stage that changes nothing."""
+    if stage.fixed is not None and same_supports:
+        yield Remark("supports", 0.0, "`fixed` holds what is supported already: a boundary or a place is empty")
+    others = stage.activate or stage.deactivate or stage.change or stage.duration
+    if before and not others and same_supports and np.array_equal(load, before[-1].load) and prescribed is None:
+        yield Remark("nothing", 0.0, "it changes nothing: its load and its supports are those of the stage before")
+
+
+def among(start: StageResult, unknowns: Unknowns) -> StageResult:
+    """A start, which may know displacements only, among all unknowns."""
+    return replace(start, x=on_all(start.x, unknowns, "start"), load=on_all(start.load, unknowns, "start"))
 
 
 def acts_on(load: ndarray, unknowns: ndarray) -> bool:
@@ -195,18 +196,13 @@ def begin(phase: Phase, last: StageResult) -> tuple[ndarray, dict[str, Any], nda
     x = placed(last.x, new, unknowns_of(phase.before), phase.fixed)
     states = {name: form.initial_state(x) if name in new else last.states[name] for name, form in phase.forms.items()}
     for name, form in new.items():
-        if isinstance(form, ContactPair):
-            gone = {k: f for k, f in phase.before.items() if k not in phase.forms and _same_surfaces(f, form)}
-            carried = sum((f.assemble(last.x, last.states[k]).force for k, f in gone.items()), start=np.zeros(len(x)))
-            if gone:
-                states[name] = prestressed({name: form}, x, {name: states[name]}, carried)[name]
-    lost = last.load - sum(form.assemble(x, states[name]).force for name, form in phase.forms.items())
+        gone = {k: f for k, f in phase.before.items() if k not in phase.forms and form.replaces(f)}
+        operator = form.tractions_at(x, states[name]) if gone else None
+        if operator is not None:
+            states[name] = prestressed({name: operator}, carried(gone, last.x, last.states)[:form.size])[name]
+    lost = last.load - carried(phase.forms, x, states)
     lost[phase.fixed] = 0.0
     return x, states, lost
-
-
-def _same_surfaces(old: Form, new: ContactPair) -> bool:
-    return isinstance(old, ContactPair) and {old.slave.name, old.facets.name} == {new.slave.name, new.facets.name}
 
 
 def placed(x: ndarray, new: Mapping[str, Form], known: ndarray, fixed: ndarray) -> ndarray:
@@ -223,17 +219,18 @@ def placed(x: ndarray, new: Mapping[str, Form], known: ndarray, fixed: ndarray) 
     known, fixed
         Unknowns of the old solids, and those that are held or not there.
     """
-    solids = {name: form for name, form in new.items() if isinstance(form, SolidForm)}
+    solids = {name: form for name, form in new.items() if form.basis is not None}
     own = np.setdiff1d(unknowns_of(solids), np.union1d(known, fixed))
     if len(own) == 0 or not x.any():
         return x
     first, *others = (form.elastic_stiffness for form in solids.values())
     K = sum(others, start=first)
-    K = csr_matrix(K + _LOOSE * diags_array(K.diagonal()))
+    K = padded(csr_matrix(K + _LOOSE * diags_array(K.diagonal())), len(x))
     start = x.copy()
     start[own] = 0.0
-    locations = next(iter(solids.values())).basis.doflocs
-    moved = as_solver(None, locations, own).factor(K)(-(K @ start))
+    places = np.asarray(next(iter(solids.values())).basis.doflocs)
+    places = np.pad(places, ((0, 0), (0, len(x) - places.shape[1])))  # unknowns that no solid has are not asked for
+    moved = as_solver(None, places, own).factor(K)(-(K @ start))
     result = x.copy()
     result[own] = moved[own]
     return result
@@ -249,16 +246,8 @@ def check_start(forms: Mapping[str, Form], start: StageResult) -> None:
     start
         What the first stage starts from.
     """
-    n = _size(forms)
-    if len(start.x) != n:
-        raise ValueError(f"start has {len(start.x)} unknowns, not {n}")
     for name, form in forms.items():
-        if not isinstance(form, ContactPair):
-            continue
-        old = start.states[name]
-        new = form.assemble(start.x, old).state
-        both = (new.status != Status.OPEN) & (old.status != Status.OPEN)
-        pressure = old.traction[0]
-        if np.abs(new.traction[0] - pressure)[both].max(initial=0.0) > _SAME * np.abs(pressure).max(initial=0.0):
-            raise ValueError(f"contact '{name}' has another penalty than in the start: give `penalty=`, or use "
-                             "choose_penalties(forms) of the same forms in both analyses")
+        try:
+            form.check_start(start.x, start.states[name])
+        except ValueError as error:
+            raise ValueError(f"'{name}' cannot go on from the start: {error}") from None

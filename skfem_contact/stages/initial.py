@@ -11,20 +11,18 @@ import numpy as np
 from numpy import ndarray
 from scipy.spatial import cKDTree
 
-from ..contact.pair import ContactPair
 from ..contact.penalty import choose_penalties
 from ..contact.prestress import prestressed
 from ..errors import AnalysisWarning, check_plane, look_up, place
-from ..forms import Form
+from ..forms import Form, as_forms, carried
 from ..materials.elastic import LinearElastic
-from ..solid import SolidForm
 from .activation import acts_on, check_contacts
 from .reset import reset_displacements
 from .result import Result, StageResult
 from .run import run
-from .setup import build_system, check_vector, unknowns_of
+from .setup import build_system, on_all, unknowns_of
 from .stage import Stage
-from .supports import as_unknowns
+from .supports import all_unknowns, as_unknowns
 
 #: Forces out of balance, as a share of the load, of which the user is told.
 _BALANCED = 1e-6
@@ -141,10 +139,11 @@ def k0_state(forms: Mapping[str, Form], load: ndarray, fixed: ndarray, unit_weig
     >>> bool(np.allclose(stress[0], .5 * stress[1])), bool(start["initial"].residual < 1e-12)
     (True, True)
     """
+    forms = as_forms(forms)
     basis = next(iter(_solids(forms).values())).basis
     check_plane(basis, "k0_state")
     mesh = basis.mesh
-    elements = np.concatenate([_elements(form)[:, 0] for form in _solids(forms).values()])
+    elements = np.concatenate([form.elements for form in _solids(forms).values()])
     overburden, ratios = _overburden(mesh, elements, unit_weights), _by_element(mesh, K0)
     missing = elements[np.isnan(ratios[elements])]
     if len(missing):
@@ -205,6 +204,7 @@ def gravity_state(forms: Mapping[str, Form], load: ndarray, fixed: ndarray,
     >>> bool(np.allclose(stress[0], .5 * stress[1])), bool(start["initial"].x.any())
     (True, False)
     """
+    forms = as_forms(forms)
     stages, fixed = [Stage(name, load, increments=increments)], _held(forms, load, fixed)
     if K0 is None:
         return reset_displacements(forms, run(forms, stages, fixed, progress=False))
@@ -222,8 +222,8 @@ def gravity_state(forms: Mapping[str, Form], load: ndarray, fixed: ndarray,
     return reset_displacements(forms, Result((last,)))
 
 
-def _solids(forms: Mapping[str, Form]) -> dict[str, SolidForm]:
-    found = {name: form for name, form in forms.items() if isinstance(form, SolidForm)}
+def _solids(forms: Mapping[str, Form]) -> dict[str, Any]:
+    found = {name: form for name, form in forms.items() if form.basis is not None}
     if not found:
         raise ValueError("there is no SolidForm among the forms: nothing carries load")
     return found
@@ -232,38 +232,35 @@ def _solids(forms: Mapping[str, Form]) -> dict[str, SolidForm]:
 def _held(forms: Mapping[str, Form], load: ndarray, fixed: ndarray) -> ndarray:
     """Supported unknowns, and those of bodies that are not there yet: neither load nor contact may act on these."""
     solids = _solids(forms)
-    check_vector(load, n := int(next(iter(solids.values())).basis.N), "the load")
-    away = np.setdiff1d(np.arange(n), unknowns_of(forms))
+    unknowns = all_unknowns(forms)
+    load = on_all(load, unknowns, "the load")
+    away = np.setdiff1d(np.arange(unknowns.size), unknowns_of(forms))
     check_contacts(forms, away)
-    if acts_on(np.asarray(load), away):
+    if acts_on(load, away):
         raise ValueError(f"a part of the load acts on bodies that are not there; the solids are {list(solids)}")
     return np.union1d(as_unknowns(fixed), away)
 
 
-def _elements(form: SolidForm) -> ndarray:
-    """Numbers of a solid's elements in the mesh, (n_elements, 1)."""
-    basis = form.basis
-    return (np.arange(basis.mesh.nelements) if basis.tind is None else np.asarray(basis.tind))[:, None]
-
-
 def _balanced(forms: Mapping[str, Form], load: ndarray, fixed: ndarray, stress: _Field, name: str) -> Result:
     """A result with these stresses, tractions to balance them, and the residual that is left."""
+    forms = as_forms(forms)
     load, fixed = np.asarray(load, dtype=float), _held(forms, load, fixed)
     system = build_system(forms, fixed)
     x = np.zeros(system.size)
     states = {key: form.initial_state() for key, form in system.forms.items()}
     solids = _solids(system.forms)
     for key, form in solids.items():
-        values = np.array(stress(np.asarray(form.basis.global_coordinates()), _elements(form)), dtype=float)
+        values = np.array(stress(np.asarray(form.basis.global_coordinates()), form.elements[:, None]), dtype=float)
         if values.shape != states[key].stress.shape or not np.isfinite(values).all():
             raise ValueError(f"the stress of '{key}' must be finite and of shape {states[key].stress.shape}; its shape "
                              f"is {values.shape}")
         states[key] = form.assemble(x, replace(states[key], stress=values)).state
-    pairs = {key: form for key, form in system.forms.items() if isinstance(form, ContactPair)}
-    if pairs:
-        force = sum((form.assemble(x, states[key]).force for key, form in solids.items()), start=np.zeros(len(x)))
-        near = {key: _stress_at(pair, stress, solids) for key, pair in pairs.items()}
-        states.update(prestressed(pairs, x, {k: states[k] for k in pairs}, load - force, system.free, near))
+    bearing = {key: form.tractions_at(x, states[key]) for key, form in system.forms.items()}
+    operators = {key: operator for key, operator in bearing.items() if operator is not None}
+    if operators:
+        force = carried(solids, x, states)
+        near = {key: _stress_at(operator.places, stress, solids) for key, operator in operators.items()}
+        states.update(prestressed(operators, load - force, system.free, near))
     now = system.evaluate(x, states, load)
     if now.norm > _BALANCED:
         at = place(next(iter(solids.values())).basis.doflocs[:, now.worst])
@@ -275,12 +272,10 @@ def _balanced(forms: Mapping[str, Form], load: ndarray, fixed: ndarray, stress: 
     return Result((StageResult(name, x, load, states, (), now.norm, 1.0, summary),))
 
 
-def _stress_at(pair: ContactPair, stress: _Field, solids: Mapping[str, SolidForm]) -> ndarray:
-    """A field of stresses at the points of a pair, (4 or 6, n_points); their elements are those of the nearest points."""
-    points = pair.points(pair.initial_state())
-    places = points.positions(pair.slave.nodes)
-    inside = [np.asarray(form.basis.global_coordinates()).reshape(pair.slave.dim, -1).T for form in solids.values()]
-    elements = [np.broadcast_to(_elements(form), form.weight.shape).ravel() for form in solids.values()]
+def _stress_at(places: ndarray, stress: _Field, solids: Mapping[str, Any]) -> ndarray:
+    """A field of stresses at places, (4 or 6, n_points); their elements are those of the nearest points of the solids."""
+    inside = [np.asarray(form.basis.global_coordinates()).reshape(places.shape[1], -1).T for form in solids.values()]
+    elements = [np.broadcast_to(form.elements[:, None], form.weight.shape).ravel() for form in solids.values()]
     nearest = cKDTree(np.concatenate(inside)).query(places)[1]
     return np.asarray(stress(places.T[:, :, None], np.concatenate(elements)[nearest][:, None]))[:, :, 0]
 

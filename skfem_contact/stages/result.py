@@ -2,17 +2,29 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Any
+from tempfile import NamedTemporaryFile
+from typing import TYPE_CHECKING, Any
+from zipfile import BadZipFile
+from zlib import crc32
 
 import numpy as np
 from numpy import ndarray
 
-from ..contact.pair import ContactPair
-from ..forms import Form
-from ..solid import SolidForm
+from ..contact.penalty import choose_penalties
+from ..errors import look_up
+from ..forms import Form, arrays_of, as_forms, with_arrays
+from ..tables import html_table
+
+if TYPE_CHECKING:
+    from ..post import ContactReport, SectionForces, Sections, Tractions
+
+#: Layout of saved files: another number for other states.
+_LAYOUT = 1
 
 
 @dataclass(frozen=True)
@@ -37,6 +49,8 @@ class StageResult:
         Share of the stage's load that was reached: 1 unless the analysis failed.
     summary
         One line for every form.
+    forms
+        The forms themselves, as they are in the stage.
     """
 
     name: str
@@ -47,6 +61,40 @@ class StageResult:
     residual: float
     fraction: float = 1.0
     summary: Mapping[str, str] = field(default_factory=dict)
+    forms: Mapping[str, Form] = field(default_factory=dict, repr=False)
+
+    def _form(self, name: str) -> Any:
+        return look_up(name, self.forms, f"form in stage '{self.name}'")
+
+    def reactions(self) -> ndarray:
+        """Forces of the supports, see :func:`~skfem_contact.reactions`."""
+        from ..post import reactions  # what a stage shows stands above it, and is called from here for short
+
+        return reactions(self.forms, self)
+
+    def tractions(self, pair: str) -> Tractions:
+        """Contact tractions of a pair, see :func:`~skfem_contact.tractions`."""
+        from ..post import tractions
+
+        return tractions(self._form(pair), self.states[pair])
+
+    def report(self, pair: str) -> ContactReport:
+        """Resultants and status of a contact pair, see :func:`~skfem_contact.contact_report`."""
+        from ..post import contact_report
+
+        return contact_report(self._form(pair), self.x, self.states[pair])
+
+    def section_forces(self, solid: str, sections: Sections) -> SectionForces:
+        """Section forces of a body, see :func:`~skfem_contact.section_forces`."""
+        from ..post import section_forces
+
+        return section_forces(self._form(solid), self.states[solid], sections)
+
+    def contour(self, quantity: str, **options: Any) -> Any:
+        """A picture of a field, see :func:`~skfem_contact.plot.contour`."""
+        from ..plot import contour
+
+        return contour(self.forms, self, quantity, **options)
 
     def __repr__(self) -> str:
         return (f"<StageResult '{self.name}', {self.fraction:.0%} of its load, {len(self.x)} unknowns, "
@@ -89,30 +137,60 @@ class Result:
 
     __repr__ = __str__  # the arrays of all stages would fill a notebook
 
+    def _repr_html_(self) -> str:
+        rows = [(s.name, len(s.iterations), sum(s.iterations), f"{s.residual:.1e}", f"{s.fraction:.0%}",
+                 "; ".join(f"{k}: {v}" for k, v in s.summary.items() if v)) for s in self.stages]
+        return html_table(("stage", "increments", "iterations", "residual", "load", "what the bodies carry"), rows)
+
     def save(self, file: str | Path) -> None:
-        """Write all stages to one compressed file, from which :func:`load_result` resumes; it gets the end ``.npz``."""
-        arrays, head = {}, []
+        """Write all stages to one compressed file, from which :func:`load_result` resumes; it gets the end ``.npz``.
+
+        A file of that name is replaced once the new one is complete.
+        """
+        arrays, stages = {}, []
         for i, stage in enumerate(self.stages):
-            head.append({"name": stage.name, "iterations": stage.iterations, "residual": stage.residual,
-                         "fraction": stage.fraction, "summary": dict(stage.summary), "forms": list(stage.states)})
+            stages.append({"name": stage.name, "iterations": stage.iterations, "residual": stage.residual,
+                           "fraction": stage.fraction, "summary": dict(stage.summary), "forms": list(stage.states),
+                           "meshes": {name: _fingerprint(form) for name, form in stage.forms.items()}})
             arrays[f"{i}/x"], arrays[f"{i}/load"] = stage.x, stage.load
             for name, state in stage.states.items():
-                for f in fields(state):
-                    arrays[f"{i}/{name}/{f.name}"] = getattr(state, f.name)
-        np.savez_compressed(file, head=np.array(json.dumps(head)), **arrays)  # type: ignore[arg-type]  # in the stubs
+                arrays |= {f"{i}/{name}/{key}": np.asarray(values) for key, values in arrays_of(state).items()}
+        head = {"layout": _LAYOUT, "version": _version(), "stages": stages,
+                "sums": {key: _checksum(values) for key, values in arrays.items()}}
+        path = Path(_with_end(file))
+        with NamedTemporaryFile(dir=path.parent, suffix=".npz", delete=False) as part:
+            try:
+                np.savez_compressed(part, head=np.array(json.dumps(head)), **arrays)  # type: ignore[arg-type]
+            except BaseException:
+                os.unlink(part.name)
+                raise
+        os.replace(part.name, path)
 
 
-def _fits(form: Form, state: Any, initial: Any) -> bool:
-    """Whether a state belongs to a form; cuts of the slave and internal variables may be others than at first."""
-    if isinstance(form, ContactPair) and form.quadrature == "segments":
-        return form.fits_cuts(state.cuts)
-    if isinstance(form, SolidForm):
-        return np.shape(state.stress) == np.shape(initial.stress)
-    names = {f.name for f in fields(initial)} - {"internal"}
-    return all(np.shape(getattr(state, name)) == np.shape(getattr(initial, name)) for name in names)
+def _version() -> str:
+    try:
+        return version("skfem-contact")
+    except PackageNotFoundError:  # not installed, but found in a folder
+        return "unknown"
 
 
-def load_result(file: str | Path, forms: Mapping[str, Form]) -> Result:
+def _with_end(file: str | Path) -> str:
+    return str(file) if str(file).endswith(".npz") else f"{file}.npz"
+
+
+def _checksum(values: Any) -> int:
+    return crc32(np.ascontiguousarray(values).tobytes())
+
+
+def _fingerprint(form: Form) -> list[float]:
+    """Numbers by which a mesh is known again: its nodes, and means of their places with uneven weights."""
+    places = np.zeros((1, 0)) if form.basis is None else form.basis.doflocs
+    places = places if form.nodes is None else form.nodes[1]
+    weights = 1.0 + np.arange(places.shape[1]) % 7
+    return [float(places.shape[1]), *(float(mean) for mean in places @ weights / max(weights.sum(), 1.0))]
+
+
+def load_result(file: str | Path, forms: Mapping[str, Any]) -> Result:
     """Read a saved result.
 
     Parameters
@@ -125,7 +203,8 @@ def load_result(file: str | Path, forms: Mapping[str, Form]) -> Result:
     Raises
     ------
     ValueError
-        The file is no result, speaks of other forms, or their sizes differ.
+        The file is no result or damaged, another version of this library wrote it, or it speaks of other forms or
+        meshes.
 
     Examples
     --------
@@ -136,23 +215,42 @@ def load_result(file: str | Path, forms: Mapping[str, Form]) -> Result:
     >>> len(load_result(file, {}))
     0
     """
-    stages, path = [], str(file) if str(file).endswith(".npz") else f"{file}.npz"
+    path, given = _with_end(file), choose_penalties(as_forms(forms))
+    try:
+        head, arrays = _contents(path)
+        return Result(tuple(_stage_in(arrays, i, stage, given) for i, stage in enumerate(head["stages"])))
+    except FileNotFoundError:
+        raise
+    except (ValueError, OSError, EOFError, BadZipFile, KeyError, TypeError) as error:
+        raise ValueError(f"{path} cannot be read as a result of these forms: {error}") from error
+
+
+def _contents(path: str) -> tuple[dict[str, Any], dict[str, ndarray]]:
+    """What a file says of its stages, and its arrays, as they were written."""
     with np.load(path, allow_pickle=False) as data:
-        if "head" not in data:
-            raise ValueError(f"{path} is not a saved result")
-        for i, head in enumerate(json.loads(str(data["head"]))):
-            if not set(head["forms"]) <= set(forms):
-                raise ValueError(f"the file holds the forms {head['forms']}, not {list(forms)}")
-            states = {}
-            for name in head["forms"]:  # those that were active
-                form = forms[name]
-                initial = form.initial_state()
-                if missing := [f.name for f in fields(initial) if f"{i}/{name}/{f.name}" not in data]:
-                    raise ValueError(f"'{name}' in the file has no {', '.join(missing)}: it was another form, "
-                                     "or another version of this library wrote it")
-                states[name] = type(initial)(**{f.name: data[f"{i}/{name}/{f.name}"] for f in fields(initial)})
-                if not _fits(form, states[name], initial):
-                    raise ValueError(f"'{name}' in the file has another size: the mesh or the element differs")
-            stages.append(StageResult(head["name"], data[f"{i}/x"], data[f"{i}/load"], states,
-                                      tuple(head["iterations"]), head["residual"], head["fraction"], head["summary"]))
-    return Result(tuple(stages))
+        head = json.loads(str(data["head"]))
+        layout, writer = (head["layout"], head["version"]) if "layout" in head else (0, "0.1.0")
+        if layout != _LAYOUT:
+            raise ValueError(f"version {writer} of this library wrote it, with another layout than that of "
+                             f"{_version()}: read it there, or compute it anew")
+        arrays = {key: data[key] for key in head["sums"]}
+    if damaged := [key for key, values in arrays.items() if _checksum(values) != head["sums"][key]]:
+        raise ValueError(f"{damaged} are not what was written")
+    return head, arrays
+
+
+def _stage_in(arrays: Mapping[str, ndarray], i: int, head: Mapping[str, Any], given: Mapping[str, Form]) -> StageResult:
+    """A stage of a file."""
+    if not set(head["forms"]) <= set(given):
+        raise ValueError(f"it holds the forms {head['forms']}, not {list(given)}")
+    there = {name: given[name] for name in head["forms"]}  # those that were active
+    states: dict[str, Any] = {}
+    for name, form in there.items():
+        if not np.allclose(head["meshes"].get(name, _fingerprint(form)), _fingerprint(form), rtol=1e-9, atol=0.0):
+            raise ValueError(f"'{name}' stands on another mesh")
+        initial = form.initial_state()
+        found = {key: arrays[f"{i}/{name}/{key}"] for key in arrays_of(initial) if f"{i}/{name}/{key}" in arrays}
+        if set(found) != set(arrays_of(initial)) or not form.fits(states.setdefault(name, with_arrays(initial, found))):
+            raise ValueError(f"'{name}' is another form there: its mesh, its element or its settings differ")
+    return StageResult(head["name"], arrays[f"{i}/x"], arrays[f"{i}/load"], states, tuple(head["iterations"]),
+                       head["residual"], head["fraction"], head["summary"], there)

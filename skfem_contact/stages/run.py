@@ -8,19 +8,17 @@ from typing import Any
 
 import numpy as np
 from numpy import ndarray
-from tqdm import tqdm
 
-from ..errors import place
-from ..forms import Form
-from ..nonlinear.evaluation import NotConverged
+from ..errors import NotConverged, place
+from ..forms import as_forms
 from ..nonlinear.increment import solve_increment
 from ..nonlinear.newton import Newton
 from ..nonlinear.stepping import Predictor, Stepping
 from ..nonlinear.system import System
+from ..progress import progress_bar
 from ..remarks import Remarks
-from ..solid import SolidForm
 from ..solvers.threads import single_threaded
-from .activation import begin, check_start, plan
+from .activation import Phase, among, begin, check_start, plan
 from .result import Result, StageResult
 from .setup import build_system
 from .stage import Stage
@@ -30,7 +28,7 @@ logger = logging.getLogger("skfem_contact")
 
 
 @single_threaded
-def run(forms: Mapping[str, Form], stages: Sequence[Stage], fixed: ndarray,
+def run(forms: Mapping[str, Any], stages: Sequence[Stage], fixed: ndarray,
         start: Result | StageResult | None = None,
         newton: Newton | None = None, solver: Any = None, progress: bool | None = None) -> Result:
     """Run stages one after the other.
@@ -65,7 +63,13 @@ def run(forms: Mapping[str, Form], stages: Sequence[Stage], fixed: ndarray,
         Bad input, before anything is computed: sizes, NaN, names that do not exist or that two stages would have, and
         in any stage a body that nothing holds.
     NotConverged
-        With the partial result, whose last entry is the last increment that was accepted.
+        With the partial result, whose last entry is the last increment that was accepted; so has the
+        ``KeyboardInterrupt`` of a run that is stopped by hand, as its attribute ``result``.
+
+    Warns
+    -----
+    AnalysisWarning
+        What the forms remark on their states, each kind once; stages and supports that change nothing.
 
     Examples
     --------
@@ -81,10 +85,11 @@ def run(forms: Mapping[str, Form], stages: Sequence[Stage], fixed: ndarray,
     stage            increments  iterations  residual  load    what the bodies carry
     gravity                   1           1   ...  100%
     """
+    given, stages = as_forms(forms), _checked(stages, start, newton)
     done = [start] if isinstance(start, StageResult) else list(start or ())
-    _check_input(forms, stages, [stage.name for stage in done])
-    phases = plan(forms, stages, as_unknowns(fixed), done[-1] if done else None)
-    last = done[-1] if done else _nothing(phases[0].forms, len(stages[0].load))
+    _check_names(stages, [stage.name for stage in done])
+    phases = plan(given, stages, as_unknowns(fixed), done[-1] if done else None)
+    last = among(done[-1], phases[0].unknowns) if done else _nothing(phases[0])
     if done:
         check_start(phases[0].before, last)
     with Remarks(stacklevel=3) as remarks:
@@ -94,19 +99,20 @@ def run(forms: Mapping[str, Form], stages: Sequence[Stage], fixed: ndarray,
                 x, states, released = begin(phase, last)
                 last = replace(last, x=x, states=states)
             if phase.changed or stage is stages[0]:
-                system = build_system(phase.forms, phase.fixed, solver)
+                system = build_system(phase.forms, phase.fixed, phase.unknowns, solver)
                 predictor = Predictor(system.fixed)
                 predictor.accept(last.x, last.load)
-            last = replace(last, name=stage.name, iterations=(), fraction=0.0)
+            remarks.add(stage.name, "the stage", phase.remarks)
+            last = replace(last, name=stage.name, iterations=(), fraction=0.0, forms=system.forms)
             try:
-                with tqdm(total=1.0, desc=stage.name, disable=None if progress is None else not progress,
-                          bar_format="{desc:16} {percentage:3.0f}% |{bar}|{postfix}") as bar:
-                    for accepted in _increments(system, predictor, stage, last, released, newton or Newton()):
+                with progress_bar(progress, total=1.0, desc=stage.name,
+                                  bar_format="{desc:16} {percentage:3.0f}% |{bar}|{postfix}") as bar:
+                    for accepted in _increments(system, predictor, stage, phase, last, released, newton or Newton()):
                         last = accepted
                         bar.update(last.fraction - bar.n)
                         bar.set_postfix_str(f"{len(last.iterations)} increments, {sum(last.iterations)} iterations")
-            except NotConverged as error:
-                error.result = Result((*done, last))
+            except (NotConverged, KeyboardInterrupt) as error:
+                error.result = Result((*done, last))  # type: ignore[union-attr]
                 raise
             finally:  # what contact found, or did not find, may be the reason
                 for name, form in system.forms.items():
@@ -115,19 +121,20 @@ def run(forms: Mapping[str, Form], stages: Sequence[Stage], fixed: ndarray,
     return Result(tuple(done))
 
 
-def _increments(system: System, predictor: Predictor, stage: Stage, last: StageResult, released: ndarray,
-                newton: Newton) -> Iterator[StageResult]:
+def _increments(system: System, predictor: Predictor, stage: Stage, phase: Phase, last: StageResult,
+                released: ndarray, newton: Newton) -> Iterator[StageResult]:
     """Accepted increments of a stage, one after the other; forces of what has gone are released in proportion."""
     first_load, first = last.load, last.x[system.fixed]
-    target = first if stage.prescribed is None else np.asarray(stage.prescribed)[system.fixed]
-    stepping = Stepping(stage.increments)
+    target = first if phase.prescribed is None else phase.prescribed[system.fixed]
+    stepping, began = Stepping(stage.increments), predictor.time
     while last.fraction < 1.0:
         fraction = stepping.fraction
-        load = first_load + fraction * (stage.load - first_load) - (1.0 - fraction) * released
-        prescribed = first + fraction * (target - first)
-        start = None if stepping.cut else predictor.start(load, prescribed)
+        load = first_load + fraction * (phase.load - first_load) - (1.0 - fraction) * released
+        prescribed, time = first + fraction * (target - first), began + fraction * stage.duration
+        start = None if stepping.cut else predictor.start(load, prescribed, time)
         try:
-            new = solve_increment(system, last.x, last.states, load, prescribed, newton, start, stepping.try_recovery)
+            step = system.over((fraction - last.fraction) * stage.duration)
+            new = solve_increment(step, last.x, last.states, load, prescribed, newton, start, stepping.try_recovery)
         except NotConverged as error:
             stepping.reject(error)
             logger.info("stage '%s': increment to %.4f failed, cut to %.4f: %s", stage.name, fraction, stepping.size,
@@ -140,8 +147,8 @@ def _increments(system: System, predictor: Predictor, stage: Stage, last: StageR
         stepping.accept(fraction, new.iterations, new.equilibria)
         summary = {name: form.summary(new.states[name]) for name, form in system.forms.items()}
         last = StageResult(stage.name, new.x, load, new.states, (*last.iterations, new.iterations),
-                           new.residuals[-1], fraction, summary)
-        predictor.accept(last.x, last.load)
+                           new.residuals[-1], fraction, summary, system.forms)
+        predictor.accept(last.x, last.load, time)
         yield last
 
 
@@ -149,28 +156,39 @@ def _place(system: System, unknown: int | None) -> str:
     """Where an unknown is, for a message."""
     if unknown is None:
         return ""
-    return f", at {place(next(f.basis.doflocs[:, unknown] for f in system.forms.values() if isinstance(f, SolidForm)))}"
+    return f", at {place(system.unknowns.places[:, unknown])}"
 
 
 def _so_far(system: System, last: StageResult) -> str:
     """What the bodies carried when it was accepted last, for a message."""
     carried = {name: form.summary(last.states[name]) for name, form in system.forms.items()}
-    told = "; ".join(f"{name}: {text}" for name, text in carried.items() if text)
-    return f". Accepted last: {told}" if told else ""
+    carries = "; ".join(f"{name}: {text}" for name, text in carried.items() if text)
+    return f". Accepted last: {carries}" if carries else ""
 
 
-def _nothing(forms: Mapping[str, Form], n: int) -> StageResult:
+def _nothing(phase: Phase) -> StageResult:
     """What the first stage starts from: nothing has moved, nothing is loaded."""
-    states = {name: form.initial_state() for name, form in forms.items()}
+    states, n = {name: form.initial_state() for name, form in phase.forms.items()}, phase.unknowns.size
     return StageResult("start", np.zeros(n), np.zeros(n), states, (), 0.0)
 
 
-def _check_input(forms: Mapping[str, Form], stages: Sequence[Stage], before: list[str]) -> None:
-    """One clear error before the analysis starts."""
-    if not isinstance(forms, Mapping):
-        raise ValueError(f"forms must be a dictionary {{name: form}}, not {type(forms).__name__}")
-    if isinstance(stages, Stage) or not stages:
-        raise ValueError("there is no stage to run" if not stages else "stages must be a list; write [Stage(...)]")
+def _checked(stages: Sequence[Stage], start: Any, newton: Any) -> Sequence[Stage]:
+    """The stages; one clear error before the analysis starts."""
+    if not isinstance(stages, Sequence):
+        raise ValueError(f"stages must be a list; write [Stage(...)], not {type(stages).__name__}")
+    if wrong := next((stage for stage in stages if not isinstance(stage, Stage)), None):
+        raise ValueError(f"stages must be a list of Stage(...), not of {type(wrong).__name__}")
+    if not stages:
+        raise ValueError("there is no stage to run")
+    if not isinstance(start, Result | StageResult | None):
+        raise ValueError(f"start must be a result or a stage of one, not {start!r}")
+    if not isinstance(newton, Newton | None):
+        raise ValueError(f"newton must be settings Newton(...), not {newton!r}")
+    return stages
+
+
+def _check_names(stages: Sequence[Stage], before: list[str]) -> None:
+    """No two stages have the same name, and increments are numbers."""
     names = before + [stage.name for stage in stages]
     for stage in stages:
         if names.count(stage.name) > 1:

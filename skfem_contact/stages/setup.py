@@ -9,23 +9,26 @@ from numpy import ndarray
 
 from ..contact.penalty import choose_penalties
 from ..errors import look_up
-from ..forms import Form
+from ..forms import Form, as_forms
 from ..nonlinear.system import System
-from ..solid import SolidForm
 from ..solvers.choice import linear_solver
+from ..unknowns import Unknowns
 from .result import StageResult
-from .supports import as_unknowns, check_supports
+from .supports import all_unknowns, as_unknowns, check_supports
 
 
-def build_system(forms: Mapping[str, Form], fixed: ndarray, solver: Any = None) -> System:
-    """Give contact pairs their penalties, check the supports and choose a linear solver.
+def build_system(forms: Mapping[str, Any], fixed: ndarray, unknowns: Unknowns | None = None, solver: Any = None
+                 ) -> System:
+    """Complete the forms, check the supports and choose a linear solver.
 
     Parameters
     ----------
     forms
-        Solids and contact pairs by name.
+        Forms by name.
     fixed
         Unknowns that are held.
+    unknowns
+        All unknowns; by default those of the forms.
     solver
         A scikit-fem linear solver ``(A, b) -> x``; by default a direct one.
 
@@ -34,15 +37,17 @@ def build_system(forms: Mapping[str, Form], fixed: ndarray, solver: Any = None) 
     ValueError
         See :func:`~skfem_contact.stages.supports.check_supports`.
     """
-    fixed = as_unknowns(fixed)
-    locations = check_supports(forms, fixed)
-    forms = choose_penalties(forms)
-    free = np.setdiff1d(np.arange(locations.shape[1]), fixed)
-    return System(forms, fixed, free, linear_solver(forms, solver, locations, free))
+    given, fixed = as_forms(forms), as_unknowns(fixed)
+    unknowns = unknowns or all_unknowns(given)
+    check_supports(given, fixed, unknowns)
+    there = choose_penalties(given)
+    free = np.setdiff1d(np.arange(unknowns.size), fixed)
+    return System(there, unknowns, fixed, linear_solver(there, solver, unknowns.places, free))
 
 
-def left_by(start: StageResult | None, forms: Mapping[str, Form], fixed: ndarray) -> tuple[dict[str, Form], ndarray]:
-    """The forms that a stage has left there, and the unknowns that are held: nodes of what is gone stay where they are.
+def left_by(start: StageResult | None, forms: Mapping[str, Form], fixed: ndarray
+            ) -> tuple[dict[str, Form], ndarray, Unknowns]:
+    """The forms that a stage has left there, the unknowns that are held, for what is gone stays where it is, and all.
 
     Parameters
     ----------
@@ -59,36 +64,42 @@ def left_by(start: StageResult | None, forms: Mapping[str, Form], fixed: ndarray
         The stage holds forms that are not given.
     """
     if start is None:
-        return dict(forms), as_unknowns(fixed)
-    there = forms_there(start, forms, "start")
-    return there, np.union1d(as_unknowns(fixed), np.setdiff1d(unknowns_of(forms), unknowns_of(there)))
+        given = as_forms(forms)
+        return given, as_unknowns(fixed), all_unknowns(given)
+    there, given = forms_there(start, forms, "start"), as_forms(forms)
+    held = np.setdiff1d(unknowns_of(given), unknowns_of(there))
+    return there, np.union1d(as_unknowns(fixed), held), all_unknowns(given)
 
 
 def forms_there(stage: StageResult, forms: Mapping[str, Form], what: str = "stage") -> dict[str, Form]:
     """The forms that a stage holds, with penalties chosen from all; a ``ValueError`` where one is not given."""
     for name in stage.states:
         look_up(name, forms, f"form, though the {what} holds it,")
-    return {name: form for name, form in choose_penalties(forms).items() if name in stage.states}
+    return {name: form for name, form in choose_penalties(as_forms(forms)).items() if name in stage.states}
 
 
 def unknowns_of(forms: Mapping[str, Form]) -> ndarray:
-    """Unknowns of the solids."""
-    found = [np.unique(f.basis.element_dofs) for f in forms.values() if isinstance(f, SolidForm)]
+    """Unknowns of the solids, and those that other forms bring."""
+    found = [np.unique(form.basis.element_dofs) for form in forms.values() if form.basis is not None]
+    found += [np.arange(field.first, field.end) for form in forms.values() for field in form.fields]
     return np.unique(np.concatenate(found)) if found else np.zeros(0, int)
 
 
-def check_load(load: Any, n: int) -> ndarray:
-    """A load vector, or a ``ValueError``: wrong size, NaN, or zero everywhere."""
-    load = np.asarray(load, dtype=float)
-    check_vector(load, n, "the load")
+def check_load(load: Any, unknowns: Unknowns) -> ndarray:
+    """A load on all unknowns, or a ``ValueError``: wrong size, NaN, or zero everywhere."""
+    load = on_all(load, unknowns, "the load")
     if not load.any():
         raise ValueError("the load is zero: nothing drives a collapse")
     return load
 
 
-def check_vector(values: Any, n: int, what: str) -> None:
-    """A ``ValueError`` unless the values are as many as the unknowns, and finite."""
-    if np.shape(values) != (n,):
-        raise ValueError(f"{what} has shape {np.shape(values)}, not ({n},)")
+def on_all(values: Any, unknowns: Unknowns, what: str) -> ndarray:
+    """Values of all unknowns, or of the displacements and zeros behind them; a ``ValueError`` for others, or NaN."""
+    if np.ma.isMaskedArray(values) or np.iscomplexobj(values):
+        raise ValueError(f"{what} must be an array of real numbers, not masked and not complex")
+    values = np.asarray(values, dtype=float)
+    if values.shape not in ((unknowns.size,), (unknowns.fields[0].end,)):
+        raise ValueError(f"{what} has shape {values.shape}, not ({unknowns.fields[0].end},)")
     if not np.isfinite(values).all():
         raise ValueError(f"{what} holds NaN or infinite values")
+    return values if len(values) == unknowns.size else np.pad(values, (0, unknowns.size - len(values)))

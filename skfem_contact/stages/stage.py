@@ -37,6 +37,9 @@ class Stage:
     fixed
         Supported unknowns from this stage on; by default those of the stage before. Reactions that are lost are
         released in proportion over the stage.
+    duration
+        Time that the stage takes, for forms to which it matters (:meth:`Form.over`); load and prescribed displacements
+        go from their last values to those of the stage in proportion to it.
 
     Notes
     -----
@@ -70,3 +73,4 @@ class Stage:
     deactivate: str | Sequence[str] = ()
     change: Mapping[str, Form] = field(default_factory=dict)
     fixed: ndarray | None = None
+    duration: float = 0.0

@@ -8,12 +8,11 @@ import numpy as np
 from numpy import ndarray
 from skfem import CellBasis
 
-from ..contact.pair import ContactPair
 from ..errors import place
+from ..forms import Form
 from ..mesh.check import check_mesh
 from ..mesh.join import bodies
-from ..solid import SolidForm
-from ..strain import axisymmetric
+from ..unknowns import Unknowns, rigid_modes
 
 
 def as_unknowns(fixed: Any) -> ndarray:
@@ -24,11 +23,11 @@ def as_unknowns(fixed: Any) -> ndarray:
     return numbers.astype(int)
 
 
-def check_supports(forms: Mapping[str, Any], fixed: ndarray) -> ndarray:
-    """Refuse bodies that nothing holds; return the places of the unknowns.
+def check_supports(forms: Mapping[str, Form], fixed: ndarray, unknowns: Unknowns) -> None:
+    """Refuse bodies that nothing holds.
 
     Bodies are held when their fixed unknowns leave them no rigid motion.  Bodies that contact pairs join
-    count as one, and those that meet a rigid obstacle pass: contact may hold them.
+    count as one, and those that meet a rigid obstacle pass: contact may hold them. Other forms may hold what they like.
 
     Parameters
     ----------
@@ -36,56 +35,73 @@ def check_supports(forms: Mapping[str, Any], fixed: ndarray) -> ndarray:
         Forms by name.
     fixed
         Fixed unknowns.
-
-    Returns
-    -------
-    ndarray
-        Coordinates of every unknown, (dim, N).
+    unknowns
+        All unknowns.
 
     Raises
     ------
     ValueError
-        No solid, forms of different bases, bad mesh, fixed unknowns that do not exist, or a loose body.
+        No solid, fixed unknowns that do not exist, or a loose body.
     """
-    solids = {k: f for k, f in forms.items() if isinstance(f, SolidForm)}
-    if not solids:
+    solids = {name: form for name, form in forms.items() if form.basis is not None}
+    if len(fixed) and (fixed.min() < 0 or fixed.max() >= unknowns.size):
+        raise ValueError(f"fixed unknowns must lie between 0 and {unknowns.size - 1}")
+    if not solids and all(form.joins is not None for form in forms.values()):
         raise ValueError("there is no SolidForm among the forms: nothing carries load")
-    sizes = {k: int(f.basis.N) if isinstance(f, SolidForm) else int(f.n) for k, f in forms.items()
-             if isinstance(f, (SolidForm, ContactPair))}
-    if len(set(sizes.values())) > 1:
-        raise ValueError(f"the forms belong to different bases; their numbers of unknowns are {sizes}")
-    first, basis = next((name, solid.basis) for name, solid in solids.items())
-    check_mesh(basis.mesh)
-    _check_places(forms, first, basis)
-    if len(fixed) and (fixed.min() < 0 or fixed.max() >= basis.N):
-        raise ValueError(f"fixed unknowns must lie between 0 and {basis.N - 1}")
-    count = np.bincount(np.concatenate([_elements(f.basis) for f in solids.values()]))
+    if not solids:
+        return
+    basis = next(solid.basis for solid in solids.values())
+    count = np.bincount(np.concatenate([form.elements for form in solids.values()]))
     if count.max() > 1:
         raise ValueError(f"{(count > 1).sum()} elements belong to more than one of the solids {list(solids)}")
-    carried = np.unique(np.concatenate([np.unique(f.basis.element_dofs) for f in solids.values()]))
+    others = [form for form in forms.values() if form.joins is None]
+    carried = np.unique(np.concatenate([form.basis.element_dofs.ravel() for form in solids.values()]))
     loose = np.setdiff1d(np.arange(basis.N), np.concatenate((carried, fixed)))
-    if len(loose):
+    if len(loose) and not others:
         raise ValueError(f"{len(loose)} unknowns belong to no solid among the forms and are not fixed; the "
                          f"first is at {place(basis.doflocs[:, loose[0]])}{_without(basis, count)}. Give every body a "
                          "form, also one that is activated later, or leave it out of the mesh")
-    if all(isinstance(f, (SolidForm, ContactPair)) for f in forms.values()):  # others may hold what they like
-        elements = np.sort(np.concatenate([_elements(f.basis) for f in solids.values()]))
-        axial = all(f.strain is axisymmetric for f in solids.values())
-        _check_bodies(basis, elements, [f for f in forms.values() if isinstance(f, ContactPair)], fixed, axial)
-    return np.asarray(basis.doflocs)
+    if not others:
+        elements = np.sort(np.concatenate([form.elements for form in solids.values()]))
+        axial = all(form.axisymmetric for form in solids.values())
+        _check_bodies(basis, elements, [form.joins for form in forms.values() if form.joins is not None], fixed, axial)
 
 
-def _check_places(forms: Mapping[str, Any], first: str, basis: CellBasis) -> None:
-    """Forms of different meshes may have as many unknowns as each other, but not at the same places."""
-    for name, form in forms.items():
-        if isinstance(form, SolidForm):
-            same = np.array_equal(form.basis.doflocs, basis.doflocs)
-        elif isinstance(form, ContactPair):
-            same = np.array_equal(form.slave.nodes.T, basis.doflocs[:, form.slave.dofs[:, 0]])
-        else:
-            continue
-        if not same:
-            raise ValueError(f"'{name}' belongs to another mesh or another element than '{first}'")
+def all_unknowns(forms: Mapping[str, Form], size: int | None = None) -> Unknowns:
+    """The unknowns of all forms.
+
+    Parameters
+    ----------
+    forms
+        All forms of the analysis, also those that are not there yet.
+    size
+        Number of displacements, where no form knows it; without a solid nobody knows where they are.
+
+    Raises
+    ------
+    ValueError
+        Bad mesh, forms of different bases, or no form that knows how many unknowns there are.
+    """
+    bases = {name: form.basis for name, form in forms.items() if form.basis is not None}
+    brought = [field for form in forms.values() for field in form.fields]
+    first = min((field.first for field in brought), default=None)
+    sizes = {name: form.size for name, form in forms.items() if form.size is not None and not form.fields}
+    if len(set(sizes.values())) > 1:
+        raise ValueError(f"the forms belong to different bases; their numbers of unknowns are {sizes}")
+    n = next(iter(sizes.values()), first if first is not None else size)
+    if n is None:
+        raise ValueError("no form knows how many unknowns there are: give one of them a `size`")
+    if not bases:
+        return Unknowns.of(np.arange(n, dtype=float)[None], brought)
+    owner, basis = next(iter(bases.items()))
+    check_mesh(basis.mesh)
+    unknowns = Unknowns.of(np.asarray(basis.doflocs), brought)
+    known = {name: (np.arange(basis.N), basis.doflocs) for name, basis in bases.items()}
+    known |= {name: form.nodes for name, form in forms.items() if form.nodes is not None}
+    for name, (numbers, places) in known.items():  # different meshes may have as many unknowns as each other
+        if not np.array_equal(places, unknowns.places[:, numbers]):
+            raise ValueError(f"'{name}' belongs to another mesh or another element than '{owner}'")
+    return unknowns
 
 
 def _without(basis: CellBasis, count: ndarray) -> str:
@@ -95,12 +111,7 @@ def _without(basis: CellBasis, count: ndarray) -> str:
     return f", in the subdomains {names}" if names else ""
 
 
-def _elements(basis: CellBasis) -> ndarray:
-    return np.arange(basis.mesh.nelements) if basis.tind is None else np.asarray(basis.tind)
-
-
-def _check_bodies(basis: CellBasis, elements: ndarray, pairs: list[ContactPair], fixed: ndarray,
-                  axial: bool) -> None:
+def _check_bodies(basis: CellBasis, elements: ndarray, joined: list[ndarray], fixed: ndarray, axial: bool) -> None:
     """Bodies that contact joins stand or fall together: a common rigid motion of theirs meets no force.
 
     What the elements of the solids leave of a body may fall apart into several. In axial symmetry the one rigid
@@ -112,11 +123,10 @@ def _check_bodies(basis: CellBasis, elements: ndarray, pairs: list[ContactPair],
     dofs = {name: np.unique(basis.dofs.element_dofs[:, elements[part]]) for name, part in bodies(mesh).items()}
     groups = [{name} for name in dofs]
     obstacles = set()
-    for pair in pairs:
-        surfaces = np.concatenate((pair.slave.dofs.ravel(), pair.facets.dofs.ravel()))
+    for surfaces in filter(len, joined):
         met = {name for name in dofs if np.isin(surfaces, dofs[name]).any()}
         groups = [g for g in groups if not g & met] + [met.union(*(g for g in groups if g & met))]
-        obstacles |= met if (pair.facets.dofs < 0).any() else set()
+        obstacles |= met if (surfaces < 0).any() else set()
     for group in filter(len, groups):
         held = np.intersect1d(np.concatenate([dofs[name] for name in group]), fixed)
         modes = rigid_modes(basis.doflocs, held)[:, 1:2] if axial else rigid_modes(basis.doflocs, held)
@@ -127,37 +137,3 @@ def _check_bodies(basis: CellBasis, elements: ndarray, pairs: list[ContactPair],
             who = f"body {listed} is not held" if alone else f"the bodies {listed} hold only each other"
             raise ValueError(f"{who}: {len(held)} of the unknowns are fixed, which leaves {free} of "
                              f"{modes.shape[1]} rigid motions free")
-
-
-def rigid_modes(locations: ndarray, unknowns: ndarray) -> ndarray:
-    """Small rigid motions of a body: translations, then rotations about its centre, scaled by its size.
-
-    Parameters
-    ----------
-    locations
-        Place of each unknown, (dim, N); the components of a node follow each other.
-    unknowns
-        Those of the body.
-
-    Returns
-    -------
-    ndarray
-        Displacements, (len(unknowns), 3), in three dimensions (len(unknowns), 6).
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> rigid_modes(np.array([[0., 0., 2., 2.], [0., 0., 0., 0.]]), np.arange(4))
-    array([[ 1. ,  0. , -0. ],
-           [ 0. ,  1. , -0.5],
-           [ 1. ,  0. , -0. ],
-           [ 0. ,  1. ,  0.5]])
-    """
-    x = locations[:, unknowns]
-    dim = len(x)
-    component = np.eye(dim)[unknowns % dim]
-    centre = x.mean(axis=1, keepdims=True) if len(unknowns) else 0.0
-    arm = ((x - centre) / max(float(np.ptp(locations)), 1e-300)).T
-    planes = [(i, j) for i in range(dim) for j in range(i + 1, dim)]
-    turns = [component[:, j] * arm[:, i] - component[:, i] * arm[:, j] for i, j in planes]
-    return np.column_stack((component, *turns))

@@ -1,20 +1,19 @@
 """Check of a form."""
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import fields, is_dataclass
 from itertools import combinations
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy import ndarray
-from scipy.sparse import issparse
+from scipy.sparse import csr_matrix
 
-from ..forms import Form, Response
+from ..forms import Form, Response, arrays_of, as_forms
+from ..remarks import Remark
 from .tools import EXACT, STEP, differences, largest_error, require, same_twice
 
 
-def check_form(form: Form, x: ndarray, state: Any, locations: ndarray | None = None, tolerance: float = 1e-6,
+def check_form(form: Any, x: ndarray, state: Any, locations: ndarray | None = None, tolerance: float = 1e-6,
                directions: int = 5, seed: int = 0) -> float:
     """Check a form at some displacements from an accepted state.
 
@@ -65,16 +64,17 @@ def check_form(form: Form, x: ndarray, state: Any, locations: ndarray | None = N
     True
     """
     rng = np.random.default_rng(seed)
+    form = as_forms({"form": form})["form"]
     first = form.assemble(x, state)
     for name in ("state", "stiffness"):
         eager = isinstance(first, Response) and name in vars(first)
         require(not eager, f"the {name} is computed before it is asked for")
-    out = same_twice(lambda: _answers(form.assemble(x, state)), (x, *_arrays(state)), "form.assemble")
-    force, K = np.asarray(out[0]), first.stiffness
-    require(issparse(K) and K.format == "csr" and K.shape == (len(x), len(x)), "the stiffness is no csr_matrix (N, N)")
+    out = same_twice(lambda: _answers(form.assemble(x, state)), (x, *arrays_of(state).values()), "form.assemble")
+    force, K = np.asarray(out[0]), cast(Any, first.stiffness)
+    require(isinstance(K, csr_matrix) and K.shape == (len(x), len(x)), "the stiffness is no csr_matrix (N, N)")
     require(force.shape == x.shape and np.isfinite(force).all() and np.isfinite(K.data).all(),
              "the force is no (N,), or not finite")
-    if getattr(form, "symmetric", False):
+    if form.symmetric:
         require(abs(K - K.T).max() <= EXACT * abs(K).max(), "the form says `symmetric`, and its tangent is not")
     scale = max(float(np.abs(force).max()), 1e-300)
     accepted = form.assemble(x, first.state)
@@ -83,7 +83,7 @@ def check_form(form: Form, x: ndarray, state: Any, locations: ndarray | None = N
     require(again is None or (isinstance(again, tuple) and len(again) == 2 and isinstance(again[1], type(state))),
             "`outer` returns neither a form with a state nor None")
     require(isinstance(form.summary(first.state), str), "`summary` returns no text")
-    require(all(isinstance(remark, str) for remark in form.remarks(first.state)), "`remarks` returns no texts")
+    require(all(isinstance(remark, Remark) for remark in form.remarks(first.state)), "`remarks` returns no remarks")
     error = _form_tangent(form, x, state, K, rng.standard_normal((directions, len(x))), tolerance)
     if locations is not None:
         _check_balance(force, K, x, np.asarray(locations))
@@ -91,7 +91,7 @@ def check_form(form: Form, x: ndarray, state: Any, locations: ndarray | None = N
 
 
 def _answers(response: Response) -> tuple[ndarray, ...]:
-    return (response.force, response.stiffness.data, *_arrays(response.state))
+    return (response.force, response.stiffness.data, *arrays_of(response.state).values())
 
 
 def _check_balance(force: ndarray, K: Any, x: ndarray, locations: ndarray) -> None:
@@ -125,9 +125,3 @@ def _form_tangent(form: Form, x: ndarray, state: Any, K: Any, directions: ndarra
         kinks.append(kink / largest)
     return largest_error(np.max(errors, axis=0), np.max(kinks, axis=0), tolerance,
                           "the tangent differs from the differences of the force")
-
-
-def _arrays(state: Any) -> Iterator[ndarray]:
-    """Arrays of a state, in their order."""
-    values = [getattr(state, f.name) for f in fields(state)] if is_dataclass(state) else [state]
-    return (value for value in values if isinstance(value, ndarray))

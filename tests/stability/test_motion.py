@@ -19,6 +19,7 @@ from skfem_contact.contact.search import project
 from skfem_contact.forms import Failure
 from skfem_contact.nonlinear.increment import check
 from skfem_contact.nonlinear.system import Equilibrium, System
+from skfem_contact.unknowns import Unknowns
 
 QUADRATURES = ["nodal", 2, "segments"]
 
@@ -242,11 +243,11 @@ def test_what_is_locked(caplog):
     with caplog.at_level(logging.INFO, logger="skfem_contact"):
         easier = pair.begin(state, Failure(loose=False, seen=(at, other)))
     lock = easier.easing.of(FacetLock)
-    assert lock.locked.tolist() == [False, True, False] and easier.seen(state).facet[1] == 1
+    assert lock.points.tolist() == [False, True, False] and easier.seen(state).facet[1] == 1
     assert "points [1] of 'slave:face' chatter between the facets [[1, 2]]" in caplog.text
     assert seen(easier, at, other) is None  # once only
     off = replace(other, facet=np.array([0, 1, -1]), status=np.array([1, 2, 0]))
-    assert seen(pair, replace(at, status=np.array([1, 2, 2])), off).locked.tolist() == [0, 0, 1]
+    assert seen(pair, replace(at, status=np.array([1, 2, 2])), off).points.tolist() == [0, 0, 1]
     assert not pair.easing.members and pair.begin(state) is pair  # the pair as given is what it was
 
 
@@ -263,9 +264,9 @@ def test_locks_that_hide_a_kink_are_refused():
     x[unknowns_of(basis, "slave")] = (0.0, -0.05)
     state = pair.assemble(x, pair.initial_state()).state
     pair.easing = Easing((FacetLock(np.array([True, True]), 1 - state.facet, "slave:face"),))
-    held, free = pair.assemble(x, state), np.arange(basis.N)
+    held = pair.assemble(x, state)
     given = dict(forms, joint=sc.ContactPair(basis, "slave:face", groove, sc.Coulomb(0.3), penalty=1e4))
-    system = System(given, np.zeros(0, int), free, None)
+    system = System(given, Unknowns.of(basis.doflocs, ()), np.zeros(0, int), None)
     answers = {"body": forms["body"].assemble(x, forms["body"].initial_state()), "joint": held}
     found = Equilibrium(x, {name: answer.state for name, answer in answers.items()}, (1.0, 0.0))
     load = sum(answer.force for answer in answers.values())

@@ -18,7 +18,7 @@ import skfem_contact as sc
 SOIL = {"E": 1e5, "nu": 0.3, "c": 10.0, "phi": 20.0}
 
 
-def on_a_slope(psi: float, **settings) -> sc.StrengthReduction:
+def on_a_slope(psi: float, **settings) -> sc.CollapseResult:
     """A coarse slope on a foundation."""
     return reduced_slope(slope_mesh(20.0, 12.0, 5.0, 15.0, 3), sc.MohrCoulomb(**SOIL, psi=psi), **settings)
 
@@ -184,7 +184,7 @@ def test_all_points_flow_at_once(method, share):
     forms, fixed, load = block("Q1", np.linspace(0, 1, 11), 0.0)
     result = sc.strength_reduction(forms, fixed, 20.0 * share * load, method=method, progress=False)
     low, high = result.bracket
-    assert result.criterion.startswith("collapse") and high - low <= 0.01  # tol
+    assert result.stop.kind == "collapse" and high - low <= 0.01  # tol
     assert low - 1e-4 <= 1.0 / share <= high  # equilibrium within 0.03 of tol
 
 

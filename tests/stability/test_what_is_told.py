@@ -150,7 +150,7 @@ def test_penalty_that_round_off_hides():
     """[X] Case S1: at 1e12 E/h the user hears of it before the analysis, whatever comes of that."""
     basis = blocks()
     forms = in_contact(basis, penalty=1e12 * 1e3 / 0.2)
-    with pytest.warns(sc.AnalysisWarning, match=r"contact 'joint': the penalty, 5e\+15, is .* times the stiffness"):
+    with pytest.warns(sc.AnalysisWarning, match=r"'upper:bottom' on 'lower:top': the penalty, 5e\+15, is .* times"):
         sc.choose_penalties(forms)
     with warnings.catch_warnings():
         warnings.simplefilter("error")

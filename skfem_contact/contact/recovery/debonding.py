@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy import ndarray
 
+from ...forms import Failure
 from ..laws import InterfaceLaw, Status
 from ..state import ContactState
 from .family import Recovery
 
 if TYPE_CHECKING:
-    from ...forms import Failure
     from ..pair import ContactPair
 
 logger = logging.getLogger("skfem_contact")
@@ -47,13 +47,8 @@ class Debonding(Recovery):
             return None
         logger.info("points %s of '%s' open and close in turn: their bond breaks", np.flatnonzero(breaks),
                     pair.slave.name)
-        before = pair.easing.of(cls)
-        return cls(breaks if before is None else breaks | before.points)
+        return cls(breaks | before.points if (before := pair.easing.of(cls)) else breaks)
 
     def seen(self, state: ContactState, law: InterfaceLaw) -> ContactState:
         """With broken bonds."""
         return replace(state, internal=np.where(self.points, law.debonded(state.internal), state.internal))
-
-    def at(self, points: ndarray) -> Debonding:
-        """Of the nearest points."""
-        return Debonding(self.points[points])

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from numpy import ndarray
 
+from ...forms import Failure
 from ..laws import InterfaceLaw
 from ..state import ContactState
 from .debonding import Debonding
@@ -16,7 +17,6 @@ from .soft_stick import SoftStick
 from .stabilisation import Stabilisation
 
 if TYPE_CHECKING:
-    from ...forms import Failure
     from ..pair import ContactPair
 
 #: In the order in which they are tried.
@@ -71,11 +71,6 @@ class Easing:
     def slip(self, at: ndarray) -> ndarray | float:
         """What is added to the slips of points, given by their numbers, (dim - 1, n)."""
         return sum(member.slip(at) for member in self.members)
-
-    @property
-    def locked(self) -> ndarray | None:
-        """Points that stay on their facet, (n_points,), or None."""
-        return next((member.locked for member in self.members if member.locked is not None), None)
 
     @property
     def reason(self) -> str:

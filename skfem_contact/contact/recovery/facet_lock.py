@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy import ndarray
 
+from ...forms import Failure
 from ..laws import InterfaceLaw, Status
 from ..state import ContactState
 from .family import Recovery
 
 if TYPE_CHECKING:
-    from ...forms import Failure
     from ..pair import ContactPair
 
 logger = logging.getLogger("skfem_contact")
@@ -50,33 +50,21 @@ class FacetLock(Recovery):
         closed = np.array([state.status != Status.OPEN for state in failure.seen])
         absent = (facets == -1) | (facets[0] == -1)
         chatters = ((facets != facets[0]) & np.where(absent, closed | closed[0], closed & closed[0])).any(axis=0)
-        before = pair.easing.of(cls)
-        if before is not None:
-            chatters &= ~before.points
+        before = pair.easing.of(cls) or cls(np.zeros_like(chatters), facets[0], pair.slave.name)
+        chatters &= ~before.points
         if not chatters.any():
             return None
         between = [sorted(set(column)) for column in facets[:, chatters].T.tolist()]
         logger.info("points %s of '%s' chatter between the facets %s of '%s', -1 for none: locked to %s",
                     np.flatnonzero(chatters), pair.slave.name, between, pair.master.name, facets[0, chatters])
-        if before is None:
-            return cls(chatters, facets[0], pair.slave.name)
         return cls(chatters | before.points, np.where(chatters, facets[0], before.facet), pair.slave.name)
-
-    @property
-    def locked(self) -> ndarray:
-        """The points."""
-        return self.points
 
     def seen(self, state: ContactState, law: InterfaceLaw) -> ContactState:
         """On their facets."""
         return replace(state, facet=np.where(self.points, self.facet, state.facet))
 
-    def at(self, points: ndarray) -> FacetLock:
-        """Of the nearest points."""
-        return FacetLock(self.points[points], self.facet[points], self.slave)
-
     @property
-    def reason(self) -> str:
+    def reason(self) -> str:  # type: ignore[override]
         """Where the points rest, and what helps."""
         return (f"points {np.flatnonzero(self.points)} of '{self.slave}' rest on neither side of a joint between "
                 "facets that turns, or of an end: smoothing the master takes the joints away")

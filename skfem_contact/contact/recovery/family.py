@@ -1,30 +1,29 @@
 """What the families of easier forms have in common."""
 from __future__ import annotations
 
+from dataclasses import fields, replace
 from typing import TYPE_CHECKING
 
 from numpy import ndarray
 
+from ...forms import Failure
 from ..laws import InterfaceLaw
 from ..state import ContactState
 
 if TYPE_CHECKING:
-    from ...forms import Failure
     from ..pair import ContactPair
 
 
 class Recovery:
-    """A member of a family: how an easier contact pair differs from the one that is given."""
+    """A member of a family: how an easier contact pair differs from the one that is given.
 
-    @property
-    def locked(self) -> ndarray | None:
-        """Points that stay on their facet, (n_points,), or None."""
-        return None
+    Attributes
+    ----------
+    reason
+        Why there may be no equilibrium without it, for a message.
+    """
 
-    @property
-    def reason(self) -> str:
-        """Why there may be no equilibrium without it, for a message."""
-        return ""
+    reason: str = ""
 
     @classmethod
     def begin(cls, pair: ContactPair, accepted: ContactState, failure: Failure | None) -> Recovery | None:
@@ -65,4 +64,6 @@ class Recovery:
 
     def at(self, points: ndarray) -> Recovery:
         """The same for other points of the slave, which are nearest to these old ones."""
-        return self
+        values = {f.name: getattr(self, f.name) for f in fields(self)}  # type: ignore[arg-type]  # of a dataclass
+        arrays = {name: value[..., points] for name, value in values.items() if isinstance(value, ndarray)}
+        return replace(self, **arrays) if arrays else self  # type: ignore[type-var]

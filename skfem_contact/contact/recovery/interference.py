@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy import ndarray
 
+from ...forms import Failure
 from ..diagnosis import PENETRATION
 from ..laws import InterfaceLaw
 from ..state import ContactState
 from .family import Recovery
 
 if TYPE_CHECKING:
-    from ...forms import Failure
     from ..pair import ContactPair
 
 #: Share of the overlap that is left from one member to the next.
@@ -48,7 +48,3 @@ class Interference(Recovery):
             return self
         left = _LEFT * self.offset
         return Interference(np.where(np.abs(left) < PENETRATION * pair.points(accepted).size, 0.0, left))
-
-    def at(self, points: ndarray) -> Interference:
-        """Of the nearest points."""
-        return Interference(self.offset[points])

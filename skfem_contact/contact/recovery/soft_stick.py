@@ -15,12 +15,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy import ndarray
 
+from ...forms import Failure
 from ..laws import InterfaceLaw, Status
 from ..state import ContactState
 from .family import Recovery
 
 if TYPE_CHECKING:
-    from ...forms import Failure
     from ..pair import ContactPair
 
 logger = logging.getLogger("skfem_contact")
@@ -41,12 +41,12 @@ class SoftStick(Recovery):
     ----------
     softness
         Share of the tangential penalty.
-    shift
-        What is added to the elastic slip, (dim - 1, n_points).
+    elastic
+        Elastic slip that the whole penalty leaves under the tractions of the last solution, (dim - 1, n_points).
     """
 
     softness: float
-    shift: ndarray
+    elastic: ndarray
 
     @classmethod
     def begin(cls, pair: ContactPair, accepted: ContactState, failure: Failure | None) -> SoftStick | None:
@@ -65,20 +65,15 @@ class SoftStick(Recovery):
         softness = min(_SHARE, _FIRST / hardness)
         logger.info("points %s of '%s' chatter between stick and slip: a soft stick begins with %.1g of the penalty",
                     np.flatnonzero(chatters), pair.slave.name, softness)
-        return cls._of(softness, pair.elastic_slip(accepted))
-
-    @classmethod
-    def _of(cls, softness: float, elastic: ndarray) -> SoftStick:
-        """A softness, and the shifts that stand for the elastic slip that the whole penalty would leave."""
-        return cls(softness, elastic / softness - elastic)
+        return cls(softness, pair.elastic_slip(accepted))
 
     def seen(self, state: ContactState, law: InterfaceLaw) -> ContactState:
         """With a softer penalty."""
         return replace(state, penalty_factor=state.penalty_factor * [1.0, self.softness])
 
     def slip(self, at: ndarray) -> ndarray:
-        """The shift."""
-        return np.asarray(self.shift[:, at])
+        """Slip from a shifted stick point."""
+        return np.asarray((self.elastic / self.softness - self.elastic)[:, at])
 
     def proceed(self, pair: ContactPair, accepted: ContactState, found: ContactState) -> SoftStick | None:
         """A harder stick, with the tractions of the last solution."""
@@ -87,8 +82,4 @@ class SoftStick(Recovery):
         wrong = np.abs(pair.elastic_slip(accepted, found) - elastic)[:, sticks].max(initial=0.0)
         harder = _CHANGE * np.abs(elastic).max() / max(wrong, 1e-300)
         softness = max(harder, self.softness * _GROWTH)
-        return self._of(softness, elastic) if softness < 1.0 else None
-
-    def at(self, points: ndarray) -> SoftStick:
-        """Of the nearest points."""
-        return SoftStick(self.softness, self.shift[:, points])
+        return SoftStick(softness, elastic) if softness < 1.0 else None

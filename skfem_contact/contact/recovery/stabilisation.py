@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy import ndarray
 
+from ...forms import Failure
 from ..laws import InterfaceLaw, Status, Update
 from ..quadrature import SlavePoints
 from ..state import ContactState
 from .family import Recovery
 
 if TYPE_CHECKING:
-    from ...forms import Failure
     from ..pair import ContactPair
 
 logger = logging.getLogger("skfem_contact")
@@ -86,11 +86,6 @@ class Stabilised(InterfaceLaw):
     def n_internal(self) -> int:  # type: ignore[override]
         """As the law."""
         return self.law.n_internal
-
-    @property
-    def bonds(self) -> bool:
-        """As the law."""
-        return self.law.bonds
 
     def take(self, points: SlavePoints) -> Stabilised:
         """The springs are the same everywhere."""

@@ -1,0 +1,246 @@
+"""Forms between a few unknowns: matrices of scikit-fem, springs, and bars such as anchors and struts."""
+from __future__ import annotations
+
+from collections.abc import Sequence
+from copy import copy
+from dataclasses import dataclass
+
+import numpy as np
+from numpy import ndarray
+from numpy.typing import ArrayLike
+from scipy.sparse import coo_matrix, csr_matrix
+from skfem import CellBasis
+
+from .forms import Form, Response
+from .unknowns import unknowns_at
+
+
+class MatrixForm(Form):
+    """A linear form: the matrix of any ``BilinearForm``, of which nothing but ``K @ x`` is known.
+
+    Parameters
+    ----------
+    K
+        Stiffness, (N, N), sparse.
+
+    Raises
+    ------
+    ValueError
+        A matrix that is not square, or not finite.
+
+    Examples
+    --------
+    An elastic foundation under a square:
+
+    >>> import numpy as np
+    >>> from skfem import Basis, BilinearForm, ElementQuad1, ElementVector, FacetBasis, MeshQuad
+    >>> import skfem_contact as sc
+    >>> basis = Basis(MeshQuad().refined(2).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+    >>> bottom = FacetBasis(basis.mesh, basis.elem, facets="bottom")
+    >>> subgrade = BilinearForm(lambda u, v, w: 100. * (u[0] * v[0] + u[1] * v[1])).assemble(bottom)
+    >>> forms = {"square": sc.SolidForm(basis, sc.LinearElastic(E=1e6, nu=0.)), "ground": sc.MatrixForm(subgrade)}
+    >>> result = sc.run(forms, [sc.Stage("weight", sc.weight(basis, 20.))], fixed=[])
+    >>> [float(f"{u:.4f}") for u in result["weight"].x[basis.get_dofs("bottom").all("u^2")]]
+    [-0.2, -0.2, -0.2, -0.2, -0.2]
+    """
+
+    def __init__(self, K: csr_matrix) -> None:
+        self.elastic_stiffness = csr_matrix(K)
+        self.size: int = int(self.elastic_stiffness.shape[1])
+        if self.elastic_stiffness.shape[0] != self.size or not np.isfinite(self.elastic_stiffness.data).all():
+            raise ValueError(f"K must be a square matrix of finite numbers, not {self.elastic_stiffness.shape}")
+        largest = abs(self.elastic_stiffness).max() if self.elastic_stiffness.nnz else 0.0
+        self.symmetric = abs(self.elastic_stiffness - self.elastic_stiffness.T).max() <= 1e-12 * largest
+        self.changing = np.zeros(0, int)
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {self.size} unknowns, {self.elastic_stiffness.nnz} entries>"
+
+    def initial_state(self, x: ndarray | None = None) -> ndarray:
+        """Displacements at which nothing acts."""
+        return np.zeros(self.size) if x is None else x[:self.size].copy()
+
+    def assemble(self, x: ndarray, state: ndarray) -> Response:
+        """Forces in proportion to the displacements from those of the state."""
+        return Response(self.elastic_stiffness @ (x - state), lambda: state, lambda: self.elastic_stiffness)
+
+    def moved_back(self, x: ndarray, state: ndarray) -> ndarray:
+        """Displacements at which nothing acts, counted from x on."""
+        return state - x[:self.size]
+
+
+class Spring(MatrixForm):
+    """Linear springs at nodes, to the ground or to other nodes.
+
+    Parameters
+    ----------
+    basis
+        ``Basis`` of the mesh.
+    places
+        Where they are, (n, dim) or (dim,): nodes of the mesh.
+    stiffness
+        Force per displacement in each direction, (dim,), or one number for all.
+    to
+        Nodes at their other ends, by default the ground, which does not move.
+    part, to_part
+        Subdomains of the nodes, where bodies touch and a place alone does not tell.
+
+    Raises
+    ------
+    ValueError
+        A place without a node or with nodes of two bodies, or a stiffness that is negative or not finite.
+
+    Examples
+    --------
+    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+    >>> import skfem_contact as sc
+    >>> basis = Basis(MeshQuad(), ElementVector(ElementQuad1()))
+    >>> sc.Spring(basis, (0., 1.), stiffness=(0., 50.))
+    <Spring 8 unknowns, 1 entries>
+    """
+
+    def __init__(self, basis: CellBasis, places: ArrayLike, stiffness: float | Sequence[float],
+                 to: ArrayLike | None = None, part: str | None = None, to_part: str | None = None) -> None:
+        k = np.broadcast_to(np.asarray(stiffness, float), (basis.mesh.dim(),))
+        if not (np.isfinite(k).all() and (k >= 0.0).all() and k.any()):
+            raise ValueError(f"stiffness must be positive, in each direction or in one of them, not {stiffness!r}")
+        ends = [unknowns_at(basis, places, part)]
+        if to is not None:
+            ends.append(unknowns_at(basis, to, to_part))
+        entries = [(sign_a * sign_b * k, a, b) for a, sign_a in zip(ends, (1, -1)) for b, sign_b in zip(ends, (1, -1))]
+        data, rows, columns = (np.concatenate([np.broadcast_to(entry[i], ends[0].shape).ravel() for entry in entries])
+                               for i in range(3))
+        K = coo_matrix((data, (rows, columns)), shape=(basis.N, basis.N)).tocsr()
+        K.eliminate_zeros()
+        super().__init__(K)
+
+
+@dataclass(frozen=True)
+class BarState:
+    """State of bars, arrays (n,).
+
+    Attributes
+    ----------
+    force
+        Normal force, tension positive.
+    free
+        Elongation at which there is none.
+    """
+
+    force: ndarray
+    free: ndarray
+
+
+class Bar(Form):
+    """Bars between nodes, or between nodes and the ground: anchors, struts, ties, all of one kind.
+
+    Small displacements: a bar keeps its direction.
+
+    Parameters
+    ----------
+    basis
+        ``Basis`` of the mesh.
+    start, end
+        Places of their ends, (n, dim) or (dim,): nodes of the mesh.
+    EA
+        Axial stiffness: force per strain; in the plane that of a metre, EA over the spacing of the anchors.
+    fixed_end
+        Whether the ends are held by ground far away, which does not move: they need be no nodes then.
+    yield_force
+        Largest normal force; beyond it bars flow.
+    tension_only
+        Whether bars, such as ropes, carry no thrust.
+    part, end_part
+        Subdomains of the nodes, where bodies touch and a place alone does not tell.
+
+    Raises
+    ------
+    ValueError
+        A place without a node or with nodes of two bodies, bars without length, EA or a yield force not positive.
+
+    Notes
+    -----
+    A bar is prestressed in a stage by :meth:`jacked`, whose force does not depend on the displacements, and locked
+    in the next one, where it goes on from that force (``Stage(change={"anchor": bar})``).
+
+    Examples
+    --------
+    A block hangs on a rope of two metres that has been stretched by its weight of 20:
+
+    >>> import numpy as np
+    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+    >>> import skfem_contact as sc
+    >>> basis = Basis(MeshQuad().with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+    >>> rope = sc.Bar(basis, (0., 1.), (0., 3.), EA=1e3, fixed_end=True, tension_only=True)
+    >>> forms = {"block": sc.SolidForm(basis, sc.LinearElastic(E=1e9, nu=0.)), "rope": rope}
+    >>> load = basis.zeros()
+    >>> load[basis.get_dofs("left").all("u^2")] = -10.
+    >>> fixed = basis.get_dofs().all("u^1")
+    >>> state = sc.run(forms, [sc.Stage("hang", load)], fixed)["hang"].states["rope"]
+    >>> state.force.round(6), (state.force * 2. / 1e3).round(6)
+    (array([20.]), array([0.04]))
+    """
+
+    def __init__(self, basis: CellBasis, start: ArrayLike, end: ArrayLike, EA: float, fixed_end: bool = False,
+                 yield_force: float = np.inf, tension_only: bool = False, part: str | None = None,
+                 end_part: str | None = None) -> None:
+        if not (0.0 < EA < np.inf and yield_force > 0.0):
+            raise ValueError(f"EA and yield_force must be positive, not {EA!r} and {yield_force!r}")
+        a, b = np.broadcast_arrays(np.atleast_2d(np.asarray(start, float)), np.atleast_2d(np.asarray(end, float)))
+        length = np.linalg.norm(b - a, axis=1)
+        if not (length > 0.0).all():
+            raise ValueError("the ends of a bar must lie apart, and be finite")
+        axis = (b - a) / length[:, None]
+        self._dofs, self._axis = unknowns_at(basis, a, part), -axis
+        if not fixed_end:
+            self._dofs = np.hstack((self._dofs, unknowns_at(basis, b, end_part)))
+            self._axis = np.hstack((-axis, axis))
+        self.size, self.symmetric, self.unilateral = int(basis.N), True, tension_only
+        self.changing = np.unique(self._dofs)
+        self._stiffness, self._yield_force = EA / length, yield_force
+        self._tension_only, self._least = tension_only, 0.0 if tension_only else -yield_force
+        self._jack: float | None = None
+
+    def __repr__(self) -> str:
+        return f"<Bar {len(self._axis)} bars, EA/L {self._stiffness.min():.4g} to {self._stiffness.max():.4g}>"
+
+    def jacked(self, force: float) -> Bar:
+        """The bars with a jack that keeps their force, tension positive, whatever they elongate by."""
+        if not self._least <= force <= self._yield_force:
+            raise ValueError(f"the force of a jack must lie between {self._least:g} and {self._yield_force:g}")
+        new = copy(self)
+        new._jack = float(force)
+        return new
+
+    def _elongation(self, x: ndarray) -> ndarray:
+        return np.einsum("nm,nm->n", self._axis, x[self._dofs])
+
+    def initial_state(self, x: ndarray | None = None) -> BarState:
+        """Bars without force in the place where their nodes are."""
+        zero = np.zeros(len(self._axis))
+        return BarState(zero, zero if x is None else self._elongation(x))
+
+    def assemble(self, x: ndarray, state: BarState) -> Response:
+        """Normal forces on the nodes; slack ropes and flowing bars have no stiffness."""
+        k, elongation = self._stiffness, self._elongation(x)
+        elastic = k * (elongation - state.free)
+        force = np.full_like(elastic, self._jack) if self._jack is not None else \
+            np.clip(elastic, self._least, self._yield_force)
+        slack = self._tension_only & (elastic < 0.0) & (self._jack is None)
+        tangent = np.where((force == elastic) & (self._jack is None), k, 0.0)
+
+        def stiffness() -> csr_matrix:
+            blocks = tangent[:, None, None] * self._axis[:, :, None] * self._axis[:, None, :]
+            rows, columns = np.broadcast_arrays(self._dofs[:, :, None], self._dofs[:, None, :])
+            return coo_matrix((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=(self.size, self.size)).tocsr()
+
+        return Response(np.bincount(self._dofs.ravel(), (force[:, None] * self._axis).ravel(), minlength=len(x)),
+                        lambda: BarState(force, np.where(slack, state.free, elongation - force / k)), stiffness)
+
+    def moved_back(self, x: ndarray, state: BarState) -> BarState:
+        """The state with its forces, of nodes that count as unmoved from here on."""
+        return BarState(state.force, state.free - self._elongation(x))
+
+    def summary(self, state: BarState) -> str:
+        """Smallest and largest force, for the table of a result."""
+        return f"forces {state.force.min():.4g} to {state.force.max():.4g}"

@@ -1,0 +1,224 @@
+"""What is drawn on top of the bodies where it is asked for: water, supports, loads, arrows, points, contact."""
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy import ndarray
+from scipy.spatial import cKDTree
+
+from ..contact.laws import Status
+from ..post.fields import Water, solids_there
+from ..post.interface import interfaces
+from ..post.strength import PointStatus, point_status
+from ..stages.result import StageResult
+from .scene import MARK, Scene
+
+_WATER, _LOAD, _MOVED = "#1468b3", "#b3007d", "#222222"
+_POINTS = {PointStatus.YIELDS: ("yields", "#c8102e"), PointStatus.TENSION: ("at tensile strength", "#ffffff")}
+_STATUS = {Status.OPEN: ("open", "#ffffff"), Status.STICK: ("sticks", "#1a7f37"), Status.SLIP: ("slips", "#f28e00")}
+#: Lengths in pixels: longest arrows of loads, displacements and tractions, triangles of supports, and their distance.
+_LONG_LOAD, _LONG_ARROW, _LONG_TRACTION, _SUPPORT, _APART = 70.0, 55.0, 60.0, 15.0, 34.0
+#: Forces below this share of the largest one get no arrow.
+_SMALL = 0.02
+
+
+@dataclass(frozen=True)
+class Marks:
+    """What is asked for on the picture of a stage; the arguments are those of :func:`contour`."""
+
+    forms: Mapping[str, Any]
+    step: StageResult
+    since: StageResult | None = None
+    water: Water | None = None
+    supports: ndarray | None = None
+    loads: ndarray | None = None
+    vectors: bool = False
+    points: bool = False
+    contact: bool = False
+
+    @property
+    def room(self) -> float:
+        """Margin that the marks need, as a share of the bodies' size."""
+        return 0.08 if self.loads is not None else 0.045 if self.supports is not None else 0.025
+
+    def draw(self, plotter: Any, scene: Scene) -> None:
+        """Draw all that is asked for."""
+        if self.water is not None:
+            _draw_water(plotter, scene, self.water)
+        if self.supports is not None:
+            _draw_supports(plotter, scene, np.asarray(self.supports))
+        if self.loads is not None:
+            _draw_loads(plotter, scene, np.asarray(self.loads))
+        if self.vectors:
+            _draw_vectors(plotter, scene)
+        if self.points:
+            for status, (_, color) in _POINTS.items():
+                self._draw_points(plotter, scene, status, color)
+        if self.contact:
+            _draw_contact(plotter, scene, self.forms, self.step)
+
+    def legend(self) -> list[tuple[str, dict[str, Any]]]:
+        """Labels and matplotlib's line styles of the marks that need an explanation."""
+        found = []
+        if self.water is not None:
+            found.append(("water table", {"color": _WATER, "linewidth": 3, "linestyle": "--"}))
+        if self.points:
+            found += [(label, _dot(color, "s")) for status, (label, color) in _POINTS.items() if self._marked(status)]
+        if self.contact:
+            pairs = interfaces(self.forms, self.step).values()
+            present = {int(s) for pair in pairs for s in np.unique(pair.tractions.status)}
+            found += [(f"contact {label}", _dot(color, "s")) for s, (label, color) in _STATUS.items() if s in present]
+        return found
+
+    def _marked(self, status: PointStatus) -> bool:
+        return any((point_status(form, self.step.states[name]) == status).any()
+                   for name, form in solids_there(self.forms, self.step).items())
+
+    def _draw_points(self, plotter: Any, scene: Scene, status: PointStatus, color: str) -> None:
+        """Integration points of a status, moved with the bodies."""
+        for name, form in solids_there(self.forms, self.step).items():
+            at = point_status(form, self.step.states[name]) == status
+            if at.any():
+                u = scene.factor * scene.displacement.ravel()
+                places = np.asarray(form.basis.global_coordinates()) + np.asarray(form.basis.interpolate(u))
+                _dots(plotter, scene, np.asarray(places)[:, at].T, color, 7.0)
+
+
+def _dot(color: str, marker: str) -> dict[str, Any]:
+    return {"marker": marker, "color": color, "linestyle": "none", "markersize": 11, "markeredgecolor": "black"}
+
+
+def _dots(plotter: Any, scene: Scene, places: ndarray, color: str, size: float) -> None:
+    """Points with a dark edge."""
+    for level, grown, shade in ((MARK, 3.0, "black"), (MARK + 1, 0.0, color)):
+        plotter.add_points(scene.in_space(places, level), color=shade, point_size=size + grown, lighting=False)
+
+
+def _draw_water(plotter: Any, scene: Scene, water: Water) -> None:
+    """The water table, where there is ground: the line at which the pressure falls to zero."""
+    low, high = scene.places[scene.nodes].min(axis=0), scene.places[scene.nodes].max(axis=0)
+    x = np.linspace(low[0], high[0], 201)
+    y = _table(water, x, low[1], high[1] + (high - low)[1])
+    line = np.column_stack((x, y))[np.isfinite(y)]
+    dashes = [line[i:i + 5] for i in range(0, len(line) - 1, 8)]
+    for dash in dashes:
+        sides = np.column_stack((np.arange(len(dash) - 1), np.arange(1, len(dash))))
+        if len(sides):
+            plotter.add_mesh(scene.lines(sides, dash, MARK), color=_WATER, line_width=5)
+    if len(line):
+        at = line[len(line) // 20]
+        size = 14.0 * scene.pixel
+        triangle = at + size * np.array([[-0.6, 1.0], [0.6, 1.0], [0.0, 0.0]])
+        _polygons(plotter, scene, triangle[None], _WATER)
+
+
+def _table(water: Water, x: ndarray, low: float, high: float) -> ndarray:
+    """Height at which the pressure becomes zero, (n,), by bisection; NaN where the bottom is dry."""
+    below, above = np.full(len(x), low), np.full(len(x), high)
+    wet = water(np.stack((x, below))) > 0.0
+    for _ in range(40):
+        middle = 0.5 * (below + above)
+        inside = water(np.stack((x, middle))) > 0.0
+        below, above = np.where(inside, middle, below), np.where(inside, above, middle)
+    return np.where(wet, below, np.nan)
+
+
+def _draw_supports(plotter: Any, scene: Scene, fixed: ndarray) -> None:
+    """Triangles that point at the nodes that are held: along the axis of one unknown, from below for both."""
+    held = np.isin(np.arange(scene.displacement.size), np.flatnonzero(fixed) if fixed.dtype == bool else fixed)
+    used = np.unique(scene.sides)
+    middle = scene.places[used].mean(axis=0)
+    for kind in ("both", "x", "y"):
+        fast = held[0::2] & held[1::2]
+        mask = fast if kind == "both" else held["xy".index(kind)::2] & ~fast
+        nodes = _thinned(scene, used[mask[used]])
+        at = scene.moved[nodes]
+        out = np.zeros_like(at)
+        axis = 0 if kind == "x" else 1
+        out[:, axis] = np.where(at[:, axis] > middle[axis], 1.0, -1.0)
+        along = out[:, ::-1]
+        size = _SUPPORT * scene.pixel
+        if len(nodes):
+            corners = np.stack((at, at + size * (out + 0.6 * along), at + size * (out - 0.6 * along)), axis=1)
+            _polygons(plotter, scene, corners, "#444444" if kind == "both" else "#b0b0b0")
+
+
+def _thinned(scene: Scene, nodes: ndarray) -> ndarray:
+    """Some of the nodes, no two closer to each other than a few pixels."""
+    if not len(nodes):
+        return nodes
+    order = nodes[np.lexsort(scene.moved[nodes].T)]
+    tree = cKDTree(scene.moved[order])
+    kept = np.ones(len(order), bool)
+    for i, near in enumerate(tree.query_ball_point(scene.moved[order], _APART * scene.pixel)):
+        if kept[i]:
+            kept[[j for j in near if j > i]] = False
+    return order[kept]
+
+
+def _draw_loads(plotter: Any, scene: Scene, load: ndarray) -> None:
+    """Nodal forces as arrows that end at their nodes."""
+    force = load[:scene.displacement.size].reshape(-1, 2)
+    size = np.linalg.norm(force, axis=1)
+    nodes = np.flatnonzero(size > _SMALL * size.max(initial=0.0))
+    if len(nodes):
+        vectors = force[nodes] / size.max() * _LONG_LOAD * scene.pixel
+        _arrows(plotter, scene, scene.moved[nodes] - vectors, vectors, _LOAD)
+
+
+def _draw_vectors(plotter: Any, scene: Scene) -> None:
+    """Displacements at nodes that are some way apart."""
+    nodes = _thinned(scene, np.unique(scene.sides))
+    u = scene.displacement[nodes]
+    size = np.linalg.norm(u, axis=1)
+    seen = size > _SMALL * size.max(initial=0.0)
+    if seen.any():
+        _arrows(plotter, scene, scene.moved[nodes][seen], u[seen] / size.max() * _LONG_ARROW * scene.pixel, _MOVED)
+
+
+def _draw_contact(plotter: Any, scene: Scene, forms: Mapping[str, Any], step: StageResult) -> None:
+    """Status of contact points, and what the slave exerts on the master there as lines that end at them."""
+    found = interfaces(forms, step).values()
+    sizes = [np.hypot(i.tractions.pressure, i.tractions.shear).max(initial=0.0) for i in found]
+    largest = float(max(sizes, default=0.0))
+    for interface in found:
+        t = interface.tractions
+        at = np.column_stack((t.x, t.y)) + scene.factor * interface.moved_by(scene.displacement)
+        if largest > 0.0:
+            # shear of the slave on the master is positive along the master's chain, which runs against the slave's
+            along = np.column_stack((interface.normal[:, 1], -interface.normal[:, 0]))
+            drawn = (t.pressure[:, None] * interface.normal + t.shear[:, None] * -along) / largest
+            tails = at - _LONG_TRACTION * scene.pixel * drawn
+            sides = np.arange(2 * len(at)).reshape(2, -1).T
+            plotter.add_mesh(scene.lines(sides, np.concatenate((tails, at)), MARK), color="#5b2c83", line_width=2.5)
+        for status, (_, color) in _STATUS.items():
+            chosen = t.status == status
+            if chosen.any():
+                _dots(plotter, scene, at[chosen], color, 9.0)
+
+
+def _arrows(plotter: Any, scene: Scene, tails: ndarray, vectors: ndarray, color: str) -> None:
+    """Flat arrows with heads of one size."""
+    length = np.linalg.norm(vectors, axis=1)
+    head = np.minimum(12.0 * scene.pixel, 0.5 * length)[:, None]
+    along = vectors / length[:, None]
+    across = np.column_stack((-along[:, 1], along[:, 0]))
+    tips, necks = tails + vectors, tails + vectors - head * along
+    n = len(tails)
+    sides = np.column_stack((np.arange(n), n + np.arange(n)))
+    plotter.add_mesh(scene.lines(sides, np.concatenate((tails, necks)), MARK), color=color, line_width=3)
+    half = 0.45 * head * across
+    _polygons(plotter, scene, np.stack((tips, necks + half, necks - half), axis=1), color)
+
+
+def _polygons(plotter: Any, scene: Scene, corners: ndarray, color: str) -> None:
+    """Filled polygons (n, k, 2)."""
+    import pyvista
+
+    n, k = corners.shape[:2]
+    faces = np.column_stack((np.full(n, k), np.arange(n * k).reshape(n, k)))
+    mesh = pyvista.PolyData(scene.in_space(corners.reshape(-1, 2), MARK), faces=faces.ravel())
+    plotter.add_mesh(mesh, color=color, lighting=False, show_edges=False)

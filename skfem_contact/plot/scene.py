@@ -1,0 +1,150 @@
+"""The bodies of a stage as pyvista's meshes, seen from above."""
+from __future__ import annotations
+
+from collections.abc import Mapping
+from copy import copy
+from typing import Any, Literal
+
+import numpy as np
+from numpy import ndarray
+
+from ..post.fields import solids_there
+from ..post.recovery import RegionField, regions_of
+from ..stages.result import StageResult
+from .scales import Scale
+
+#: VTK's numbers of the cells with so many nodes.
+_CELL_TYPES = {3: 5, 4: 9, 6: 22, 8: 23, 9: 28}
+#: Largest displacement in a picture with deformed="auto", as a share of the bodies' size.
+_VISIBLE = 0.04
+#: VTK leaves out what lies on the last level; values at the ends are moved into their bands by this share of one.
+_INSIDE = 1e-4
+#: Heights of what is drawn above each other, in pixels: bodies, their meshes, borders, outlines, marks.
+FIELD, MESH, BORDER, OUTLINE, MARK = range(5)
+
+
+class Scene:
+    """The bodies of some forms in a stage.
+
+    Parameters
+    ----------
+    forms, step
+        Forms by name, and a stage of their result.
+    deformed
+        Factor of the displacements, or ``"auto"`` for a round one with which they are seen.
+    since
+        Stage from which displacements are counted.
+    """
+
+    def __init__(self, forms: Mapping[str, Any], step: StageResult, deformed: float | Literal["auto"],
+                 since: StageResult | None = None) -> None:
+        bodies = list(solids_there(forms, step).values())
+        basis = bodies[0].basis
+        self.regions: list[RegionField] = [field for form in bodies for field in regions_of(form)]
+        self.nodes = np.concatenate([field.nodes for field in self.regions])
+        offset = np.cumsum([0] + [len(field.nodes) for field in self.regions])
+        self.cells = np.concatenate([field.cells + first for field, first in zip(self.regions, offset)])
+        self.corners = len(basis.mesh.t)  # of an element
+        self.places = basis.doflocs[:, 0::2].T
+        moved = step.x[:basis.N] - (0.0 if since is None else since.x[:basis.N])
+        self.displacement = moved.reshape(-1, 2)
+        self.factor = self._factor(deformed)
+        self.moved = self.places + self.factor * self.displacement
+        self.area = self._areas()
+        self.pixel = 1.0
+        self._find_lines(np.repeat(np.arange(len(self.regions)), [len(field.cells) for field in self.regions]))
+
+    def _factor(self, deformed: float | Literal["auto"]) -> float:
+        """The factor of the displacements; an automatic one is 1, 2 or 5 times a power of ten."""
+        if deformed != "auto":
+            return float(deformed)
+        size = np.ptp(self.places[self.nodes], axis=0).max()
+        largest = np.linalg.norm(self.displacement[self.nodes], axis=1).max()
+        if largest == 0.0:
+            return 1.0
+        wanted = _VISIBLE * size / largest
+        power = 10.0 ** np.floor(np.log10(wanted))
+        return float(power * max(step for step in (1.0, 2.0, 5.0) if step * power <= wanted * (1 + 1e-9)))
+
+    def _areas(self) -> ndarray:
+        """Area that belongs to each of `nodes`, (n,): equal shares of the elements."""
+        corners = self.places[self.nodes[self.cells[:, :self.corners]]]
+        x, y = corners[..., 0], corners[..., 1]
+        area = 0.5 * np.abs((x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1))
+        return np.bincount(self.cells.ravel(), np.repeat(area, self.cells.shape[1]), minlength=len(self.nodes))
+
+    def _find_lines(self, region: ndarray) -> None:
+        """Sides of elements: all of them, those between regions, and those on the outside of bodies."""
+        k, n = self.cells.shape[1], self.corners
+        corner = np.arange(n)
+        side = np.column_stack((corner, *((n + corner,) if k > n else ()), (corner + 1) % n))
+        sides = self.nodes[self.cells][:, side].reshape(-1, side.shape[1])
+        of = np.repeat(region, n)
+        ends = np.sort(sides[:, [0, -1]], axis=1)
+        _, first, inverse, count = np.unique(ends, axis=0, return_index=True, return_inverse=True, return_counts=True)
+        low, high = np.full(len(first), len(self.regions)), np.zeros(len(first), int)
+        np.minimum.at(low, inverse.ravel(), of)
+        np.maximum.at(high, inverse.ravel(), of)
+        self.sides, self.borders, self.outline = sides[first], sides[first[low < high]], sides[first[count == 1]]
+
+    @property
+    def seen(self) -> ndarray:
+        """Places of the bodies before and after they have moved, (n, 2)."""
+        return np.concatenate((self.places[self.nodes], self.moved[self.nodes]))
+
+    def between(self, other: Scene, share: float) -> Scene:
+        """The bodies on their way from another stage to this one."""
+        new = copy(self)
+        new.displacement = (1.0 - share) * other.displacement + share * self.displacement
+        new.moved = new.places + new.factor * new.displacement
+        return new
+
+    def draw_field(self, plotter: Any, values: ndarray, scale: Scale) -> None:
+        """Bands of a field, values at `nodes`, with lines between them."""
+        n = len(scale.levels) - 1
+        surface = self._surface(np.interp(values, scale.levels, np.arange(n + 1.0)))  # numbers of bands
+        surface["values"] = np.clip(surface["values"], _INSIDE, n - _INSIDE)
+        banded, lines = surface.contour_banded(n + 1, rng=(0.0, float(n)), scalars="values", scalar_mode="index")
+        band = np.clip(np.asarray(banded.cell_data["Scalars"]).astype(int), 0, n - 1)
+        banded.cell_data["colors"] = (255 * np.asarray(scale.colors(band))[:, :3]).round().astype(np.uint8)
+        plotter.add_mesh(banded, scalars="colors", rgb=True, lighting=False, show_scalar_bar=False)
+        if lines.n_cells:
+            plotter.add_mesh(lines, color="#333333", opacity=0.25, line_width=1, lighting=False)
+
+    def draw_plain(self, plotter: Any, color: str) -> None:
+        """The bodies in one colour."""
+        plotter.add_mesh(self._surface(), color=color, lighting=False)
+
+    def draw_lines(self, plotter: Any, mesh: bool, undeformed: bool) -> None:
+        """Mesh, borders of regions, outlines, and the outlines before bodies moved."""
+        if mesh:
+            plotter.add_mesh(self.lines(self.sides, self.moved, MESH), color="#1a1a1a", opacity=0.30, line_width=1.6)
+        if undeformed:
+            plotter.add_mesh(self.lines(self.outline, self.places, MESH), color="#8a8a8a", line_width=2.5)
+        if len(self.borders):
+            plotter.add_mesh(self.lines(self.borders, self.moved, BORDER), color="#222222", line_width=3)
+        plotter.add_mesh(self.lines(self.outline, self.moved, OUTLINE), color="black", line_width=4)
+
+    def lines(self, sides: ndarray, points: ndarray, level: int) -> Any:
+        """Lines through points (n, 2), each given by the numbers of its ends and, between them, its middle."""
+        import pyvista
+
+        cells = np.column_stack((np.full(len(sides), sides.shape[1]), sides))
+        return pyvista.PolyData(self.in_space(points, level), lines=cells.ravel())
+
+    def in_space(self, points: ndarray, level: int) -> ndarray:
+        """Points (n, 3), lifted by some pixels so that they are seen on top of what lies lower."""
+        return np.column_stack((points, np.full(len(points), level * self.pixel)))
+
+    def _surface(self, values: ndarray | None = None) -> Any:
+        """The deformed bodies, region by region, in flat polygons."""
+        import pyvista
+
+        cells = np.column_stack((np.full(len(self.cells), self.cells.shape[1]), self.cells))
+        types = np.full(len(cells), _CELL_TYPES[self.cells.shape[1]])
+        grid = pyvista.UnstructuredGrid(cells.ravel(), types, self.in_space(self.places[self.nodes], FIELD))
+        grid["displacement"] = np.pad(self.displacement[self.nodes], ((0, 0), (0, 1)))
+        if values is not None:
+            grid["values"] = values
+        moved = grid.warp_by_vector("displacement", factor=self.factor)
+        return moved.extract_surface(nonlinear_subdivision=2, algorithm="dataset_surface")

@@ -1,0 +1,50 @@
+"""The unit system that all pictures label their figures with: set once."""
+from __future__ import annotations
+
+_STRESSES = {("kN", "m"): "kPa", ("N", "m"): "Pa", ("MN", "m"): "MPa", ("N", "mm"): "MPa", ("kN", "mm"): "GPa"}
+_chosen: dict[str, str] = {}
+
+
+def set_units(force: str | None = None, length: str | None = None, stress: str | None = None) -> None:
+    """Choose the units that pictures write beside their figures; the figures themselves stay as they are.
+
+    Parameters
+    ----------
+    force, length
+        Names of the units in which the analysis was made, such as ``"kN"`` and ``"m"``; without them pictures show no
+        units.
+    stress
+        Name of their unit of stress; by default kPa for kN and m, MPa for N and mm, and so on.
+
+    Examples
+    --------
+    >>> import skfem_contact.plot as plot
+    >>> plot.set_units("N", "mm")
+    >>> plot.labelled("von Mises stress", "stress")
+    'von Mises stress [MPa]'
+    >>> plot.set_units()
+    >>> plot.labelled("von Mises stress", "stress")
+    'von Mises stress'
+    """
+    _chosen.clear()
+    if force is not None and length is not None:
+        pressure = _STRESSES.get((force, length), f"{force}/{length}²")
+        _chosen.update(force=force, length=length, stress=stress or pressure,
+                       line=f"{force}/{length}", moment=f"{force}{length}/{length}")
+    elif length is not None:
+        _chosen.update(length=length)
+    if stress is not None:
+        _chosen.update(stress=stress)
+
+
+def labelled(title: str, kind: str) -> str:
+    """A title with its unit, if units were set.
+
+    Parameters
+    ----------
+    title
+        What the figures are.
+    kind
+        ``"length"``, ``"force"``, ``"stress"``, ``"line"`` (force per length), ``"moment"`` (per length), or nothing.
+    """
+    return f"{title} [{_chosen[kind]}]" if kind in _chosen else title

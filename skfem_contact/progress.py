@@ -1,0 +1,22 @@
+"""Progress bars: in terminals and in notebooks."""
+from __future__ import annotations
+
+import sys
+from typing import Any
+
+from tqdm.auto import tqdm
+
+
+def progress_bar(show: bool | None, **options: Any) -> Any:
+    """A bar of tqdm, as a widget in a notebook.
+
+    Parameters
+    ----------
+    show
+        Whether to show it; by default where somebody looks on: in a terminal or a notebook.
+    options
+        Those of ``tqdm``.
+    """
+    if show is None:
+        show = sys.stderr.isatty() or any(cls.__module__ == "tqdm.notebook" for cls in tqdm.__mro__)
+    return tqdm(disable=not show, **options)

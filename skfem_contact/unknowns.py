@@ -1,0 +1,203 @@
+"""Unknowns of an analysis: displacements first, then whatever else forms bring; their places and rigid motions.
+
+The displacements of a node follow each other, component by component: this file is where that is known.
+"""
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy import ndarray
+from numpy.typing import ArrayLike
+from scipy.spatial import cKDTree
+from skfem import CellBasis
+
+from .errors import look_up, place
+
+#: A node lies at a place if it is nearer than this share of the mesh.
+_AT = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Field:
+    """Unknowns of one kind that a form brings, numbered behind those of another.
+
+    Parameters
+    ----------
+    name
+        What they are, such as ``"pore pressure"``: residuals are measured field by field.
+    places
+        Where they are, (dim, n): an elimination order and messages need to know.
+    first
+        Number of the first one: ``basis.N``, or the :attr:`end` of the field before.
+    scale
+        How much of the unknown goes with a unit of displacement: E/h for a pressure, 1/h for a rotation. Linear systems
+        are solved in scaled unknowns: without it a direct solver pivots off its order.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from skfem_contact.unknowns import Field
+    >>> Field("pore pressure", np.zeros((2, 5)), first=18, scale=1e4).end
+    23
+    """
+
+    name: str
+    places: ndarray
+    first: int
+    scale: float = 1.0
+
+    @property
+    def end(self) -> int:
+        """Number of the unknown behind the last one."""
+        return self.first + self.places.shape[1]
+
+
+@dataclass(frozen=True, eq=False)
+class Unknowns:
+    """All unknowns of an analysis.
+
+    Attributes
+    ----------
+    fields
+        Its fields in their order, without gaps; the first are the displacements.
+    """
+
+    fields: tuple[Field, ...]
+
+    @classmethod
+    def of(cls, displacements: ndarray, fields: Iterable[Field]) -> Unknowns:
+        """Displacements at their places, (dim, N), and the fields that forms bring.
+
+        Raises
+        ------
+        ValueError
+            Fields that overlap, or that leave a gap between them.
+        """
+        given = sorted({id(field): field for field in fields}.values(), key=lambda field: field.first)
+        known = [Field("displacement", displacements, 0)]
+        for field in given:
+            if field.first != known[-1].end:
+                raise ValueError(f"the field '{field.name}' begins with unknown {field.first}, but '{known[-1].name}' "
+                                 f"ends before {known[-1].end}: number one field behind the other")
+            known.append(field)
+        return cls(tuple(known))
+
+    @property
+    def size(self) -> int:
+        """Number of all unknowns."""
+        return self.fields[-1].end
+
+    @property
+    def places(self) -> ndarray:
+        """Where they are, (dim, N)."""
+        if len(self.fields) == 1:
+            return self.fields[0].places
+        return np.concatenate([field.places for field in self.fields], axis=1)
+
+    @property
+    def scale(self) -> ndarray | None:
+        """Scales of all unknowns, (N,); None where there are displacements only."""
+        if len(self.fields) == 1:
+            return None
+        return np.concatenate([np.full(field.end - field.first, field.scale) for field in self.fields])
+
+    @property
+    def parts(self) -> tuple[slice, ...]:
+        """The fields as parts of a vector of unknowns."""
+        return tuple(slice(field.first, field.end) for field in self.fields)
+
+
+def components(unknowns: ndarray, dim: int) -> ndarray:
+    """Direction of displacements by their number."""
+    return unknowns % dim
+
+
+def nodes(basis: CellBasis) -> ndarray:
+    """Nodes of all elements, (n_elements, n_nodes): corners, middles of edges and faces, centre."""
+    dim = basis.mesh.dim()
+    return np.asarray(basis.element_dofs[0::dim].T) // dim
+
+
+def displacements(x: ndarray, dim: int) -> ndarray:
+    """Displacements of the nodes, (n_nodes, dim), from those of the unknowns."""
+    return x.reshape(-1, dim)
+
+
+def unknowns_at(basis: CellBasis, places: ArrayLike, part: str | None = None) -> ndarray:
+    """Unknowns of the nodes at some places.
+
+    Parameters
+    ----------
+    basis
+        ``Basis`` of the mesh.
+    places
+        Where the nodes are, (n, dim) or (dim,).
+    part
+        Subdomain to which they belong, where bodies touch and a place alone does not tell.
+
+    Returns
+    -------
+    ndarray
+        Unknowns of the components, (n, dim).
+
+    Raises
+    ------
+    ValueError
+        No node at a place, or several; places that are not finite.
+
+    Examples
+    --------
+    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+    >>> from skfem_contact.unknowns import unknowns_at
+    >>> unknowns_at(Basis(MeshQuad(), ElementVector(ElementQuad1())), (1., 0.)).tolist()
+    [[2, 3]]
+    """
+    dim = basis.mesh.dim()
+    x = np.atleast_2d(np.asarray(places, float))
+    if x.ndim != 2 or x.shape[1] != dim or not np.isfinite(x).all():
+        raise ValueError(f"places must be finite points of {dim} coordinates, not {places!r}")
+    elements = slice(None) if part is None else look_up(part, basis.mesh.subdomains or {}, "subdomain")
+    numbers = np.unique(basis.dofs.element_dofs[::dim, elements])
+    tree, near = cKDTree(basis.doflocs[:, numbers].T), _AT * float(np.ptp(basis.doflocs, axis=1).max())
+    for point, found in zip(x, tree.query_ball_point(x, near)):
+        if len(found) != 1:
+            at = place(basis.doflocs[:, numbers[tree.query(point)[1]]])
+            raise ValueError(f"there are {len(found)} nodes at {place(point)}" + (
+                "; tell by `part` which body is meant" if found else f"; the nearest one is at {at}"))
+    return numbers[tree.query(x)[1]][:, None] + np.arange(dim)
+
+
+def rigid_modes(locations: ndarray, unknowns: ndarray) -> ndarray:
+    """Small rigid motions of a body: translations, then rotations about its centre, scaled by its size.
+
+    Parameters
+    ----------
+    locations
+        Place of each unknown, (dim, N); the components of a node follow each other.
+    unknowns
+        Those of the body.
+
+    Returns
+    -------
+    ndarray
+        Displacements, (len(unknowns), 3), in three dimensions (len(unknowns), 6).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> rigid_modes(np.array([[0., 0., 2., 2.], [0., 0., 0., 0.]]), np.arange(4))
+    array([[ 1. ,  0. , -0. ],
+           [ 0. ,  1. , -0.5],
+           [ 1. ,  0. , -0. ],
+           [ 0. ,  1. ,  0.5]])
+    """
+    x = locations[:, unknowns]
+    dim = len(x)
+    component = np.eye(dim)[components(unknowns, dim)]
+    centre = x.mean(axis=1, keepdims=True) if len(unknowns) else 0.0
+    arm = ((x - centre) / max(float(np.ptp(locations)), 1e-300)).T
+    planes = [(i, j) for i in range(dim) for j in range(i + 1, dim)]
+    turns = [component[:, j] * arm[:, i] - component[:, i] * arm[:, j] for i, j in planes]
+    return np.column_stack((component, *turns))

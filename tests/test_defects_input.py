@@ -1,0 +1,229 @@
+"""What cannot be meant is refused, what changes nothing is remarked on, and what is saved is what is read."""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+import warnings
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+import threadpoolctl
+from helpers import grid, vector_basis
+
+import skfem_contact as sc
+
+SQUARE = """$MeshFormat
+2.2 0 8
+$EndMeshFormat
+$Nodes
+4
+1 0 0 0
+2 1 0 0
+3 1 1 0
+4 0 1 0
+$EndNodes
+$Elements
+2
+1 2 2 1 1 1 2 3
+2 2 2 1 1 1 3 4
+$EndElements
+"""
+
+
+def model(shift=0.0, stretch=1.0):
+    """A block that rests on another one."""
+    base = grid("Q1", np.linspace(0, 4, 9), np.linspace(0, 1, 3))
+    block = grid("Q1", np.linspace(1, 3, 6), np.linspace(1, 2, 3))
+    mesh = sc.join_bodies({"base": base, "block": block}).scaled((1.0, stretch)).translated((shift, 0.0))
+    basis = vector_basis(mesh, "Q1", intorder=2)
+    forms = {
+        "bodies": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3)),
+        "joint": sc.ContactPair(basis, "block:bottom", "base:top", sc.Coulomb(0.4), quadrature=2),
+    }
+    return basis, forms, sc.weight(basis, {"base": 0.0, "block": 20.0}), basis.get_dofs("base:bottom").all()
+
+
+def ground():
+    basis = vector_basis(grid("Q1", np.linspace(0, 4, 9), np.linspace(0, 2, 5)), "Q1", intorder=2)
+    forms = {"ground": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3))}
+    return basis, forms, sc.weight(basis, 20.0), basis.get_dofs("bottom").all()
+
+
+# -- what changes nothing -------------------------------------------------------------------------------------------
+
+
+def test_stages_that_change_nothing():
+    _, forms, load, fixed = ground()
+    none = np.zeros(0, int)
+    with pytest.warns(sc.AnalysisWarning, match="stage 'strut', the stage: `fixed` holds what is supported already"):
+        stages = [sc.Stage("weight", load), sc.Stage("strut", 0.5 * load, fixed=np.append(fixed, none))]
+        sc.run(forms, stages, fixed, progress=False)
+    with pytest.warns(sc.AnalysisWarning, match="stage 'b', the stage: it changes nothing"):
+        sc.run(forms, [sc.Stage("a", load), sc.Stage("b", load)], fixed, progress=False)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        sc.run(forms, [sc.Stage("a", load), sc.Stage("b", 2.0 * load)], fixed, progress=False)
+
+
+def test_water_that_presses_on_nothing():
+    basis, *_ = ground()
+    basis.mesh.boundaries["nowhere"] = np.zeros(0, int)
+    with pytest.raises(ValueError, match=r"boundaries \['nowhere'\]: they are empty"):
+        sc.water_load(basis, sc.hydrostatic(1.0, 10.0), ["nowhere"])
+    with pytest.warns(sc.AnalysisWarning, match="there is no water"):
+        sc.water_load(basis, sc.hydrostatic(-5.0, 10.0), ["top"])
+
+
+def test_angles_in_radians():
+    with pytest.warns(sc.AnalysisWarning, match=r"phi is 0.5236: angles are given in degrees"):
+        sc.MohrCoulomb(E=1e4, nu=0.3, c=5.0, phi=np.radians(30))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert sc.MohrCoulomb(E=1e4, nu=0.3, c=5.0, phi=30.0).reduced(50.0).phi < 1.0  # derived, and meant
+
+
+# -- files ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def saved(tmp_path):
+    _, forms, load, fixed = model()
+    file = tmp_path / "good.npz"
+    sc.run(forms, [sc.Stage("weight", load)], fixed, progress=False).save(file)
+    return file, forms
+
+
+@pytest.mark.parametrize("content", [lambda d: b"", lambda d: d[: len(d) // 2], lambda d: b"hello", lambda d: d[:-900]])
+def test_broken_files(saved, content):
+    file, forms = saved
+    file.write_bytes(content(file.read_bytes()))
+    with pytest.raises(ValueError, match=r"good.npz cannot be read as a result"):
+        sc.load_result(file, forms)
+
+
+@pytest.mark.parametrize("key", ["0/x", "0/bodies/stress", "0/joint/status"])
+def test_altered_files(saved, key):
+    """A number that is not what was written, wherever."""
+    file, forms = saved
+    with np.load(file) as data:
+        arrays = {name: data[name].copy() for name in data.files}
+    arrays[key].flat[0] += 1
+    np.savez_compressed(file, **arrays)
+    with pytest.raises(ValueError, match=rf"good.npz cannot be read .*\['{key}'\] are not what was written"):
+        sc.load_result(file, forms)
+
+
+@pytest.mark.parametrize(("shift", "stretch"), [(100.0, 1.0), (0.0, 2.0)])
+def test_another_mesh_of_the_same_size(saved, shift, stretch):
+    with pytest.raises(ValueError, match="'bodies' stands on another mesh"):
+        sc.load_result(saved[0], model(shift, stretch)[1])
+
+
+def test_an_older_layout(saved):
+    """It is refused with the version that wrote it."""
+    file, forms = saved
+    np.savez_compressed(file, head=np.array('[{"name": "weight"}]'))
+    with pytest.raises(ValueError, match=r"version 0\.1\.0 of this library wrote it, with another layout"):
+        sc.load_result(file, forms)
+
+
+def test_a_file_is_replaced_when_the_new_one_is_complete(saved, monkeypatch):
+    file, forms = saved
+    before, result = file.read_bytes(), sc.load_result(file, forms)
+
+    def full(*args, **kwargs):
+        raise OSError("no space left on device")
+
+    monkeypatch.setattr(np, "savez_compressed", full)
+    with pytest.raises(OSError, match="no space"):
+        result.save(file)
+    assert file.read_bytes() == before and [f.name for f in file.parent.iterdir()] == ["good.npz"]
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda s: "".join(f"{a} {b} 0 {c}\n" if len(p := line.split()) == 4 and line[0] in "1234" and (a := p[0], b := p[1], c := p[2]) else line + "\n" for line in s.splitlines()), "x-y plane"),  # noqa: E501
+        (lambda s: s.replace("1 3 4\n", "1 3 9\n"), "out of bounds"),
+        (lambda s: s.replace("2 1 0 0", "2 nan 0 0"), "not finite"),
+    ],
+)
+def test_meshes_that_would_be_flattened_or_wrong(tmp_path, change, message):
+    """The file is named."""
+    file = tmp_path / "some.msh"
+    file.write_text(change(SQUARE))
+    with pytest.raises(ValueError, match=rf"some.msh: .*{message}"):
+        sc.load_mesh(file)
+
+
+# -- input ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"stages": lambda load: [sc.Stage("a", np.ma.masked_array(load, mask=load < 0))]}, "not masked"),
+        ({"stages": lambda load: [sc.Stage("a", load + 1j)]}, "real numbers"),
+        ({"stages": lambda load: (sc.Stage(n, load) for n in "ab")}, "stages must be a list"),
+        ({"stages": lambda load: ["a"]}, "not of str"),
+        ({"start": "x"}, "start must be a result"),
+        ({"newton": "x"}, "newton must be settings"),
+    ],
+)
+def test_input_of_a_run(options, message):
+    _, forms, load, fixed = model()
+    stages = options.pop("stages", lambda load: [sc.Stage("a", load)])(load)
+    with pytest.raises(ValueError, match=message):
+        sc.run(forms, stages, fixed, progress=False, **options)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: sc.Newton(max_iterations=np.nan), "whole number"),
+        (lambda: sc.Newton(tolerance="x"), "tolerance must be positive"),
+        (lambda: sc.MohrCoulomb(E=1e4, nu=0.3, c=None, phi=30.0), "c must be finite"),
+        (lambda: sc.join_bodies({1: grid("Q1", [0, 1], [0, 1])}), "bodies have names"),
+        (lambda: ground()[1]["ground"].assemble(np.zeros(3), None), "3 displacements for 90 unknowns"),
+    ],
+)
+def test_settings(make, message):
+    with pytest.raises(ValueError, match=message):
+        make()
+
+
+def test_a_run_that_is_stopped_by_hand():
+    """Ctrl-C carries what was accepted."""
+    _, forms, load, fixed = model()
+    threading.Timer(1.0, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+    with pytest.raises(KeyboardInterrupt) as stop:
+        sc.run(forms, [sc.Stage("first", load), sc.Stage("long", 2 * load, increments=100_000)], fixed, progress=False)
+    assert 0.0 < stop.value.result["long"].fraction < 1.0
+
+
+def test_strains_that_round_off_hides():
+    """They converge, or the message says why not."""
+    _, forms, load, fixed = model()
+    with pytest.raises(sc.NotConverged, match="round-off alone may leave"):
+        sc.run(forms, [sc.Stage("a", 1e-8 * load)], fixed, progress=False)
+
+
+def test_threads_are_given_back():
+    """Runs side by side leave the number of threads as it was."""
+
+    def threads():
+        return [pool["num_threads"] for pool in threadpoolctl.threadpool_info() if pool["user_api"] == "blas"]
+
+    def job(n):
+        _, forms, load, fixed = ground()
+        return sc.run(forms, [sc.Stage("weight", load)], fixed, progress=False)
+
+    job(0)
+    with threadpoolctl.threadpool_limits(2, user_api="blas"):
+        before = threads()
+        with ThreadPoolExecutor(3) as pool:
+            list(pool.map(job, range(9)))
+        assert threads() == before

@@ -1,0 +1,132 @@
+"""The house: who may know whom."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+import pytest
+
+import skfem_contact
+
+PACKAGE = Path(skfem_contact.__file__).parent
+#: Rooms from the ground up: a room may use what stands before it. Those of one entry know nothing of each other.
+ROOMS = (
+    {"errors"}, {"progress", "remarks", "sparse", "tables"}, {"unknowns"}, {"forms"}, {"strain", "assembly"},
+    {"materials", "mesh", "loads"},
+    {"solid", "contact", "links"}, {"solvers"}, {"nonlinear"}, {"stages"}, {"collapse"}, {"bounds", "water"}, {"post"},
+    {"testing"}, {"plot"}, {"demo", "data"}, {""},
+)  # fmt: skip
+#: A stage's result calls what shows it: the only calls that go up, and at run time only.
+SHORTCUTS = {("stages.result", "post"), ("stages.result", "plot")}
+#: What these rooms ask a form, a state or a law they ask by its calls.
+ASKING = ("solvers", "nonlinear", "stages", "collapse")
+KINDS = {"Form", "SolidForm", "ContactPair", "SolidState", "ContactState", "Bar", "MatrixForm", "Coulomb", "Tied"}
+
+
+def modules() -> dict[str, ast.Module]:
+    """Syntax trees of all modules by their dotted names, without the package's own."""
+    trees = {}
+    for path in PACKAGE.rglob("*.py"):
+        name = ".".join(path.relative_to(PACKAGE).with_suffix("").parts)
+        trees[name.removesuffix(".__init__").replace("__init__", "")] = ast.parse(path.read_text(encoding="utf-8"))
+    return trees
+
+
+TREES = modules()
+
+
+def imported(name: str, typing_too: bool = False) -> set[str]:
+    """Modules of the package that a module imports, those for types alone only where they are asked for."""
+    tree, found = TREES[name], set()
+    types = {id(n) for node in ast.walk(tree) if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.dump(node.test)
+             for n in ast.walk(node)}  # fmt: skip
+    parents = name.split(".") if f"{name}.__init__" in TREES or any(m.startswith(f"{name}.") for m in TREES) \
+        else name.split(".")[:-1]  # fmt: skip
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and node.level and (typing_too or id(node) not in types):
+            base = parents[: len(parents) - node.level + 1]
+            path = ".".join([*base, *(node.module.split(".") if node.module else [])])
+            for alias in node.names:
+                full = f"{path}.{alias.name}".strip(".")
+                found.add(full if full in TREES else path)
+    return found
+
+
+def floor(name: str) -> int:
+    """Where in the house a module stands."""
+    return next(i for i, rooms in enumerate(ROOMS) if name.split(".")[0] in rooms)
+
+
+def test_no_arrow_goes_up() -> None:
+    """A room uses those below it, and itself."""
+    wrong = [
+        f"{name} -> {other}"
+        for name in TREES
+        for other in imported(name)
+        if name.split(".")[0] != other.split(".")[0]
+        and floor(other) >= floor(name)
+        and (name, other.split(".")[0]) not in SHORTCUTS
+    ]
+    assert not wrong
+
+
+def test_no_circles() -> None:
+    """No module needs itself, however long the way."""
+    graph = {name: {o for o in imported(name) if (name, o.split(".")[0]) not in SHORTCUTS} for name in TREES}
+    done: set[str] = set()
+
+    def visit(name: str, way: tuple[str, ...]) -> None:
+        assert name not in way, " -> ".join((*way, name))
+        if name not in done:
+            for other in graph.get(name, ()):
+                visit(other, (*way, name))
+            done.add(name)
+
+    for name in graph:
+        visit(name, ())
+
+
+@pytest.mark.parametrize("room", ASKING)
+def test_forms_states_and_laws_are_asked(room: str) -> None:
+    """No `isinstance` on a form, a state or a law decides what an analysis does."""
+    wrong = []
+    for name, tree in TREES.items():
+        if name.split(".")[0] != room:
+            continue
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "isinstance":
+                kinds = {n.id for n in ast.walk(node.args[1]) if isinstance(n, ast.Name)} & KINDS
+                wrong += [f"{name}:{node.lineno} {kind}" for kind in kinds]
+    assert not wrong
+
+
+def test_contact_and_solids_do_not_know_each_other() -> None:
+    """... nor any analysis, not even by a type."""
+    for name in TREES:
+        room = name.split(".")[0]
+        if room in ("contact", "solid", "links", "materials"):
+            others = {other.split(".")[0] for other in imported(name, typing_too=True)}
+            assert not others & ({"contact", "solid", "links", *ASKING} - {room}), name
+
+
+def lines(name: str) -> int:
+    path = PACKAGE.joinpath(*name.split("."))
+    return len((path.with_suffix(".py") if path.with_suffix(".py").exists() else path / "__init__.py")
+               .read_text(encoding="utf-8").splitlines())  # fmt: skip
+
+
+def test_rooms_modules_and_functions_are_small() -> None:
+    """No room over 22 % of the package, no module over 350 lines, no function over 40 without its docstring."""
+    total = sum(lines(name) for name in TREES)
+    for room in set().union(*ROOMS) - {""}:
+        assert sum(lines(name) for name in TREES if name.split(".")[0] == room) <= 0.22 * total, room
+    assert not {name: n for name in TREES if (n := lines(name)) > 350}
+    long = {}
+    for name, tree in TREES.items():
+        for node in ast.walk(tree):
+            if isinstance(node, ast.FunctionDef):
+                doc = node.body[0].end_lineno - node.body[0].lineno + 1 if ast.get_docstring(node) else 0
+                if (length := node.end_lineno - node.lineno + 1 - doc) > 40:
+                    long[f"{name}.{node.name}"] = length
+    assert not long

@@ -1,0 +1,332 @@
+"""Forms of a user's own, matrices, springs and bars: alone, with soil and contact, in every kind of analysis."""
+
+from __future__ import annotations
+
+import pickle
+from copy import copy
+
+import numpy as np
+import pytest
+from helpers import grid, traction, vector_basis
+from scipy.sparse import csr_matrix
+from skfem import BilinearForm
+from skfem.models.elasticity import lame_parameters, linear_elasticity
+
+import skfem_contact as sc
+
+QUIET = {"progress": False}
+
+
+class TenLines:
+    """A spring to the ground that derives from nothing."""
+
+    def __init__(self, n, unknown, stiffness):
+        self.K = csr_matrix(([stiffness], ([unknown], [unknown])), shape=(n, n))
+
+    def initial_state(self, x=None):
+        return None
+
+    def assemble(self, x, state):
+        return sc.Response(self.K @ x, lambda: state, lambda: self.K)
+
+
+def column(material=None, x=(0.0, 1.0, 5), y=(0.0, 2.0, 9)):
+    """A column on rollers, and its load from above."""
+    basis = vector_basis(grid("Q1", np.linspace(*x), np.linspace(*y)), "Q1", intorder=2)
+    solid = sc.SolidForm(basis, material or sc.LinearElastic(E=1e3, nu=0.0), strain=sc.b_bar)
+    return basis, solid, traction(basis, "top", (0.0, -1.0))
+
+
+def test_a_form_of_ten_lines_alone(tmp_path):
+    """[X] u = F / k: run, saved, loaded and gone on from, though its state is None and nobody says where it is."""
+    forms = {"spring": TenLines(3, 1, 20.0)}
+    stages = [sc.Stage(name, np.array([0.0, force, 0.0])) for name, force in (("pull", 5.0), ("more", 8.0))]
+    first = sc.run(forms, stages[:1], fixed=[0, 2], **QUIET)
+    first.save(tmp_path / "spring")
+    again = sc.load_result(tmp_path / "spring", forms)
+    assert again["pull"].states["spring"] is None
+    result = sc.run(forms, stages[1:], fixed=[0, 2], start=again, **QUIET)
+    np.testing.assert_allclose([s.x[1] for s in result], [0.25, 0.4], rtol=1e-12)  # linear: round-off
+    np.testing.assert_allclose(result["more"].reactions()[[0, 2]], 0.0, atol=1e-12)
+    assert pickle.loads(pickle.dumps(result))["more"].x[1] == result["more"].x[1]
+
+
+def test_a_matrix_alone():
+    """[X] A bilinear form of scikit-fem in the place of the solid: the same displacements."""
+    basis, solid, load = column()
+    K = BilinearForm(linear_elasticity(*lame_parameters(1e3, 0.0)).form).assemble(basis)
+    fixed = np.append(basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1"))
+    stages = [sc.Stage("load", load)]
+    own = sc.run({"matrix": sc.MatrixForm(K)}, stages, fixed, **QUIET)["load"].x
+    np.testing.assert_allclose(own, sc.run({"solid": solid}, stages, fixed, **QUIET)["load"].x, atol=1e-15)
+
+
+def scene(own):
+    """A yielding column that rests on a rough base by contact, held by an own form at its corner."""
+    base = grid("Q1", np.linspace(-1, 2, 10), np.linspace(-1, 0, 4))
+    top = grid("Q1", np.linspace(0, 1, 5), np.linspace(0, 2, 9))
+    basis = vector_basis(sc.join_bodies({"base": base, "column": top}), "Q1", intorder=2)
+    corner = np.flatnonzero((basis.doflocs[0] == 1.0) & (basis.doflocs[1] == 2.0))[0]
+    soil = sc.MohrCoulomb(E=1e3, nu=0.3, c=5.0, phi=0.0)
+    forms = {
+        "base": sc.SolidForm(basis.with_elements("base"), sc.LinearElastic(E=1e5, nu=0.3)),
+        "column": sc.SolidForm(basis.with_elements("column"), soil, strain=sc.b_bar),
+        "joint": sc.ContactPair(basis, "column:bottom", "base:top", sc.Coulomb(mu=0.5), quadrature=2),
+        "own": own(basis, int(corner)),
+    }
+    load = traction(basis, "column:top", (0.0, -4.0))
+    fixed = np.append(basis.get_dofs("base:bottom").all(), basis.get_dofs("column:left").all("u^1"))
+    return basis, forms, load, fixed, int(corner)
+
+
+def ten_lines(basis, corner):
+    return TenLines(basis.N, corner, 30.0)
+
+
+def matrix(basis, corner):
+    return sc.MatrixForm(ten_lines(basis, corner).K)
+
+
+def spring(basis, corner):
+    return sc.Spring(basis, (1.0, 2.0), (30.0, 0.0))
+
+
+@pytest.mark.parametrize("own", [ten_lines, matrix, spring])
+def test_with_soil_and_contact(own, tmp_path):
+    """[X] The same spring in three spellings: equilibrium, saved and resumed, staged, pickled."""
+    basis, forms, load, fixed, corner = scene(own)
+    stages = [sc.Stage("load", load), sc.Stage("without", load, deactivate="own")]
+    result = sc.run(forms, stages, fixed, **QUIET)
+    free = np.setdiff1d(np.arange(basis.N), fixed)
+    assert np.abs(result["load"].reactions()[free]).max() < 1e-6 * np.abs(load).max()  # tolerance of the iterations
+    assert result["without"].x[corner] > result["load"].x[corner] > 0.0
+    result.save(tmp_path / "result")
+    resumed = sc.run(forms, stages[1:], fixed, start=sc.load_result(tmp_path / "result", forms)["load"], **QUIET)
+    np.testing.assert_array_equal(resumed["without"].x, result["without"].x)
+    assert pickle.loads(pickle.dumps(result))["load"].tractions("joint").pressure.shape
+    sc.check_form(forms["own"], np.random.default_rng(0).standard_normal(basis.N), forms["own"].initial_state())
+
+
+@pytest.mark.parametrize("own", [ten_lines, matrix, spring])
+def test_searches_for_a_collapse(own):
+    """[X] A column that can spread collapses at q = 2 c / F; one of the nodes beside it is held by a stiff spring."""
+    basis, solid, load = column(sc.MohrCoulomb(E=1e5, nu=0.3, c=10.0, phi=0.0), x=(0.0, 1.0, 3), y=(0.0, 1.0, 3))
+    fixed = np.append(basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1"))
+    held = basis.nodal_dofs[0, (basis.mesh.p == [[0.0], [1.0]]).all(axis=0)][0]
+    stiff = {
+        ten_lines: lambda: TenLines(basis.N, held, 1e8),
+        matrix: lambda: sc.MatrixForm(TenLines(basis.N, held, 1e8).K),
+        spring: lambda: sc.Spring(basis, (0.0, 1.0), (1e8, 0.0)),
+    }
+    forms, fixed = {"soil": solid, "own": stiff[own]()}, np.setdiff1d(fixed, held)
+    assert abs(sc.strength_reduction(forms, fixed, 10.0 * load, **QUIET).factor - 2.0) < 0.02  # twice its `tol`
+    assert abs(sc.limit_load(forms, fixed, load, **QUIET).multiplier - 20.0) < 0.2  # ... of 0.005
+
+
+def test_what_is_no_form():
+    """Refused by name, before anything is computed."""
+    basis, solid, load = column()
+
+    class Half:
+        def initial_state(self, x=None):
+            return None
+
+    wrongs = {Half(): "no assemble", Half: "no assemble", sc.Form(): "no assemble and no initial_state"}
+    for wrong, what in wrongs.items():
+        with pytest.raises(ValueError, match=f"'own' is no form: .* has {what}"):
+            sc.run({"solid": solid, "own": wrong}, [sc.Stage("load", load)], basis.get_dofs("bottom").all())
+
+
+# -- bars ---------------------------------------------------------------------------------------------------------
+
+
+SOFT = 0.1
+
+
+def pulled(bar, forces, basis):
+    """Force in a bar at the corner of a rigid block that rolls along x, and how far it has moved."""
+    forms = {"block": sc.SolidForm(basis, sc.LinearElastic(E=1e6, nu=0.0)), "bar": bar,
+             "soft": sc.Spring(basis, (0.0, 0.0), (SOFT, 0.0))}  # fmt: skip
+    stages = []
+    for k, force in enumerate(forces):
+        load = basis.zeros()
+        load[basis.get_dofs("left").all("u^1")] = 0.5 * force
+        stages.append(sc.Stage(f"{k}", load))
+    return sc.run(forms, stages, basis.get_dofs().all("u^2"), **QUIET)
+
+
+def test_bar_by_its_law():
+    """[X] EA/L, yielding, and thrust that a rope does not carry."""
+    basis = vector_basis(grid("Q1", [0, 1], [0, 1]), "Q1", intorder=2)
+    right = basis.nodal_dofs[0, 1]
+    rod = sc.Bar(basis, (0.0, 0.0), (-2.0, 0.0), EA=100.0, fixed_end=True)
+    result, k = pulled(rod, (3.0, -3.0), basis), 50.0
+    share = k / (k + SOFT)
+    np.testing.assert_allclose([s.states["bar"].force[0] for s in result], (3.0 * share, -3.0 * share), rtol=1e-6)
+    np.testing.assert_allclose(result["0"].x[right], 3.0 / (k + SOFT), rtol=1e-3)  # the block is not rigid
+    rope = sc.Bar(basis, (0.0, 0.0), (-2.0, 0.0), EA=100.0, fixed_end=True, tension_only=True)
+    result = pulled(rope, (3.0, -1e-2, 3.0), basis)
+    np.testing.assert_allclose([s.states["bar"].force[0] for s in result], (3.0 * share, 0.0, 3.0 * share), rtol=1e-6)
+    np.testing.assert_allclose(result["1"].x[right], -1e-2 / SOFT, rtol=1e-4)
+    weak = sc.Bar(basis, (0.0, 0.0), (-2.0, 0.0), EA=100.0, fixed_end=True, yield_force=2.0)
+    result = pulled(weak, (2.1, 0.0), basis)
+    np.testing.assert_allclose(result["0"].states["bar"].force, 2.0, rtol=1e-12)
+    np.testing.assert_allclose(result["0"].x[right], 0.1 / SOFT, rtol=1e-4)
+    flow = 0.1 / SOFT - 2.0 / k
+    np.testing.assert_allclose(result["0"].states["bar"].free[0], flow, rtol=1e-4)
+    np.testing.assert_allclose(result["1"].x[right], flow * share, rtol=1e-4)  # unloaded along its own stiffness
+
+
+def test_jack_and_lock():
+    """[X] A strut between two blocks: jacked to a force, locked, and unloaded by as much as the blocks are pushed."""
+    boxes = {"a": grid("Q1", [0, 1], [0, 1]), "b": grid("Q1", [3, 4], [0, 1])}
+    basis = vector_basis(sc.join_bodies(boxes), "Q1", intorder=2)
+    strut = sc.Bar(basis, [(1.0, 0.0), (1.0, 1.0)], [(3.0, 0.0), (3.0, 1.0)], EA=50.0)
+    forms = {"blocks": sc.SolidForm(basis, sc.LinearElastic(E=100.0, nu=0.0)), "strut": strut.jacked(-4.0)}
+    fixed = np.concatenate((basis.get_dofs({"a:left", "b:right"}).all("u^1"), basis.get_dofs().all("u^2")))
+    pull = basis.zeros()
+    pull[basis.get_dofs("a:right").all("u^1")] = 2.0
+    stages = [sc.Stage("jack", basis.zeros()), sc.Stage("lock", basis.zeros(), change={"strut": strut}),
+              sc.Stage("pull", pull)]  # fmt: skip
+    result = sc.run(forms, stages, fixed, **QUIET)
+    np.testing.assert_allclose(result["jack"].states["strut"].force, -4.0)
+    np.testing.assert_allclose(result["lock"].x, result["jack"].x, atol=1e-12)
+    k, block = 25.0, 50.0  # of a strut, and of half a block
+    share = k * block / (k + block) / (block + k * block / (k + block))
+    np.testing.assert_allclose(result["pull"].states["strut"].force, -4.0 - 2.0 * share, rtol=1e-6)
+    x = 1e-2 * np.random.default_rng(0).standard_normal(basis.N)
+    sc.check_form(strut, x, strut.initial_state(), basis.doflocs)
+
+
+def test_displacements_counted_anew():
+    """[X] Bars and springs keep their forces: nothing moves in a stage of the same load."""
+    basis, solid, load = column()
+    bar = sc.Bar(basis, (0.0, 2.0), (0.0, 5.0), EA=30.0, fixed_end=True)
+    forms = {"column": solid, "bar": bar, "spring": sc.Spring(basis, (1.0, 2.0), 5.0), "own": TenLines(basis.N, 0, 0.0)}
+    fixed = basis.get_dofs("bottom").all()
+    start = sc.reset_displacements(forms, sc.run(forms, [sc.Stage("load", load)], fixed, **QUIET))
+    again = sc.run(forms, [sc.Stage("null", load)], fixed, start=start, **QUIET)
+    assert np.abs(again["null"].x).max() < 1e-12
+    np.testing.assert_allclose(again["null"].states["bar"].force, start["load"].states["bar"].force, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda b: sc.Spring(b, (0.3, 0.3), 1.0), r"0 nodes at \(0.3, 0.3\); the nearest one is at"),
+        (lambda b: sc.Spring(b, (1.0, 0.0), 1.0), r"2 nodes at \(1, 0\); tell by `part`"),
+        (lambda b: sc.Spring(b, (1.0, 0.0), 1.0, part="c"), "no subdomain 'c'; existing: a, b"),
+        (lambda b: sc.Spring(b, (0.0, 0.0), -1.0), "stiffness must be positive"),
+        (lambda b: sc.Spring(b, (np.nan, 0.0), 1.0), "finite points of 2 coordinates"),
+        (lambda b: sc.Bar(b, (0.0, 0.0), (0.0, 0.0), 1.0, fixed_end=True), "must lie apart"),
+        (lambda b: sc.Bar(b, (0.0, 0.0), (0.0, 9.0), 0.0, fixed_end=True), "EA and yield_force must be positive"),
+        (lambda b: sc.Bar(b, (0.0, 0.0), (0.0, 9.0), 1.0, True, yield_force=2.0).jacked(3.0), "between -2 and 2"),
+        (lambda b: sc.MatrixForm(csr_matrix((2, 3))), "must be a square matrix"),
+    ],
+)
+def test_bad_input(make, message):
+    basis = vector_basis(sc.join_bodies({"a": grid("Q1", [0, 1], [0, 1]), "b": grid("Q1", [1, 2], [0, 1])}), "Q1")
+    with pytest.raises(ValueError, match=message):
+        make(basis)
+
+
+# -- unknowns beyond the displacements, and time --------------------------------------------------------------------
+
+
+class Rod(sc.Form):
+    """A rigid ruler along the bottom edge that can turn about a point: one rotation, tied by multipliers of its own.
+
+    Its unknowns are the angle and a multiplier for each node of the edge: none of them is a displacement.
+    """
+
+    def __init__(self, basis, stiffness, angle_scale=1.0):
+        self.size, top = basis.N, basis.get_dofs("top").all("u^2")
+        m = len(top)
+        places = np.column_stack((basis.doflocs[:, top].mean(axis=1), basis.doflocs[:, top]))
+        self.fields = (sc.Field("rotation", places[:, :1], first=basis.N, scale=angle_scale),
+                       sc.Field("multiplier", places[:, 1:], first=basis.N + 1, scale=stiffness))  # fmt: skip
+        self.size = n = basis.N + 1 + m
+        arm = basis.doflocs[0, top] - basis.doflocs[0, top].mean()
+        rows = np.concatenate((basis.N + 1 + np.arange(m), basis.N + 1 + np.arange(m)))
+        columns = np.concatenate((top, np.full(m, basis.N)))
+        C = csr_matrix((np.concatenate((np.ones(m), -arm)), (rows, columns)), shape=(n, n))
+        self.K = csr_matrix(C + C.T)
+
+    def initial_state(self, x=None):
+        return None
+
+    def assemble(self, x, state):
+        return sc.Response(self.K @ x, lambda: None, lambda: self.K)
+
+
+@pytest.mark.parametrize("scale", [1.0, 1e3])
+def test_rotation_and_multipliers_beside_displacements(scale):
+    """[X] A rigid plate turns on a column: its rotation is that of an elimination by hand, whatever the scales."""
+    basis, solid, _ = column(y=(0.0, 2.0, 17))
+    rod = Rod(basis, 1e3, scale)
+    load = np.zeros(rod.size)
+    load[basis.N] = 1.0  # a moment about its middle
+    fixed = np.append(basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1"))
+    result = sc.run({"column": solid, "plate": rod}, [sc.Stage("turn", load)], fixed, **QUIET)["turn"]
+    theta, top = result.x[basis.N], basis.get_dofs("top")
+    arm = basis.doflocs[0, top.all("u^2")] - 0.5
+    np.testing.assert_allclose(result.x[top.all("u^2")], theta * arm, atol=1e-12)
+    free = np.setdiff1d(np.arange(rod.size), fixed)
+    assert np.abs(result.reactions()[free]).max() < 1e-9  # forces of one
+    alone = solid.elastic_stiffness.toarray()  # the oracle: eliminated by hand
+    keep = np.setdiff1d(np.arange(basis.N), np.append(fixed, top.all("u^2")))
+    T = np.zeros((basis.N, 1))
+    T[top.all("u^2"), 0] = arm
+    basis_of = np.column_stack((np.eye(basis.N)[:, keep], T))
+    K = basis_of.T @ alone @ basis_of
+    np.testing.assert_allclose(theta, np.linalg.solve(K, np.append(np.zeros(len(keep)), 1.0))[-1], rtol=1e-9)
+    short = sc.run({"column": solid, "plate": rod}, [sc.Stage("rest", basis.zeros())], fixed, **QUIET)["rest"]
+    assert len(short.x) == rod.size and not short.x.any()  # a load on the displacements alone
+
+
+def test_fields_follow_each_other():
+    """Numbers with a gap are refused."""
+    basis, solid, load = column()
+    rod = Rod(basis, 1e3)
+    rod.fields = rod.fields[1:]
+    with pytest.raises(ValueError, match=r"field 'multiplier' begins with unknown .* 'displacement' ends before"):
+        sc.run({"column": solid, "plate": rod}, [sc.Stage("load", load)], basis.get_dofs("bottom").all())
+
+
+class Dashpot(sc.Form):
+    """A viscous damper at an unknown: its force is that of the velocity over a step in time."""
+
+    def __init__(self, n, unknown, viscosity):
+        self.n, self.unknown, self.viscosity, self.duration = n, unknown, viscosity, 0.0
+
+    def over(self, duration):
+        new = copy(self)
+        new.duration = duration
+        return new
+
+    def initial_state(self, x=None):
+        return np.zeros(1) if x is None else x[[self.unknown]]
+
+    def assemble(self, x, state):
+        c = self.viscosity / self.duration if self.duration else 1e12
+        K = csr_matrix(([c], ([self.unknown], [self.unknown])), shape=(self.n, self.n))
+        force = np.zeros(self.n)
+        force[self.unknown] = c * (x[self.unknown] - state[0])
+        return sc.Response(force, lambda: x[[self.unknown]], lambda: K)
+
+
+def test_time_of_a_stage():
+    """[X] Kelvin and Voigt: u = F/k (1 - exp(-k t / c)), by backward Euler of first order in the steps."""
+    k, c, force, duration = 2.0, 4.0, 1.0, 3.0
+    errors = []
+    for steps in (10, 20, 40):
+        forms = {"spring": TenLines(1, 0, k), "damper": Dashpot(1, 0, c)}
+        load = np.array([force])
+        stages = [sc.Stage("jump", load), sc.Stage("wait", load, increments=steps, duration=duration)]
+        result = sc.run(forms, stages, fixed=[], **QUIET)
+        assert abs(result["jump"].x[0]) < 1e-9  # in no time the damper lets nothing move
+        exact = force / k * (1.0 - np.exp(-k * duration / c))
+        euler = force / k * (1.0 - (1.0 + k * duration / steps / c) ** -steps)
+        np.testing.assert_allclose(result["wait"].x[0], euler, rtol=1e-6)  # the tolerance of the iterations
+        errors.append(exact - result["wait"].x[0])
+    np.testing.assert_allclose(np.log2(np.divide(errors[:-1], errors[1:])), 1.0, atol=0.1)  # of first order
