@@ -24,9 +24,9 @@ from skfem import (
 )
 
 import skfem_contact as sc
-from skfem_contact.contact.chain import Chain
-from skfem_contact.contact.material_points import MaterialPoints
 from skfem_contact.contact.search import Projection, project
+from skfem_contact.surfaces.chain import Chain
+from skfem_contact.surfaces.material_points import MaterialPoints
 
 #: Every supported element with a mesh that it lives on.
 ELEMENTS = {

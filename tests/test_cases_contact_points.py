@@ -9,9 +9,9 @@ from skfem import ElementTriP2, FacetBasis, LinearForm
 
 import skfem_contact as sc
 from skfem_contact.contact.search import Projection, project
-from skfem_contact.contact.smoothing import smoothed
-from skfem_contact.contact.shape import Shape
-from skfem_contact.contact.topology import following
+from skfem_contact.surfaces.shape import Shape
+from skfem_contact.surfaces.smoothing import smoothed
+from skfem_contact.surfaces.topology import following
 
 MODULUS, FORCE, GAP = 1000.0, 100.0, 0.05
 

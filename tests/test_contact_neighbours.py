@@ -9,8 +9,8 @@ from helpers import body_along, vector_basis
 import skfem_contact as sc
 from skfem_contact.contact.neighbours import NeighbourList, Neighbours
 from skfem_contact.contact.search import project
-from skfem_contact.contact.smoothing import smoothed
-from skfem_contact.contact.surface import Surface
+from skfem_contact.surfaces.smoothing import smoothed
+from skfem_contact.surfaces.surface import Surface
 
 
 def wavy(element: str, closed: bool) -> Surface:

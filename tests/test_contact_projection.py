@@ -11,12 +11,12 @@ from scipy.optimize import minimize_scalar
 from skfem import Basis, ElementQuad2, ElementVector, MeshQuad, MeshQuad2
 
 import skfem_contact as sc
-from skfem_contact.contact.chain import Chain
 from skfem_contact.contact.quadrature import between, gauss, nodal
 from skfem_contact.contact.search import project
 from skfem_contact.contact.segmentation import common_cuts
-from skfem_contact.contact.smoothing import smoothed
-from skfem_contact.contact.surface import EXTENSION
+from skfem_contact.surfaces.chain import Chain
+from skfem_contact.surfaces.smoothing import smoothed
+from skfem_contact.surfaces.surface import EXTENSION
 
 
 def found(surface: sc.Surface, points, depth: float = np.inf):

@@ -1,4 +1,4 @@
-"""Contact in space: tangents, balance, frame indifference, friction along a path, the patch test, slices of plane cases."""
+"""Contact in space: tangents, balance, frame indifference, friction along a path, patch test, slices of plane cases."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from skfem import Basis, ElementHex1, ElementQuad1, ElementVector, MeshHex
 import skfem_contact as sc
 
 LAWS = {"frictionless": sc.Coulomb(), "slip": sc.Coulomb(0.1), "stick": sc.Coulomb(50.0), "tied": sc.Tied()}
+UP = np.array([[0.0], [0.0], [1.0]])
 #: Fourth-order central difference: steps and weights.
 ENDS = ((1, 8 / 12), (-1, -8 / 12), (2, -1 / 12), (-2, 1 / 12))
 #: Difference of the tangent: h^4 of a fifth derivative at a penetration of a tenth of a facet, and round-off over h.
@@ -64,12 +65,12 @@ def test_tangent(element, quadrature, law, rng):
 
 
 def valley(element: str) -> Basis:
-    """A blunt pyramid, upside down, in a groove: its tip and edges lie beyond the bottom of the groove, in the master."""
+    """A blunt pyramid in a groove: its tip and edges lie beyond the bottom of the groove, in the master."""
     line = np.linspace(-1.0, 1.0, 3)
     ground = space.block(element, line, line, [-1.0, 0.0])
-    ground = space.moved(ground, lambda p: np.stack((0 * p[0], 0 * p[0], (1 + p[2]) * (np.abs(p[0]) + 0.5 * np.abs(p[1])))))
+    ground = space.moved(ground, lambda p: (1 + p[2]) * (np.abs(p[0]) + 0.5 * np.abs(p[1])) * UP)
     wedge = space.block(element, np.linspace(-0.31, 0.29, 3), np.linspace(-0.21, 0.23, 3), [0.0, 1.0])
-    wedge = space.moved(wedge, lambda p: np.stack((0 * p[0], 0 * p[0], (1 - p[2]) * (0.6 * np.hypot(*p[:2]) - 0.15))))
+    wedge = space.moved(wedge, lambda p: (1 - p[2]) * (0.6 * np.hypot(*p[:2]) - 0.15) * UP)
     return space.vector_basis(sc.join_bodies({"lower": ground, "upper": wedge}), element)
 
 

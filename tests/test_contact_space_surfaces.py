@@ -12,8 +12,8 @@ from skfem_contact.contact.clipping import piecewise
 from skfem_contact.contact.neighbours import NeighbourList
 from skfem_contact.contact.quadrature import gauss, nodal
 from skfem_contact.contact.search import project
-from skfem_contact.contact.smoothing import smoothed
-from skfem_contact.contact.surface import EXTENSION, Surface
+from skfem_contact.surfaces.smoothing import smoothed
+from skfem_contact.surfaces.surface import EXTENSION, Surface
 
 
 def bumpy_ball() -> Surface:
@@ -36,7 +36,8 @@ def nearest_on_triangles(surface: Surface, points: np.ndarray) -> np.ndarray:
     for a, b, c in surface.nodes[surface.facets]:
         ab, ac = b - a, c - a
         normal = np.cross(ab, ac) / np.linalg.norm(np.cross(ab, ac))
-        share = np.linalg.solve([[ab @ ab, ab @ ac], [ab @ ac, ac @ ac]], np.stack(((points - a) @ ab, (points - a) @ ac)))
+        along = np.stack(((points - a) @ ab, (points - a) @ ac))
+        share = np.linalg.solve([[ab @ ab, ab @ ac], [ab @ ac, ac @ ac]], along)
         inside = (share >= 0).all(axis=0) & (share.sum(axis=0) <= 1)
         distance = np.where(inside, np.abs((points - a) @ normal), np.inf)
         for u, v in ((a, b), (b, c), (c, a)):
@@ -125,6 +126,12 @@ def test_weights_of_the_points(element, rng):
         assert nodal(surface).weight.sum() == pytest.approx(4.0, rel=1e-14)
 
 
+def pieces(slave: Surface, master: Surface, away=(0, 0, 0)):
+    """Facets, local coordinates, weights of the points on pieces, and facets that they face."""
+    facet, xi, weight, facing = np.split(piecewise(slave, slave.nodes + away, master, master.nodes), [1, 3, 4], axis=1)
+    return facet[:, 0].astype(int), xi, weight[:, 0], facing[:, 0].astype(int)
+
+
 @pytest.mark.parametrize("element", space.ELEMENTS)
 def test_pieces_cover_both_surfaces(element):
     """Areas of the pieces add up to the facets of the slave and of the master, skewed as they are."""
@@ -134,7 +141,7 @@ def test_pieces_cover_both_surfaces(element):
     upper = space.moved(space.block(element, lines[1], lines[1], [0, 1]), skew)
     master = Surface.from_boundary(space.vector_basis(lower, element), "top")
     slave = Surface.from_boundary(space.vector_basis(upper, element), "bottom")
-    facet, xi, weight, facing = piecewise(slave, slave.nodes, master, master.nodes)
+    facet, xi, weight, facing = pieces(slave, master)
     area = weight * slave.density(facet, xi)
     np.testing.assert_allclose(np.bincount(facet, area), slave.area, atol=1e-15)
     np.testing.assert_allclose(np.bincount(facing, area), master.area, atol=1e-14)
@@ -146,10 +153,10 @@ def test_pieces_of_bodies_apart():
     master = Surface.from_boundary(space.vector_basis(space.block("Q1", line, line, [-1, 0]), "Q1"), "top")
     slave = Surface.from_boundary(space.vector_basis(space.block("Q1", line, line, [0, 1]), "Q1"), "bottom")
     for away in ((0, 0, 1.0), (5.0, 0, 0)):
-        facet, xi, weight, facing = piecewise(slave, slave.nodes + away, master, master.nodes)
+        facet, xi, weight, facing = pieces(slave, master, away)
         assert (facing == -1).all()
         np.testing.assert_allclose(np.bincount(facet, weight * slave.density(facet, xi)), slave.area, rtol=1e-14)
-    facet, _, _, facing = piecewise(slave, slave.nodes + [0.5, 0, 0], master, master.nodes)
+    *_, facing = pieces(slave, master, (0.5, 0, 0))
     assert (facing == -1).any() and (facing >= 0).any()
 
 
@@ -183,7 +190,7 @@ def test_rigid_surface_of_a_mesh():
     mesh = space.block("Q1", [0, 1, 2], [0, 1], [-1, 0])
     rigid = sc.rigid_surface(mesh, "top")
     assert rigid.rigid and len(rigid.facets) == 2 and rigid.area == pytest.approx([1.0, 1.0], rel=1e-14)
-    with pytest.raises(ValueError, match="there is no boundary 'roof'; existing: .*top"):
+    with pytest.raises(ValueError, match=r"there is no boundary 'roof'; existing: .*top"):
         sc.rigid_surface(mesh, "roof")
 
 

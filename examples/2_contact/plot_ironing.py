@@ -30,8 +30,8 @@ import numpy as np
 from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
 
 import skfem_contact as sc
-from skfem_contact.contact.chain import Chain
 import skfem_contact.plot as plot
+from skfem_contact.surfaces.chain import Chain
 
 mu, radius, pressed, stroke, E = 0.3, 6.0, 0.02, 1.2, 1.0
 

@@ -26,8 +26,8 @@ import numpy as np
 from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
 
 import skfem_contact as sc
-from skfem_contact.contact.chain import Chain
 import skfem_contact.plot as plot
+from skfem_contact.surfaces.chain import Chain
 
 mu, pressed, stroke = 0.3, 0.005, 0.6
 

@@ -10,13 +10,13 @@ from numpy import ndarray
 
 from ..forms import Form, arrays_of
 from ..remarks import Remark
+from ..surfaces.surface import Surface
 from .diagnosis import penetration, remarks
 from .first_geometry import FirstGeometry, HeldState
 from .laws import InterfaceLaw, Status
 from .penalty import with_chosen_penalty
 from .prestress import TractionOperator, moved_back
 from .state import ContactState
-from .surface import Surface
 
 if TYPE_CHECKING:
     from .pair import ContactPair

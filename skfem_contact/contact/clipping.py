@@ -12,9 +12,9 @@ from scipy.spatial import cKDTree
 from skfem.quadrature import get_quadrature
 from skfem.refdom import RefTri
 
+from ..surfaces.surface import Surface, rule
+from ..surfaces.vectors import across, determinant, dot, solve, unit
 from .search import _NEWTON_STEPS
-from .surface import Surface, rule
-from .vectors import across, determinant, dot, solve, unit
 
 #: Pieces smaller than this share of the slave's facet are left out.
 _SLIVER = 1e-9

@@ -9,10 +9,10 @@ from numpy import ndarray
 
 from ..errors import place
 from ..remarks import Remark
+from ..surfaces.surface import Surface
 from .laws import InterfaceLaw, Status
 from .quadrature import SlavePoints
 from .state import ContactState
-from .surface import Surface
 
 if TYPE_CHECKING:
     from .pair import ContactPair

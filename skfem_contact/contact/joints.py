@@ -1,6 +1,7 @@
 r"""Variations of points whose closest point lies on an edge or a vertex of the master.
 
-The normal follows the offset, :math:`n = (r - \rho) / g`, and the closest point may move along the edge.  The tangential traction works on
+The normal follows the offset, :math:`n = (r - \rho) / g`, and the closest point may move along the edge.  The
+tangential traction works on
 
 .. math:: e_i \cdot (\delta r - \delta\rho|_\xi - g\, \Omega n), \qquad
           \Omega = \mathrm{skew}\,(\delta a_\alpha \otimes a^\alpha + \delta n_f \otimes n_f),
@@ -18,8 +19,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy import ndarray
 
-from .surface import Surface
-from .vectors import across, dot, frame, inverse, lift, outer, products, unit
+from ..surfaces.surface import Surface
+from ..surfaces.vectors import across, dot, frame, inverse, lift, outer, products, unit
 
 _STEP = 1e-30
 
@@ -80,7 +81,7 @@ class Joints:
 
     @cached_property
     def second(self) -> tuple[ndarray, ndarray, ndarray]:
-        """Derivatives of gap gradients (n, m, m), of the work of tractions (n, dim - 1, m, m), of slips (n, dim - 1, m)."""
+        """Derivatives of gap gradients (n, m, m), work of tractions (n, dim - 1, m, m), slips (n, dim - 1, m)."""
         n, dim = self.place.shape
         slave, k, nodes = self.values.shape[1], self.nodes.shape[1], self.sigma.shape[1]
         eye = np.eye(dim)

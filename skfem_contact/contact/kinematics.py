@@ -24,12 +24,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy import ndarray
 
+from ..surfaces.material_points import MaterialPoints
+from ..surfaces.surface import Place, Surface
+from ..surfaces.vectors import frame, inverse, lift, outer, products, spread
 from .joints import Joints
-from .material_points import MaterialPoints
 from .quadrature import SlavePoints
 from .search import Projection
-from .surface import Place, Surface
-from .vectors import frame, inverse, lift, outer, products, spread
 
 
 class Kinematics(NamedTuple):
@@ -62,7 +62,8 @@ class Kinematics(NamedTuple):
 class _OnFacets(NamedTuple):
     """What the second variations need; ``alpha`` (n, nodes) acts as r - rho, ``beta`` as a, ``sigma`` as r - x_s.
 
-    ``delta`` acts as the direction from which tangents are counted.  The columns ``own`` are those of the closest facet's nodes; ``operator`` is the inverse of m - g h.
+    ``delta`` acts as the direction from which tangents are counted.  The columns ``own`` are those of the closest
+    facet's nodes; ``operator`` is the inverse of m - g h.
     """
 
     place: Place
@@ -104,7 +105,8 @@ def variations(points: SlavePoints, slave: Surface, master: Surface, projection:
     way = _from_stick(master, nodes, facet, place, held, weights)
     M, rest = place.shapes, [np.zeros_like(M) for M in weights[1:]]
     alpha = np.concatenate((N, -M[0], *rest), axis=1)
-    beta = np.concatenate([np.zeros((*M[1].shape[:2], N.shape[1])), M[1], *(z[:, None] + 0 * M[1] for z in rest)], axis=2)
+    before = np.zeros((*M[1].shape[:2], N.shape[1]))
+    beta = np.concatenate((before, M[1], *(0 * M[1] for _ in rest)), axis=2)
     sigma = np.concatenate((np.where(stuck, N, 0.0), *(-w for w in weights)), axis=1)
 
     delta = np.zeros_like(alpha)
@@ -118,16 +120,16 @@ def variations(points: SlavePoints, slave: Surface, master: Surface, projection:
     Xi = operator @ (lift(alpha[:, None], a) + g[:, None, None] * lift(beta, n[:, None]))
     G, T = lift(alpha[:, None], n[:, None])[:, 0], products(e, a) @ Xi
     own = slice(N.shape[1], N.shape[1] + M[0].shape[1])
-    facets = _OnFacets(place, own, alpha, beta, sigma, g, way + np.where(stuck, r - place.x[0], 0.0), m, h, operator, Xi, direction,
-                       delta)
+    offset = way + np.where(stuck, r - place.x[0], 0.0)
+    facets = _OnFacets(place, own, alpha, beta, sigma, g, offset, m, h, operator, Xi, direction, delta)
     joints = None
     if (v := np.flatnonzero(projection.feature)).size:
         joints = Joints(v, master, facet[v], xi[v], _free(master, projection.feature[v]), g[v], r[v],
                         nodes[master.facets[facet[v]]], facets.from_stick[v], direction[v], N[v], sigma[v], delta[v])
         n, e = n.copy(), e.copy()
         n[v], e[v], G[v], T[v] = joints.first[:4]
-    return Kinematics(np.concatenate(dofs, axis=1).reshape(G.shape), np.concatenate((G[:, None], T), axis=1), np.einsum("nic,nc->ni", e, way), n, e,
-                      MaterialPoints(facet, xi), facets, joints)
+    return Kinematics(np.concatenate(dofs, axis=1).reshape(G.shape), np.concatenate((G[:, None], T), axis=1),
+                      np.einsum("nic,nc->ni", e, way), n, e, MaterialPoints(facet, xi), facets, joints)
 
 
 def _free(master: Surface, feature: ndarray) -> ndarray:
@@ -136,7 +138,8 @@ def _free(master: Surface, feature: ndarray) -> ndarray:
     return np.concatenate((0 * along[:1], along, 0 * along[:1]))[feature]
 
 
-def _stick_weights(master: Surface, facet: ndarray, stick: MaterialPoints) -> tuple[ndarray, list[ndarray], list[ndarray]]:
+def _stick_weights(master: Surface, facet: ndarray, stick: MaterialPoints
+                   ) -> tuple[ndarray, list[ndarray], list[ndarray]]:
     """Facets of the stick points; shape functions of the closest facets' nodes there, and of other facets' if any."""
     held = stick.facet
     weights = np.where((held >= 0)[:, None], master.shape.at(held, np.nan_to_num(stick.xi), 0)[0], 0.0)
@@ -158,7 +161,7 @@ def _from_stick(master: Surface, nodes: ndarray, facet: ndarray, place: Place, h
 
 
 def slip_gradient(kinematics: Kinematics) -> ndarray:
-    """d slip / d u, (n, dim - 1, m)."""
+    """Derivatives of the slips, d slip / d u, (n, dim - 1, m)."""
     on, n, e = kinematics.facets, kinematics.normal, kinematics.tangents
     dn = _normal_motion(on)
     S = lift(on.sigma[:, None], e) - np.einsum("nc,nc->n", on.from_stick, n)[:, None, None] * (e @ dn)
@@ -225,8 +228,8 @@ def _tangential_part(kinematics: Kinematics, t: ndarray) -> ndarray:
     gamma = np.zeros_like(on.beta)
     gamma[:, :, on.own] = np.einsum("na,nabk->nbk", p, on.place.shapes[2])
     bent = lift(gamma, n[:, None])
-    K = (outer(lift(beta[:, None], n[:, None])[:, 0], kinematics.work[:, 0]) + spread(on.alpha, dP) + g * spread(beta, dn)
-         + (g * bent - lift(on.beta, P[:, None])).transpose(0, 2, 1) @ Xi)
+    K = (outer(lift(beta[:, None], n[:, None])[:, 0], kinematics.work[:, 0]) + spread(on.alpha, dP)
+         + g * spread(beta, dn) + (g * bent - lift(on.beta, P[:, None])).transpose(0, 2, 1) @ Xi)
     rho3 = np.einsum("na,nabcd,nd->nbc", p, on.place.x[3], n, optimize=True)
     d_operator = (np.einsum("nacm,nc->nam", da, P) + np.einsum("ncm,nac->nam", dP, a)
                   - np.einsum("na,nab->nb", p, on.curvature)[:, :, None] * kinematics.work[:, :1]

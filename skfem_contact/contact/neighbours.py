@@ -8,8 +8,8 @@ import numpy as np
 from numpy import ndarray
 from scipy.spatial import cKDTree
 
-from .shape import Shape
-from .surface import Surface
+from ..surfaces.shape import Shape
+from ..surfaces.surface import Surface
 
 #: Motion, as a share of the spacing of the samples, for which a list of neighbours lasts.
 _SLACK = 0.25
@@ -131,7 +131,7 @@ def _samples(surface: Surface, nodes: ndarray, divisions: ndarray) -> tuple[ndar
 
 
 def _lattice(shape: Shape, n: int) -> tuple[ndarray, ndarray]:
-    """Local coordinates of a lattice of n divisions a side, and the pairs of points next to each other, (2, n_pairs)."""
+    """Local coordinates of a lattice of n divisions a side, and the pairs next to each other, (2, n_pairs)."""
     numbers = np.array([k for k in product(range(n + 1), repeat=shape.dim) if not shape.triangular or sum(k) <= n])
     apart = np.abs(numbers[:, None] - numbers).sum(axis=2)
     low, high = shape.corners.min(axis=0), shape.corners.max(axis=0)

@@ -13,13 +13,15 @@ from skfem import CellBasis
 from ..errors import IncrementTooLarge, check_basis
 from ..forms import Failure, Response
 from ..sparse import Gathering
+from ..surfaces.material_points import MaterialPoints
+from ..surfaces.smoothing import smoothed
+from ..surfaces.surface import Surface
 from .answers import Answers
 from .augmented import AugmentedLagrangian, Progress
 from .clearance import Fit, touching
 from .diagnosis import ROUND_OFF, passed_through
 from .kinematics import Kinematics, tangents, variations
 from .laws import InterfaceLaw, Status, Update
-from .material_points import MaterialPoints
 from .neighbours import NeighbourList
 from .quadrature import SlavePoints
 from .recovery.easing import Easing
@@ -27,9 +29,7 @@ from .recovery.facet_lock import FacetLock
 from .search import Projection, merged
 from .segmentation import RECUTS, Sampling
 from .settings import check_law, check_settings
-from .smoothing import smoothed
 from .state import ContactState
-from .surface import Surface
 from .transfer import dragged, elastic_slip, follow, nearest, slid, with_elastic_slip
 
 #: Largest tractions in the damped tangent's geometric part, over those at which the surfaces give way by a segment.
@@ -44,7 +44,8 @@ class ContactPair(Answers):
     basis
         ``Basis`` of the mesh that holds the bodies.
     slave, master
-        Names of the boundaries; in the plane each must be a single chain.  The paper's advice: the softer body is the slave.
+        Names of the boundaries; in the plane each must be a single chain.
+        The paper's advice: the softer body is the slave.
         The master may be a rigid obstacle, e.g. :func:`rigid_line`.
     law
         Interface law: :class:`Coulomb`, :class:`Tied`, or your own :class:`~skfem_contact.InterfaceLaw`.
@@ -294,8 +295,9 @@ class ContactPair(Answers):
         """
         points = self.points(accepted)
         if passed := passed_through(self.depth(points), accepted, found):
-            raise IncrementTooLarge(f"{passed} of {len(points.weight)} points of '{self.slave.name}' have passed through "
-                                    f"'{self.master.name}', or the penalty, {self.penalties(accepted)[0]:.3g}, is soft")
+            raise IncrementTooLarge(f"{passed} of {len(points.weight)} points of '{self.slave.name}' have passed "
+                                    f"through '{self.master.name}', or the penalty, "
+                                    f"{self.penalties(accepted)[0]:.3g}, is soft")
         new, state = copy(self), accepted
         new.easing = self.easing.proceed(self, accepted, found)
         if new.easing is not self.easing:

@@ -10,7 +10,7 @@ from scipy.sparse import csr_matrix
 
 from ..errors import AnalysisWarning
 from ..forms import Form, as_forms
-from .surface import Surface
+from ..surfaces.surface import Surface
 
 if TYPE_CHECKING:
     from .pair import ContactPair

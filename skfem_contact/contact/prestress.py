@@ -10,9 +10,9 @@ from numpy import ndarray
 from scipy.sparse import coo_matrix, csr_matrix, diags_array, hstack
 from scipy.sparse.linalg import lsqr
 
+from ..surfaces.material_points import MaterialPoints, behind
 from .kinematics import variations
 from .laws import Status
-from .material_points import MaterialPoints, behind
 from .state import ContactState
 from .transfer import interpolated
 
@@ -42,7 +42,8 @@ def prestressed(operators: Mapping[str, TractionOperator], force: ndarray, where
     where
         Unknowns at which the forces count; by default all.
     guess
-        Stresses (xx, yy, zz, xy, in space yz, zx too) at the points whose tractions to be near to, (4 or 6, n_points), by pair.
+        Stresses (xx, yy, zz, xy, in space yz, zx too) at the points whose tractions to be near to, (4 or 6, n_points),
+        by pair.
     """
     where = np.arange(len(force)) if where is None else where
     near = {name: np.zeros(a.forces.shape[1]) if guess is None else a.of_stress(guess[name])

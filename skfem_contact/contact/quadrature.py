@@ -6,9 +6,9 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy import ndarray
 
-from .shape import Shape
-from .surface import Place, Surface, rule
-from .vectors import across, products, solve
+from ..surfaces.shape import Shape
+from ..surfaces.surface import Place, Surface, rule
+from ..surfaces.vectors import across, products, solve
 
 #: Meshes whose sizes differ by less than this share are as fine as each other.
 _EQUAL = 1e-6
@@ -99,8 +99,8 @@ def nodal(surface: Surface) -> SlavePoints:
     weight = np.bincount(everywhere.nodes.ravel(), (everywhere.weight[:, None] * everywhere.values).ravel())
     weight[np.abs(weight) < _EQUAL * weight.max()] = 0.0
     if (weight < 0.0).any():
-        raise ValueError(f"'{surface.name}': the corners of facets of eight nodes have negative areas: use Gauss points "
-                         'or quadrature="segments" in place of "nodal"')
+        raise ValueError(f"'{surface.name}': the corners of facets of eight nodes have negative areas: use Gauss "
+                         'points or quadrature="segments" in place of "nodal"')
     size = np.zeros(len(weight))
     np.maximum.at(size, surface.facets.ravel(), np.repeat(surface.size, k))
     _, first = np.unique(surface.facets.ravel(), return_index=True)

@@ -7,11 +7,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy import ndarray
 
-from .material_points import MaterialPoints
+from ..surfaces.material_points import MaterialPoints
+from ..surfaces.shape import Shape
+from ..surfaces.surface import Surface
+from ..surfaces.vectors import across, determinant, dot, inverse, products, solve, unit
 from .neighbours import Neighbours, neighbours
-from .shape import Shape
-from .surface import Surface
-from .vectors import across, determinant, dot, inverse, products, solve, unit
 
 #: Hysteresis: at a joint that turns by less than a degree, a point leaves the facet that it had in the accepted
 #: state only beyond this share of its size, lest nodes that face each other chatter between two facets.
@@ -114,8 +114,8 @@ def project(surface: Surface, nodes: ndarray, points: ndarray, depth: ndarray,
         normal[bent] = _side_of_joint(surface, nodes, facet[bent], feature[bent], xi[bent])
     gap = np.where(np.einsum("nc,nc->n", normal, offset) >= 0, distance, -distance)
     # neither round-off nor the order of the search decides at a joint: the facet before it does
-    ties = np.where((np.abs(beyond) <= _ON_FACET) | (outside[:, None] & (beyond > 0)), _ON_FACET * _rank(surface, facet),
-                    0.0).max(axis=1)
+    tied = (np.abs(beyond) <= _ON_FACET) | (outside[:, None] & (beyond > 0))
+    ties = np.where(tied, _ON_FACET * _rank(surface, facet), 0.0).max(axis=1)
     preferred = np.where(outside, ties, np.maximum(stays.max(axis=1), ties)) * surface.size[facet]
     best = _first_minimum(row, distance - preferred)
     # what is closest decides: off the rim, or too deep, there is no contact with anything farther
@@ -188,13 +188,13 @@ def _foot(surface: Surface, nodes: ndarray, points: ndarray, facet: ndarray, xi:
     if shape.affine:
         return xi
     width = np.ptp(shape.corners, axis=0)
-    low, high, most = shape.corners.min(axis=0) - _BEYOND * width, shape.corners.max(axis=0) + _BEYOND * width, width / 4
+    low, high = shape.corners.min(axis=0) - _BEYOND * width, shape.corners.max(axis=0) + _BEYOND * width
     xi = np.clip(xi, low, high)
     exact = _ROUND_OFF * float(np.abs(nodes).max() / surface.size.min())
     left = np.arange(len(facet))
     for _ in range(_NEWTON_STEPS):
         step = _newton_step(surface.at(facet[left], xi[left], nodes, 2).x, points[left])
-        xi[left] = np.clip(xi[left] + np.clip(step, -most, most), low, high)
+        xi[left] = np.clip(xi[left] + np.clip(step, -width / 4, width / 4), low, high)
         moves = (np.abs(step) >= exact) & (xi[left] > low) & (xi[left] < high)
         left = left[moves.any(axis=1)]
         if len(left) == 0:
@@ -296,10 +296,7 @@ def _normals_at_joint(surface: Surface, nodes: ndarray, facet: ndarray, side: nd
     """Normals of facets and of those beyond their sides, in the middle of these; the facet's own beyond the rim."""
     shape = surface.shape
     neighbour = surface.neighbours[facet, side]
-    if surface.dim == 2:
-        other = 1 - side
-    else:
-        other = np.argmax(surface.neighbours[neighbour] == facet[:, None], axis=1)
+    other = 1 - side if surface.dim == 2 else np.argmax(surface.neighbours[neighbour] == facet[:, None], axis=1)
     neighbour, other = np.where(neighbour < 0, facet, neighbour), np.where(neighbour < 0, side, other)
     middle = shape.corners[shape.side_corners[:, 0]] + 0.5 * shape.along
     return (surface.at(facet, middle[side], nodes).normal, surface.at(neighbour, middle[other], nodes).normal)

@@ -8,12 +8,12 @@ from typing import Literal
 import numpy as np
 from numpy import ndarray
 
+from ..surfaces.surface import Surface
 from .clipping import piecewise
 from .neighbours import Neighbours
 from .quadrature import SlavePoints, between, gauss, nodal
 from .search import Projection, project
 from .state import ContactState
-from .surface import Surface
 from .transfer import transferred
 
 #: Pieces shorter than this share of a segment are left out.

@@ -3,10 +3,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-import numpy as np
 from numpy import ndarray
 
-from .material_points import MaterialPoints
+from ..surfaces.material_points import MaterialPoints
 
 
 @dataclass(frozen=True)
@@ -40,8 +39,8 @@ class ContactState:
     offset
         Gap that counts as touching: the initial one where it was adjusted, (n,).
     cuts
-        Where ``quadrature="segments"`` cuts the slave: facet numbers plus shares of the facet in the plane, points of the
-        pieces in space; empty for other rules.
+        Where ``quadrature="segments"`` cuts the slave: facet numbers plus shares of the facet in the plane, points of
+        the pieces in space; empty for other rules.
     """
 
     facet: ndarray

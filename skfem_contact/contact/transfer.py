@@ -7,16 +7,15 @@ import numpy as np
 from numpy import ndarray
 from scipy.spatial import cKDTree
 
-from .chain import Chain
+from ..surfaces.chain import Chain
+from ..surfaces.material_points import MaterialPoints, apart, behind, shifted
+from ..surfaces.surface import Surface
+from ..surfaces.vectors import frame
 from .kinematics import Kinematics
 from .laws import Status, Update
-from .material_points import MaterialPoints, apart, behind, shifted
 from .quadrature import SlavePoints
 from .search import Projection
 from .state import ContactState
-from .surface import Surface
-from .vectors import frame
-
 
 #: Round-off of an elastic slip, as a share of it.
 _SAME_SLIP = 1e-9
@@ -76,8 +75,9 @@ def elastic_slip(points: SlavePoints, slave: Surface, master: Surface, state: Co
     return apart(master, master.nodes, tangents, closest, state.stick).T
 
 
-def slid(points: SlavePoints, slave: Surface, master: Surface, closest: MaterialPoints, before: MaterialPoints) -> ndarray:
-    """Way that closest points have gone on the undeformed master, (dim - 1, n): along its chain, or straight in space."""
+def slid(points: SlavePoints, slave: Surface, master: Surface, closest: MaterialPoints, before: MaterialPoints
+         ) -> ndarray:
+    """Way of closest points on the undeformed master, (dim - 1, n): along its chain, or straight in space."""
     if slave.dim == 2:
         return Chain.of(master).way(closest, before)[None]
     tangents = tangents_at(points, slave, slave.nodes, master, master.nodes, closest)

@@ -8,7 +8,7 @@ from numpy import ndarray
 
 from ..contact import ContactPair, ContactState
 from ..contact.laws import Status
-from ..contact.vectors import frame, unit
+from ..surfaces.vectors import frame, unit
 from .tractions import check_state
 
 

@@ -8,8 +8,8 @@ from numpy import ndarray
 from numpy.typing import ArrayLike
 
 from ..contact import ContactPair, ContactState
-from ..contact.chain import Chain
-from ..contact.vectors import frame
+from ..surfaces.chain import Chain
+from ..surfaces.vectors import frame
 
 
 @dataclass(frozen=True)
@@ -19,8 +19,8 @@ class Tractions:
     Attributes
     ----------
     arc
-        Position along the slave's chain in the plane, none in space; it has its body to the right: clockwise around a body,
-        anticlockwise around a hole.
+        Position along the slave's chain in the plane, none in space; it has its body to the right: clockwise around a
+        body, anticlockwise around a hole.
     x, y, z
         Place of the point in the undeformed slave; z is zero in the plane.
     pressure
@@ -91,7 +91,8 @@ def tractions(pair: ContactPair, state: ContactState) -> Tractions:
     points = pair.points(state)
     places, shear, slip = points.positions(pair.slave.nodes), state.traction[1], state.slip[0]
     if pair.slave.dim == 2:
-        arc, places = Chain.of(pair.slave).arc(points.facet, points.xi), np.column_stack((places, np.zeros(len(places))))
+        arc = Chain.of(pair.slave).arc(points.facet, points.xi)
+        places = np.column_stack((places, np.zeros(len(places))))
     else:
         arc, normal = np.zeros(0), -pair.slave.at(points.facet, points.xi, pair.slave.nodes).normal
         tangents = frame(normal, points.direction(pair.slave, pair.slave.nodes))

@@ -129,7 +129,8 @@ class Surface:
         everywhere = np.repeat(np.arange(len(facets)), len(weight)), np.tile(xi, (len(facets), 1))
         area = surface.density(*everywhere).reshape(len(facets), -1) @ weight
         if (flat := area <= 0.0).any():
-            raise ValueError(f"'{name}': facets without area at {nodes[facets[flat]].mean(axis=1)[:3].round(6).tolist()}")
+            places = nodes[facets[flat]].mean(axis=1)[:3].round(6).tolist()
+            raise ValueError(f"'{name}': facets without area at {places}")
         return replace(surface, nodes=nodes, area=area)
 
     @property
@@ -167,7 +168,8 @@ class Surface:
     @cached_property
     def direction(self) -> ndarray:
         """The axis that lies most nearly along the surface, (dim,): tangents are counted from there in space."""
-        normal = self.at(np.arange(len(self.facets)), np.tile(self.shape.centre, (len(self.facets), 1)), self.nodes).normal
+        m = len(self.facets)
+        normal = self.at(np.arange(m), np.tile(self.shape.centre, (m, 1)), self.nodes).normal
         return np.eye(self.dim)[np.argmin(np.round(self.area @ normal**2 / self.area.sum(), 6))]
 
     @cached_property

@@ -38,7 +38,8 @@ class MaterialPoints(NamedTuple):
         return surface.at(self.facet, np.nan_to_num(self.xi), nodes, 0).x[0]
 
 
-def apart(surface: Surface, nodes: ndarray, tangents: ndarray, point: MaterialPoints, origin: MaterialPoints) -> ndarray:
+def apart(surface: Surface, nodes: ndarray, tangents: ndarray, point: MaterialPoints, origin: MaterialPoints
+          ) -> ndarray:
     """Way from one material point to another along unit tangents, (n, dim - 1); zero where one of them is none."""
     way = point.places(surface, nodes) - origin.places(surface, nodes)
     return np.where((point.exist & origin.exist)[:, None], np.einsum("nic,nc->ni", tangents, way), 0.0)

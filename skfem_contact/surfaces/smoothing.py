@@ -40,14 +40,14 @@ def smoothed(surface: Surface, alpha: float = 0.5, corner: float = 45.0) -> Surf
     Examples
     --------
     >>> import numpy as np
-    >>> from skfem_contact.contact.rigid import rigid_polyline
-    >>> from skfem_contact.contact.smoothing import smoothed
+    >>> from skfem_contact.surfaces.rigid import rigid_polyline
+    >>> from skfem_contact.surfaces.smoothing import smoothed
     >>> roof = rigid_polyline(np.array([[0., 0.], [1., .1], [2., 0.]]))
     >>> len(smoothed(roof).facets), len(smoothed(roof, corner=5.).facets)
     (3, 2)
     """
     if surface.dim != 2:
-        raise ValueError(f"smoothing: '{surface.name}' is a surface in space; elements of second order are smooth there")
+        raise ValueError(f"smoothing: '{surface.name}' is a surface in space; use elements of second order there")
     if not 0.0 < alpha <= 0.5:
         raise ValueError(f"smoothing: alpha must lie in (0, 0.5], not {alpha!r}")
     if surface.facets.shape[1] != 2:

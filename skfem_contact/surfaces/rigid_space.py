@@ -182,7 +182,7 @@ def rigid_cone(apex: ArrayLike, axis: ArrayLike, slope: float, radius: float, na
 
     # triangles of six nodes in the plane of angle and radius: one up to the tip, two on each piece of a ring
     inner, outer = np.array([(.5, 0), (1, 1), (0, 1)]), np.array([(0, 0), (1, 0), (1, 1), (0, 0), (1, 1), (0, 1)])
-    rings = np.concatenate([inner[None], *(outer.reshape(2, 3, 2) + [0, k] for k in range(1, _QUARTER))])
+    rings = np.concatenate([inner[None], *(outer.reshape(2, 3, 2) + np.array([0, k]) for k in range(1, _QUARTER))])
     corners = (rings[:, None] + np.stack((np.arange(n), np.zeros(n)), axis=1)[:, None]).reshape(-1, 3, 2)
     nodes = np.concatenate((corners, 0.5 * (corners + np.roll(corners, -1, axis=1))), axis=1)
     at_tip = nodes[:, 0, 1] == 0.0  # its sides are rays, at the angles of their ends
