@@ -40,9 +40,10 @@ def difference(
 def _at(pair: sc.ContactPair, state: sc.ContactState, x: ndarray) -> tuple[ndarray, ndarray, ndarray]:
     """The force; status, segment and vertex of every point; the unknowns that move the point and what it faces."""
     where, out = closest(pair, state, x), pair.assemble(x, state)
-    points, facing = pair.points(state), pair.master.segments[where.segment]
-    dofs = np.concatenate((pair.slave.dofs[points.nodes], pair.master.dofs[facing]), axis=1)
-    kind = np.stack((out.state.status, where.segment, where.vertex), axis=1)
+    points, facing = pair.points(state), pair.master.facets[where.facet]
+    stick = pair.master.dofs[pair.master.facets[state.stick_facet]]
+    dofs = np.concatenate((pair.slave.dofs[points.nodes], pair.master.dofs[facing], stick), axis=1)
+    kind = np.stack((out.state.status, where.facet, where.feature), axis=1)
     return out.force, kind, dofs.reshape(len(dofs), -1)
 
 

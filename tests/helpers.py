@@ -25,6 +25,8 @@ from skfem import (
 
 import skfem_contact as sc
 from skfem_contact.contact.search import Projection, project
+from skfem_contact.surfaces.chain import Chain
+from skfem_contact.surfaces.material_points import MaterialPoints
 
 #: Every supported element with a mesh that it lives on.
 ELEMENTS = {
@@ -164,8 +166,20 @@ def rough_pair(
 
 
 def slipped(state: sc.ContactState, amount: float, rng: np.random.Generator) -> sc.ContactState:
-    """The state with its stick points moved at random."""
-    return replace(state, stick_point=state.stick_point + amount * rng.standard_normal(len(state.gap)))
+    """The state with its stick points moved at random, by about an amount where facets have the length one."""
+    return replace(state, stick_position=state.stick_position + 2 * amount * rng.standard_normal(state.slip.shape))
+
+
+def arcs(pair: sc.ContactPair, points: MaterialPoints) -> ndarray:
+    """Arc positions of material points of a pair's master in the plane, NaN of those that are none."""
+    return np.where(points.exist, Chain.of(pair.master).arc(*points), np.nan)
+
+
+def sticking_at(pair: sc.ContactPair, state: sc.ContactState, arc: ndarray) -> sc.ContactState:
+    """The state with stick points at arc positions of a master with straight facets."""
+    start, length = Chain.of(pair.master).start, pair.master.area
+    facet = np.clip(np.searchsorted(start, arc, side="right") - 1, 0, len(start) - 1)
+    return state.with_stick(MaterialPoints(facet, (2 * (arc - start[facet]) / length[facet] - 1)[:, None]))
 
 
 def closest(pair: sc.ContactPair, state: sc.ContactState, x: ndarray) -> Projection:

@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from helpers import grid, vector_basis
-from skfem import FacetBasis, LinearForm
+from skfem import ElementTriP2, FacetBasis, LinearForm
 
 import skfem_contact as sc
 from skfem_contact.contact.search import Projection, project
-from skfem_contact.contact.smoothing import smoothed
-from skfem_contact.contact.surface import QUADRATIC
+from skfem_contact.surfaces.shape import Shape
+from skfem_contact.surfaces.smoothing import smoothed
+from skfem_contact.surfaces.topology import following
 
 MODULUS, FORCE, GAP = 1000.0, 100.0, 0.05
 
@@ -84,11 +85,11 @@ def test_foot_on_a_parabola(radius, rng):
     number = np.arange(4)
     segments = np.stack((number, number + 1, number + 5), axis=1)
     surface = sc.Surface.of(
-        "parabola", np.full((9, 2), -1), nodes, segments, np.broadcast_to(QUADRATIC, (4, 3, 4)), closed=False
+        "parabola", np.full((9, 2), -1), nodes, segments, Shape.of_facets(ElementTriP2()), following(4, closed=False)
     )
     points = radius * np.stack((rng.uniform(-1.2, 1.2, 200), rng.uniform(-1.0, 0.95, 200)), axis=1)
     where = found(surface, points)
-    foot = surface.curve(where.segment, where.xi, surface.nodes)[1][0]
+    foot = surface.at(where.facet, where.xi, surface.nodes).x[0]
     for (x0, y0), place, gap in zip(points, foot, where.gap, strict=True):
         roots = np.roots([1 / (2 * radius**2), 0, 1 - y0 / radius, -x0])
         exact = roots[np.argmin(np.abs(roots.imag))].real
@@ -117,7 +118,7 @@ def test_smoothed_polygon():
     curve = smoothed(facets)
     each = np.arange(n)
     for xi, radius in ((-1.0, c), (0.0, 0.5 + 0.5 * c**2), (1.0, c)):
-        rho = curve.curve(each, np.full(n, xi), curve.nodes)[1][0]
+        rho = curve.at(each, np.full((n, 1), xi), curve.nodes).x[0]
         np.testing.assert_allclose(np.linalg.norm(rho, axis=1), radius, rtol=1e-14)
     assert 0.5 * (1 - c) ** 2 == pytest.approx(1.85e-4, abs=5e-7)  # as printed
     assert 1 - c == pytest.approx(1.92e-2, abs=5e-5)
@@ -129,8 +130,8 @@ def test_tangents_at_the_joints(alpha, rng):
     turn = np.cumsum(rng.uniform(-40, 40, 12))  # below the 45 degrees of real corners
     steps = rng.uniform(0.2, 2.0, 12)[:, None] * np.stack((np.cos(np.radians(turn)), np.sin(np.radians(turn))), axis=1)
     curve = smoothed(sc.rigid_polyline(np.cumsum(steps, axis=0)), alpha)
-    each, one = np.arange(len(curve.segments)), np.ones(len(curve.segments))
-    end, start = (curve.curve(each, side * one, curve.nodes)[1] for side in (1, -1))
+    each, one = np.arange(len(curve.facets)), np.ones((len(curve.facets), 1))
+    end, start = (curve.at(each, side * one, curve.nodes).x for side in (1, -1))
     np.testing.assert_allclose(end[0][:-1], start[0][1:], atol=1e-13)  # places of size 10
     unit = [rho[1] / np.linalg.norm(rho[1], axis=1)[:, None] for rho in (end, start)]
     np.testing.assert_allclose(unit[0][:-1], unit[1][1:], atol=1e-14 * 10)  # stated; differences of places of size 10

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from helpers import (
@@ -15,6 +13,7 @@ from helpers import (
     resultant,
     rotation,
     rough_pair,
+    sticking_at,
     unknowns_at,
     unknowns_of,
 )
@@ -72,7 +71,7 @@ def single_point(case: str, shift: np.ndarray | None = None):
     xi_c = arguments.get("xi_n", 0.0) + arguments.get("traction", 0.0) / eps_t
     state = pair.initial_state()
     stick = 0.5 * (1 + xi_c) * np.linalg.norm(x1 - x2)
-    state = replace(state, stick_point=np.full(len(state.gap), stick))
+    state = sticking_at(pair, state, np.full(len(state.gap), stick))
     weight = 0.5 * np.linalg.norm([0.2, 3.0])  # half of the face belongs to the node
     return basis, pair, state, x, dofs, weight
 
@@ -177,7 +176,7 @@ def test_action_is_reaction(element, quadrature, mu, rng):
         # and it is the sum of the tractions at the points: pushed back out of the master
         points, s = pair.points(state), out.state
         where = closest(pair, state, x)
-        rho1 = pair.master.curve(where.segment, where.xi, pair.master.positions(x))[1][1]
+        rho1 = pair.master.at(where.facet, where.xi, pair.master.positions(x)).x[1][:, 0]
         tau = rho1 / np.linalg.norm(rho1, axis=1)[:, None]
         n = np.stack((-tau[:, 1], tau[:, 0]), axis=1)
         if not where.vertex.any():
@@ -199,7 +198,7 @@ def test_objectivity(element, quadrature, degrees, rng):
     expected = (out.force.reshape(-1, 2) @ rotation(degrees).T).ravel()
     # coordinates of size 5 lose a digit
     np.testing.assert_allclose(turned.force, expected, atol=1e-11 * np.abs(expected).max())
-    for name in ("gap", "slip", "traction", "stick_point", "position"):
+    for name in ("gap", "slip", "traction", "stick_position", "position"):
         old, new = getattr(out.state, name), getattr(turned.state, name)
         np.testing.assert_allclose(new, old, atol=1e-12 * max(1.0, np.nanmax(np.abs(old[np.isfinite(old)]))))
     assert np.array_equal(out.state.status, turned.state.status)

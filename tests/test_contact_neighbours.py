@@ -9,8 +9,8 @@ from helpers import body_along, vector_basis
 import skfem_contact as sc
 from skfem_contact.contact.neighbours import NeighbourList, Neighbours
 from skfem_contact.contact.search import project
-from skfem_contact.contact.smoothing import smoothed
-from skfem_contact.contact.surface import Surface
+from skfem_contact.surfaces.smoothing import smoothed
+from skfem_contact.surfaces.surface import Surface
 
 
 def wavy(element: str, closed: bool) -> Surface:
@@ -48,7 +48,7 @@ def test_kept_neighbours_serve_as_new_ones(element: str, closed: bool, alpha: fl
         np.testing.assert_array_equal(one.found, other.found)
         np.testing.assert_allclose(one.gap, other.gap, rtol=0, atol=1e-11)
         near = other.found
-        np.testing.assert_array_equal(one.segment[near], other.segment[near])
+        np.testing.assert_array_equal(one.facet[near], other.facet[near])
         assert (found.clearance <= np.abs(other.gap)).all()
     assert 1 < searches < 30
     assert np.mean(np.abs(other.gap[near]) - found.clearance[near]) < 1.0  # they tell something
@@ -63,7 +63,7 @@ def test_a_segment_that_is_torn_leaves_the_others_their_neighbours(element: str,
     torn = surface.nodes.copy()
     torn[len(torn) // 2] += (0.0, 40.0)
     found = NeighbourList(surface).at(torn, points)
-    n, m = len(points), len(surface.segments)
+    n, m = len(points), len(surface.facets)
     everything = Neighbours(np.repeat(np.arange(n), m), np.tile(np.arange(m), n), np.zeros(n))
     one = project(surface, torn, points, np.full(n, np.inf), among=found)
     other = project(surface, torn, points, np.full(n, np.inf), among=everything)

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers import ELEMENTS, body_along, rotation, vector_basis
+from helpers import ELEMENTS, arcs, body_along, rotation, vector_basis
 from scipy.optimize import minimize_scalar
 from skfem import Basis, ElementQuad2, ElementVector, MeshQuad, MeshQuad2
 
@@ -14,8 +14,9 @@ import skfem_contact as sc
 from skfem_contact.contact.quadrature import between, gauss, nodal
 from skfem_contact.contact.search import project
 from skfem_contact.contact.segmentation import common_cuts
-from skfem_contact.contact.smoothing import smoothed
-from skfem_contact.contact.surface import EXTENSION
+from skfem_contact.surfaces.chain import Chain
+from skfem_contact.surfaces.smoothing import smoothed
+from skfem_contact.surfaces.surface import EXTENSION
 
 
 def found(surface: sc.Surface, points, depth: float = np.inf):
@@ -26,12 +27,12 @@ def found(surface: sc.Surface, points, depth: float = np.inf):
 
 def feet(surface: sc.Surface, where) -> np.ndarray:
     """Places of closest points."""
-    return surface.curve(where.segment, where.xi, surface.nodes)[1][0]
+    return surface.at(where.facet, where.xi, surface.nodes).x[0]
 
 
 def nearest_on_facets(surface: sc.Surface, points: np.ndarray) -> np.ndarray:
     """Distance to a chain of straight facets: the smallest one over all of them."""
-    a, b = surface.nodes[surface.segments[:, 0]], surface.nodes[surface.segments[:, 1]]
+    a, b = surface.nodes[surface.facets[:, 0]], surface.nodes[surface.facets[:, 1]]
     along = b - a
     share = ((points[:, None] - a) * along).sum(axis=2) / (along**2).sum(axis=1)
     foot = a + np.clip(share, 0, 1)[..., None] * along
@@ -66,9 +67,9 @@ def test_random_points_around_a_star(rng):
     np.testing.assert_allclose(np.linalg.norm(points - feet(surface, where), axis=1), distance, atol=1e-14)
     assert np.array_equal(where.gap < 0, inside(corners, points))
     # orthogonal, except at vertices
-    rho1 = surface.curve(where.segment, where.xi, surface.nodes)[1][1]
+    rho1 = surface.at(where.facet, where.xi, surface.nodes).x[1][:, 0]
     cosine = ((points - feet(surface, where)) * rho1).sum(axis=1)
-    assert np.abs(cosine[~where.vertex]).max() < 1e-14 and (np.abs(where.xi[where.vertex]) == 1).all()
+    assert np.abs(cosine[~where.vertex]).max() < 1e-14 and (np.abs(where.xi[where.vertex, 0]) == 1).all()
     assert 0.02 < where.vertex.mean() < 0.98
 
 
@@ -92,7 +93,7 @@ def test_shadow_of_a_convex_corner():
     # inside, both sides have a foot: the closer one counts, once
     where = found(roof, [[0.1, 0.7], [-0.1, 0.7], [0.0, 0.7]])
     assert not where.vertex.any() and (where.gap < 0).all()
-    assert where.segment[:2].tolist() == [1, 0]
+    assert where.facet[:2].tolist() == [1, 0]
     np.testing.assert_allclose(where.gap, -np.sqrt(0.5) * np.array([0.2, 0.2, 0.3]), rtol=1e-14)
 
 
@@ -101,7 +102,7 @@ def test_overlap_at_a_concave_corner():
     groove = sc.rigid_polyline([(-1.0, 1.0), (0.0, 0.0), (1.0, 1.0)])
     where = found(groove, [[0.1, 0.5], [-0.1, 0.5], [0.0, 0.5]])
     assert not where.vertex.any() and (where.gap > 0).all()
-    assert where.segment[:2].tolist() == [1, 0]
+    assert where.facet[:2].tolist() == [1, 0]
     where = found(groove, [[0.0, -0.2], [0.1, -0.3], [-0.05, -0.06]])
     assert where.vertex.all()
     np.testing.assert_allclose(where.gap, [-0.2, -np.sqrt(0.1), -np.sqrt(0.0061)], rtol=1e-14)
@@ -141,11 +142,11 @@ def test_candidates_of_a_graded_chain(graded, rng):
     where = found(surface, points)
     assert where.found.mean() > 0.8
     # what is not found is closest to an end of the chain
-    lost = points[~where.found, None] - surface.nodes[surface.segments[[0, -1], [0, 1]]]
+    lost = points[~where.found, None] - surface.nodes[surface.facets[[0, -1], [0, 1]]]
     np.testing.assert_allclose(
         np.linalg.norm(lost, axis=2).min(axis=1), nearest_on_facets(surface, points)[~where.found], atol=1e-14
     )
-    within = np.abs(where.xi) <= 1
+    within = np.abs(where.xi[:, 0]) <= 1
     assert (within | ~where.found).mean() > 0.98
     expected = nearest_on_facets(surface, points)[within & where.found]
     np.testing.assert_allclose(np.abs(where.gap[within & where.found]), expected, atol=1e-14)
@@ -161,7 +162,7 @@ def test_candidates_of_a_stretched_chain(stretch, rng):
     deformed = sc.rigid_polyline(nodes)
     points = rng.uniform(nodes.min(axis=0) - 0.1, nodes.max(axis=0) + 0.1, (800, 2))
     where = project(surface, nodes, points, np.full(800, np.inf))
-    ok = where.found & (np.abs(where.xi) <= 1)
+    ok = where.found & (np.abs(where.xi[:, 0]) <= 1)
     assert ok.mean() > 0.7
     np.testing.assert_allclose(np.abs(where.gap[ok]), nearest_on_facets(deformed, points)[ok], atol=1e-13)
 
@@ -169,13 +170,13 @@ def test_candidates_of_a_stretched_chain(stretch, rng):
 def curve_distance(surface: sc.Surface, point: np.ndarray) -> float:
     """Distance to a curved chain by sampling every segment and polishing the best sample."""
     xi = np.linspace(-1, 1, 201)
-    m = len(surface.segments)
-    rho = surface.curve(np.repeat(np.arange(m), 201), np.tile(xi, m), surface.nodes)[1][0]
+    m = len(surface.facets)
+    rho = surface.at(np.repeat(np.arange(m), 201), np.tile(xi, m)[:, None], surface.nodes).x[0]
     best = int(np.linalg.norm(rho - point, axis=1).argmin())
     segment, start = np.array([best // 201]), xi[best % 201]
 
     def distance(z):
-        return float(np.linalg.norm(surface.curve(segment, np.array([z]), surface.nodes)[1][0][0] - point))
+        return float(np.linalg.norm(surface.at(segment, np.array([[z]]), surface.nodes).x[0][0] - point))
 
     low, high = max(-1.0, start - 0.01), min(1.0, start + 0.01)
     return minimize_scalar(distance, bounds=(low, high), method="bounded", options={"xatol": 1e-12}).fun
@@ -199,7 +200,7 @@ def quadratic_hole(n: int = 8) -> sc.Surface:
 def test_curved_segments(rng):
     """[X] Parabolas of a hole: distances by sampling and polishing; the radius to their order."""
     surface = quadratic_hole()
-    assert surface.closed and len(surface.segments) == 8
+    assert surface.closed and len(surface.facets) == 8
     angle, radius = rng.uniform(0, 2 * np.pi, 60), rng.uniform(0.7, 1.3, 60)
     points = radius[:, None] * np.stack((np.cos(angle), np.sin(angle)), axis=1)
     where = found(surface, points)
@@ -236,16 +237,16 @@ def test_ripple_of_polygons_and_smoothed_polygons(n):
     curve = smoothed(facets)
     dense = np.linspace(-1, 1, 201)
     for surface, ripple in ((facets, 1 - np.cos(np.pi / n)), (curve, (1 - np.cos(np.pi / n)) ** 2 / 2)):
-        m = len(surface.segments)
-        rho = surface.curve(np.repeat(np.arange(m), 201), np.tile(dense, m), surface.nodes)[1][0]
+        m = len(surface.facets)
+        rho = surface.at(np.repeat(np.arange(m), 201), np.tile(dense, m)[:, None], surface.nodes).x[0]
         r = np.linalg.norm(rho, axis=1)
         assert r.max() - r.min() == pytest.approx(ripple, rel=1e-6)
     # C1: the tangents at the joints are equal, and at right angles to the radius
-    m = np.arange(len(curve.segments))
-    end, start = (curve.curve(m, np.full(len(m), e), curve.nodes)[1] for e in (1.0, -1.0))
-    turn = np.roll(start[1], -1, axis=0)
-    np.testing.assert_allclose(end[1][:, 0] * turn[:, 1] - end[1][:, 1] * turn[:, 0], 0, atol=1e-14)
-    np.testing.assert_allclose((end[0] * end[1]).sum(axis=1), 0, atol=1e-14)
+    m = np.arange(len(curve.facets))
+    end, start = (curve.at(m, np.full((len(m), 1), e), curve.nodes, 2).x for e in (1.0, -1.0))
+    turn = np.roll(start[1][:, 0], -1, axis=0)
+    np.testing.assert_allclose(end[1][:, 0, 0] * turn[:, 1] - end[1][:, 0, 1] * turn[:, 0], 0, atol=1e-14)
+    np.testing.assert_allclose((end[0] * end[1][:, 0]).sum(axis=1), 0, atol=1e-14)
 
 
 @pytest.mark.parametrize("alpha", [0.1, 0.5])
@@ -254,12 +255,12 @@ def test_smoothing_keeps_a_straight_chain(alpha):
     s = np.array([0.0, 0.3, 1.0, 1.1, 2.0])
     line = sc.rigid_polyline(np.stack((s, 0.5 * s), axis=1))
     curve = smoothed(line, alpha)
-    assert curve.total_length == pytest.approx(line.total_length, rel=1e-14)
+    assert curve.area.sum() == pytest.approx(line.area.sum(), rel=1e-14)
     t = np.linspace(0.01, 1.9, 50)
     points = np.stack((t, 0.5 * t + 0.2), axis=1)
     a, b = found(line, points), found(curve, points)
     np.testing.assert_allclose(a.gap, b.gap, atol=1e-14)
-    np.testing.assert_allclose(line.arc(a.segment, a.xi)[0], curve.arc(b.segment, b.xi)[0], atol=1e-13)
+    np.testing.assert_allclose(Chain.of(line).arc(a.facet, a.xi), Chain.of(curve).arc(b.facet, b.xi), atol=1e-13)
 
 
 def test_far_points_face_the_surface_without_touching_it():
@@ -271,7 +272,7 @@ def test_far_points_face_the_surface_without_touching_it():
     basis = vector_basis(body_along(np.array([[1.5, 9.0], [-0.5, 9.0]]), "Q1"), "Q1")
     pair = sc.ContactPair(basis, "face", surface, sc.Coulomb(0.3), quadrature="nodal", penalty=1e3)
     out = pair.assemble(basis.zeros(), pair.initial_state())
-    np.testing.assert_allclose(out.state.stick_point, [np.nan, 0.5], atol=1e-15)
+    np.testing.assert_allclose(arcs(pair, out.state.stick), [np.nan, 0.5], atol=1e-15)
     assert not out.force.any() and out.stiffness.nnz == 0
     assert (out.state.status == sc.Status.OPEN).all()
 
@@ -292,7 +293,7 @@ def test_long_segment_beside_short_ones():
     nodes = np.stack((s, 0 * s), axis=1)
     nodes[-3:] = [[1.3, 0.0], [1.3, 0.4], [-0.2, 0.4]]  # there and back in one segment
     where = project(surface, nodes, np.array([[0.5, 0.3], [0.2, 0.25]]), np.full(2, np.inf))
-    assert where.segment.tolist() == [31, 31]
+    assert where.facet.tolist() == [31, 31]
     np.testing.assert_allclose(where.gap, [0.1, 0.15], atol=1e-15)
 
 
@@ -353,12 +354,12 @@ def test_chain_runs_with_the_body_on_its_right(element, clockwise, rng):
     facets = [k for k, f in enumerate(mesh.facets.T) if tuple(sorted(f)) in face]
     mesh = mesh.with_boundaries({"face": rng.permutation(facets)})
     surface = sc.Surface.from_boundary(vector_basis(mesh, element), "face")
-    assert not surface.closed and len(surface.segments) == 6
-    ends = surface.nodes[surface.segments[:, :2]]
+    assert not surface.closed and len(surface.facets) == 6
+    ends = surface.nodes[surface.facets[:, :2]]
     np.testing.assert_allclose(ends[:, 0], line[:-1], atol=1e-15)
     np.testing.assert_allclose(ends[:, 1], line[1:], atol=1e-15)
-    np.testing.assert_allclose(surface.length, np.linalg.norm(np.diff(line, axis=0), axis=1), rtol=1e-14)
-    np.testing.assert_allclose(surface.start, np.concatenate(([0], np.cumsum(surface.length)[:-1])), rtol=1e-14)
+    np.testing.assert_allclose(surface.area, np.linalg.norm(np.diff(line, axis=0), axis=1), rtol=1e-14)
+    np.testing.assert_allclose(Chain.of(surface).start, np.concatenate(([0], np.cumsum(surface.area)[:-1])), rtol=1e-14)
     x = rng.standard_normal(2 * len(surface.dofs) + 2 * mesh.nelements + surface.dofs.max() + 2)
     np.testing.assert_array_equal(surface.positions(x), surface.nodes + x[surface.dofs])
 
@@ -369,23 +370,24 @@ def test_weights_of_the_points(element):
     s = np.array([0.0, 0.5, 0.8, 1.7, 2.0])
     mesh = body_along(np.stack((s, 0 * s), axis=1), element, 0.3)
     surface = sc.Surface.from_boundary(vector_basis(mesh, element), "face")
-    degree = surface.segments.shape[1] - 1
+    degree = surface.facets.shape[1] - 1
     for n in (0, 1, 2, 3, 5):
         points = gauss(surface, surface, n) if n else nodal(surface)
         assert points.weight.sum() == pytest.approx(2.0, rel=1e-14)
-        place = points.positions(surface.nodes)
-        np.testing.assert_allclose(place[:, 0], points.arc, atol=1e-14)
-        assert (np.diff(points.arc) > 0).all()
+        place, along = points.positions(surface.nodes), Chain.of(surface).arc(points.facet, points.xi)
+        np.testing.assert_allclose(place[:, 0], along, atol=1e-14)
+        assert (np.diff(along) > 0).all()
         # the nodal rule is the trapezoidal one, or Simpson's
         order = 2 * n - 1 if n else (1 if degree == 1 else 3)
         if n:  # a quadratic master of the same size has a node in the middle of each slave segment
-            assert len(points.weight) == n * len(surface.segments) * degree
+            assert len(points.weight) == n * len(surface.facets) * degree
         for k in range(order + 1):
-            assert (points.weight * points.arc**k).sum() == pytest.approx(2 ** (k + 1) / (k + 1), rel=1e-13)
+            assert (points.weight * along**k).sum() == pytest.approx(2 ** (k + 1) / (k + 1), rel=1e-13)
     cuts = np.array([0, 0.25, 1, 1.5, 1.9, 2, 3, 4])
     points = between(surface, cuts, 2)
+    along = Chain.of(surface).arc(points.facet, points.xi)
     assert len(points.weight) == 14
-    assert (points.weight * points.arc**3).sum() == pytest.approx(4.0, rel=1e-13)
+    assert (points.weight * along**3).sum() == pytest.approx(4.0, rel=1e-13)
 
 
 @pytest.mark.parametrize(("n", "pieces"), [(1, 1), (2, 1), (3, 2), (4, 2), (5, 3)])

@@ -86,7 +86,7 @@ def test_force_around_a_corner():
 def test_central_angle_runs_clockwise_from_the_crown():
     x, y = np.array([0.0, 1.0, 0.0, -1.0]) + 5.0, np.array([1.0, 0.0, -1.0, 0.0]) - 2.0
     zero = np.zeros(4)
-    joint = sc.Tractions(zero, x, y, zero, zero, zero, zero, zero, zero)
+    joint = sc.Tractions(zero, x, y, zero, zero, zero, zero, zero, zero, zero)
     np.testing.assert_allclose(joint.central_angle((5.0, -2.0)), [0, 90, 180, 270])
 
 

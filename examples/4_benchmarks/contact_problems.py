@@ -80,7 +80,7 @@ class Problem:
 
     def nodal_tractions(self, x: ndarray) -> tuple[ndarray, ndarray, ndarray]:
         """Places of the face's nodes along x, widths that belong to them and forces per width, (n, 2)."""
-        nodes, segments = self.face.nodes[:, 0], self.face.segments
+        nodes, segments = self.face.nodes[:, 0], self.face.facets
         # integrals of the shape functions of a segment
         shares = [1 / 2, 1 / 2] if segments.shape[1] == 2 else [1 / 6, 1 / 6, 2 / 3]
         widths = np.abs(nodes[segments[:, 1]] - nodes[segments[:, 0]])[:, None] * shares

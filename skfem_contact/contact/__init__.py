@@ -1,12 +1,14 @@
 """Contact between bodies: surfaces, closest point projection, kinematics, and the pair form."""
+from ..surfaces.rigid import rigid_circle, rigid_level_set, rigid_line, rigid_polyline
+from ..surfaces.rigid_space import rigid_cone, rigid_cylinder, rigid_plane, rigid_sphere, rigid_surface
+from ..surfaces.surface import Surface
 from .augmented import AugmentedLagrangian
 from .laws import InterfaceLaw, Update
 from .pair import ContactPair
 from .penalty import choose_penalties
-from .rigid import rigid_circle, rigid_level_set, rigid_line, rigid_polyline
 from .state import ContactState
-from .surface import Surface
 from .two_pass import two_pass
 
 __all__ = ["AugmentedLagrangian", "ContactPair", "ContactState", "InterfaceLaw", "Surface", "Update",
-           "choose_penalties", "rigid_circle", "rigid_level_set", "rigid_line", "rigid_polyline", "two_pass"]
+           "choose_penalties", "rigid_circle", "rigid_cone", "rigid_cylinder", "rigid_level_set", "rigid_line",
+           "rigid_plane", "rigid_polyline", "rigid_sphere", "rigid_surface", "two_pass"]

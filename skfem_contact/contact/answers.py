@@ -10,13 +10,13 @@ from numpy import ndarray
 
 from ..forms import Form, arrays_of
 from ..remarks import Remark
+from ..surfaces.surface import Surface
 from .diagnosis import penetration, remarks
 from .first_geometry import FirstGeometry, HeldState
 from .laws import InterfaceLaw, Status
 from .penalty import with_chosen_penalty
 from .prestress import TractionOperator, moved_back
 from .state import ContactState
-from .surface import Surface
 
 if TYPE_CHECKING:
     from .pair import ContactPair
@@ -104,7 +104,7 @@ class Answers(Form):
     def fits(self, state: ContactState) -> bool:
         """Whether a state has the points of this pair; internal variables may be those of another law."""
         if self.quadrature == "segments":
-            return len(state.cuts) > 0 and state.cuts[-1] == len(self.slave.segments)
+            return self._pair.fits_cuts(state.cuts)
         initial = arrays_of(self.initial_state())
         return all(np.shape(values) == np.shape(initial[name]) for name, values in arrays_of(state).items()
                    if name != "internal")

@@ -119,17 +119,16 @@ class AugmentedLagrangian:
         after = np.stack([_improved(points, traction, multiplier, closed & moving)
                           for traction, multiplier, moving in zip(found.traction, before, moves, strict=True)])
         after[0] = np.minimum(after[0], largest)
-        correction = (after - before) / np.array(penalties)[:, None]
+        correction = (after - before) / np.array([penalties[0], *penalties[1:] * (len(before) - 1)])[:, None]
         # a sliding point's traction follows from the normal one; only where it sticks is its elastic slip an error
         sticks = _nodal_mean(points, found.status == Status.STICK) > 0.99
-        error = stiffness * np.abs(correction) * np.stack((np.ones(len(sticks)), sticks))
+        error = stiffness * np.abs(correction) * np.stack((np.ones(len(sticks)), *[sticks] * (len(before) - 1)))
         unfinished = error > self.tolerance * np.abs(pressure).max(initial=0.0)
         if not (unfinished & moves).any():
             return accepted, progress
         factors = _WANTED * stiffness / np.array(penalties)
         improved = replace(accepted, multiplier=np.where(moves, after, before),
-                           penalty_factor=accepted.penalty_factor * factors,
-                           stick_point=accepted.position - (accepted.position - accepted.stick_point) / factors[1])
+                           penalty_factor=accepted.penalty_factor * factors)
         return improved, progress.after(correction, unfinished)
 
 

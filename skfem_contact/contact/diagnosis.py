@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy import ndarray
 
+from ..errors import place
 from ..remarks import Remark
+from ..surfaces.surface import Surface
 from .laws import InterfaceLaw, Status
 from .quadrature import SlavePoints
 from .state import ContactState
-from .surface import Surface
 
 if TYPE_CHECKING:
     from .pair import ContactPair
@@ -81,5 +82,4 @@ def _without_bond(law: InterfaceLaw, state: ContactState) -> ndarray:
 
 
 def _place(slave: Surface, points: SlavePoints, state: ContactState) -> str:
-    x, y = points.positions(slave.nodes)[np.argmin(state.gap)]
-    return f"({x:g}, {y:g}) of the mesh"
+    return f"{place(points.positions(slave.nodes)[np.argmin(state.gap)])} of the mesh"

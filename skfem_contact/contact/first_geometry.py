@@ -18,11 +18,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy import ndarray
+from scipy.sparse import csr_matrix
 
 from ..forms import Form, Response
-from .kinematics import Kinematics, tangents, variations
+from .kinematics import variations
 from .laws import Status
-from .state import ContactState, closest
+from .state import ContactState
 
 if TYPE_CHECKING:
     from .pair import ContactPair
@@ -35,13 +36,13 @@ class HeldState(ContactState):
     Attributes
     ----------
     moved
-        Tangential motion of the points since the first moment, (n,).
-    stick
-        Motion from which the elastic slip counts, (n,).
+        Tangential motion of the points since the first moment, (dim - 1, n).
+    origin
+        Motion from which the elastic slip counts, (dim - 1, n).
     """
 
     moved: ndarray
-    stick: ndarray
+    origin: ndarray
 
 
 class FirstGeometry(Form):
@@ -64,15 +65,15 @@ class FirstGeometry(Form):
         self.joins, self.changing = pair.joins, pair.changing
         slave, nodes = pair._places(x)
         self._points = points = pair.points(state)
-        positions = points.positions(slave)
-        found = pair._project(points, nodes, positions, state.facet)
+        found = pair._project(points, nodes, points.positions(slave), state.facet)
         self._at = at = np.flatnonzero(found.found)
-        seen = variations(points, pair.slave, pair.master, at, found, positions, state.stick_point, nodes)
-        self._kinematics = seen._replace(slip_gradient=seen.tangential)
+        near = points.take(at)
+        seen = variations(near, pair.slave, pair.master, found.take(at), slave, nodes, state.stick.take(at))
+        self._dofs, self._work = seen.dofs, seen.work
         penalties = pair.penalties(state)
         closing = state.offset - points.at(state.multiplier[0]) / penalties[0]
         self._gap = (found.gap - closing)[at]
-        self._elastic = seen.stretch * seen.elastic_arc + points.at(state.multiplier[1])[at] / penalties[1]
+        self._elastic = seen.slip.T + near.at(state.multiplier[1:].T).T / penalties[1]
         self._first = x.take(seen.dofs.clip(0))
 
     def __repr__(self) -> str:
@@ -89,20 +90,21 @@ class FirstGeometry(Form):
 
     def held(self, state: ContactState) -> HeldState:
         """A state of the first moment."""
-        zero = np.zeros(len(state.gap))
-        stick = zero.copy()
-        stick[self._at] = -self._elastic
-        return HeldState(**{field.name: getattr(state, field.name) for field in fields(state)}, moved=zero, stick=stick)
+        zero = np.zeros(state.slip.shape)
+        origin = zero.copy()
+        origin[:, self._at] = -self._elastic
+        return HeldState(**{field.name: getattr(state, field.name) for field in fields(state)}, moved=zero,
+                         origin=origin)
 
     def released(self, x: ndarray, state: HeldState) -> tuple[ContactPair, ContactState]:
         """The pair that follows the bodies, and the state that it has there: with the same tractions."""
         slave, nodes = self.pair._places(x)
         found = self.pair._project(self._points, nodes, self._points.positions(slave))
-        facet, position = closest(self.pair.master, found)
+        facet, xi = found.closest
         own = {field.name: getattr(state, field.name) for field in fields(ContactState)}
-        elastic = np.where(state.status == Status.OPEN, 0.0, state.moved - state.stick)
-        own |= {"position": position, "facet": facet, "stick_point": position - elastic}
-        return self.pair, ContactState(**own)
+        elastic = np.where(state.status == Status.OPEN, 0.0, state.moved - state.origin)
+        own |= {"facet": facet, "position": xi.T, "stick_facet": facet, "stick_position": xi.T}
+        return self.pair, self.pair.with_elastic_slip(ContactState(**own), elastic)
 
     def reduced(self, factor: float, flow: str, names: Collection[str]) -> FirstGeometry:
         """The same contact with the strength of its law divided by a factor."""
@@ -112,38 +114,31 @@ class FirstGeometry(Form):
 
     def assemble(self, x: ndarray, state: HeldState) -> Response:
         """Contact force, tangent and candidate state at the displacements ``x``, (N,), from an accepted state."""
-        pair, all_ = self.pair, self._kinematics
-        change = np.where(all_.dofs < 0, 0.0, x.take(all_.dofs.clip(0)) - self._first)
-        gap = self._gap + (all_.gap_gradient * change).sum(axis=1)
-        moved = (all_.tangential * change).sum(axis=1)
+        pair, near = self.pair, self._points.take(self._at)
+        change = np.where(self._dofs < 0, 0.0, x.take(self._dofs.clip(0)) - self._first)
+        gap, *moved = np.einsum("nim,nm->in", self._work, change)
+        gap, moved = self._gap + gap, np.array(moved)
         internal, closed = pair.seen(state).internal, state.status != int(Status.OPEN)
-        law, all_at = pair.law, self._at
-        on = np.flatnonzero(law.take(self._points.take(all_at)).reaches(gap, internal[:, all_at], closed[all_at]))
-        at = all_at[on]
-        jump = np.stack((gap[on], moved[on] - state.stick[at]))
-        update = law.take(self._points.take(at)).update(jump, internal[:, at], pair.penalties(state))
-        kinematics = _of(all_, on)
+        on = np.flatnonzero(pair.law.take(near).reaches(gap, internal[:, self._at], closed[self._at]))
+        at, dofs, work = self._at[on], self._dofs[on], self._work[on]
+        jump = np.stack((gap[on], *(moved[:, on] - state.origin[:, at])))
+        update = pair.law.take(near.take(on)).update(jump, internal[:, at], pair.penalties(state))
         weight = pair.share * self._points.weight[at]
-        force = ((weight * update.traction[0])[:, None] * kinematics.gap_gradient
-                 + (weight * update.traction[1])[:, None] * kinematics.tangential)
 
         def candidate() -> HeldState:
-            motion, stick, gaps, new = state.moved.copy(), state.stick.copy(), state.gap.copy(), internal.copy()
-            motion[self._at], gaps[self._at] = moved, gap + state.offset[self._at]
-            stick[self._at] = moved
-            stick[at] -= update.elastic_slip[0]
+            motion, origin, gaps, new = state.moved.copy(), state.origin.copy(), state.gap.copy(), internal.copy()
+            motion[:, self._at], gaps[self._at] = moved, gap + state.offset[self._at]
+            origin[:, self._at] = moved
+            origin[:, at] -= update.elastic_slip
             traction, status = np.zeros_like(state.traction), np.full(len(gaps), int(Status.OPEN))
             traction[:, at], status[at], new[:, at] = update.traction, update.status, update.internal
             slip = np.where(status == Status.OPEN, 0.0, state.slip + motion - state.moved)
             return replace(state, gap=gaps, slip=slip, traction=traction, status=status, internal=new, moved=motion,
-                           stick=stick)
+                           origin=origin)
 
-        return Response(pair._gathering.force(kinematics.dofs, force), candidate,
-                        lambda: pair._gathering.matrix(kinematics.dofs,
-                                                      tangents(kinematics, update, False) * weight[:, None, None]))
+        def stiffness() -> csr_matrix:
+            K = work.transpose(0, 2, 1) @ (update.tangent.transpose(2, 0, 1) @ work)
+            return pair._gathering.matrix(dofs, K * weight[:, None, None])
 
-
-def _of(kinematics: Kinematics, on: ndarray) -> Kinematics:
-    """The variations of some points; what the geometric tangent needs is left behind."""
-    names = (name for name in Kinematics._fields if name != "second")
-    return kinematics._replace(**{name: getattr(kinematics, name)[on] for name in names})
+        force = weight[:, None] * np.einsum("in,nim->nm", update.traction, work)
+        return Response(pair._gathering.force(dofs, force), candidate, stiffness)

@@ -1,19 +1,21 @@
-r"""Gap and slip of contact points, their first variations and the exact geometric tangent.
+r"""Gap and slip of contact points, their first variations and the exact geometric tangent, in the plane and in space.
 
-A point :math:`r = \sum_a N_a x_a` faces the curve :math:`\rho(\xi) = \sum_b M_b(\xi) x_b` at its closest point:
-:math:`(r - \rho) \cdot \rho_1 = 0`, :math:`g = (r - \rho) \cdot n` (eqs 2 and 3).  With the operators
+A point :math:`r = \sum_a N_a x_a` faces the facet :math:`\rho(\xi) = \sum_b M_b(\xi) x_b` at its closest point:
+:math:`(r - \rho) \cdot a_\alpha = 0` with :math:`a_\alpha = \rho_{,\alpha}`, :math:`g = (r - \rho) \cdot n` (eqs 2
+and 3).  With the metric :math:`m_{\alpha\beta} = a_\alpha \cdot a_\beta`, the curvature :math:`h_{\alpha\beta} = n
+\cdot \rho_{,\alpha\beta}` and variations :math:`\delta\rho|_\xi`, :math:`\delta a_\alpha|_\xi` at a fixed
+:math:`\xi`, exact for any penetration,
 
-.. math:: A\,\delta u = \delta r - \delta\rho|_\xi, \quad B\,\delta u = \delta\rho_1|_\xi,
-          \quad C\,\delta u = \delta\rho_2|_\xi
+.. math:: \delta g = G \cdot \delta u = n \cdot (\delta r - \delta\rho|_\xi), \qquad
+          (m - g h)_{\alpha\beta}\, \delta\xi^\beta = a_\alpha \cdot (\delta r - \delta\rho|_\xi)
+          + g\, n \cdot \delta a_\alpha|_\xi .
 
-and :math:`l = |\rho_1|`, :math:`a = l^2`, :math:`h = n \cdot \rho_2` the variations are exact for any penetration:
+The internal force of a point of unit weight is :math:`t_N G + (t \cdot a_\alpha)\,\Xi^\alpha` with :math:`\delta\xi =
+\Xi \cdot \delta u` (eq. 13 with the sign of eq. 7 mended): it exerts no couple.  The slip is that of the point from
+its stick point, a material point of the master: :math:`s_i = e_i \cdot (r - x_s)` with unit tangents :math:`e_i`.
 
-.. math:: \delta g = G \cdot \delta u, \quad G = A^T n, \qquad
-          \delta\xi = \Xi \cdot \delta u, \quad \Xi = (A^T \rho_1 + g B^T n) / (a - g h).
-
-The internal force of a point of unit weight is :math:`t_N G + t_T l\,\Xi` (eq. 13 with the sign of eq. 7 mended),
-where :math:`t_T` grows with the slip :math:`s = (l / l_{ref}) (S(\xi) - S_c)`: S is the arc position along the
-undeformed master, S_c the stick point (eq. 7 across segments).
+On an edge or a vertex :math:`n = (r - \rho)/g` follows the offset, and the tangential force is taken to the point's
+motion relative to a frame that turns with the facet.
 """
 from __future__ import annotations
 
@@ -22,10 +24,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy import ndarray
 
-from .laws import Update
+from ..surfaces.material_points import MaterialPoints
+from ..surfaces.surface import Place, Surface
+from ..surfaces.vectors import frame, inverse, lift, outer, products, spread
+from .joints import Joints
 from .quadrature import SlavePoints
 from .search import Projection
-from .surface import Surface
 
 
 class Kinematics(NamedTuple):
@@ -34,152 +38,227 @@ class Kinematics(NamedTuple):
     Attributes
     ----------
     dofs
-        Unknowns, slave nodes first, (n, m).
-    gap_gradient
-        ``G`` = d gap / d u, the work conjugate of the normal traction, (n, m).
-    tangential
-        ``l Xi``, the work conjugate of the tangential traction, (n, m).
-    slip_gradient
-        d slip / d u, (n, m).
-    normal, tangent
-        Unit vectors of the master at the closest point, (n, 2).
-    elastic_arc
-        Distance along the undeformed master from the stick point, ``S - S_c``, (n,).
-    stretch
-        ``l / l_ref``, the slip of a unit of that distance, (n,).
-    second
-        Everything the geometric tangent needs, see :func:`geometric_tangent`.
+        Unknowns: of the slave, of the closest facet and, where it is another, of the stick point's, (n, m); -1: none.
+    work
+        Work conjugates of the tractions, (n, dim, m): ``G`` = d gap / d u, and those of the tangential ones.
+    slip
+        Slip from the stick point, (n, dim - 1); zero where a point comes from beyond the rim: it sticks there.
+    normal, tangents
+        Unit vectors of the master at the closest point, (n, dim) and (n, dim - 1, dim).
+    closest
+        The closest points.
     """
 
     dofs: ndarray
-    gap_gradient: ndarray
-    tangential: ndarray
-    slip_gradient: ndarray
+    work: ndarray
+    slip: ndarray
     normal: ndarray
-    tangent: ndarray
-    elastic_arc: ndarray
-    stretch: ndarray
-    second: tuple[ndarray, ...]
+    tangents: ndarray
+    closest: MaterialPoints
+    facets: _OnFacets
+    joints: Joints | None
 
 
-def _lift(factors: ndarray, vectors: ndarray) -> ndarray:
-    """``A^T v`` for an operator that acts node by node: (n, nodes) and (n, 2) give (n, 2 nodes)."""
-    return (factors[:, :, None] * vectors[:, None, :]).reshape(len(factors), 2 * factors.shape[1])
+class _OnFacets(NamedTuple):
+    """What the second variations need; ``alpha`` (n, nodes) acts as r - rho, ``beta`` as a, ``sigma`` as r - x_s.
+
+    ``delta`` acts as the direction from which tangents are counted.  The columns ``own`` are those of the closest
+    facet's nodes; ``operator`` is the inverse of m - g h.
+    """
+
+    place: Place
+    own: slice
+    alpha: ndarray
+    beta: ndarray
+    sigma: ndarray
+    gap: ndarray
+    from_stick: ndarray
+    metric: ndarray
+    curvature: ndarray
+    operator: ndarray
+    Xi: ndarray
+    direction: ndarray
+    delta: ndarray
 
 
-def _turned(vectors: ndarray) -> ndarray:
-    """Vectors, (n, 2), turned by +90 degrees."""
-    return vectors[:, ::-1] * (-1.0, 1.0)
-
-
-def _dot(u: ndarray, v: ndarray) -> ndarray:
-    return np.einsum("nc,nc->n", u, v)
-
-
-def variations(points: SlavePoints, slave: Surface, master: Surface, at: ndarray, projection: Projection,
-               positions: ndarray, stick_point: ndarray, nodes: ndarray) -> Kinematics:
-    """Variations of the points ``at``.
+def variations(points: SlavePoints, slave: Surface, master: Surface, projection: Projection, slave_nodes: ndarray,
+               nodes: ndarray, stick: MaterialPoints) -> Kinematics:
+    """Variations of points.
 
     Parameters
     ----------
     points, slave, master
         The slave's points and the two surfaces.
-    at
-        Numbers of the points that are in contact, (n,).
     projection
-        Closest points of all points.
-    positions
-        Current coordinates of all points, (n_points, 2).
-    stick_point
-        Arc positions ``S_c`` of all points; nan where a point comes from beyond the ends: it sticks where it arrives.
-    nodes
-        Current coordinates of the master's nodes.
+        Their closest points.
+    slave_nodes, nodes
+        Current coordinates of the slave's and the master's nodes.
+    stick
+        Their stick points.
     """
-    segment, xi, g = projection.segment[at], projection.xi[at], projection.gap[at]
-    M, rho = master.curve(segment, xi, nodes)
-    N = points.values[at]
-    dofs = np.concatenate((slave.dofs[points.nodes[at]], master.dofs[master.segments[segment]]), axis=1)
-    zero = np.zeros_like(N)
-    alpha, beta, gamma = (np.concatenate((s, m), axis=1) for s, m in ((N, -M[0]), (zero, M[1]), (zero, M[2])))
+    facet, xi, g, r = projection.facet, projection.xi, projection.gap, points.positions(slave_nodes)
+    place, N, direction = master.at(facet, xi, nodes, 3), points.values, points.direction(slave, slave_nodes)
+    held, weights, others = _stick_weights(master, facet, stick)
+    dofs = [slave.dofs[points.nodes], master.dofs[master.facets[facet]], *(
+        np.where((block < 0)[:, :, None], -1, master.dofs[block]) for block in others)]
+    stuck = (held >= 0)[:, None]
+    way = _from_stick(master, nodes, facet, place, held, weights)
+    M, rest = place.shapes, [np.zeros_like(M) for M in weights[1:]]
+    alpha = np.concatenate((N, -M[0], *rest), axis=1)
+    before = np.zeros((*M[1].shape[:2], N.shape[1]))
+    beta = np.concatenate((before, M[1], *(0 * M[1] for _ in rest)), axis=2)
+    sigma = np.concatenate((np.where(stuck, N, 0.0), *(-w for w in weights)), axis=1)
 
-    l = np.hypot(rho[1, :, 0], rho[1, :, 1])
-    v = np.flatnonzero(projection.vertex[at])
-    tau = facet_tau = rho[1] / l[:, None]
-    n = facet_n = _turned(tau)
-    if len(v):
-        n, tau = n.copy(), tau.copy()
-        n[v] = (positions[at[v]] - rho[0, v]) / g[v, None]
-        tau[v] = -_turned(n[v])
-    h = _dot(n, rho[2])
-    D = l**2 - g * h
-    G, Bn, Bt = _lift(alpha, n), _lift(beta, n), _lift(beta, tau)
-    Xi = (_lift(alpha, rho[1]) + g[:, None] * Bn) / D[:, None]
-    tangential = l[:, None] * Xi
-    if len(v):  # there xi stays; the facet's own rotation is taken out, so that friction exerts no couple
-        Xi[v] = 0.0
-        tangential[v] = _lift(alpha[v], tau[v]) + (g[v] / l[v])[:, None] * _lift(beta[v], facet_n[v])
+    delta = np.zeros_like(alpha)
+    if N.shape == points.along.shape:  # a node alone does not turn the direction of its facet
+        delta[:, :N.shape[1]] = points.along
 
-    arc, metric, dmetric = master.arc(segment, xi)
-    arrives = np.isnan(stick_point[at])
-    elastic_arc = np.where(arrives, 0.0, master.along(arc - stick_point[at]))
-    dl = Bt + _dot(tau, rho[2])[:, None] * Xi
-    slip_gradient = l[:, None] * Xi + elastic_arc[:, None] * (
-        dl / metric[:, None] - (l * dmetric / metric**2)[:, None] * Xi)
-    if len(v):  # there the arc position stays, but not the metric
-        slip_gradient[v] = (elastic_arc / metric)[v, None] * _lift(beta[v], facet_tau[v])
-    slip_gradient[arrives] = 0.0
-    second = (alpha, beta, gamma, rho, l, g, h, D, Xi, dl, Bn, Bt, v, facet_tau, facet_n)
-    return Kinematics(dofs.reshape(G.shape), G, tangential, slip_gradient, n, tau, elastic_arc, l / metric, second)
-
-
-def tangents(kinematics: Kinematics, update: Update, exact: bool) -> ndarray:
-    """Tangents of the forces of points of unit weight, (n, m, m): eqs 14 to 16 or, unless exact, eqs 20 to 22."""
-    G, T, S = kinematics.gap_gradient, kinematics.tangential, kinematics.slip_gradient
-    dN, dT = (by_gap[:, None] * G + by_slip[:, None] * S for by_gap, by_slip in update.tangent)
-    primary = _outer(G, dN) + _outer(T, dT)
-    if not exact:
-        return primary
-    return primary + geometric_tangent(kinematics, *update.traction)
+    n, a = place.normal, place.x[1]
+    e = frame(n, direction)
+    m, h = products(a, a), np.einsum("nc,nabc->nab", n, place.x[2])
+    operator = inverse(m - g[:, None, None] * h)
+    Xi = operator @ (lift(alpha[:, None], a) + g[:, None, None] * lift(beta, n[:, None]))
+    G, T = lift(alpha[:, None], n[:, None])[:, 0], products(e, a) @ Xi
+    own = slice(N.shape[1], N.shape[1] + M[0].shape[1])
+    offset = way + np.where(stuck, r - place.x[0], 0.0)
+    facets = _OnFacets(place, own, alpha, beta, sigma, g, offset, m, h, operator, Xi, direction, delta)
+    joints = None
+    if (v := np.flatnonzero(projection.feature)).size:
+        joints = Joints(v, master, facet[v], xi[v], _free(master, projection.feature[v]), g[v], r[v],
+                        nodes[master.facets[facet[v]]], facets.from_stick[v], direction[v], N[v], sigma[v], delta[v])
+        n, e = n.copy(), e.copy()
+        n[v], e[v], G[v], T[v] = joints.first[:4]
+    return Kinematics(np.concatenate(dofs, axis=1).reshape(G.shape), np.concatenate((G[:, None], T), axis=1),
+                      np.einsum("nic,nc->ni", e, way), n, e, MaterialPoints(facet, xi), facets, joints)
 
 
-def geometric_tangent(kinematics: Kinematics, normal_traction: ndarray, tangential_traction: ndarray) -> ndarray:
-    r"""``t_N dG/du + t_T d(l Xi)/du``: what turning and moving the contact frame adds, (n, m, m).
+def _free(master: Surface, feature: ndarray) -> ndarray:
+    """Directions in local coordinates in which closest points on features may move, (n, dim - 1): along edges."""
+    along = master.shape.along
+    return np.concatenate((0 * along[:1], along, 0 * along[:1]))[feature]
+
+
+def _stick_weights(master: Surface, facet: ndarray, stick: MaterialPoints
+                   ) -> tuple[ndarray, list[ndarray], list[ndarray]]:
+    """Facets of the stick points; shape functions of the closest facets' nodes there, and of other facets' if any."""
+    held = stick.facet
+    weights = np.where((held >= 0)[:, None], master.shape.at(held, np.nan_to_num(stick.xi), 0)[0], 0.0)
+    elsewhere = ((held >= 0) & (held != facet))[:, None]
+    if not elsewhere.any():
+        return held, [weights], []
+    return held, [np.where(elsewhere, 0.0, weights), np.where(elsewhere, weights, 0.0)], [
+        np.where(elsewhere, master.facets[held], -1)]
+
+
+def _from_stick(master: Surface, nodes: ndarray, facet: ndarray, place: Place, held: ndarray, weights: list[ndarray]
+                ) -> ndarray:
+    """Way from the stick points to the closest points, (n, dim), to the last bit zero where they are the same."""
+    near = np.where((held >= 0)[:, None], place.shapes[0], 0.0) - weights[0]
+    way = np.einsum("nk,nkc->nc", near, nodes[master.facets[facet]])
+    for others in weights[1:]:
+        way -= np.einsum("nk,nkc->nc", others, nodes[master.facets[held]])
+    return np.asarray(way)
+
+
+def slip_gradient(kinematics: Kinematics) -> ndarray:
+    """Derivatives of the slips, d slip / d u, (n, dim - 1, m)."""
+    on, n, e = kinematics.facets, kinematics.normal, kinematics.tangents
+    dn = _normal_motion(on)
+    S = lift(on.sigma[:, None], e) - np.einsum("nc,nc->n", on.from_stick, n)[:, None, None] * (e @ dn)
+    if (spin := _spin(on, n, e, dn)) is not None:
+        s = kinematics.slip
+        S += np.stack((s[:, 1], -s[:, 0]), axis=1)[:, :, None] * spin[:, None]
+    if kinematics.joints is not None:
+        S[kinematics.joints.at] = kinematics.joints.second[2]
+    return S
+
+
+def tangents(kinematics: Kinematics, traction: ndarray, derivative: ndarray, exact: bool) -> ndarray:
+    """Tangents of the forces of points of unit weight, (n, m, m): eqs 14 to 16 or, unless exact, eqs 20 to 22.
+
+    Parameters
+    ----------
+    kinematics
+        The points' variations.
+    traction
+        Normal and tangential tractions, (dim, n).
+    derivative
+        Their derivatives with respect to gap and slip, (dim, dim, n).
+    exact
+        Whether the rotation and curvature parts belong to it.
+    """
+    work = kinematics.work
+    jump = np.concatenate((work[:, :1], slip_gradient(kinematics)), axis=1)
+    K = work.transpose(0, 2, 1) @ (derivative.transpose(2, 0, 1) @ jump)
+    return K + geometric_tangent(kinematics, traction) if exact else K
+
+
+def geometric_tangent(kinematics: Kinematics, traction: ndarray) -> ndarray:
+    r"""``t_N dG/du + t_i dT_i/du``: what turning and moving the contact frame adds, (n, m, m).
 
     These are the rotation and curvature parts of eqs 14 to 16, complete: with the terms in
-    :math:`a - g h` that the paper drops.
+    :math:`m - g h` that the paper drops.
     """
-    alpha, beta, gamma, rho, l, g, h, D, Xi, dl, Bn, Bt, v, facet_tau, facet_n = kinematics.second
-    n, tau, G = kinematics.normal, kinematics.tangent, kinematics.gap_gradient
-    col = (slice(None), None)
-    turn = Bn + h[col] * Xi  # l times the rate at which the normal turns towards -tau
-    dG = -_outer(Bn, Xi) - _outer(_lift(alpha, tau) / l[col], turn)
-
-    Br, Cn = _lift(beta, rho[1]), _lift(gamma, n)
-    by_xi = _lift(alpha, rho[2]) - Br + g[col] * Cn
-    dq = _node_by_node(alpha, beta) + _outer(by_xi, Xi) + _outer(Bn, G) - _outer((g / l)[col] * Bt, turn)
-    dh = Cn - (_dot(tau, rho[2]) / l)[col] * turn + _dot(n, rho[3])[col] * Xi
-    dD = 2 * Br + 2 * _dot(rho[1], rho[2])[col] * Xi - h[col] * G - g[col] * dh
-    dXi = (dq - _outer(Xi, dD)) / D[:, None, None]
-    K = (normal_traction[:, None, None] * dG
-         + tangential_traction[:, None, None] * (_outer(Xi, dl) + l[:, None, None] * dXi))
-    if len(v):  # around a vertex the normal follows the offset itself
-        over_g, over_l = (1.0 / g[v])[col], (1.0 / l[v])[col]
-        At, turned = _lift(alpha[v], tau[v]), _lift(beta[v], facet_n[v])
-        along = _lift(beta[v], facet_tau[v])
-        lever = _outer(turned, over_l * G[v] - g[v][col] * over_l**2 * along) \
-            - g[v][:, None, None] * over_l[..., None]**2 * _outer(along, turned)
-        K[v] = (normal_traction[v][:, None, None] * over_g[..., None] * _outer(At, At)
-                + tangential_traction[v][:, None, None] * (lever - over_g[..., None] * _outer(G[v], At)))
+    on, tension = kinematics.facets, traction[0][:, None, None]
+    Xi, g, turns, bn = on.Xi, on.gap[:, None, None], _turns(on), lift(on.beta, on.place.normal[:, None])
+    half = bn.transpose(0, 2, 1) @ Xi
+    K = -(half + half.transpose(0, 2, 1) + Xi.transpose(0, 2, 1) @ on.curvature @ Xi)
+    K += g * (turns.transpose(0, 2, 1) @ (inverse(on.metric) @ turns))
+    K *= tension
+    if traction[1:].any():
+        K += _tangential_part(kinematics, np.einsum("in,nic->nc", traction[1:], kinematics.tangents))
+    if kinematics.joints is not None:
+        v, (dG, dT, _) = kinematics.joints.at, kinematics.joints.second
+        K[v] = tension[v] * dG + np.einsum("in,nijk->njk", traction[1:, v], dT)
     return K
 
 
-def _outer(u: ndarray, v: ndarray) -> ndarray:
-    return u[:, :, None] * v[:, None, :]
+def _tangential_part(kinematics: Kinematics, t: ndarray) -> ndarray:
+    """``d((t . a) Xi)/du`` for tangential tractions t, (n, dim), that are constant in the frame, (n, m, m)."""
+    on = kinematics.facets
+    a, rho2, n, g, Xi = on.place.x[1], on.place.x[2], on.place.normal, on.gap[:, None, None], on.Xi
+    da = _tangent_motion(on)
+    dn = _normal_motion(on)
+    by_frame = np.einsum("nc,nacm->nam", t, da)
+    if (spin := _spin(on, n, frame(n, on.direction), dn)) is not None:
+        by_frame += np.einsum("nac,nc->na", a, np.cross(n, t))[:, :, None] * spin[:, None]
+    p = np.einsum("nab,nbc,nc->na", on.operator, a, t, optimize=True)  # contravariant, for the operator m - g h
+    P, dP = np.einsum("na,nac->nc", p, a), np.einsum("na,nacm->ncm", p, da)
+    beta, rho2p = np.einsum("na,nak->nk", p, on.beta), np.einsum("na,nabc->nbc", p, rho2)
+    gamma = np.zeros_like(on.beta)
+    gamma[:, :, on.own] = np.einsum("na,nabk->nbk", p, on.place.shapes[2])
+    bent = lift(gamma, n[:, None])
+    K = (outer(lift(beta[:, None], n[:, None])[:, 0], kinematics.work[:, 0]) + spread(on.alpha, dP)
+         + g * spread(beta, dn) + (g * bent - lift(on.beta, P[:, None])).transpose(0, 2, 1) @ Xi)
+    rho3 = np.einsum("na,nabcd,nd->nbc", p, on.place.x[3], n, optimize=True)
+    d_operator = (np.einsum("nacm,nc->nam", da, P) + np.einsum("ncm,nac->nam", dP, a)
+                  - np.einsum("na,nab->nb", p, on.curvature)[:, :, None] * kinematics.work[:, :1]
+                  - g * (rho2p @ dn + bent + rho3 @ Xi))
+    return K + Xi.transpose(0, 2, 1) @ (by_frame - d_operator)
 
 
-def _node_by_node(alpha: ndarray, beta: ndarray) -> ndarray:
-    """``A^T B`` of two operators that act node by node, (n, 2 nodes, 2 nodes)."""
-    n, k = alpha.shape
-    result = np.zeros((n, 2 * k, 2 * k))
-    result[:, 0::2, 0::2] = result[:, 1::2, 1::2] = _outer(alpha, beta)
-    return result
+def _turns(on: _OnFacets) -> ndarray:
+    """``n . da``: rates at which the normal turns towards the tangents, (n, dim - 1, m)."""
+    return lift(on.beta, on.place.normal[:, None]) + on.curvature @ on.Xi
+
+
+def _normal_motion(on: _OnFacets) -> ndarray:
+    """``dn`` of the normal at the closest point, (n, dim, m)."""
+    return np.asarray(-on.place.x[1].transpose(0, 2, 1) @ (inverse(on.metric) @ _turns(on)))
+
+
+def _tangent_motion(on: _OnFacets) -> ndarray:
+    """``da`` of the tangents of the closest facet, the motion of the closest point included, (n, dim - 1, dim, m)."""
+    n, dim = len(on.gap), on.from_stick.shape[1]
+    fixed = (on.beta[:, :, None, :, None] * np.eye(dim)[:, None]).reshape(
+        n, dim - 1, dim, dim * on.beta.shape[2])
+    return np.asarray(fixed + np.einsum("nabc,nbm->nacm", on.place.x[2], on.Xi))
+
+
+def _spin(on: _OnFacets, n: ndarray, e: ndarray, dn: ndarray) -> ndarray | None:
+    """Rate at which the frame turns about the normal, (n, m); in the plane there is no such motion."""
+    if e.shape[1] == 1:
+        return None
+    aside, across = np.einsum("nc,nc->n", on.direction, n), e[:, 1:]
+    rate = lift(on.delta[:, None], across)[:, 0] - aside[:, None] * (across @ dn)[:, 0]
+    return np.asarray(rate / np.einsum("nc,nc->n", on.direction, e[:, 0])[:, None])

@@ -1,37 +1,41 @@
-"""Which segments of a surface may be the closest to a point: found once, and kept while little moves."""
+"""Which facets of a surface may be the closest to a point: found once, and kept while little moves."""
 from __future__ import annotations
 
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
 from numpy import ndarray
 from scipy.spatial import cKDTree
 
-from .surface import EXTENSION, Surface
+from ..surfaces.shape import Shape
+from ..surfaces.surface import Surface
 
 #: Motion, as a share of the spacing of the samples, for which a list of neighbours lasts.
 _SLACK = 0.25
+#: Samples a side of a typical facet, in the plane and in space: half as many would make 3 times as many candidates.
+_SAMPLES = {2: 1, 3: 2}
 
 
 class Neighbours(NamedTuple):
-    """Pairs (point, segment) that contain the closest segment of every point, and how far the surface is.
+    """Pairs (point, facet) that contain the closest facet of every point, and how far the surface is.
 
     Attributes
     ----------
-    point, segment
+    point, facet
         The pairs, ordered.
     clearance
-        No part of the surface, its extensions included, is nearer to the point than this, (n_points,).
+        No part of the surface, beyond its rim included, is nearer to the point than this, (n_points,).
     """
 
     point: ndarray
-    segment: ndarray
+    facet: ndarray
     clearance: ndarray
 
     def of(self, chosen: ndarray) -> Neighbours:
         """Those of the points that a mask, (n_points,), chooses."""
         kept = chosen[self.point]
-        return Neighbours(self.point[kept], self.segment[kept], self.clearance)
+        return Neighbours(self.point[kept], self.facet[kept], self.clearance)
 
 
 class NeighbourList:
@@ -49,7 +53,7 @@ class NeighbourList:
     >>> ground = sc.rigid_line((0.0, 0.0), (1.0, 0.0))
     >>> neighbours = NeighbourList(ground)
     >>> found = neighbours.at(ground.nodes, np.array([[0.5, 3.0]]))
-    >>> found.segment, bool(2.0 < found.clearance[0] <= 3.0)
+    >>> found.facet, bool(2.0 < found.clearance[0] <= 3.0)
     (array([0]), True)
     """
 
@@ -72,47 +76,79 @@ class NeighbourList:
 def _relative_motion(nodes: ndarray, points: ndarray) -> float:
     """By how much distances may have changed with these motions; a common translation changes none."""
     common = nodes.mean(axis=0)
-    return sum(float(np.hypot(*(motion - common).T).max()) for motion in (nodes, points))
+    return sum(float(np.sqrt(((motion - common) ** 2).sum(axis=1).max())) for motion in (nodes, points))
 
 
 def neighbours(surface: Surface, nodes: ndarray, points: ndarray, slack: float = 0.0) -> tuple[Neighbours, float]:
     """Neighbours of points, and the motion for which they last.
 
-    The chain is sampled at a uniform spacing.  The sample next to the closest point is at most half a
-    spacing farther away than that, so all samples within half a spacing (and a margin for curved segments) of
-    the nearest one are looked at.
+    The facets are sampled at a uniform spacing.  The sample next to the closest point is at most half a
+    spacing (half a diagonal in space) farther away than that, so all samples within as much, and a margin for curved
+    facets, of the nearest one are looked at.
 
     Parameters
     ----------
     surface, nodes
         The surface and the current coordinates of its nodes.
     points
-        Places of the points, (n, 2).
+        Places of the points, (n, dim).
     slack
         Share of the spacing that distances may change by.
     """
-    spacing = max(surface.spacing, surface.total_length / (4 * len(surface.segments)))
-    count = np.ceil(surface.length / spacing).astype(int) + 1
-    segment = np.repeat(np.arange(len(count)), count)
-    within = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
-    xi = -1.0 + 2.0 * within / np.repeat(count - 1, count)
-    samples = surface.curve(segment, xi, nodes, 0)[1][0]
-    gaps = np.append(np.linalg.norm(np.diff(samples, axis=0), axis=1), 0.0)
-    gaps[np.cumsum(count) - 1] = 0.0  # from one segment to the next
-    stretch = np.maximum(1.0, np.maximum.reduceat(gaps, np.cumsum(count) - count) / spacing)
-    margin, motion = 0.75 * spacing * stretch, slack * spacing
-    row, sample, distance = _nearest(samples, points, margin[segment] + 2.0 * motion)
-    point, neighbour = np.divmod(np.unique(row * len(count) + segment[sample]), len(count))
-    beyond = EXTENSION * stretch.max() * (max(surface.length[0], surface.length[-1]) + spacing)
+    m = len(surface.facets)
+    spacing = max(surface.spacing, surface.size.sum() / (4 * m)) / _SAMPLES[surface.dim]
+    length = _longest_side(surface)
+    facet, samples, gap = _samples(surface, nodes, np.ceil(length / spacing).astype(int))
+    stretch = np.maximum(1.0, gap / spacing)
+    margin, motion = 0.75 * np.sqrt(surface.dim - 1) * spacing * stretch, slack * spacing
+    row, sample, distance = _nearest(samples, points, margin[facet] + 2.0 * motion)
+    point, neighbour = np.divmod(np.unique(row * m + facet[sample]), m)
+    last = length[surface.at_rim.any(axis=1)].max(initial=0.0)
+    beyond = surface.extension * stretch.max() * (last + spacing)
     return Neighbours(point, neighbour, distance - margin.max() - beyond), motion
+
+
+def _longest_side(surface: Surface) -> ndarray:
+    """Length of the longest side of every facet in the reference configuration, (n_facets,)."""
+    if surface.dim == 2:
+        return surface.area
+    corners = surface.nodes[surface.facets[:, : len(surface.shape.corners)]]
+    return np.asarray(np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2).max(axis=1))
+
+
+def _samples(surface: Surface, nodes: ndarray, divisions: ndarray) -> tuple[ndarray, ndarray, ndarray]:
+    """Facets and places of samples on lattices of so many divisions, and the widest gap on each facet."""
+    facets, places, gap = [], [], np.zeros(len(divisions))
+    for n in np.unique(divisions):
+        on = np.flatnonzero(divisions == n)
+        lattice, pairs = _lattice(surface.shape, int(n))
+        M = surface.shape.at(np.repeat(on, len(lattice)), np.tile(lattice, (len(on), 1)), 0)[0]
+        x = np.einsum("fqk,fkc->fqc", M.reshape(len(on), len(lattice), -1), nodes[surface.facets[on]])
+        gap[on] = np.sqrt(((x[:, pairs[0]] - x[:, pairs[1]]) ** 2).sum(axis=2).max(axis=1))
+        facets.append(np.repeat(on, len(lattice)))
+        places.append(x.reshape(-1, x.shape[2]))
+    return np.concatenate(facets), np.concatenate(places), gap
+
+
+def _lattice(shape: Shape, n: int) -> tuple[ndarray, ndarray]:
+    """Local coordinates of a lattice of n divisions a side, and the pairs next to each other, (2, n_pairs)."""
+    numbers = np.array([k for k in product(range(n + 1), repeat=shape.dim) if not shape.triangular or sum(k) <= n])
+    apart = np.abs(numbers[:, None] - numbers).sum(axis=2)
+    low, high = shape.corners.min(axis=0), shape.corners.max(axis=0)
+    return low + (high - low) * numbers / n, np.array(np.nonzero(np.triu(apart == 1)))
 
 
 def _nearest(samples: ndarray, points: ndarray, margin: ndarray) -> tuple[ndarray, ndarray, ndarray]:
     """Pairs (point, sample) of all samples at most their margin farther away than the nearest one, and its distance."""
     tree, k, largest = cKDTree(samples), 4, margin.max()
-    while True:
+    left, nearest, pairs = np.arange(len(points)), np.zeros(len(points)), []
+    while len(left):
         k = min(2 * k, len(samples))
-        distance, sample = (np.atleast_2d(found) for found in tree.query(points, k))
-        if k == len(samples) or (distance[:, -1] > distance[:, 0] + largest).all():
-            near = distance <= distance[:, :1] + margin[sample]
-            return np.nonzero(near)[0], sample[near], distance[:, 0]
+        distance, sample = (np.reshape(found, (len(left), k)) for found in tree.query(points[left], k))
+        nearest[left] = distance[:, 0]
+        done = (distance[:, -1] > distance[:, 0] + largest) | (k == len(samples))
+        near = done[:, None] & (distance <= distance[:, :1] + margin[sample])
+        pairs.append((left[np.nonzero(near)[0]], sample[near]))
+        left = left[~done]
+    rows, found = (np.concatenate(part) for part in zip(*pairs, strict=True))
+    return rows, found, nearest

@@ -13,6 +13,9 @@ from skfem import CellBasis
 from ..errors import IncrementTooLarge, check_basis
 from ..forms import Failure, Response
 from ..sparse import Gathering
+from ..surfaces.material_points import MaterialPoints
+from ..surfaces.smoothing import smoothed
+from ..surfaces.surface import Surface
 from .answers import Answers
 from .augmented import AugmentedLagrangian, Progress
 from .clearance import Fit, touching
@@ -23,12 +26,11 @@ from .neighbours import NeighbourList
 from .quadrature import SlavePoints
 from .recovery.easing import Easing
 from .recovery.facet_lock import FacetLock
-from .search import Projection, merged, project
+from .search import Projection, merged
 from .segmentation import RECUTS, Sampling
 from .settings import check_law, check_settings
-from .smoothing import smoothed
-from .state import ContactState, closest, follow, nearest
-from .surface import Surface
+from .state import ContactState
+from .transfer import dragged, elastic_slip, follow, nearest, slid, with_elastic_slip
 
 #: Largest tractions in the damped tangent's geometric part, over those at which the surfaces give way by a segment.
 _LARGEST_TRACTION = 0.1
@@ -42,7 +44,8 @@ class ContactPair(Answers):
     basis
         ``Basis`` of the mesh that holds the bodies.
     slave, master
-        Names of the boundaries; each must be a single chain.  The paper's advice: the softer body is the slave.
+        Names of the boundaries; in the plane each must be a single chain.
+        The paper's advice: the softer body is the slave.
         The master may be a rigid obstacle, e.g. :func:`rigid_line`.
     law
         Interface law: :class:`Coulomb`, :class:`Tied`, or your own :class:`~skfem_contact.InterfaceLaw`.
@@ -119,7 +122,7 @@ class ContactPair(Answers):
             self.penalty = self.with_penalty(*both).penalty
 
     def __repr__(self) -> str:
-        return (f"<ContactPair {self.slave.name} on {self.master.name}, {len(self.slave.segments)} segments, "
+        return (f"<ContactPair {self.slave.name} on {self.master.name}, {len(self.slave.facets)} facets, "
                 f"quadrature {self.quadrature}, {self.law!r}>")
 
     # -- what is given once ---------------------------------------------------------------------------------
@@ -169,14 +172,15 @@ class ContactPair(Answers):
         found = self._project(points, master, points.positions(slave))
         meshed = found if x is None else self._project(points, mesh[1], points.positions(mesh[0]))
         offset = touching(found.gap, meshed.gap, points.size, self.initial, self.law.bonds)
-        n, nodal, (facet, position) = len(found.gap), len(slave), closest(self.master, found)
+        n, nodal, dim, closest = len(found.gap), len(slave), self.slave.dim, found.closest
         status = np.where(found.gap <= offset, int(Status.STICK), int(Status.OPEN))
         factor = np.ones(2)
         if self.enforcement is not None and self.penalty is not None and self.stiffness is not None:
             factor = self.enforcement.start(self.penalty, self.stiffness)
-        return ContactState(facet=facet, position=position, stick_point=position, gap=found.gap,
-                            slip=np.zeros((1, n)), traction=np.zeros((2, n)), status=status,
-                            internal=np.zeros((self.law.n_internal, n)), multiplier=np.zeros((2, nodal)),
+        return ContactState(facet=closest.facet, position=closest.xi.T, stick_facet=closest.facet,
+                            stick_position=closest.xi.T, gap=found.gap, slip=np.zeros((dim - 1, n)),
+                            traction=np.zeros((dim, n)), status=status,
+                            internal=np.zeros((self.law.n_internal, n)), multiplier=np.zeros((dim, nodal)),
                             penalty_factor=factor, offset=offset, cuts=cuts)
 
     # -- the form -------------------------------------------------------------------------------------------
@@ -194,8 +198,8 @@ class ContactPair(Answers):
         slave, nodes = self._places(x)
         points = self.points(state)
         positions = points.positions(slave)
-        state, law, lock = self.seen(state), self.easing.law(self.law), self.easing.of(FacetLock)
-        depth = np.full(len(points.arc), np.inf) if law.reaches_far else self.depth(points)
+        accepted, state, law, lock = state, self.seen(state), self.easing.law(self.law), self.easing.of(FacetLock)
+        depth = np.full(len(points.weight), np.inf) if law.reaches_far else self.depth(points)
         penalties = self.penalties(state)
         closing = state.offset - points.at(state.multiplier[0]) / penalties[0]
         bonded = state.status != int(Status.OPEN)
@@ -203,7 +207,8 @@ class ContactPair(Answers):
         near = bonded | (around.clearance <= np.maximum(depth, closing))  # the others need not be projected
 
         def projected(chosen: ndarray) -> Projection:
-            return project(self.master, nodes, positions, depth, state.facet, lock and lock.points, around.of(chosen))
+            return self._sampling.project(points, nodes, positions, depth, state.facet, lock and lock.points,
+                                          around.of(chosen))
 
         found = projected(near)
         gap = found.gap - closing
@@ -211,17 +216,19 @@ class ContactPair(Answers):
         gap = np.where(np.abs(gap) <= exact, 0.0, gap)
         at = np.flatnonzero(found.found & law.take(points).reaches(gap, state.internal, bonded))
 
-        kinematics = variations(points, self.slave, self.master, at, found, positions, state.stick_point, nodes)
-        shift = points.at(state.multiplier[1])[at] / penalties[1]
-        slip = kinematics.stretch * kinematics.elastic_arc + shift
-        update = law.take(points.take(at)).update(np.stack((gap[at], slip)), state.internal[:, at], penalties)
+        closing_points = points.take(at)
+        kinematics = variations(closing_points, self.slave, self.master, found.take(at), slave, nodes,
+                                state.stick.take(at))
+        multiplied = closing_points.at(state.multiplier[1:].T).T / penalties[1]
+        slip = kinematics.slip.T + multiplied + self.easing.slip(at)
+        update = law.take(closing_points).update(np.stack((gap[at], *slip)), state.internal[:, at], penalties)
 
-        weight = self.share * points.weight[at]
-        force = ((weight * update.traction[0])[:, None] * kinematics.gap_gradient
-                 + (weight * update.traction[1])[:, None] * kinematics.tangential)
-        elastic = np.where(update.status == Status.OPEN, 0.0, (update.elastic_slip[0] - shift) / kinematics.stretch)
+        weight = self.share * closing_points.weight
+        force = weight[:, None] * np.einsum("in,nim->nm", update.traction, kinematics.work)
+        elastic = np.where(update.status == Status.OPEN, 0.0, update.elastic_slip - multiplied)
         return Response(self._gathering.force(kinematics.dofs, force),
-                        lambda: follow(state, self.master, merged(near, found, projected), at, update, elastic),
+                        lambda: self._candidate(accepted, state, merged(near, found, projected), at, update,
+                                                dragged(kinematics, self.master, nodes, state.stick.take(at), elastic)),
                         lambda: self._stiffness(kinematics, update, weight, self.tangent == "exact"),
                         lambda: self._stiffness(kinematics, self._limited(update), weight, self.tangent == "exact"),
                         round_off=max(penalties) * exact * float(np.linalg.norm(weight)),
@@ -250,10 +257,15 @@ class ContactPair(Answers):
 
     def _project(self, points: SlavePoints, nodes: ndarray, positions: ndarray,
                  previous: ndarray | None = None) -> Projection:
-        return project(self.master, nodes, positions, self.depth(points), previous)
+        return self._sampling.project(points, nodes, positions, self.depth(points), previous)
+
+    def _candidate(self, accepted: ContactState, seen: ContactState, found: Projection, at: ndarray, update: Update,
+                   stick: MaterialPoints) -> ContactState:
+        way = slid(self.points(accepted), self.slave, self.master, found.closest, accepted.closest)
+        return follow(seen, found, at, update, stick, accepted.slip + way)
 
     def _stiffness(self, kinematics: Kinematics, update: Update, weight: ndarray, exact: bool) -> csr_matrix:
-        K = tangents(kinematics, update, exact) * weight[:, None, None]
+        K = tangents(kinematics, update.traction, update.tangent, exact) * weight[:, None, None]
         return self._gathering.matrix(kinematics.dofs, K)
 
     def _limited(self, update: Update) -> Update:
@@ -283,8 +295,9 @@ class ContactPair(Answers):
         """
         points = self.points(accepted)
         if passed := passed_through(self.depth(points), accepted, found):
-            raise IncrementTooLarge(f"{passed} of {len(points.arc)} points of '{self.slave.name}' have passed through "
-                                    f"'{self.master.name}', or the penalty, {self.penalties(accepted)[0]:.3g}, is soft")
+            raise IncrementTooLarge(f"{passed} of {len(points.weight)} points of '{self.slave.name}' have passed "
+                                    f"through '{self.master.name}', or the penalty, "
+                                    f"{self.penalties(accepted)[0]:.3g}, is soft")
         new, state = copy(self), accepted
         new.easing = self.easing.proceed(self, accepted, found)
         if new.easing is not self.easing:
@@ -293,9 +306,11 @@ class ContactPair(Answers):
             stiffness = self.penalty[0] if self.stiffness is None else self.stiffness  # type: ignore[index]
             state, new._progress = self.enforcement.augment(accepted, found, points, self.penalties(accepted),
                                                             stiffness, self._progress)
+            if (harder := state.penalty_factor[1] / accepted.penalty_factor[1]) != 1.0:  # with the same tractions
+                state = self.with_elastic_slip(state, self.elastic_slip(state) / harder)
         cut = self._sampling.follow(state, *self._places(x)) if self._recuts < RECUTS else None
         if cut is not None:
-            new._recuts, new.easing = self._recuts + 1, self.easing.at(nearest(points, self.points(cut)))
+            new._recuts, new.easing = self._recuts + 1, self.easing.at(nearest(self.slave, points, self.points(cut)))
             state = cut
         return None if state is accepted else (new, state)
 
@@ -317,3 +332,19 @@ class ContactPair(Answers):
     def eased(self) -> str:
         """Why there may be no equilibrium but of an easier pair, for a message."""
         return self.easing.reason
+
+    def elastic_slip(self, state: ContactState, found: ContactState | None = None) -> ndarray:
+        """Slip of a state's closest points, or of those of another one, from its stick points, (dim - 1, n)."""
+        return elastic_slip(self.points(state), self.slave, self.master, state, found)
+
+    def fits_cuts(self, cuts: ndarray) -> bool:
+        """Whether cuts of a state are some of the slave."""
+        return self._sampling.fits(cuts)
+
+    def transferred(self, state: ContactState, cuts: ndarray) -> ContactState:
+        """The state at the points between other cuts of the undeformed slave."""
+        return self._sampling.transferred(state, cuts, self.slave.nodes, self.master.nodes)
+
+    def with_elastic_slip(self, state: ContactState, slip: ndarray) -> ContactState:
+        """The state with stick points from which the closest points have slipped, (dim - 1, n)."""
+        return with_elastic_slip(self.points(state), self.slave, self.master, state, slip)

@@ -10,7 +10,7 @@ from scipy.sparse import csr_matrix
 
 from ..errors import AnalysisWarning
 from ..forms import Form, as_forms
-from .surface import Surface
+from ..surfaces.surface import Surface
 
 if TYPE_CHECKING:
     from .pair import ContactPair
@@ -89,17 +89,17 @@ def _series(pair: ContactPair, solids: Sequence[csr_matrix]) -> float:
 
 
 def _per_length(surface: Surface, solids: Sequence[csr_matrix]) -> float:
-    """Largest stiffness against pressure per length among the segments of a surface: about E/h.
+    """Largest stiffness against pressure per length, or area in space, among the facets of a surface: about E/h.
 
     That along the surface does not count: in thin elements it is larger by the square of their shape.
     """
-    chord = surface.nodes[surface.segments[:, 1]] - surface.nodes[surface.segments[:, 0]]
-    normal = np.stack((-chord[:, 1], chord[:, 0]), axis=1) / np.linalg.norm(chord, axis=1)[:, None]
-    blocks = np.array([[sum(K[surface.dofs[:, i], surface.dofs[:, j]] for K in solids) for j in (0, 1)]
-                       for i in (0, 1)]).reshape(2, 2, -1)  # fmt: skip
-    at_nodes = np.einsum("si,ijsk,sj->sk", normal, blocks[:, :, surface.segments], normal)
-    k = surface.segments.shape[1]
-    stiffness = at_nodes.mean(axis=1) * (k - 1) / surface.length
+    dim, m = surface.dim, len(surface.facets)
+    normal = surface.at(np.arange(m), np.tile(surface.shape.centre, (m, 1)), surface.nodes).normal
+    blocks = np.array([[sum(K[surface.dofs[:, i], surface.dofs[:, j]] for K in solids) for j in range(dim)]
+                       for i in range(dim)]).reshape(dim, dim, -1)  # fmt: skip
+    at_nodes = np.einsum("si,ijsk,sj->sk", normal, blocks[:, :, surface.facets], normal)
+    intervals = int(surface.shape.exponents.max())  # between the nodes on a side
+    stiffness = at_nodes.mean(axis=1) * (intervals / surface.size) ** (dim - 1)
     if not (stiffness > 0).all():
         raise ValueError(f"boundary '{surface.name}' belongs to no solid among the forms")
     return float(stiffness.max())

@@ -10,13 +10,17 @@ from numpy import ndarray
 from scipy.sparse import coo_matrix, csr_matrix, diags_array, hstack
 from scipy.sparse.linalg import lsqr
 
+from ..surfaces.material_points import MaterialPoints, behind
 from .kinematics import variations
 from .laws import Status
-from .state import ContactState, transferred
+from .state import ContactState
+from .transfer import interpolated
 
 if TYPE_CHECKING:
     from .pair import ContactPair
 
+#: Components of a stress at their places in the tensor.
+_TENSOR = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
 _ACCURACY = 1e-14
 _MOST = 10_000
 
@@ -38,7 +42,8 @@ def prestressed(operators: Mapping[str, TractionOperator], force: ndarray, where
     where
         Unknowns at which the forces count; by default all.
     guess
-        Stresses (xx, yy, zz, xy) at the points whose tractions to be near to, (4, n_points), by pair.
+        Stresses (xx, yy, zz, xy, in space yz, zx too) at the points whose tractions to be near to, (4 or 6, n_points),
+        by pair.
     """
     where = np.arange(len(force)) if where is None else where
     near = {name: np.zeros(a.forces.shape[1]) if guess is None else a.of_stress(guess[name])
@@ -57,68 +62,69 @@ class TractionOperator:
     Attributes
     ----------
     forces
-        Matrix from normal and tangential tractions at all points, (2 n_points,), to nodal forces (N,).
+        Matrix from the tractions at all points, (dim n_points,), the normal ones first, to nodal forces (N,).
     scale
-        Tractions for each of which the integral of the square is one, (2 n_points,).
+        Tractions for each of which the integral of the square is one, (dim n_points,).
     places
-        Where the points are in the mesh, (n_points, 2).
+        Where the points are in the mesh, (n_points, dim).
     """
 
     def __init__(self, pair: ContactPair, x: ndarray, state: ContactState) -> None:
         self._pair, self._x, self._state = pair, x, state
         self._points = points = pair.points(state)
         slave, nodes = pair._places(x)
+        found = pair._project(points, nodes, points.positions(slave), state.facet)
+        self._at = at = np.flatnonzero(found.found & (state.status != Status.OPEN))
+        self._frame = frame = variations(points.take(at), pair.slave, pair.master, found.take(at), slave, nodes,
+                                         state.stick.take(at))
         self.places = points.positions(pair.slave.nodes)
-        positions = points.positions(slave)
-        found = pair._project(points, nodes, positions, state.facet)
-        at = np.flatnonzero(found.found & (state.status != Status.OPEN))
-        frame = variations(points, pair.slave, pair.master, at, found, positions, state.stick_point, nodes)
-        self._at, self._normal, self._tangent = at, frame.normal, frame.tangent
-        self._stretch = np.ones(len(points.weight))
-        self._stretch[at] = frame.stretch
-
-        weight = (pair.share * points.weight[at])[:, None]
-        values = np.concatenate((weight * frame.gap_gradient, weight * frame.tangential))
-        rows, n = np.tile(frame.dofs, (2, 1)), len(points.weight)
-        columns = np.broadcast_to(np.concatenate((at, at + n))[:, None], rows.shape)
+        n, dim, weight = len(points.weight), pair.slave.dim, pair.share * points.weight[at]
+        values = weight[:, None, None] * frame.work
+        rows = np.broadcast_to(frame.dofs[:, None], values.shape)
+        columns = np.broadcast_to((at[:, None] + n * np.arange(dim))[:, :, None], values.shape)
         moving = rows >= 0
-        self.forces = coo_matrix((values[moving], (rows[moving], columns[moving])), shape=(pair.size, 2 * n)).tocsr()
-        self.scale = np.tile(1.0 / np.sqrt(points.weight), 2)
+        self.forces = coo_matrix((values[moving], (rows[moving], columns[moving])), shape=(pair.size, dim * n)).tocsr()
+        self.scale = np.tile(1.0 / np.sqrt(points.weight), dim)
 
     def of_stress(self, stress: ndarray) -> ndarray:
         """Tractions of a field of stresses at the points."""
-        xx, yy, _, xy = stress[:, self._at]
-        nx, ny = self._normal.T
-        vector = np.stack((xx * nx + xy * ny, xy * nx + yy * ny), axis=1)
-        tractions = np.zeros((2, len(self._stretch)))
-        tractions[:, self._at] = (vector * self._normal).sum(axis=1), (vector * self._tangent).sum(axis=1)
+        frame, dim = self._frame, self._pair.slave.dim
+        vector = np.einsum("ijn,nj->ni", stress[:, self._at][_TENSOR[:dim, :dim]], frame.normal)
+        tractions = np.zeros((dim, len(self._points.weight)))
+        tractions[0, self._at] = np.einsum("nc,nc->n", vector, frame.normal)
+        tractions[1:, self._at] = np.einsum("nic,nc->in", frame.tangents, vector)
         return tractions.ravel()
 
     def state_with(self, tractions: ndarray) -> ContactState:
         """The state in which the pair carries them."""
         pair, state, points = self._pair, self._state, self._points
-        normal, tangential = tractions.reshape(2, -1)
+        tractions = tractions.reshape(pair.slave.dim, -1)
         if pair.enforcement is not None:
-            at_points = np.repeat(np.arange(len(normal)), points.nodes.shape[1])
+            at_points = np.repeat(np.arange(len(points.weight)), points.nodes.shape[1])
             shapes = csr_matrix((points.values.ravel(), (at_points, points.nodes.ravel())))
-            nodal = [lsqr(shapes, part, atol=_ACCURACY, btol=_ACCURACY)[0] for part in (normal, tangential)]
-            state = replace(state, multiplier=np.stack(nodal))
-            normal, tangential = normal - shapes @ nodal[0], tangential - shapes @ nodal[1]
+            nodal = np.stack([lsqr(shapes, part, atol=_ACCURACY, btol=_ACCURACY)[0] for part in tractions])
+            state = replace(state, multiplier=nodal)
+            tractions = tractions - nodal @ shapes.T
         by_gap, by_slip = pair.penalties(state)
-        offset = np.where(state.status != Status.OPEN, state.gap - normal / by_gap, state.offset)
-        stick_point = state.position - tangential / by_slip / self._stretch
-        return pair.assemble(self._x, replace(state, offset=offset, stick_point=stick_point)).state
+        offset = np.where(state.status != Status.OPEN, state.gap - tractions[0] / by_gap, state.offset)
+        at, stick = self._at, MaterialPoints(state.stick_facet.copy(), state.stick_position.T.copy())
+        nodes = pair._places(self._x)[1]
+        stick.facet[at], stick.xi[at] = behind(pair.master, nodes, self._frame.tangents, self._frame.closest,
+                                               tractions[1:, at].T / by_slip)
+        return pair.assemble(self._x, replace(state, offset=offset).with_stick(stick)).state
 
 
 def moved_back(pair: ContactPair, state: ContactState) -> ContactState:
     """The state of a pair whose bodies are back in their places, with all it carries."""
     home = pair.initial_state()
     old, new = pair.points(state), pair.points(home)
+    elastic = pair.elastic_slip(state)
     if pair.quadrature == "segments":
-        excess = np.interp(new.arc, old.arc, np.where(np.isfinite(state.gap), state.gap - state.offset, 0.0))
-        state = replace(transferred(state, old, new), cuts=home.cuts, offset=np.zeros(len(excess)), gap=excess)
-    elastic = np.nan_to_num(pair.master.along(state.position - state.stick_point))
+        excess = interpolated(pair.slave, old, new, np.where(np.isfinite(state.gap), state.gap - state.offset, 0.0))
+        elastic = interpolated(pair.slave, old, new, elastic)
+        state = replace(pair.transferred(state, home.cuts), offset=np.zeros(len(excess)), gap=excess)
     near = np.isfinite(home.gap) & np.isfinite(state.gap)
     offset = np.where(near, home.gap - (state.gap - state.offset), 0.0)
-    return replace(state, position=home.position, stick_point=home.position - elastic, facet=home.facet, gap=home.gap,
-                   slip=np.zeros_like(state.slip), offset=offset)
+    state = replace(state, facet=home.facet, position=home.position, gap=home.gap, slip=np.zeros_like(state.slip),
+                    offset=offset)
+    return pair.with_elastic_slip(state.with_stick(home.stick), elastic)

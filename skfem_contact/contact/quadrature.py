@@ -1,12 +1,14 @@
 """Quadrature on the slave surface: every contact discretisation is points, weights and shape functions."""
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy import ndarray
 
-from .surface import Surface
+from ..surfaces.shape import Shape
+from ..surfaces.surface import Place, Surface, rule
+from ..surfaces.vectors import across, products, solve
 
 #: Meshes whose sizes differ by less than this share are as fine as each other.
 _EQUAL = 1e-6
@@ -18,87 +20,147 @@ class SlavePoints:
 
     Attributes
     ----------
+    facet, xi
+        Facet and local coordinates of each point, (n,) and (n, dim - 1); in the plane in the order of the chain.
     nodes
         Nodes of the slave surface that move each point, (n, k).
     values
         Their shape functions, (n, k).
     weight
-        Length of surface that belongs to each point, (n,), in the reference configuration.
-    arc
-        Position along the slave chain, (n,).
+        Area of surface (length in the plane) that belongs to each point, (n,), in the reference configuration.
     size
-        Length of the slave segment at the point, (n,).
+        Size of the slave's facet at the point, (n,).
+    along
+        Factors of the facet's nodes in the direction from which tangents are counted in space, (n, k); see
+        :meth:`direction`.
+    facing
+        Facets of the master that pieces of facets in space face, (n,), -1 for none; None for other points.
     """
 
+    facet: ndarray
+    xi: ndarray
     nodes: ndarray
     values: ndarray
     weight: ndarray
-    arc: ndarray
     size: ndarray
+    along: ndarray
+    facing: ndarray | None = None
 
-    def take(self, at: ndarray) -> SlavePoints:
-        """Some of the points."""
-        return SlavePoints(self.nodes[at], self.values[at], self.weight[at], self.arc[at], self.size[at])
+    @classmethod
+    def on(cls, surface: Surface, facet: ndarray, xi: ndarray, weight: ndarray) -> SlavePoints:
+        """Points given by facet and local coordinates, with weights in the measure of the local coordinates."""
+        place = surface.at(facet, xi, surface.nodes)
+        area = np.linalg.norm(across(place.x[1]), axis=1)
+        return cls(facet, xi, surface.facets[facet], place.shapes[0], area * weight, surface.size[facet],
+                   _along(surface, place))
+
+    def take(self, chosen: ndarray) -> SlavePoints:
+        """Some of the points, given by their numbers."""
+        parts = [getattr(self, one.name) for one in fields(self)]
+        return SlavePoints(*(None if part is None else part[chosen] for part in parts))  # type: ignore[arg-type]
 
     def positions(self, nodes: ndarray) -> ndarray:
-        """Coordinates of the points, (n, 2), from those of the slave nodes."""
-        return np.einsum("nk,nkc->nc", self.values, nodes[self.nodes])
+        """Coordinates of the points, (n, dim), from those of the slave nodes."""
+        return np.asarray(np.einsum("nk,nkc->nc", self.values, nodes[self.nodes]))
+
+    def direction(self, slave: Surface, nodes: ndarray) -> ndarray:
+        """The slave's direction as its material carries it along, (n, dim); nothing in the plane."""
+        return np.asarray(np.einsum("nk,nkc->nc", self.along, nodes[slave.facets[self.facet]]))
 
     def at(self, nodal: ndarray) -> ndarray:
-        """Values at the points, (n,), of a field given at the slave nodes."""
-        return np.einsum("nk,nk->n", self.values, nodal[self.nodes])
+        """Values at the points, (n, ...), of a field given at the slave nodes, (n_nodes, ...)."""
+        return np.asarray(np.einsum("nk,nk...->n...", self.values, nodal[self.nodes]))
+
+
+def _along(surface: Surface, place: Place) -> ndarray:
+    """Factors of the facets' nodes in the surface's direction at places of the undeformed surface, (n, k)."""
+    if surface.dim == 2:
+        return np.zeros(place.shapes[0].shape)
+    a = place.x[1]
+    contravariant = solve(products(a, a), a @ surface.direction)
+    return np.asarray(np.einsum("na,nak->nk", contravariant, place.shapes[1]))
 
 
 def nodal(surface: Surface) -> SlavePoints:
-    """The paper's node-to-segment rule: the nodes themselves with their tributary lengths.
+    """The paper's node-to-segment rule: the nodes themselves with their tributary lengths or areas.
 
-    The weight turns the traction of a node into its force, so that a penalty does not depend on the mesh.
+    The weight turns the traction of a node into its force, so that a penalty does not depend on the mesh. On triangles
+    of second order the nodes on the sides carry it all.
+
+    Raises
+    ------
+    ValueError
+        Facets of eight nodes, whose corners have negative areas.
     """
-    k = surface.segments.shape[1]
-    shares = np.array([.5, .5]) if k == 2 else np.array([1, 1, 4]) / 6.0
-    position = np.array([0.0, 1.0]) if k == 2 else np.array([0.0, 1.0, .5])
-    flat = surface.segments.ravel()
-    weight = np.bincount(flat, (surface.length[:, None] * shares).ravel(), minlength=len(surface.nodes))
-    size = np.zeros(len(surface.nodes))
-    np.maximum.at(size, flat, np.repeat(surface.length, k))
-    arc = np.zeros(len(surface.nodes))
-    arc[flat[::-1]] = (surface.start[:, None] + surface.length[:, None] * position).ravel()[::-1]
-    order = np.argsort(arc)
-    return SlavePoints(order[:, None], np.ones((len(order), 1)), weight[order], arc[order], size[order])
+    m, k = surface.facets.shape
+    xi, w = rule(surface.shape, 3)
+    facet = np.repeat(np.arange(m), len(w))
+    everywhere = SlavePoints.on(surface, facet, np.tile(xi, (m, 1)), np.tile(w, m))
+    weight = np.bincount(everywhere.nodes.ravel(), (everywhere.weight[:, None] * everywhere.values).ravel())
+    weight[np.abs(weight) < _EQUAL * weight.max()] = 0.0
+    if (weight < 0.0).any():
+        raise ValueError(f"'{surface.name}': the corners of facets of eight nodes have negative areas: use Gauss "
+                         'points or quadrature="segments" in place of "nodal"')
+    size = np.zeros(len(weight))
+    np.maximum.at(size, surface.facets.ravel(), np.repeat(surface.size, k))
+    _, first = np.unique(surface.facets.ravel(), return_index=True)
+    facet, local = np.divmod(first, k)
+    place = surface.shape.nodes[local]
+    order = np.argsort(facet + 0.5 * place[:, 0]) if surface.dim == 2 else np.arange(len(weight))
+    order = order[weight[order] > 0.0]
+    along = _along(surface, surface.at(facet, place, surface.nodes))
+    return SlavePoints(facet[order], place[order], order[:, None], np.ones((len(order), 1)), weight[order], size[order],
+                       along[order])
 
 
 def gauss(slave: Surface, master: Surface, n: int) -> SlavePoints:
-    """``n`` Gauss points on every slave segment: surface-to-surface contact.
+    """Gauss points on every slave facet: surface-to-surface contact.
 
-    The master's shape functions have kinks at its nodes, which Gauss points smear. Where these nodes lie closer than
-    the slave's segments are long, the segments are divided, so that no piece is longer than the nodes' distance.
+    There are n in each direction, on triangles as many as integrate the same degree, 2n - 1.  The master's shape
+    functions have kinks at its nodes, which Gauss points smear. Where these nodes lie closer than the slave's facets
+    are long, the facets are divided, so that no piece is longer than the nodes' distance.
     """
     pieces = max(1, int(np.ceil(slave.spacing / _node_distance(master) - _EQUAL)))
-    return between(slave, np.arange(len(slave.segments) * pieces + 1) / pieces, n)
+    xi, w = _divided(slave.shape, n, pieces)
+    m = len(slave.facets)
+    return SlavePoints.on(slave, np.repeat(np.arange(m), len(w)), np.tile(xi, (m, 1)), np.tile(w, m))
 
 
 def _node_distance(master: Surface) -> float:
     """Distance between the master's nodes; infinite if it is rigid, for then nothing is shared out to them."""
-    if (master.dofs < 0).all():
+    if master.rigid:
         return np.inf
     intervals = len(master.nodes) - (0 if master.closed else 1)
-    return master.spacing * len(master.segments) / intervals
+    if master.dim == 3:
+        intervals = len(master.facets) * int(master.shape.exponents.max()) ** 2
+    return float(master.spacing * (len(master.facets) / intervals) ** (1 / (master.dim - 1)))
+
+
+def _divided(shape: Shape, n: int, pieces: int) -> tuple[ndarray, ndarray]:
+    """Gauss points and weights on equal pieces of a facet, so many in each direction."""
+    xi, w = rule(shape, n)
+    low, share = shape.corners.min(axis=0), 1.0 / pieces
+    shift = np.ptp(shape.corners, axis=0) * share
+    steps = np.stack(np.meshgrid(*[np.arange(pieces)] * shape.dim, indexing="ij"), axis=-1).reshape(-1, shape.dim)
+    upright = low + steps[:, None] * shift + (xi - low) * share
+    if not shape.triangular:
+        return upright.reshape(-1, shape.dim), np.tile(w * share**shape.dim, len(steps))
+    turned = low + (steps[:, None] + 1) * shift - (xi - low) * share
+    inside = np.concatenate((upright[steps.sum(axis=1) < pieces], turned[steps.sum(axis=1) < pieces - 1]))
+    return inside.reshape(-1, shape.dim), np.tile(w * share**2, len(inside))
 
 
 def between(surface: Surface, cuts: ndarray, n: int) -> SlavePoints:
-    """``n`` Gauss points on every piece of the chain between two cuts.
+    """``n`` Gauss points on every piece of a surface in the plane between two cuts.
 
     Parameters
     ----------
     cuts
-        Chain coordinates of the cuts, ascending: segment number plus the share ``(1 + xi) / 2``; whole numbers,
-        the ends of the segments, are among them.
+        Coordinates of the cuts, ascending: facet number plus the share ``(1 + xi) / 2``; whole numbers,
+        the ends of the facets, are among them.
     """
     t, w = np.polynomial.legendre.leggauss(n)
     half = 0.5 * np.diff(cuts)
     coordinate = ((cuts[:-1] + half)[:, None] + half[:, None] * t).ravel()
-    segment = np.repeat(np.floor(cuts[:-1] + half).astype(int), n)
-    xi = 2.0 * (coordinate - segment) - 1.0
-    M, rho = surface.curve(segment, xi, surface.nodes, 1)
-    weight = np.linalg.norm(rho[1], axis=-1) * (2.0 * half[:, None] * w).ravel()
-    return SlavePoints(surface.segments[segment], M[0], weight, surface.arc(segment, xi)[0], surface.length[segment])
+    facet = np.repeat(np.floor(cuts[:-1] + half).astype(int), n)
+    return SlavePoints.on(surface, facet, 2.0 * (coordinate - facet)[:, None] - 1.0, (2.0 * half[:, None] * w).ravel())

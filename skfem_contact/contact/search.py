@@ -7,19 +7,24 @@ from typing import NamedTuple
 import numpy as np
 from numpy import ndarray
 
+from ..surfaces.material_points import MaterialPoints
+from ..surfaces.shape import Shape
+from ..surfaces.surface import Surface
+from ..surfaces.vectors import across, determinant, dot, inverse, products, solve, unit
 from .neighbours import Neighbours, neighbours
-from .surface import Surface
 
-#: Hysteresis: at a joint that turns by less than a degree, a point leaves the segment that it had in the accepted
-#: state only beyond this share of its length, lest nodes that face each other chatter between two segments.
+#: Hysteresis: at a joint that turns by less than a degree, a point leaves the facet that it had in the accepted
+#: state only beyond this share of its size, lest nodes that face each other chatter between two facets.
 HYSTERESIS = 0.01
 #: ... and one that is frozen, whatever the angle, beyond this share.
 FROZEN = 0.25
 _STRAIGHT = np.cos(np.deg2rad(1.0))
 _SMOOTH = 1e-12  # sine of the angle at a joint without one
 _ON_FACET = 1e-9  # round-off of xi at a joint
+_ON_SIDE = 1e-10  # last step along a side, that of Newton's method: the error is its square
 _NEWTON_STEPS = 25
-_ROUND_OFF = 16 * np.finfo(float).eps  # ... of xi where the coordinates are as large as the segment
+_ROUND_OFF = 16 * np.finfo(float).eps  # ... of xi where the coordinates are as large as the facet
+_BEYOND = 0.3  # share of its width by which a curved facet is followed beyond its sides: farther than locked points go
 
 
 class Projection(NamedTuple):
@@ -28,71 +33,93 @@ class Projection(NamedTuple):
     Attributes
     ----------
     found
-        Whether contact is possible, (n,): not off the ends of an open chain, and not deeper than an element or so.
-    segment, xi
-        Where the closest point lies.
+        Whether contact is possible, (n,): not off the rim of a surface, and not deeper than an element or so.
+    facet, xi
+        Where the closest point lies, (n,) and (n, dim - 1).
     gap
-        Signed distance, positive outside the body; inf off the ends of an open chain.
-    vertex
-        Whether the closest point is a vertex without an orthogonal projection on either side of it.
+        Signed distance, positive outside the body; inf where nothing is near.
+    feature
+        What the closest point lies on: 0 the facet; the number of its side, from 1, or one more than there are sides
+        for a corner, where there is no orthogonal projection on either facet.  The ends of facets in the plane are
+        sides.
     """
 
     found: ndarray
-    segment: ndarray
+    facet: ndarray
     xi: ndarray
     gap: ndarray
-    vertex: ndarray
+    feature: ndarray
+
+    def take(self, chosen: ndarray) -> Projection:
+        """Some of the points."""
+        return Projection(*(part[chosen] for part in self))
+
+    @property
+    def closest(self) -> MaterialPoints:
+        """Closest points where contact is possible."""
+        return MaterialPoints(np.where(self.found, self.facet, -1), np.where(self.found[:, None], self.xi, np.nan))
+
+    @property
+    def vertex(self) -> ndarray:
+        """Whether the closest point is an edge or a vertex of the surface."""
+        return np.asarray(self.feature > 0)
 
 
 def project(surface: Surface, nodes: ndarray, points: ndarray, depth: ndarray,
             previous: ndarray | None = None, frozen: ndarray | None = None, among: Neighbours | None = None
             ) -> Projection:
-    """Closest points on the surface, among all of its segments.
+    """Closest points on the surface, among all of its facets.
 
     Parameters
     ----------
     surface, nodes
         The surface and the current coordinates of its nodes.
     points
-        Points to project, (n, 2).
+        Points to project, (n, dim).
     depth
         Largest penetration that counts as contact, (n,): what lies deeper belongs to the body's other side.
     previous
-        Segments of the accepted state, (n,), -1 where there was none.
+        Facets of the accepted state, (n,), -1 where there was none.
     frozen
-        Whether points are to stay on these segments, or without any, (n,).
+        Whether points are to stay on these facets, or without any, (n,).
     among
         Neighbours of the points as far as they are known; points without any are not projected.
     """
     n = len(points)
-    result = Projection(np.zeros(n, bool), np.zeros(n, int), np.zeros(n), np.full(n, np.inf), np.zeros(n, bool))
-    row, segment, _ = among or neighbours(surface, nodes, points)[0]
-    ends = _Ends.of(surface, nodes)
-    foot = _foot(surface, nodes, ends, points[row], segment)
-    off_end = _off_end(surface, segment, foot)
+    result = Projection(np.zeros(n, bool), np.zeros(n, int), np.zeros((n, surface.dim - 1)), np.full(n, np.inf),
+                        np.zeros(n, int))
+    row, facet, _ = among or neighbours(surface, nodes, points)[0]
     accepted = np.full(n, -1) if previous is None else previous
     held = np.zeros(n, bool) if frozen is None else frozen
-    here, there = ends.at_joint(surface, segment, foot)
-    stays = _stays(here, there, foot, segment == accepted[row], held[row])
-    outside = np.abs(foot) - 1.0 > np.where(off_end, 2.0 * surface.extension, np.maximum(2.0 * stays, _ON_FACET))
-    reached = np.where(off_end, 1.0 + 2.0 * surface.extension, 1.0)
-    xi = np.where(outside, np.minimum(np.maximum(foot, -reached), reached), foot)
-    rho = surface.curve(segment, xi, nodes, 1)[1]
-    offset = points[row] - rho[0]
-    distance = np.hypot(offset[:, 0], offset[:, 1])
-    vertex = outside & ~off_end
-    # at a vertex, both segments there tell what is outside
-    side = np.where(vertex, _left(here + there, offset), _left(rho[1], offset))
-    gap = np.where(side >= 0, distance, -distance)
-    # neither round-off nor the order of the search decides at a joint: the segment before it does
-    ties = np.where(np.abs(foot - 1.0) <= _ON_FACET, _ON_FACET, 0.0)
-    preferred = np.where(outside, 0.0, np.maximum(stays, ties)) * surface.length[segment]
-    best = _first_minimum(row, distance - preferred)
-    # what is closest decides: off the end of the chain, or too deep, there is no contact with anything farther
-    best = best[~(outside & off_end)[best]]
+    flat = _Flat.of(surface, nodes)
+    foot = flat.foot(surface.shape, facet, points[row])
+    if surface.dim == 3:
+        kept = _promising(surface, nodes, flat, points[row], row, facet, foot) | (facet == accepted[row])
+        row, facet, foot = row[kept], facet[kept], foot[kept]
+    foot = _foot(surface, nodes, points[row], facet, foot)
+    beyond = surface.shape.beyond(foot)
+    stays = _stays(surface, nodes, facet, beyond, facet == accepted[row], held[row])
+    rim = surface.at_rim[facet]
+    limit = np.where(rim, 2.0 * surface.extension, np.maximum(2.0 * stays, _ON_FACET))
+    outside = (beyond > limit).any(axis=1)
+    xi, feature, off = foot.copy(), np.zeros(len(facet), int), np.zeros(len(facet), bool)
+    out = np.flatnonzero(outside)
+    xi[out], feature[out], off[out] = _on_sides(surface, nodes, points[row[out]], facet[out], beyond[out],
+                                                np.where(rim, 2.0 * surface.extension, 0.0)[out])
+    place = surface.at(facet, xi, nodes)
+    offset = points[row] - place.x[0]
+    distance = np.sqrt(np.einsum("nc,nc->n", offset, offset))
+    normal = place.normal
+    if (bent := np.flatnonzero(outside & ~off)).size:  # all facets there tell what is outside
+        normal[bent] = _side_of_joint(surface, nodes, facet[bent], feature[bent], xi[bent])
+    gap = np.where(np.einsum("nc,nc->n", normal, offset) >= 0, distance, -distance)
+    best = _first_minimum(row, distance - _preferred(surface, facet, beyond, outside, stays) * surface.size[facet])
+    # what is closest decides: off the rim, or too deep, there is no contact with anything farther
+    best = best[~off[best]]
     at = row[best]
-    result.segment[at], result.xi[at], result.gap[at] = segment[best], xi[best], gap[best]
-    result.vertex[at], result.found[at] = vertex[best], (gap[best] >= -depth[at]) & ~(held & (accepted == -1))[at]
+    result.facet[at], result.xi[at], result.gap[at] = facet[best], xi[best], gap[best]
+    result.feature[at] = feature[best]
+    result.found[at] = (gap[best] >= -depth[at]) & ~(held & (accepted == -1))[at]
     return result
 
 
@@ -100,71 +127,206 @@ def merged(near: ndarray, found: Projection, projected: Callable[[ndarray], Proj
     """What was found for the near points, and what is found now for all others, as `projected` finds it."""
     if near.all():
         return found
-    return Projection(*(np.where(near, *both) for both in zip(found, projected(~near), strict=True)))
+    return Projection(*(np.where(near.reshape(-1, *(1,) * (a.ndim - 1)), a, b)
+                        for a, b in zip(found, projected(~near), strict=True)))
 
 
-def _left(tangent: ndarray, offset: ndarray) -> ndarray:
-    return tangent[:, 0] * offset[:, 1] - tangent[:, 1] * offset[:, 0]
+class _Flat(NamedTuple):
+    """Facets as seen from their centres: places (m, dim), tangents (m, dim - 1, dim) and their inverse metric."""
 
-
-class _Ends(NamedTuple):
-    """Ends of the segments, their places and unit tangents there, (2, n_segments, 2)."""
-
-    place: ndarray
-    tangent: ndarray
+    centre: ndarray
+    tangents: ndarray
+    inverse: ndarray
 
     @classmethod
-    def of(cls, surface: Surface, nodes: ndarray) -> _Ends:
-        place, tangent = surface.ends(nodes)
-        return cls(place, tangent / np.hypot(tangent[..., 0], tangent[..., 1])[..., None])
+    def of(cls, surface: Surface, nodes: ndarray) -> _Flat:
+        shape, places = surface.shape, nodes[surface.facets]
+        m = len(places)
+        facet = np.arange(m) if len(shape.coefficients) > 1 else np.zeros(1, int)
+        M = shape.at(facet, np.tile(shape.centre, (len(facet), 1)), 1)
+        tangents = np.broadcast_to(M[1], (m, *M[1].shape[1:])) @ places
+        return cls(np.einsum("nk,nkc->nc", np.broadcast_to(M[0], (m, M[0].shape[1])), places), tangents,
+                   inverse(products(tangents, tangents)))
 
-    def at_joint(self, surface: Surface, segment: ndarray, xi: ndarray) -> tuple[ndarray, ndarray]:
-        """Tangents of a segment and its neighbour at the joint on the side of xi."""
-        m, side = len(surface.segments), (xi > 0).astype(int)
-        neighbour = segment + 2 * side - 1
-        neighbour = neighbour % m if surface.closed else np.minimum(np.maximum(neighbour, 0), m - 1)
-        return self.tangent[side, segment], self.tangent[1 - side, neighbour]
+    def foot(self, shape: Shape, facet: ndarray, points: ndarray) -> ndarray:
+        """Local coordinates of the orthogonal projections, (n, dim - 1): exact where the facets are affine."""
+        along = (self.tangents[facet] @ (points - self.centre[facet])[:, :, None])
+        return np.asarray(shape.centre + (self.inverse[facet] @ along)[:, :, 0])
 
 
-def _foot(surface: Surface, nodes: ndarray, ends: _Ends, points: ndarray, segment: ndarray) -> ndarray:
-    """Local coordinate of the orthogonal projection on every candidate: eq. 17 on the chord, then Newton."""
-    first, last = ends.place[:, segment]
-    chord = last - first
-    xi = np.einsum("nc,nc->n", 2 * points - first - last, chord) / np.einsum("nc,nc->n", chord, chord)
-    if surface.straight:
+def _promising(surface: Surface, nodes: ndarray, flat: _Flat, points: ndarray, row: ndarray, facet: ndarray,
+               foot: ndarray) -> ndarray:
+    """Which pairs (point, facet) may be the closest, as far as flat facets tell.
+
+    No facet with the distance of its flat image, less the largest distance between the two, beyond that of some place
+    on another one is the closest.
+    """
+    shape = surface.shape
+    places = flat.centre[:, None] + (shape.nodes - shape.centre) @ flat.tangents
+    bulge = np.sqrt(((places - nodes[surface.facets]) ** 2).sum(axis=2).max(axis=1))
+    reach = 2.0 * surface.extension * surface.at_rim
+    slope = np.sqrt(np.einsum("sa,nab,sb->ns", shape.outward, flat.inverse, shape.outward, optimize=True))
+    aside = ((shape.beyond(foot) - reach[facet]) / slope[facet]).max(axis=1)
+    height = dot(points - flat.centre[facet], unit(across(flat.tangents))[facet])
+    least = np.sqrt(height**2 + np.maximum(aside, 0.0) ** 2) - 2.0 * bulge[facet]
+    inside = np.clip(foot, shape.corners.min(axis=0), shape.corners.max(axis=0))
+    if shape.triangular:
+        inside /= np.maximum(inside.sum(axis=1), 1.0)[:, None]
+    x = surface.at(facet, inside, nodes, 0).x[0]
+    most = np.full(row.max(initial=-1) + 1, np.inf)
+    np.minimum.at(most, row, np.sqrt(dot(points - x, points - x)))
+    return np.asarray(least <= most[row] * (1.0 + _ON_FACET) + _ON_FACET * surface.size[facet])
+
+
+def _foot(surface: Surface, nodes: ndarray, points: ndarray, facet: ndarray, xi: ndarray) -> ndarray:
+    """Local coordinates of the orthogonal projection on every candidate: Newton from those on flat ones."""
+    shape = surface.shape
+    if shape.affine:
         return xi
-    xi = np.clip(xi, -1.2, 1.2)
-    exact = _ROUND_OFF * float(np.abs(nodes).max() / surface.length.min())
+    width = np.ptp(shape.corners, axis=0)
+    low, high = shape.corners.min(axis=0) - _BEYOND * width, shape.corners.max(axis=0) + _BEYOND * width
+    xi = np.clip(xi, low, high)
+    exact = _ROUND_OFF * float(np.abs(nodes).max() / surface.size.min())
+    left = np.arange(len(facet))
     for _ in range(_NEWTON_STEPS):
-        rho = surface.curve(segment, xi, nodes, 2)[1]
-        offset = points - rho[0]
-        slope = np.einsum("nc,nc->n", rho[1], rho[1])
-        curvature = np.einsum("nc,nc->n", offset, rho[2])
-        # beyond the centre of curvature the full Newton step runs away: fall back to the safe Gauss-Newton step
-        step = np.einsum("nc,nc->n", offset, rho[1]) / np.maximum(slope - curvature, 0.5 * slope)
-        xi = np.clip(xi + np.clip(step, -0.5, 0.5), -1.2, 1.2)
-        if np.abs(step[np.abs(xi) < 1.2]).max(initial=0.0) < exact:
+        step = _newton_step(surface.at(facet[left], xi[left], nodes, 2).x, points[left])
+        xi[left] = np.clip(xi[left] + np.clip(step, -width / 4, width / 4), low, high)
+        moves = (np.abs(step) >= exact) & (xi[left] > low) & (xi[left] < high)
+        left = left[moves.any(axis=1)]
+        if len(left) == 0:
             break
     return xi
 
 
-def _off_end(surface: Surface, segment: ndarray, foot: ndarray) -> ndarray:
-    """Feet off the two ends of an open chain."""
-    if surface.closed:
-        return np.zeros(len(foot), bool)
-    last = len(surface.segments) - 1
-    return ((segment == 0) & (foot < -1.0)) | ((segment == last) & (foot > 1.0))
+def _newton_step(x: list[ndarray], points: ndarray) -> ndarray:
+    """Newton's step towards the orthogonal projection; x as in :class:`Place`."""
+    offset, metric = points - x[0], products(x[1], x[1])
+    matrix = metric - np.einsum("nabc,nc->nab", x[2], offset)
+    # beyond the centre of curvature the full Newton step runs away: fall back to the safe Gauss-Newton step
+    share = 0.5 ** metric.shape[1]
+    runs_away = (determinant(matrix) < share * determinant(metric)) | (matrix[:, 0, 0] <= 0.0)
+    matrix[runs_away] = metric[runs_away] * (0.5 if metric.shape[1] == 1 else 1.0)
+    return solve(matrix, np.einsum("nac,nc->na", x[1], offset))
 
 
-def _stays(here: ndarray, there: ndarray, foot: ndarray, accepted: ndarray, frozen: ndarray) -> ndarray:
-    """Share of the segment's length by which candidates that are a point's accepted segment are preferred.
+def _on_sides(surface: Surface, nodes: ndarray, points: ndarray, facet: ndarray, beyond: ndarray, reach: ndarray
+              ) -> tuple[ndarray, ndarray, ndarray]:
+    """Closest points on the sides of facets whose foot lies outside, their features, and whether that is off the rim.
 
-    The tangents are those of the candidate and of its neighbour at the joint between them.
+    Parameters
+    ----------
+    beyond
+        How far the feet lie beyond the sides, (n, n_sides).
+    reach
+        How far the facets go on beyond the sides, (n, n_sides): nothing but at the rim.
     """
-    share = np.where(frozen, FROZEN, HYSTERESIS)
-    at_joint = accepted & (np.abs(np.abs(foot) - 1.0) <= 2.0 * share)
-    bends = (np.einsum("nc,nc->n", here, there) > _STRAIGHT) & (np.abs(_left(here, there)) > _SMOOTH)
-    return np.where(at_joint & (bends | frozen), share, 0.0)
+    shape, n = surface.shape, len(facet)
+    best, xi = np.full(n, np.inf), np.zeros((n, shape.dim))
+    feature, off = np.zeros(n, int), np.zeros(n, bool)
+    sides = len(shape.side_corners)
+    for side in range(sides):
+        at = np.flatnonzero(beyond[:, side] > reach[:, side])
+        start = shape.corners[shape.side_corners[side, 0]] + reach[at, side, None] * (
+            shape.outward[side] / (shape.outward[side] @ shape.outward[side]))
+        ends = 0.5 * reach[at][:, [side - 1, (side + 1) % sides]] * [-1, 1] + [0, 1]
+        s, place = _along_side(surface, nodes, points[at], facet[at], start, shape.along[side], ends)
+        distance = np.sqrt(((points[at] - place) ** 2).sum(axis=1))
+        nearer = distance < best[at]
+        at, s, start, ends = at[nearer], s[nearer], start[nearer], ends[nearer]
+        best[at], xi[at] = distance[nearer], start + s[:, None] * shape.along[side]
+        over = (s[:, None] == ends) if shape.dim > 1 else np.zeros((len(at), 2), bool)  # beyond an end of the side
+        feature[at] = np.where(over.any(axis=1), sides + 1, side + 1)
+        off[at] = surface.at_rim[facet[at], side] | (over & (ends != [0, 1])).any(axis=1)
+    return xi, feature, off
+
+
+def _along_side(surface: Surface, nodes: ndarray, points: ndarray, facet: ndarray, start: ndarray, along: ndarray,
+                ends: ndarray) -> tuple[ndarray, ndarray]:
+    """Share of the way along a side, between two ends, (n, 2), at which it is closest, and the place there."""
+    s = np.full(len(facet), 0.5 if surface.dim == 3 else 0.0)
+    left = np.arange(len(facet) if surface.dim == 3 else 0)
+    for _ in range(_NEWTON_STEPS):
+        if len(left) == 0:
+            break
+        place = surface.at(facet[left], start[left] + s[left, None] * along, nodes, 2)
+        tangent, offset = along @ place.x[1], points[left] - place.x[0]
+        slope, curvature = dot(tangent, tangent), dot(along @ (along @ place.x[2]), offset)
+        step = dot(offset, tangent) / np.maximum(slope - curvature, 0.5 * slope)
+        new = np.clip(s[left] + np.clip(step, -1.0, 1.0), *ends[left].T)
+        moves, s[left] = np.abs(new - s[left]) > _ON_SIDE, new
+        left = left[moves]
+    return s, surface.at(facet, start + s[:, None] * along, nodes, 0).x[0]
+
+
+def _side_of_joint(surface: Surface, nodes: ndarray, facet: ndarray, feature: ndarray, xi: ndarray) -> ndarray:
+    """Direction that tells outside from inside at sides and corners: the sum of the normals of all facets there.
+
+    At corners in space each normal counts with the angle of its facet (Baerentzen and Aanaes, 2005).
+    """
+    sides = surface.neighbours.shape[1]
+    normal = np.zeros((len(facet), surface.dim))
+    at_side = feature <= sides
+    here, there = _normals_at_joint(surface, nodes, facet[at_side], feature[at_side] - 1)
+    normal[at_side] = here + there
+    if not at_side.all():
+        corner = np.argmin(np.abs(xi[~at_side][:, None] - surface.shape.corners).sum(axis=2), axis=1)
+        normal[~at_side] = _normals_at_corners(surface, nodes, surface.facets[facet[~at_side], corner])
+    return normal
+
+
+def _normals_at_corners(surface: Surface, nodes: ndarray, which: ndarray) -> ndarray:
+    """Sums of the normals of all facets at nodes, times their angles there."""
+    n = len(surface.shape.corners)
+    facet, corner = np.nonzero(np.isin(surface.facets[:, :n], which))
+    node = surface.facets[facet, corner]
+    before = nodes[surface.facets[facet, corner - 1]] - nodes[node]
+    after = nodes[surface.facets[facet, (corner + 1) % n]] - nodes[node]
+    angle = np.arccos(np.clip(np.einsum("nc,nc->n", unit(before), unit(after)), -1.0, 1.0))
+    normal = surface.at(facet, surface.shape.corners[corner], nodes).normal
+    total = np.zeros((len(surface.nodes), 3))
+    np.add.at(total, node, angle[:, None] * normal)
+    return total[which]
+
+
+def _normals_at_joint(surface: Surface, nodes: ndarray, facet: ndarray, side: ndarray) -> tuple[ndarray, ndarray]:
+    """Normals of facets and of those beyond their sides, in the middle of these; the facet's own beyond the rim."""
+    shape = surface.shape
+    neighbour = surface.neighbours[facet, side]
+    other = 1 - side if surface.dim == 2 else np.argmax(surface.neighbours[neighbour] == facet[:, None], axis=1)
+    neighbour, other = np.where(neighbour < 0, facet, neighbour), np.where(neighbour < 0, side, other)
+    middle = shape.corners[shape.side_corners[:, 0]] + 0.5 * shape.along
+    return (surface.at(facet, middle[side], nodes).normal, surface.at(neighbour, middle[other], nodes).normal)
+
+
+def _stays(surface: Surface, nodes: ndarray, facet: ndarray, beyond: ndarray, accepted: ndarray, frozen: ndarray
+           ) -> ndarray:
+    """Share of the facet's size by which candidates that are a point's accepted facet are preferred, by side."""
+    share = np.where(frozen, FROZEN, HYSTERESIS)[:, None]
+    stays = np.zeros(beyond.shape)
+    pair, side = np.nonzero(accepted[:, None] & (np.abs(beyond) <= 2.0 * share) & ~surface.at_rim[facet])
+    if len(pair):
+        here, there = _normals_at_joint(surface, nodes, facet[pair], side)
+        turn = np.sqrt(((here - there) ** 2).sum(axis=1))
+        bends = (np.einsum("nc,nc->n", here, there) > _STRAIGHT) & (turn > _SMOOTH)
+        stays[pair, side] = np.where(bends | frozen[pair], share[pair, 0], 0.0)
+    return stays
+
+
+def _preferred(surface: Surface, facet: ndarray, beyond: ndarray, outside: ndarray, stays: ndarray) -> ndarray:
+    """Share of its size by which a candidate may be farther away than another one and is taken yet, (n,).
+
+    Neither round-off nor the order of the search decides at a joint: the facet before it does.
+    """
+    tied = (np.abs(beyond) <= _ON_FACET) | (outside[:, None] & (beyond > 0))
+    ties = np.where(tied, _ON_FACET * _rank(surface, facet), 0.0).max(axis=1)
+    return np.where(outside, ties, np.maximum(stays.max(axis=1), ties))
+
+
+def _rank(surface: Surface, facet: ndarray) -> ndarray:
+    """Which of the facets at a side a point there belongs to, by side: the one before, or the one of lower number."""
+    if surface.dim == 2:
+        return np.broadcast_to([0.0, 1.0], (len(facet), 2))
+    return np.repeat(1.0 - facet[:, None] / len(surface.facets), surface.neighbours.shape[1], axis=1)
 
 
 def _first_minimum(row: ndarray, value: ndarray) -> ndarray:

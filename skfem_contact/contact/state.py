@@ -3,27 +3,25 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-import numpy as np
 from numpy import ndarray
 
-from .laws import Status, Update
-from .quadrature import SlavePoints
-from .search import Projection
-from .surface import Surface
+from ..surfaces.material_points import MaterialPoints
 
 
 @dataclass(frozen=True)
 class ContactState:
     """State of a contact pair with ``n`` points; the plane has ``dim = 2``.
 
+    In space slips and shear tractions have two components: one along the slave's ``direction``, as its material carries
+    it along, and one to the left of that, seen from the slave's side.
+
     Attributes
     ----------
-    facet
-        Facet of the master with the closest point, (n,), -1 where there is none.
-    position
-        Arc position of the closest point on the undeformed master, (n,), NaN where there is none.
-    stick_point
-        Arc position to which each point sticks, (n,); NaN where it has no counterpart.
+    facet, position
+        Facet of the master with the closest point, (n,), -1 where there is none, and local coordinates there,
+        (dim - 1, n).
+    stick_facet, stick_position
+        Material point of the master to which each point sticks, likewise; -1 where it has no counterpart.
     gap
         Normal gap, (n,); negative: penetration, inf: nothing opposite.
     slip
@@ -41,12 +39,14 @@ class ContactState:
     offset
         Gap that counts as touching: the initial one where it was adjusted, (n,).
     cuts
-        Chain coordinates at which ``quadrature="segments"`` cuts the slave; empty for other rules.
+        Where ``quadrature="segments"`` cuts the slave: facet numbers plus shares of the facet in the plane, points of
+        the pieces in space; empty for other rules.
     """
 
     facet: ndarray
     position: ndarray
-    stick_point: ndarray
+    stick_facet: ndarray
+    stick_position: ndarray
     gap: ndarray
     slip: ndarray
     traction: ndarray
@@ -57,59 +57,16 @@ class ContactState:
     offset: ndarray
     cuts: ndarray
 
+    @property
+    def closest(self) -> MaterialPoints:
+        """Closest points on the master."""
+        return MaterialPoints(self.facet, self.position.T)
 
-def closest(master: Surface, found: Projection) -> tuple[ndarray, ndarray]:
-    """Facets and arc positions of closest points, as a state holds them."""
-    position, at = np.full(len(found.gap), np.nan), np.isfinite(found.gap)
-    position[at] = master.arc(found.segment[at], found.xi[at])[0]
-    return np.where(found.found, found.segment, -1), position
+    @property
+    def stick(self) -> MaterialPoints:
+        """Stick points on the master."""
+        return MaterialPoints(self.stick_facet, self.stick_position.T)
 
-
-def follow(state: ContactState, master: Surface, found: Projection, at: ndarray, update: Update, elastic: ndarray
-           ) -> ContactState:
-    """The candidate state: open points take their closest point along as stick point, sliding ones drag it (eq. 10).
-
-    Parameters
-    ----------
-    state
-        Accepted state.
-    master
-        The master.
-    found
-        Closest points of all points.
-    at, update
-        Points that the law reaches, and its answer for them.
-    elastic
-        Distance along the undeformed master from their new stick points.
-    """
-    facet, position = closest(master, found)
-    stick_point, internal, traction = position.copy(), state.internal.copy(), np.zeros_like(state.traction)
-    status = np.full(len(position), int(Status.OPEN))
-    stick_point[at] -= elastic
-    traction[:, at], status[at], internal[:, at] = update.traction, update.status, update.internal
-    moved = master.along(position - state.position)
-    slip = np.where(status == Status.OPEN, 0.0, state.slip + np.where(np.isnan(moved), 0.0, moved))
-    return replace(state, facet=facet, position=position, stick_point=stick_point, gap=found.gap, slip=slip,
-                   traction=traction, status=status, internal=internal)
-
-
-def transferred(state: ContactState, old: SlavePoints, new: SlavePoints) -> ContactState:
-    """Carry a state from the slave's old points over to new ones: by interpolation along the slave.
-
-    Positions on the master, and what is no smooth field, come from the nearest old point.
-    """
-    def smooth(values: ndarray) -> ndarray:
-        return np.array([np.interp(new.arc, old.arc, row) for row in np.atleast_2d(values)])
-
-    at = nearest(old, new)
-    elastic = smooth(np.nan_to_num(state.position - state.stick_point))[0]
-    # master and slave run in opposite directions: what lies on along the slave lies back along the master
-    position = state.position[at] - (new.arc - old.arc[at])
-    return replace(state, position=position, stick_point=position - elastic, facet=state.facet[at], gap=state.gap[at],
-                   status=state.status[at], internal=state.internal[:, at], slip=smooth(state.slip),
-                   traction=smooth(state.traction), offset=smooth(state.offset)[0])
-
-
-def nearest(old: SlavePoints, new: SlavePoints) -> ndarray:
-    """Number of the old point nearest to each new one, along the slave."""
-    return np.asarray(np.abs(new.arc[:, None] - old.arc).argmin(axis=1))
+    def with_stick(self, stick: MaterialPoints) -> ContactState:
+        """The state with other stick points."""
+        return replace(self, stick_facet=stick.facet, stick_position=stick.xi.T)

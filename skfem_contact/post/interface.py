@@ -20,7 +20,7 @@ class Interface(NamedTuple):
     tractions
         At the points of the slave.
     normal
-        Outward normals of the slave there, undeformed, (n, 2).
+        Outward normals of the slave there, undeformed, (n, dim).
     nodes, shares
         Nodes that move each of them, and their shape functions, (n, k).
     facets
@@ -37,7 +37,7 @@ class Interface(NamedTuple):
     members: ndarray
 
     def moved_by(self, u: ndarray) -> ndarray:
-        """Displacements of the points, (n, 2), from those of all nodes, (n_nodes, 2)."""
+        """Displacements of the points, (n, dim), from those of all nodes, (n_nodes, dim)."""
         return np.einsum("nk,nkc->nc", self.shares, u[self.nodes])
 
     def on_facets(self) -> dict[str, ndarray]:
@@ -48,7 +48,9 @@ class Interface(NamedTuple):
         data = {}
         for name in ("pressure", "shear", "gap", "slip"):
             values = np.where(np.isfinite(v := getattr(t, name)), v, np.nan)
-            data[name] = np.bincount(facet, (t.weight * values)[point]) / weight
+            total = np.zeros((len(self.facets), *values.shape[1:]))
+            np.add.at(total, facet, (t.weight * values.T).T[point])
+            data[name] = (total.T / weight).T
         status = np.full(len(self.facets), -1)
         np.maximum.at(status, facet, np.asarray(t.status)[point])
         return data | {"status": status}
@@ -64,19 +66,11 @@ def _interface(pair: ContactPair, step: StageResult, name: str) -> Interface:
     state = step.states[name]
     points, slave = pair.points(state), pair.slave
     at = tractions(pair, state)
-    end = slave.start + slave.length
-    slack = 1e-6 * slave.length
-    inside = (at.arc >= (slave.start - slack)[:, None]) & (at.arc <= (end + slack)[:, None])
-    if slave.closed:  # its last facet ends where the first begins
-        inside[-1] |= at.arc <= slack[-1]
-    node = slave.dofs[:, 0] // 2
-    return Interface(at, _normals(slave, at.arc), node[points.nodes], points.values, node[slave.segments],
-                     np.array(np.nonzero(inside)))
-
-
-def _normals(slave: Any, arc: ndarray) -> ndarray:
-    """Outward normals of the slave's facets at arc positions: the chain has its body to the right."""
-    facet = np.clip(np.searchsorted(slave.start, arc, side="right") - 1, 0, len(slave.segments) - 1)
-    ends = slave.nodes[slave.segments[facet][:, :2]]
-    along = (ends[:, 1] - ends[:, 0]) / np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)[:, None]
-    return np.column_stack((-along[:, 1], along[:, 0]))
+    node, normal = slave.dofs[:, 0] // slave.dim, slave.at(points.facet, points.xi, slave.nodes).normal
+    members = np.stack((points.facet, np.arange(len(points.facet))))
+    if points.nodes.shape[1] == 1:  # a node belongs to all of its facets
+        number = np.full(len(node), -1)
+        number[points.nodes[:, 0]] = np.arange(len(points.nodes))
+        facet = np.repeat(np.arange(len(slave.facets)), slave.facets.shape[1])
+        members = np.stack((facet, number[slave.facets.ravel()]))[:, number[slave.facets.ravel()] >= 0]
+    return Interface(at, normal, node[points.nodes], points.values, node[slave.facets], members)

@@ -20,7 +20,7 @@ class ContactReport:
     name
         Slave and master.
     normal, tangential
-        Resultants of the contact pressure and of the friction on the slave, (2,).
+        Resultants of the contact pressure and of the friction on the slave, (dim,).
     pressure, friction
         Integrals of the pressure and of the magnitude of the friction over the surface.
     mobilised
@@ -44,14 +44,15 @@ class ContactReport:
 
     @property
     def force(self) -> ndarray:
-        """Resultant of all contact tractions on the slave, (2,)."""
+        """Resultant of all contact tractions on the slave, (dim,)."""
         return self.normal + self.tangential
 
     def __str__(self) -> str:
         lines = [f"contact of {self.name}: {self.stick} stick, {self.slip} slip, {self.open} open"]
-        for what, total, (x, y) in (("pressure", self.pressure, self.normal),
+        for what, total, vector in (("pressure", self.pressure, self.normal),
                                     ("friction", self.friction, self.tangential)):
-            lines.append(f"  {what:8} {total:12.5g}   resultant on the slave ({x:.5g}, {y:.5g})")
+            resultant = ", ".join(f"{part:.5g}" for part in vector)
+            lines.append(f"  {what:8} {total:12.5g}   resultant on the slave ({resultant})")
         lines.append(f"  friction over pressure at most {self.mobilised:.3f}, "
                      f"penetration at most {self.penetration:.2%} of a segment")
         return "\n".join(lines)
@@ -94,20 +95,20 @@ def contact_report(pair: ContactPair, x: ndarray, state: ContactState) -> Contac
         raise ValueError(f"the displacements have shape {np.shape(x)}, not ({pair.size},)")
     closed = state.status != Status.OPEN
     weight = pair.share * pair.points(state).weight[closed]
-    normal, tangential = state.traction[:, closed]
+    normal, friction = state.traction[0, closed], np.linalg.norm(state.traction[1:, closed], axis=0)
     resultants = _resultants(pair, x, state)
     counts = np.bincount(state.status, minlength=3)
-    ratio = np.divide(np.abs(tangential), -normal, out=np.zeros(len(normal)), where=normal < 0)
+    ratio = np.divide(friction, -normal, out=np.zeros(len(normal)), where=normal < 0)
     return ContactReport(
         name=f"{pair.slave.name} on {pair.master.name}",
         normal=resultants[0], tangential=resultants[1],
-        pressure=-float(weight @ normal), friction=float(weight @ np.abs(tangential)),
+        pressure=-float(weight @ normal), friction=float(weight @ friction),
         mobilised=float(ratio.max(initial=0.0)), penetration=pair.penetration(state),
         open=int(counts[Status.OPEN]), stick=int(counts[Status.STICK]), slip=int(counts[Status.SLIP]))
 
 
 def _resultants(pair: ContactPair, x: ndarray, state: ContactState) -> list[ndarray]:
-    """Sums of the nodal forces on the slave from pressure and from friction, (2,) each."""
-    forces, none = pair.tractions_at(x, state).forces, np.zeros(len(state.gap))
-    parts = ((state.traction[0], none), (none, state.traction[1]))
-    return [-(forces @ np.concatenate(part))[pair.slave.dofs].sum(axis=0) + 0.0 for part in parts]
+    """Sums of the nodal forces on the slave from pressure and from friction, (dim,) each."""
+    forces, normal = pair.tractions_at(x, state).forces, np.zeros_like(state.traction)
+    normal[0] = state.traction[0]
+    return [-(forces @ part.ravel())[pair.slave.dofs].sum(axis=0) + 0.0 for part in (normal, state.traction - normal)]

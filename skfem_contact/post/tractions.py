@@ -8,29 +8,31 @@ from numpy import ndarray
 from numpy.typing import ArrayLike
 
 from ..contact import ContactPair, ContactState
+from ..surfaces.chain import Chain
+from ..surfaces.vectors import frame
 
 
 @dataclass(frozen=True)
 class Tractions:
-    """What a contact pair transmits, arrays (n_points,) in the order of the slave's chain.
+    """What a contact pair transmits, arrays (n_points,), in the plane in the order of the slave's chain.
 
     Attributes
     ----------
     arc
-        Position along the slave's chain, which has its body to the right: clockwise around a body,
-        anticlockwise around a hole.
-    x, y
-        Place of the point in the undeformed slave.
+        Position along the slave's chain in the plane, none in space; it has its body to the right: clockwise around a
+        body, anticlockwise around a hole.
+    x, y, z
+        Place of the point in the undeformed slave; z is zero in the plane.
     pressure
         Normal traction, compression positive.
     shear
-        Friction that the slave exerts on the master, positive along the master's chain: clockwise around a
-        pipe.
+        Friction that the slave exerts on the master: in the plane positive along the master's chain, clockwise around
+        a pipe; in space vectors, (n_points, 3), on the undeformed slave.
     gap
         Normal gap from what counts as touching; negative where the penalty lets the point penetrate,
         infinite where no master is near.
     slip
-        Distance along the master's chain that the point has slid.
+        Distance along the master's chain that the point has slid; in space vectors, (n_points, 3).
     status
         :class:`~skfem_contact.Status` of the point.
     weight
@@ -41,6 +43,7 @@ class Tractions:
     arc: ndarray
     x: ndarray
     y: ndarray
+    z: ndarray
     pressure: ndarray
     shear: ndarray
     gap: ndarray
@@ -86,10 +89,16 @@ def tractions(pair: ContactPair, state: ContactState) -> Tractions:
     """
     check_state(pair, state)
     points = pair.points(state)
-    x, y = points.positions(pair.slave.nodes).T
-    return Tractions(points.arc, x, y, pressure=-state.traction[0], shear=state.traction[1],
-                     gap=state.gap - state.offset, slip=state.slip[0], status=state.status,
-                     weight=pair.share * points.weight)
+    places, shear, slip = points.positions(pair.slave.nodes), state.traction[1], state.slip[0]
+    if pair.slave.dim == 2:
+        arc = Chain.of(pair.slave).arc(points.facet, points.xi)
+        places = np.column_stack((places, np.zeros(len(places))))
+    else:
+        arc, normal = np.zeros(0), -pair.slave.at(points.facet, points.xi, pair.slave.nodes).normal
+        tangents = frame(normal, points.direction(pair.slave, pair.slave.nodes))
+        shear, slip = (np.einsum("in,nic->nc", part, tangents) for part in (state.traction[1:], state.slip))
+    return Tractions(arc, *places.T, pressure=-state.traction[0], shear=shear, gap=state.gap - state.offset, slip=slip,
+                     status=state.status, weight=pair.share * points.weight)
 
 
 def check_state(pair: ContactPair, state: ContactState) -> None:

@@ -273,8 +273,8 @@ def _balanced(forms: Mapping[str, Form], load: ndarray, fixed: ndarray, stress: 
 
 
 def _stress_at(places: ndarray, stress: _Field, solids: Mapping[str, Any]) -> ndarray:
-    """A field of stresses at places, (4, n_points); their elements are those of the nearest points of the solids."""
-    inside = [np.asarray(form.basis.global_coordinates()).reshape(2, -1).T for form in solids.values()]
+    """A field of stresses at places, (4 or 6, n_points); their elements are those of the nearest points."""
+    inside = [np.asarray(form.basis.global_coordinates()).reshape(places.shape[1], -1).T for form in solids.values()]
     elements = [np.broadcast_to(form.elements[:, None], form.weight.shape).ravel() for form in solids.values()]
     nearest = cKDTree(np.concatenate(inside)).query(places)[1]
     return np.asarray(stress(places.T[:, :, None], np.concatenate(elements)[nearest][:, None]))[:, :, 0]

@@ -9,7 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from helpers import body_along, facing, grid, moved_rigidly, traction, unknowns_of, vector_basis
+from helpers import arcs, body_along, facing, grid, moved_rigidly, traction, unknowns_of, vector_basis
 from setups import blocks, displaced, force_on, in_contact, run
 
 import skfem_contact as sc
@@ -44,7 +44,7 @@ def waved(mesh, height, number):
 def dissipation(forms, result):
     """Work of the friction on the way of the stick points, of every point in every step, (n_steps - 1, n)."""
     states = [stage.states["joint"] for stage in result]
-    way = np.diff([state.stick_point for state in states], axis=0)
+    way = np.diff([arcs(forms["joint"], state.stick) for state in states], axis=0)
     way = np.where(np.isnan(way), 0.0, way)
     return way * np.array([state.traction[1] for state in states[1:]])
 
@@ -100,7 +100,7 @@ def test_random_walk():
         new = pair.assemble(x, state).state
         closed = new.status != sc.Status.OPEN
         assert (np.abs(new.traction[1]) <= 0.4 * np.abs(new.traction[0]) * (1 + 1e-12)).all()
-        gained = -new.traction[1] * (new.stick_point - state.stick_point)
+        gained = -new.traction[1] * (arcs(pair, new.stick) - arcs(pair, state.stick))
         assert gained[closed].max(initial=0.0) <= 1e-14
         stored.append(0.5 * (new.traction[1]**2).max() / 3e3)
         state = new
@@ -219,9 +219,9 @@ def test_locked_point_keeps_its_facet(shape):
     free = project(surface, surface.nodes, points, depth, np.array([0, 1, 0, 1]), np.zeros(4, bool))
     held = project(surface, surface.nodes, points, depth, np.array([0, 1, 0, 1]), np.ones(4, bool))
     if shape == 0:
-        assert free.segment.tolist() == [1, 0, 1, 0]
-        assert held.segment[:2].tolist() == [0, 1]  # the other one is nearer
-    assert np.array_equal(held.segment[2:], free.segment[2:])  # too far away to be held
+        assert free.facet.tolist() == [1, 0, 1, 0]
+        assert held.facet[:2].tolist() == [0, 1]  # the other one is nearer
+    assert np.array_equal(held.facet[2:], free.facet[2:])  # too far away to be held
     assert not held.vertex[:2].any()
     gone = project(surface, surface.nodes, points, depth, np.full(4, -1), np.ones(4, bool))
     assert not gone.found.any()  # a point that had no counterpart gets none

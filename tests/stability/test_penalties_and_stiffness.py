@@ -111,10 +111,10 @@ def test_soft_stick_repeats_the_tractions(rng):
     soft = easier.easing.of(SoftStick)
     assert soft.softness == pytest.approx(1e-2)  # 10 times the stiffness of the surfaces
     assert pair.penalties(easier.seen(accepted))[1] == pytest.approx(10 * pair.stiffness)
-    elastic = hard.state.position - hard.state.stick_point
-    easier.easing = Easing((SoftStick(soft.softness, elastic),))
+    easier.easing = Easing((SoftStick(soft.softness, pair.elastic_slip(hard.state)),))
     answer = easier.assemble(x, accepted)
-    np.testing.assert_allclose(answer.force, hard.force, atol=1e-9 * np.abs(hard.force).max())
+    # the elastic slip is kept along the undeformed master: strains of 1e-4 are left
+    np.testing.assert_allclose(answer.force, hard.force, atol=1e-4 * np.abs(hard.force).max())
     assert np.array_equal(answer.state.status, hard.state.status)
     # the next, harder stick: repeating tractions are taken over at once with the whole penalty
     last, same = easier.outer(x, accepted, answer.state)

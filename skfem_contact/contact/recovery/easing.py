@@ -68,6 +68,10 @@ class Easing:
             state = member.seen(state, law)
         return state
 
+    def slip(self, at: ndarray) -> ndarray | float:
+        """What is added to the slips of points, given by their numbers, (dim - 1, n)."""
+        return sum(member.slip(at) for member in self.members)
+
     @property
     def reason(self) -> str:
         """Why there may be no equilibrium without it, for a message."""

@@ -46,6 +46,10 @@ class Recovery:
         """The accepted state as the easier pair sees it."""
         return state
 
+    def slip(self, at: ndarray) -> ndarray | float:
+        """What is added to the slips of points, given by their numbers."""
+        return 0.0
+
     def proceed(self, pair: ContactPair, accepted: ContactState, found: ContactState) -> Recovery | None:
         """The next member, once an equilibrium is found; None for the pair as given, this one where nothing is left.
 
@@ -61,5 +65,5 @@ class Recovery:
     def at(self, points: ndarray) -> Recovery:
         """The same for other points of the slave, which are nearest to these old ones."""
         values = {f.name: getattr(self, f.name) for f in fields(self)}  # type: ignore[arg-type]  # of a dataclass
-        arrays = {name: value[points] for name, value in values.items() if isinstance(value, ndarray)}
+        arrays = {name: value[..., points] for name, value in values.items() if isinstance(value, ndarray)}
         return replace(self, **arrays) if arrays else self  # type: ignore[type-var]

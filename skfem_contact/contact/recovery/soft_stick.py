@@ -42,8 +42,7 @@ class SoftStick(Recovery):
     softness
         Share of the tangential penalty.
     elastic
-        Elastic slip that the whole penalty leaves under the tractions of the last solution, along the undeformed
-        master, (n_points,).
+        Elastic slip that the whole penalty leaves under the tractions of the last solution, (dim - 1, n_points).
     """
 
     softness: float
@@ -66,25 +65,21 @@ class SoftStick(Recovery):
         softness = min(_SHARE, _FIRST / hardness)
         logger.info("points %s of '%s' chatter between stick and slip: a soft stick begins with %.1g of the penalty",
                     np.flatnonzero(chatters), pair.slave.name, softness)
-        return cls(softness, _elastic_slip(pair, accepted))
+        return cls(softness, pair.elastic_slip(accepted))
 
     def seen(self, state: ContactState, law: InterfaceLaw) -> ContactState:
-        """With a softer penalty from a shifted stick point."""
-        shift = self.elastic / self.softness - self.elastic
-        return replace(state, penalty_factor=state.penalty_factor * [1.0, self.softness],
-                       stick_point=state.stick_point - shift)
+        """With a softer penalty."""
+        return replace(state, penalty_factor=state.penalty_factor * [1.0, self.softness])
+
+    def slip(self, at: ndarray) -> ndarray:
+        """Slip from a shifted stick point."""
+        return np.asarray((self.elastic / self.softness - self.elastic)[:, at])
 
     def proceed(self, pair: ContactPair, accepted: ContactState, found: ContactState) -> SoftStick | None:
         """A harder stick, with the tractions of the last solution."""
-        elastic = _elastic_slip(pair, found) * self.softness
+        elastic = pair.elastic_slip(found) * self.softness
         sticks = found.status == Status.STICK
-        slip = np.nan_to_num(pair.master.along(found.position - accepted.stick_point))
-        wrong = np.abs(slip - elastic)[sticks].max(initial=0.0)
+        wrong = np.abs(pair.elastic_slip(accepted, found) - elastic)[:, sticks].max(initial=0.0)
         harder = _CHANGE * np.abs(elastic).max() / max(wrong, 1e-300)
         softness = max(harder, self.softness * _GROWTH)
         return SoftStick(softness, elastic) if softness < 1.0 else None
-
-
-def _elastic_slip(pair: ContactPair, state: ContactState) -> ndarray:
-    """Elastic slip along the undeformed master."""
-    return np.asarray(np.nan_to_num(pair.master.along(state.position - state.stick_point)))

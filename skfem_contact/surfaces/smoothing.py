@@ -14,6 +14,7 @@ import numpy as np
 from numpy import ndarray
 
 from .surface import Surface
+from .topology import following
 
 # Hermite polynomials of eq. 24 in the powers of xi; the last one ends with -1.
 _HERMITE = np.array([[2, -3, 0, 1], [2, 3, 0, -1], [1, -1, -1, 1], [-1, -1, 1, 1]]) / 4.0
@@ -34,26 +35,28 @@ def smoothed(surface: Surface, alpha: float = 0.5, corner: float = 45.0) -> Surf
     Raises
     ------
     ValueError
-        Alpha out of its range, or facets that are curved themselves.
+        Alpha out of its range, a surface in space, or facets that are curved themselves.
 
     Examples
     --------
     >>> import numpy as np
-    >>> from skfem_contact.contact.rigid import rigid_polyline
-    >>> from skfem_contact.contact.smoothing import smoothed
+    >>> from skfem_contact.surfaces.rigid import rigid_polyline
+    >>> from skfem_contact.surfaces.smoothing import smoothed
     >>> roof = rigid_polyline(np.array([[0., 0.], [1., .1], [2., 0.]]))
-    >>> len(smoothed(roof).segments), len(smoothed(roof, corner=5.).segments)
+    >>> len(smoothed(roof).facets), len(smoothed(roof, corner=5.).facets)
     (3, 2)
     """
+    if surface.dim != 2:
+        raise ValueError(f"smoothing: '{surface.name}' is a surface in space; use elements of second order there")
     if not 0.0 < alpha <= 0.5:
         raise ValueError(f"smoothing: alpha must lie in (0, 0.5], not {alpha!r}")
-    if surface.segments.shape[1] != 2:
+    if surface.facets.shape[1] != 2:
         raise ValueError(f"smoothing: the facets of '{surface.name}' are curved already; smooth linear elements only")
-    before = np.arange(len(surface.segments))
+    before = np.arange(len(surface.facets))
     after = (before + 1) % len(before)
     if not surface.closed:
         before, after = before[:-1], after[:-1]
-    along = surface.nodes[surface.segments[:, 1]] - surface.nodes[surface.segments[:, 0]]
+    along = surface.nodes[surface.facets[:, 1]] - surface.nodes[surface.facets[:, 0]]
     direction = np.arctan2(along[:, 1], along[:, 0])
     turn = np.abs((direction[after] - direction[before] + np.pi) % (2 * np.pi) - np.pi)
     soft = np.rad2deg(turn) <= corner + 1e-6  # all joints of an octagon alike
@@ -62,12 +65,14 @@ def smoothed(surface: Surface, alpha: float = 0.5, corner: float = 45.0) -> Surf
     start, end = np.zeros(len(along)), np.ones(len(along))
     end[before], start[after] = 1.0 - alpha, alpha
     straight = np.flatnonzero(end - start > 1e-12)
-    nodes = np.concatenate((surface.segments[straight][:, [0, 1, 1]],
-                            np.column_stack((surface.segments[before], surface.segments[after, 1]))))
+    nodes = np.concatenate((surface.facets[straight][:, [0, 1, 1]],
+                            np.column_stack((surface.facets[before], surface.facets[after, 1]))))
     coefficients = np.concatenate((_straight(start[straight], end[straight]),
                                    np.broadcast_to(_rounded(alpha), (len(before), 3, 4))))
     order = np.argsort(np.concatenate((straight, before + 0.5)), kind="stable")
-    return Surface.of(surface.name, surface.dofs, surface.nodes, nodes[order], coefficients[order], surface.closed)
+    shape = surface.shape.of(coefficients[order], np.arange(4)[:, None])
+    return Surface.of(surface.name, surface.dofs, surface.nodes, nodes[order], shape,
+                      following(len(order), surface.closed))
 
 
 def _straight(start: ndarray, end: ndarray) -> ndarray:

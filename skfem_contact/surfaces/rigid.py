@@ -5,9 +5,12 @@ from collections.abc import Callable
 
 import numpy as np
 from numpy import ndarray
+from skfem import ElementTriP1
 
+from .shape import Shape
 from .smoothing import smoothed
-from .surface import LINEAR, Surface
+from .surface import Surface
+from .topology import following
 
 _FACETS = 360  # of a circle: once smoothed it is round to (1 - cos(pi/360))^2 / 2 = 7e-10 of its radius
 
@@ -33,7 +36,7 @@ def rigid_polyline(points: ndarray, closed: bool = False, name: str = "obstacle"
     --------
     >>> from skfem_contact import rigid_polyline
     >>> floor = rigid_polyline([[5., 0.], [-5., 0.]])    # the free side is below
-    >>> round(floor.total_length, 12)
+    >>> round(float(floor.area.sum()), 12)
     10.0
     """
     points = np.asarray(points, float)
@@ -41,11 +44,11 @@ def rigid_polyline(points: ndarray, closed: bool = False, name: str = "obstacle"
         raise ValueError(f"'{name}': points must be two or more finite (x, y)")
     n = len(points)
     first = np.arange(n if closed else n - 1)
-    segments = np.column_stack((first, (first + 1) % n))
-    if (points[segments[:, 0]] == points[segments[:, 1]]).all(axis=1).any():
+    facets = np.column_stack((first, (first + 1) % n))
+    if (points[facets[:, 0]] == points[facets[:, 1]]).all(axis=1).any():
         raise ValueError(f"'{name}': two corners that follow each other coincide")
-    coefficients = np.broadcast_to(LINEAR, (len(segments), *LINEAR.shape))
-    return Surface.of(name, np.full((n, 2), -1), points, segments, coefficients, closed)
+    return Surface.of(name, np.full((n, 2), -1), points, facets, Shape.of_facets(ElementTriP1()),
+                      following(len(facets), closed))
 
 
 def rigid_line(start: tuple[float, float], end: tuple[float, float], name: str = "obstacle") -> Surface:
@@ -66,7 +69,7 @@ def rigid_line(start: tuple[float, float], end: tuple[float, float], name: str =
     Examples
     --------
     >>> from skfem_contact import rigid_line
-    >>> round(rigid_line((-1., 0.), (1., 0.)).total_length, 12)      # the free side is above
+    >>> round(float(rigid_line((-1., 0.), (1., 0.)).area.sum()), 12)      # the free side is above
     2.0
     """
     return rigid_polyline(np.array([start, end]), name=name)
@@ -94,7 +97,7 @@ def rigid_circle(center: tuple[float, float], radius: float, hole: bool = False,
     >>> import numpy as np
     >>> from skfem_contact import rigid_circle
     >>> drum = rigid_circle((0., 0.), 2.)
-    >>> bool(abs(drum.total_length - 4 * np.pi) < 1e-3)
+    >>> bool(abs(drum.area.sum() - 4 * np.pi) < 1e-3)
     True
     """
     if not radius > 0:

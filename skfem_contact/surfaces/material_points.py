@@ -1,0 +1,64 @@
+"""Material points of a surface: the stick points of contact, and how far points are from each other on it."""
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy import ndarray
+
+from .surface import Surface
+from .vectors import products, solve
+
+_NEWTON_STEPS = 10
+_EXACT = 1e-14
+
+
+class MaterialPoints(NamedTuple):
+    """Material points of a surface: facets, (n,), -1 for none, and local coordinates, (n, dim - 1)."""
+
+    facet: ndarray
+    xi: ndarray
+
+    @classmethod
+    def none(cls, n: int, dim: int) -> MaterialPoints:
+        """Points that are not on the surface."""
+        return cls(np.full(n, -1), np.full((n, dim - 1), np.nan))
+
+    @property
+    def exist(self) -> ndarray:
+        """Which of them are on the surface at all, (n,)."""
+        return np.asarray(self.facet >= 0)
+
+    def take(self, chosen: ndarray) -> MaterialPoints:
+        """Some of the points."""
+        return MaterialPoints(self.facet[chosen], self.xi[chosen])
+
+    def places(self, surface: Surface, nodes: ndarray) -> ndarray:
+        """Where they are, (n, dim); of no meaning for those that are none."""
+        return surface.at(self.facet, np.nan_to_num(self.xi), nodes, 0).x[0]
+
+
+def apart(surface: Surface, nodes: ndarray, tangents: ndarray, point: MaterialPoints, origin: MaterialPoints
+          ) -> ndarray:
+    """Way from one material point to another along unit tangents, (n, dim - 1); zero where one of them is none."""
+    way = point.places(surface, nodes) - origin.places(surface, nodes)
+    return np.where((point.exist & origin.exist)[:, None], np.einsum("nic,nc->ni", tangents, way), 0.0)
+
+
+def behind(surface: Surface, nodes: ndarray, tangents: ndarray, point: MaterialPoints, way: ndarray) -> MaterialPoints:
+    """Material points of the same facets from which it is a given way, (n, dim - 1), to these along unit tangents."""
+    xi, start = np.nan_to_num(point.xi), point.places(surface, nodes)
+    for _ in range(_NEWTON_STEPS):
+        place = surface.at(point.facet, xi, nodes)
+        missing = np.einsum("nic,nc->ni", tangents, start - place.x[0]) - way
+        step = solve(products(tangents, place.x[1]), missing)
+        xi = xi + step
+        if surface.shape.affine or np.abs(step).max(initial=0.0) < _EXACT:
+            break
+    return MaterialPoints(point.facet, np.where(point.exist[:, None], xi, np.nan))
+
+
+def shifted(surface: Surface, nodes: ndarray, points: MaterialPoints, motion: ndarray) -> MaterialPoints:
+    """The points moved on along the surface, (n, dim), to the first order."""
+    a = surface.at(points.facet, np.nan_to_num(points.xi), nodes).x[1]
+    return MaterialPoints(points.facet, points.xi + solve(products(a, a), np.einsum("nac,nc->na", a, motion)))

@@ -1,0 +1,175 @@
+"""Shape functions of facets as polynomials, whose derivatives of any order are polynomials too."""
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import combinations_with_replacement, permutations, product
+
+import numpy as np
+from numpy import ndarray
+from skfem import (
+    Element,
+    ElementHex1,
+    ElementHex2,
+    ElementHexS2,
+    ElementLineP1,
+    ElementLineP2,
+    ElementQuad1,
+    ElementQuad2,
+    ElementQuadS2,
+    ElementTetP1,
+    ElementTetP2,
+    ElementTriP1,
+    ElementTriP2,
+)
+
+_BILINEAR = ((0, 0), (1, 0), (0, 1), (1, 1))
+#: scikit-fem's element of the facets of an element, and the exponents of its monomials.
+_FACETS: dict[type[Element], tuple[type[Element], Sequence[tuple[int, ...]]]] = {
+    ElementTriP1: (ElementLineP1, ((0,), (1,))),
+    ElementQuad1: (ElementLineP1, ((0,), (1,))),
+    ElementTriP2: (ElementLineP2, ((0,), (1,), (2,))),
+    ElementQuad2: (ElementLineP2, ((0,), (1,), (2,))),
+    ElementQuadS2: (ElementLineP2, ((0,), (1,), (2,))),
+    ElementTetP1: (ElementTriP1, ((0, 0), (1, 0), (0, 1))),
+    ElementTetP2: (ElementTriP2, ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))),
+    ElementHex1: (ElementQuad1, _BILINEAR),
+    ElementHexS2: (ElementQuadS2, (*_BILINEAR, (2, 0), (0, 2), (2, 1), (1, 2))),
+    ElementHex2: (ElementQuad2, tuple(product(range(3), repeat=2))),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """Polynomial shape functions; lines and quadrilaterals span -1 to 1, as in the paper, triangles 0 to 1.
+
+    Attributes
+    ----------
+    exponents
+        Of the monomials, (p, dim - 1).
+    coefficients
+        Of the shape functions in the monomials, (1, k, p), or (n_facets, k, p) where facets differ.
+    corners
+        Local coordinates of the corners, anticlockwise where there are more than two, (n_corners, dim - 1).
+    nodes
+        Local coordinates of the nodes, (k, dim - 1); of smoothed facets, whose nodes lie elsewhere, those before.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from skfem import ElementQuad1
+    >>> line = Shape.of_facets(ElementQuad1())
+    >>> line.at(np.array([0]), np.array([[0.5]]), 1)[0].tolist()      # (1 - xi) / 2, (1 + xi) / 2
+    [[0.25, 0.75]]
+    """
+
+    exponents: ndarray
+    coefficients: ndarray
+    corners: ndarray
+    nodes: ndarray
+
+    @classmethod
+    def of_facets(cls, element: Element) -> Shape:
+        """Those of the facets of an element: scikit-fem's, interpolated at its nodes."""
+        facet, exponents = _FACETS[type(element)]
+        powers, nodes = np.array(exponents), facet.doflocs
+        corners = nodes[: facet.refdom.nnodes]
+        if facet.refdom.nnodes != 3:
+            nodes, corners = 2.0 * nodes - 1.0, 2.0 * corners - 1.0
+        monomials = np.prod(nodes[:, None, :] ** powers, axis=2)
+        coefficients = np.round(np.linalg.inv(monomials).T, 12)  # halves and quarters
+        return cls(powers, coefficients[None], corners, nodes)
+
+    def of(self, coefficients: ndarray, exponents: ndarray) -> Shape:
+        """Other polynomials on the same domain."""
+        return replace(self, coefficients=coefficients, exponents=exponents)
+
+    @property
+    def dim(self) -> int:
+        """Number of local coordinates."""
+        return self.exponents.shape[1]
+
+    @property
+    def triangular(self) -> bool:
+        """Whether facets are triangles."""
+        return len(self.corners) == 3
+
+    @cached_property
+    def affine(self) -> bool:
+        """Whether the map from local coordinates is affine."""
+        return not self.coefficients[:, :, self.exponents.sum(axis=1) > 1].any()
+
+    @cached_property
+    def centre(self) -> ndarray:
+        """Local coordinates of the centre."""
+        return np.asarray(self.corners.mean(axis=0))
+
+    # -- sides: the two ends of a line, the edges of a facet in space ---------------------------------------
+
+    @cached_property
+    def side_corners(self) -> ndarray:
+        """Corners of every side, in the order in which the facet goes around, (n_sides, 1 or 2)."""
+        n = np.arange(len(self.corners))
+        return n[:, None] if self.dim == 1 else np.column_stack((n, np.roll(n, -1)))
+
+    @cached_property
+    def along(self) -> ndarray:
+        """Way along every side, from its first to its second corner, (n_sides, dim - 1); nothing on a line."""
+        start, end = self.corners[self.side_corners[:, 0]], self.corners[self.side_corners[:, -1]]
+        return np.asarray(end - start)
+
+    @cached_property
+    def outward(self) -> ndarray:
+        """Normals c of the sides with c . (xi - corner) = 2 a full width beyond the side, (n_sides, dim - 1)."""
+        normal = self.corners - self.centre if self.dim == 1 else np.column_stack((self.along[:, 1], -self.along[:, 0]))
+        start = self.corners[self.side_corners[:, 0]]
+        width = -np.einsum("sc,sjc->sj", normal, self.corners - start[:, None]).min(axis=1)
+        return np.asarray(2.0 * normal / width[:, None])
+
+    def beyond(self, xi: ndarray) -> ndarray:
+        """How far points lie beyond the sides, (n, n_sides): from -2 at the far end to 0 at the side."""
+        start = self.corners[self.side_corners[:, 0]]
+        return np.asarray(xi @ self.outward.T - np.einsum("sc,sc->s", self.outward, start))
+
+    # -- values -------------------------------------------------------------------------------------------
+
+    def at(self, facet: ndarray, xi: ndarray, derivatives: int = 3) -> list[ndarray]:
+        """Values (n, k), first (n, dim - 1, k), second (n, dim - 1, dim - 1, k), ... derivatives.
+
+        Parameters
+        ----------
+        facet, xi
+            Facets, (n,), and local coordinates on them, (n, dim - 1), which may be complex.
+        derivatives
+            Highest derivative that is asked for.
+        """
+        powers = [np.ones_like(xi)]
+        for _ in range(int(self.exponents.max())):
+            powers.append(powers[-1] * xi)
+        coefficients = self.coefficients[0 if len(self.coefficients) == 1 else facet]
+        result = []
+        for order in range(derivatives + 1):
+            values = np.zeros((len(xi), *(self.dim,) * order, coefficients.shape[-2]), xi.dtype)
+            for axes in combinations_with_replacement(range(self.dim), order):
+                shapes = self._derivative(powers, axes, coefficients)
+                for place in set(permutations(axes)):
+                    values[(slice(None), *place)] = shapes
+            result.append(values)
+        return result
+
+    def _derivative(self, powers: list[ndarray], axes: tuple[int, ...], coefficients: ndarray) -> ndarray | float:
+        """The derivative along the axes, one of them for each order, (n, k)."""
+        times, left, factor = np.bincount(axes, minlength=self.dim), self.exponents.copy(), np.ones(len(self.exponents))
+        for axis, count in enumerate(times):
+            for _ in range(count):
+                factor *= left[:, axis]
+                left[:, axis] -= 1
+        acts = np.flatnonzero(factor)
+        if len(acts) == 0:
+            return 0.0
+        terms = np.stack([factor[j] * np.prod([powers[left[j, c]][:, c] for c in range(self.dim)], axis=0)
+                          for j in acts], axis=1)
+        if coefficients.ndim == 2:
+            return np.asarray(terms @ coefficients[:, acts].T)
+        return np.asarray(np.einsum("nkp,np->nk", coefficients[:, :, acts], terms))

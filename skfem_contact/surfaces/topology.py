@@ -1,0 +1,70 @@
+"""Which facets of a surface follow each other, and meet at their sides."""
+from __future__ import annotations
+
+import numpy as np
+from numpy import ndarray
+
+
+def ordered(ends: ndarray, name: str) -> ndarray:
+    """Order in which facets, given by their end nodes (2, n), follow each other in one chain.
+
+    Raises
+    ------
+    ValueError
+        They branch, or consist of several pieces.
+    """
+    n = ends.shape[1]
+    following = {int(node): k for k, node in enumerate(ends[0])}
+    arriving = set(ends[1].tolist())
+    if len(following) < n or len(arriving) < n:
+        raise ValueError(f"boundary '{name}' is no single chain: it branches")
+    first = [k for k in range(n) if int(ends[0, k]) not in arriving]
+    if len(first) > 1:
+        raise ValueError(f"boundary '{name}' is no single chain: it consists of {len(first)} pieces")
+    order = [first[0] if first else 0]
+    while (k := following.get(int(ends[1, order[-1]]))) is not None and k != order[0]:
+        order.append(k)
+    if len(order) < n:
+        raise ValueError(f"boundary '{name}' is no single chain: {n - len(order)} of {n} facets are "
+                         "not connected to the others")
+    return np.array(order)
+
+
+def following(n: int, closed: bool) -> ndarray:
+    """Neighbours of the n facets of a chain, as :class:`Surface` has them, (n, 2)."""
+    number = np.arange(n)
+    neighbours = np.column_stack((number - 1, number + 1))
+    if closed:
+        return neighbours % n
+    neighbours[-1, 1] = -1
+    return neighbours
+
+
+def adjacent(corners: ndarray, name: str) -> ndarray:
+    """Facets beyond the sides of facets with these corners, (n_facets, n_sides), -1 beyond the rim.
+
+    Raises
+    ------
+    ValueError
+        A side belongs to more than two facets, or neighbours have different outward sides.
+    """
+    m, n = corners.shape
+    if n == 2:  # in the plane, the sides are the ends: one facet ends where the other begins
+        start, end = corners.T[..., None]
+    else:
+        start = np.stack((corners, np.roll(corners, -1, axis=1)), axis=2).reshape(-1, 2)
+        end = start[:, ::-1]
+    keys, owner = np.concatenate((start, end)), np.tile(np.repeat(np.arange(m), 1 if n == 2 else n), 2)
+    _, number = np.unique(keys, axis=0, return_inverse=True)
+    first, last = number.ravel()[: len(start)], number.ravel()[len(start):]
+    if len(np.unique(first)) < len(first):
+        raise ValueError(f"boundary '{name}' is no surface: an edge belongs to more than two facets, or two facets "
+                         "there have opposite outward sides")
+    begins = np.full(number.max() + 1, -1)
+    begins[first] = owner[: len(first)]
+    beyond = begins[last]
+    if n > 2:
+        return beyond.reshape(m, n)
+    ends = np.full(number.max() + 1, -1)
+    ends[last] = owner[len(first):]
+    return np.column_stack((ends[first], beyond))
