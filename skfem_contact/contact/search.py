@@ -101,7 +101,7 @@ def project(surface: Surface, nodes: ndarray, points: ndarray, depth: ndarray,
     stays = _stays(surface, nodes, facet, beyond, facet == accepted[row], held[row])
     rim = surface.at_rim[facet]
     limit = np.where(rim, 2.0 * surface.extension, np.maximum(2.0 * stays, _ON_FACET))
-    outside = (beyond > limit).any(axis=1)
+    outside = np.any(beyond > limit, axis=1)
     xi, feature, off = foot.copy(), np.zeros(len(facet), int), np.zeros(len(facet), bool)
     out = np.flatnonzero(outside)
     xi[out], feature[out], off[out] = _on_sides(surface, nodes, points[row[out]], facet[out], beyond[out],
@@ -113,11 +113,7 @@ def project(surface: Surface, nodes: ndarray, points: ndarray, depth: ndarray,
     if (bent := np.flatnonzero(outside & ~off)).size:  # all facets there tell what is outside
         normal[bent] = _side_of_joint(surface, nodes, facet[bent], feature[bent], xi[bent])
     gap = np.where(np.einsum("nc,nc->n", normal, offset) >= 0, distance, -distance)
-    # neither round-off nor the order of the search decides at a joint: the facet before it does
-    tied = (np.abs(beyond) <= _ON_FACET) | (outside[:, None] & (beyond > 0))
-    ties = np.where(tied, _ON_FACET * _rank(surface, facet), 0.0).max(axis=1)
-    preferred = np.where(outside, ties, np.maximum(stays.max(axis=1), ties)) * surface.size[facet]
-    best = _first_minimum(row, distance - preferred)
+    best = _first_minimum(row, distance - _preferred(surface, facet, beyond, outside, stays) * surface.size[facet])
     # what is closest decides: off the rim, or too deep, there is no contact with anything farther
     best = best[~off[best]]
     at = row[best]
@@ -314,6 +310,16 @@ def _stays(surface: Surface, nodes: ndarray, facet: ndarray, beyond: ndarray, ac
         bends = (np.einsum("nc,nc->n", here, there) > _STRAIGHT) & (turn > _SMOOTH)
         stays[pair, side] = np.where(bends | frozen[pair], share[pair, 0], 0.0)
     return stays
+
+
+def _preferred(surface: Surface, facet: ndarray, beyond: ndarray, outside: ndarray, stays: ndarray) -> ndarray:
+    """Share of its size by which a candidate may be farther away than another one and is taken yet, (n,).
+
+    Neither round-off nor the order of the search decides at a joint: the facet before it does.
+    """
+    tied = (np.abs(beyond) <= _ON_FACET) | (outside[:, None] & (beyond > 0))
+    ties = np.where(tied, _ON_FACET * _rank(surface, facet), 0.0).max(axis=1)
+    return np.where(outside, ties, np.maximum(stays.max(axis=1), ties))
 
 
 def _rank(surface: Surface, facet: ndarray) -> ndarray:
