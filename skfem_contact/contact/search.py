@@ -101,7 +101,7 @@ def project(surface: Surface, nodes: ndarray, points: ndarray, depth: ndarray,
     stays = _stays(surface, nodes, facet, beyond, facet == accepted[row], held[row])
     rim = surface.at_rim[facet]
     limit = np.where(rim, 2.0 * surface.extension, np.maximum(2.0 * stays, _ON_FACET))
-    outside = (beyond > limit).any(axis=1)
+    outside = np.any(beyond > limit, axis=1)
     xi, feature, off = foot.copy(), np.zeros(len(facet), int), np.zeros(len(facet), bool)
     out = np.flatnonzero(outside)
     xi[out], feature[out], off[out] = _on_sides(surface, nodes, points[row[out]], facet[out], beyond[out],

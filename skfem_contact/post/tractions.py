@@ -97,7 +97,8 @@ def tractions(pair: ContactPair, state: ContactState) -> Tractions:
         arc, normal = np.zeros(0), -pair.slave.at(points.facet, points.xi, pair.slave.nodes).normal
         tangents = frame(normal, points.direction(pair.slave, pair.slave.nodes))
         shear, slip = (np.einsum("in,nic->nc", part, tangents) for part in (state.traction[1:], state.slip))
-    return Tractions(arc, *places.T, pressure=-state.traction[0], shear=shear, gap=state.gap - state.offset, slip=slip,
+    x, y, z = places.T
+    return Tractions(arc, x, y, z, pressure=-state.traction[0], shear=shear, gap=state.gap - state.offset, slip=slip,
                      status=state.status, weight=pair.share * points.weight)
 
 

@@ -154,7 +154,7 @@ class Shape:
             for axes in combinations_with_replacement(range(self.dim), order):
                 shapes = self._derivative(powers, axes, coefficients)
                 for place in set(permutations(axes)):
-                    values[(slice(None), *place)] = shapes
+                    np.moveaxis(values, 0, -2)[place] = shapes
             result.append(values)
         return result
 
