@@ -74,9 +74,9 @@ def ironed(n, **options):
 # much as a round drum; and the contact integrated between the cuts of both meshes, on rounded facets.
 
 methods = {
-    "nodal": {},
-    "smoothed": {"smoothing": 0.5},
-    "smoothed, segments": {"smoothing": 0.5, "quadrature": "segments"},
+    "nodal": {"quadrature": "nodal"},
+    "smoothed": {"quadrature": "nodal", "smoothing": 0.5},
+    "smoothed, segments": {"quadrature": "segments", "smoothing": 0.5},
 }
 meshes = {8: ":", 16: "-"}  # elements per length, and how they are drawn
 runs = {}

@@ -291,7 +291,8 @@ def test_point_that_chatters(caplog):
     fixed = basis.get_dofs({"lower:bottom", "upper:top"}).all()
     path = [(0.0, -0.005), (0.2, -0.01), (-0.2, -0.01)]
     with caplog.at_level(logging.INFO, logger="skfem_contact"):
-        result = quiet(forms, along(basis, path), fixed, newton=sc.Newton(max_iterations=15))
+        # with more iterations the active set ends its changes by itself
+        result = quiet(forms, along(basis, path), fixed, newton=sc.Newton(max_iterations=5))
     assert "chatter between the facets" in caplog.text
     assert result[-1].fraction == 1.0 and result[-1].residual <= 1e-8
     forms, free = sc.choose_penalties(forms), np.setdiff1d(np.arange(basis.N), fixed)
