@@ -14,7 +14,7 @@ from scipy.sparse import csr_matrix
 
 from .remarks import Remark
 from .sparse import padded
-from .unknowns import Field
+from .unknowns import Field, elements_of
 
 
 class Response:
@@ -177,7 +177,7 @@ class Form:
     @property
     def elements(self) -> ndarray:
         """Numbers of the elements in the mesh that it gives stiffness to, (n_elements,)."""
-        return np.arange(self.basis.mesh.nelements) if self.basis.tind is None else np.asarray(self.basis.tind)
+        return elements_of(self.basis)
 
     def completed(self, forms: Mapping[str, Form]) -> Form:
         """The form with what it takes from the others, such as a penalty from their stiffness."""
@@ -273,7 +273,7 @@ class Form:
     def shear_strain(self, x: ndarray) -> ndarray | None:
         """Largest shear strain of displacements at the points of a solid, (n_elements, n_points)."""
 
-    # -- what is told ----------------------------------------------------------------------------------------
+    # -- what it says ----------------------------------------------------------------------------------------
 
     def summary(self, state: Any) -> str:
         """One line for the table of a result."""

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from skfem import CellBasis, ElementQuad1, ElementTriP1, FacetBasis, LinearForm
 
 from .errors import AnalysisWarning, check_basis, check_plane, look_up
+from .unknowns import elements_of
 
 #: Pressure of water, positive: a function of places (2, ...), or values at the nodes of the mesh, (n_nodes,).
 Pressure = Callable[[ndarray], ndarray] | ndarray
@@ -256,8 +257,7 @@ def _at_points(basis: CellBasis | FacetBasis, pressure: Pressure) -> ndarray:
 def _warn_of_water(basis: CellBasis, pressure: Pressure, pressed: ndarray) -> None:
     """Tell of surfaces under water without pressure: facets with porous ground below and none above."""
     mesh = basis.mesh
-    elements = np.arange(mesh.nelements) if basis.tind is None else np.asarray(basis.tind)
-    count = np.bincount(mesh.t2f[:, elements].ravel(), minlength=mesh.nfacets)
+    count = np.bincount(mesh.t2f[:, elements_of(basis)].ravel(), minlength=mesh.nfacets)
     facets = np.setdiff1d(np.flatnonzero((count == 1) & (mesh.f2t[1] < 0)), pressed)
     if len(facets) == 0:
         return

@@ -9,6 +9,7 @@ from skfem import CellBasis
 
 from .errors import look_up
 from .materials import Material
+from .unknowns import elements_of
 
 
 @dataclass(frozen=True)
@@ -40,7 +41,7 @@ def by_region(basis: CellBasis, materials: Material | Mapping[str, Material]
         return basis, (Region("all", materials),)
     if not materials:
         raise ValueError("there is no material: give one, or {subdomain: material}")
-    present = np.arange(basis.mesh.nelements) if basis.tind is None else np.asarray(basis.tind)
+    present = elements_of(basis)
     order, regions, start = [], [], 0
     for name, material in materials.items():
         part = np.asarray(look_up(name, basis.mesh.subdomains or {}, "subdomain"))

@@ -110,20 +110,21 @@ class Unknowns:
         return tuple(slice(field.first, field.end) for field in self.fields)
 
 
-def components(unknowns: ndarray, dim: int) -> ndarray:
-    """Direction of displacements by their number."""
-    return unknowns % dim
-
-
 def nodes(basis: CellBasis) -> ndarray:
     """Nodes of all elements, (n_elements, n_nodes): corners, middles of edges and faces, centre."""
     dim = basis.mesh.dim()
     return np.asarray(basis.element_dofs[0::dim].T) // dim
 
 
-def displacements(x: ndarray, dim: int) -> ndarray:
-    """Displacements of the nodes, (n_nodes, dim), from those of the unknowns."""
-    return x.reshape(-1, dim)
+def elements_of(basis: CellBasis) -> ndarray:
+    """Numbers in the mesh of the elements of a basis, whole or restricted, (n_elements,)."""
+    return np.arange(basis.mesh.nelements) if basis.tind is None else np.asarray(basis.tind)
+
+
+def _first_unknowns(basis: CellBasis, part: str | None) -> ndarray:
+    """Unknowns of the first component at all nodes, or at those of a subdomain."""
+    elements = slice(None) if part is None else look_up(part, basis.mesh.subdomains or {}, "subdomain")
+    return np.unique(basis.dofs.element_dofs[::basis.mesh.dim(), elements])
 
 
 def unknowns_at(basis: CellBasis, places: ArrayLike, part: str | None = None) -> ndarray:
@@ -159,8 +160,7 @@ def unknowns_at(basis: CellBasis, places: ArrayLike, part: str | None = None) ->
     x = np.atleast_2d(np.asarray(places, float))
     if x.ndim != 2 or x.shape[1] != dim or not np.isfinite(x).all():
         raise ValueError(f"places must be finite points of {dim} coordinates, not {places!r}")
-    elements = slice(None) if part is None else look_up(part, basis.mesh.subdomains or {}, "subdomain")
-    numbers = np.unique(basis.dofs.element_dofs[::dim, elements])
+    numbers = _first_unknowns(basis, part)
     tree, near = cKDTree(basis.doflocs[:, numbers].T), _AT * float(np.ptp(basis.doflocs, axis=1).max())
     for point, found in zip(x, tree.query_ball_point(x, near)):
         if len(found) != 1:
@@ -198,8 +198,7 @@ def rollers(basis: CellBasis, part: str | None = None, base: Literal["fixed", "r
     if base not in ("fixed", "rollers"):
         raise ValueError(f"base is 'fixed' or 'rollers', not {base!r}")
     dim = basis.mesh.dim()
-    elements = slice(None) if part is None else look_up(part, basis.mesh.subdomains or {}, "subdomain")
-    numbers = np.unique(basis.dofs.element_dofs[::dim, elements])
+    numbers = _first_unknowns(basis, part)
     x = basis.doflocs[:, numbers]
     near = _AT * float(np.ptp(basis.doflocs, axis=1).max())
     low, high = x.min(axis=1), x.max(axis=1)
@@ -235,7 +234,7 @@ def rigid_modes(locations: ndarray, unknowns: ndarray) -> ndarray:
     """
     x = locations[:, unknowns]
     dim = len(x)
-    component = np.eye(dim)[components(unknowns, dim)]
+    component = np.eye(dim)[unknowns % dim]
     centre = x.mean(axis=1, keepdims=True) if len(unknowns) else 0.0
     arm = ((x - centre) / max(float(np.ptp(locations)), 1e-300)).T
     planes = [(i, j) for i in range(dim) for j in range(i + 1, dim)]

@@ -1,4 +1,4 @@
-"""Problems in space of the contact benchmarks: skewed blocks, and a paraboloid on a block."""
+"""Problems in space of the contact benchmarks: skewed blocks."""
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
@@ -13,8 +13,6 @@ from skfem import (
     ElementTetP1,
     ElementTetP2,
     ElementVector,
-    FacetBasis,
-    LinearForm,
     MeshHex,
     MeshTet,
 )
@@ -27,8 +25,6 @@ ELEMENTS = {
     "P1": (MeshTet, ElementTetP1, 2, 4), "P2": (MeshTet, ElementTetP2, 2, 3), "Q1": (MeshHex, ElementHex1, 2, 4),
     "S2": (MeshHex, ElementHexS2, 4, 2), "Q2": (MeshHex, ElementHex2, 4, 2),
 }  # fmt: skip
-#: Radius of the paraboloid, width and height of the blocks.
-RADIUS, WIDTH = 20.0, 10.0
 
 
 @dataclass(frozen=True)
@@ -43,14 +39,6 @@ class Problem:
     def solid(self) -> sc.SolidForm:
         """Both blocks."""
         return sc.SolidForm(self.basis, sc.LinearElastic(E=YOUNG, nu=POISSON), sc.three_dimensional)
-
-    def nodal_forces(self, x: ndarray, boundary: str = "upper:bottom") -> tuple[ndarray, ndarray, ndarray]:
-        """Places of the nodes of a face, their areas on a level plane, and the forces on them, (n, 3)."""
-        dofs = np.unique(self.basis.get_dofs(boundary).all()).reshape(-1, 3)
-        level = LinearForm(lambda v, w: v[2] * np.abs(w.n[2]))
-        area = level.assemble(FacetBasis(self.basis.mesh, self.basis.elem, facets=boundary))
-        force = self.solid.elastic_stiffness @ x
-        return self.basis.doflocs[:, dofs[:, 0]].T, area[dofs[:, 2]], force[dofs]
 
 
 def _block(element: str, x: ndarray, y: ndarray, z: ndarray, motion):
@@ -75,47 +63,3 @@ def patch(element: str, skew: float = 0.12) -> Problem:
     held = top | ((axis == 2) & np.isclose(at[2], -1.0))
     held |= np.any([(axis == c) & np.isclose(at[c], 0.0) for c in (0, 1)], axis=0)
     return Problem(basis, np.flatnonzero(held), np.where(top, -2.0 / YOUNG, 0.0))
-
-
-def graded(size: float, fine: float, end: float, growth: float = 1.5) -> ndarray:
-    """Coordinates from 0 to an end: steps of a size as far as `fine`, and growing ones from there."""
-    steps, step = [], size
-    while sum(steps) < end - fine:
-        step *= growth
-        steps.append(step)
-    scaled = np.cumsum(steps) * (end - fine) / sum(steps)
-    return np.concatenate((np.linspace(0, fine, round(fine / size) + 1), fine + scaled))
-
-
-def paraboloid(n: int, depth: float = 0.05, element: str = "Q1", symmetric: bool = True) -> Problem:
-    """A paraboloid z = r^2 / 2R pressed onto a block: n elements in a unit of length, a quarter or a half of both."""
-    def both(half: ndarray) -> ndarray:
-        return half if symmetric else np.concatenate((-half[:0:-1], half))
-
-    def raised(p: ndarray) -> ndarray:
-        bottom = (p[0] ** 2 + p[1] ** 2) / (2 * RADIUS)
-        return np.stack((0 * p[0], 0 * p[1], bottom * (1 - p[2] / WIDTH)))
-
-    below, above = graded(1.25 / n, 1.5, WIDTH), graded(1.0 / n, 1.5, WIDTH)
-    lower = _block(element, both(below), below, -graded(1.25 / n, 0.75, WIDTH)[::-1], lambda p: 0 * p)
-    upper = _block(element, both(above), above, graded(1.0 / n, 0.75, WIDTH), raised)
-    basis = Basis(sc.join_bodies({"lower": lower, "upper": upper}), ElementVector(ELEMENTS[element][1]()),
-                  intorder=ELEMENTS[element][2])
-    axis, at = np.arange(basis.N) % 3, basis.doflocs
-    ends = np.isclose(np.abs(at[2]), WIDTH)
-    held = ends | ((axis == 1) & np.isclose(at[1], 0.0)) | (symmetric & (axis == 0) & np.isclose(at[0], 0.0))
-    pressed = np.where((axis == 2) & np.isclose(at[2], WIDTH), -depth, 0.0)
-    return Problem(basis, np.flatnonzero(held), pressed)
-
-
-def hertz_measures(problem: Problem, x: ndarray, share: float = 0.25) -> dict[str, float]:
-    """Force on the whole paraboloid, and errors of half-width and pressure of Hertz's solution under that force."""
-    place, area, force = problem.nodal_forces(x)
-    p, r = force[:, 2] / area, np.hypot(place[:, 0], place[:, 1])
-    P = force[:, 2].sum() / share
-    modulus = YOUNG / (2 * (1 - POISSON**2))
-    a = (3 * P * RADIUS / (4 * modulus)) ** (1 / 3)
-    exact = 1.5 * P / (np.pi * a**2) * np.sqrt(np.maximum(0, 1 - (r / a) ** 2))
-    by_moment = np.sqrt(2.5 * (p * area) @ r**2 / (p @ area))  # the second moment of the profile is 2 a^2 / 5
-    error = np.sqrt(area @ (p - exact) ** 2 / (area @ exact**2))
-    return {"force": float(P), "half-width": float(by_moment / a - 1), "error": float(error)}

@@ -87,7 +87,7 @@ class Point:
 
 
 class Report(Protocol):
-    """Is told of every step."""
+    """Hears of every step."""
 
     def accept(self, point: Point) -> None:
         """An equilibrium."""

@@ -1,4 +1,4 @@
-"""Results of searches for a collapse: how they ended, what they found, and what must be told of them."""
+"""Results of searches for a collapse: how they ended, what they found, and what a user must know of them."""
 from __future__ import annotations
 
 import warnings

@@ -125,7 +125,7 @@ class Answers(Form):
         """The state of bodies that are back in their places, with all it carries."""
         return moved_back(self._pair, state)
 
-    # -- what is told ---------------------------------------------------------------------------------------
+    # -- what it says ---------------------------------------------------------------------------------------
 
     def summary(self, state: ContactState) -> str:
         """Counts of open, sticking and slipping points, for the table of a result."""

@@ -17,11 +17,11 @@ from .state import ContactState
 if TYPE_CHECKING:
     from .pair import ContactPair
 
-#: Penetration, as a share of the slave segment, from which the user is told.
+#: Penetration, as a share of the slave segment, that is remarked on.
 PENETRATION = 0.01
 #: A gap below this share of the coordinates is nothing: bodies that touch unloaded go on touching when they move.
 ROUND_OFF = 8 * np.finfo(float).eps
-#: Round-off of the shear of sticking points, as a share of the largest traction, from which the user is told.
+#: Round-off of the shear of sticking points, as a share of the largest traction, that is remarked on.
 _LOST = 1e-3
 
 

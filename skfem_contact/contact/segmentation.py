@@ -20,7 +20,7 @@ from .transfer import transferred
 _SLIVER = 1e-9
 #: The rule "segments" is cut anew when a cut has moved by more than this share of a segment.
 _MOVED = 1e-3
-#: ... but not more often than this in an increment: cuts may go to and fro.
+#: ... but not more often than this in an increment: cuts may chatter.
 RECUTS = 8
 
 

@@ -21,7 +21,7 @@ from ..stages.supports import as_unknowns
 from .contact import Contact
 from .geometry import Geometry, geometry
 from .model import Model, Traction, Water
-from .soils import Strengths, check_solids, dilates_less, elements_of, strengths
+from .soils import Strengths, check_solids, dilates_less, strengths
 from .triangles import Triangles
 
 #: A traction: (t_x, t_y), or a function of places (2, n) with values (2, n).
@@ -79,7 +79,7 @@ def read(forms: Mapping[str, Any], fixed: ndarray, loads: Loads, reduce: str | C
     basis = next(iter(solids.values())).basis
     targets = {} if loads.live else reduced_parts(forms, reduce, exclude)
     found = strengths(solids, targets, "associated")
-    elements = np.sort(np.concatenate([elements_of(form.basis) for form in solids.values()]))
+    elements = np.sort(np.concatenate([form.elements for form in solids.values()]))
     if found.rigid[elements].all() and not pairs:
         raise ValueError("nothing can yield: all solids are elastic, which bounds take for rigid")
     shape = geometry(basis, elements, _unknowns(fixed, basis))
@@ -261,7 +261,7 @@ def _rigid_bodies(triangles: Triangles, rigid: ndarray) -> ndarray:
 def _remarks(solids: Mapping[str, SolidForm], shape: Geometry, loads: Loads, found: Strengths) -> tuple[str, ...]:
     """What was simplified."""
     remarks = []
-    elastic = [name for name, form in solids.items() if found.rigid[elements_of(form.basis)].any()]
+    elastic = [name for name, form in solids.items() if found.rigid[form.elements].any()]
     if elastic:
         remarks.append(f"elastic bodies have no limit and count as rigid: {', '.join(elastic)}")
     if (found.c == 0).any():

@@ -6,7 +6,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy import ndarray
-from skfem import CellBasis
 
 from ..materials import LinearElastic, MohrCoulomb, Tresca, VonMises
 from ..materials.reduction import reduced_strength
@@ -52,7 +51,7 @@ def strengths(solids: Mapping[str, SolidForm], targets: Mapping[str, Collection[
     n = next(iter(solids.values())).basis.mesh.nelements
     found = Strengths(np.full(n, np.inf), np.zeros(n), np.full(n, np.inf), np.zeros(n, bool))
     for name, form in solids.items():
-        elements = elements_of(form.basis)
+        elements = form.elements
         for region in form.regions:
             where = elements[region.elements]
             c, t, tension = _parameters(region.material, flow, f"{name}.{region.name}")
@@ -77,14 +76,9 @@ def check_solids(solids: Mapping[str, SolidForm]) -> None:
             if not isinstance(material, (LinearElastic, MohrCoulomb, Tresca, VonMises)):
                 raise ValueError(f"there are no bounds for {type(material).__name__}, the material of '{region}' in "
                                  f"'{name}'; there are for MohrCoulomb, Tresca, VonMises and, rigid, LinearElastic")
-    elements = np.concatenate([elements_of(form.basis) for form in solids.values()])
+    elements = np.concatenate([form.elements for form in solids.values()])
     if len(np.unique(elements)) < len(elements):
         raise ValueError(f"the solids {', '.join(solids)} share elements: each must belong to one of them")
-
-
-def elements_of(basis: CellBasis) -> ndarray:
-    """Elements of a basis, whole or restricted, in its order."""
-    return np.arange(basis.mesh.nelements) if basis.tind is None else np.asarray(basis.tind)
 
 
 def _parameters(material: Any, flow: str, name: str) -> tuple[Any, Any, Any]:

@@ -94,8 +94,8 @@ class Stepping:
         self._size, self.cut = share * (self.fraction - self._reached), True
 
     def __str__(self) -> str:
-        told = f"stopped at {self._reached:.2%} of its load"
-        return f"{told}, the displacements run away at {self._collapsed:.2%}" if self._limited else told
+        reached = f"stopped at {self._reached:.2%} of its load"
+        return f"{reached}, the displacements run away at {self._collapsed:.2%}" if self._limited else reached
 
 
 class Predictor:

@@ -111,10 +111,6 @@ class Scene:
         if lines.n_cells:
             plotter.add_mesh(lines, color="#333333", opacity=0.25, line_width=1, lighting=False)
 
-    def draw_plain(self, plotter: Any, color: str) -> None:
-        """The bodies in one colour."""
-        plotter.add_mesh(self._surface(), color=color, lighting=False)
-
     def draw_lines(self, plotter: Any, mesh: bool, undeformed: bool) -> None:
         """Mesh, borders of regions, outlines, and the outlines before bodies moved."""
         if mesh:

@@ -13,8 +13,8 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.tri import Triangulation
 from numpy import ndarray
 
+from ..unknowns import elements_of
 from ..water import Seepage
-from ..water.permeability import elements_of
 from ..water.places import simplices
 from .diagrams import saved
 from .marks import WATER

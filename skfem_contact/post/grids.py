@@ -93,7 +93,7 @@ def _point_data(form: SolidForm, state: Any, stresses: list[RegionField]) -> lis
 
 def _cell_data(form: SolidForm, state: Any, first: int, fields: list[RegionField]) -> list[dict[str, ndarray]]:
     """Means over the elements of a solid, and the numbers of their body and region."""
-    elements = np.arange(form.basis.mesh.nelements) if form.basis.tind is None else form.basis.tind
+    elements = form.elements
     share = form.weight / form.weight.sum(axis=1)[:, None]
     stress = _tensor(np.einsum("ceq,eq->ce", state.stress, share))
     plastic = np.einsum("eq,eq->e", plastic_strain(state)[0], share)

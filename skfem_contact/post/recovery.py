@@ -23,6 +23,7 @@ from scipy.sparse import coo_matrix, csr_matrix
 
 from ..solid import SolidForm
 from ..strain import b_bar, plane_strain, three_dimensional
+from ..unknowns import nodes
 
 #: Weight of the stresses themselves beside the forces, by the order of the elements and whether they are triangles or
 #: tetrahedra. Fibre of a beam of one to four layers, largest error for weights of .007, .1, .3 and 1: four-node
@@ -74,18 +75,12 @@ def recovered(form: SolidForm, values: ndarray, limited: bool = False) -> list[R
     return [_within_points(values, field) for field in fields] if limited else fields
 
 
-def element_nodes(form: SolidForm) -> ndarray:
-    """Nodes of all elements, (n_elements, n_nodes): corners, middles of edges and faces, centre."""
-    dim = form.basis.mesh.dim()
-    return np.asarray(form.basis.element_dofs[0::dim].T) // dim
-
-
 def regions_of(form: SolidForm) -> Iterator[RegionField]:
     """Nodes and elements of every region; there are no values yet."""
-    nodes = element_nodes(form)
+    numbers = nodes(form.basis)
     for region in form.regions:
-        used, cells = np.unique(nodes[region.elements], return_inverse=True)
-        yield RegionField(used, cells.reshape(-1, nodes.shape[1]), region.elements, np.zeros((0, len(used))))
+        used, cells = np.unique(numbers[region.elements], return_inverse=True)
+        yield RegionField(used, cells.reshape(-1, numbers.shape[1]), region.elements, np.zeros((0, len(used))))
 
 
 def _within_points(values: ndarray, field: RegionField) -> RegionField:
@@ -200,8 +195,7 @@ def _sources(form: SolidForm, field: RegionField, vertex: ndarray, incidence: cs
     those of the vertices inside that share an element with the node count, or the largest there are.
     """
     mesh = form.basis.mesh
-    elements = np.arange(mesh.nelements) if form.basis.tind is None else np.asarray(form.basis.tind)
-    facets, count = np.unique(mesh.t2f[:, elements[field.elements]], return_counts=True)
+    facets, count = np.unique(mesh.t2f[:, form.elements[field.elements]], return_counts=True)
     inside = ~np.isin(field.nodes[vertex], mesh.facets[:, facets[count == 1]])
     score = np.where(inside, np.inf, incidence.getnnz(axis=1))
     near = (_incidence(field.cells, len(field.nodes)) @ incidence.T).tocoo()

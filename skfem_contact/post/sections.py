@@ -18,7 +18,7 @@ from scipy.spatial import cKDTree
 
 from ..errors import check_plane
 from ..solid import SolidForm, SolidState
-from .recovery import element_nodes
+from ..unknowns import nodes as nodes_of
 
 #: Round-off of a position, as a share of the element: a cut through the end of a body meets its elements.
 _ROUND_OFF = 1e-9
@@ -289,7 +289,7 @@ def _cut(form: SolidForm, state: SolidState, sections: Sections) -> SectionForce
 
 def _near(form: SolidForm, sections: Sections) -> tuple[ndarray, ndarray, ndarray]:
     """Nodes of all elements, and the pairs of a section and an element that may touch its layer."""
-    nodes = element_nodes(form)
+    nodes = nodes_of(form.basis)
     points = form.basis.doflocs[:, 2 * nodes]
     centroid = points.mean(axis=2).T
     largest = float(np.ptp(points, axis=2).max()) * np.sqrt(2.0)

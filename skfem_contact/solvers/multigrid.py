@@ -1,4 +1,4 @@
-"""Algebraic multigrid for large bodies: pyamg's smoothed aggregation, told the rigid motions of every body."""
+"""Algebraic multigrid for large bodies: pyamg's smoothed aggregation, given the rigid motions of every body."""
 from __future__ import annotations
 
 import logging

@@ -24,7 +24,7 @@ from .setup import build_system, on_all, unknowns_of
 from .stage import Stage
 from .supports import all_unknowns, as_unknowns
 
-#: Forces out of balance, as a share of the load, of which the user is told.
+#: Forces out of balance, as a share of the load, of which a warning is given.
 _BALANCED = 1e-6
 
 #: Stress at places (2, ...) in elements of the mesh.

@@ -17,7 +17,7 @@ from numpy import ndarray
 
 from ..contact.penalty import choose_penalties
 from ..errors import look_up
-from ..forms import Form, arrays_of, as_forms, with_arrays
+from ..forms import Form, arrays_of, with_arrays
 from ..tables import html_table
 
 if TYPE_CHECKING:
@@ -215,7 +215,7 @@ def load_result(file: str | Path, forms: Mapping[str, Any]) -> Result:
     >>> len(load_result(file, {}))
     0
     """
-    path, given = _with_end(file), choose_penalties(as_forms(forms))
+    path, given = _with_end(file), choose_penalties(forms)
     try:
         head, arrays = _contents(path)
         return Result(tuple(_stage_in(arrays, i, stage, given) for i, stage in enumerate(head["stages"])))

@@ -75,7 +75,7 @@ def forms_there(stage: StageResult, forms: Mapping[str, Form], what: str = "stag
     """The forms that a stage holds, with penalties chosen from all; a ``ValueError`` where one is not given."""
     for name in stage.states:
         look_up(name, forms, f"form, though the {what} holds it,")
-    return {name: form for name, form in choose_penalties(as_forms(forms)).items() if name in stage.states}
+    return {name: form for name, form in choose_penalties(forms).items() if name in stage.states}
 
 
 def unknowns_of(forms: Mapping[str, Form]) -> ndarray:

@@ -156,12 +156,12 @@ class WaterBalance:
             inflow, round_off = self.tie.T @ flow.inflow(head, relative), flow.round_off(head, relative)
             unbalanced = float(np.linalg.norm(inflow[~fixed]))
             leaks = np.where(leaking, inflow <= round_off, self._face & (head > flow.elevation + self._tolerance))
-            settled = bool((leaks == leaking).all())
-            if settled and unbalanced <= max(tolerance * np.linalg.norm(inflow), np.linalg.norm(round_off)):
+            steady = bool((leaks == leaking).all())
+            if steady and unbalanced <= max(tolerance * np.linalg.norm(inflow), np.linalg.norm(round_off)):
                 return _State(head, leaking, (*now.iterations, iteration))
             leaking = leaks
         raise _Unbalanced(f"{unbalanced:.1g} of {np.linalg.norm(inflow):.2g} are too much after {most} iterations"
-                          if settled else "the seepage faces open and close again and again")
+                          if steady else "the seepage faces open and close again and again")
 
     def _step(self, head: ndarray, fixed: ndarray, laws: Laws, residuals: list[float]) -> ndarray:
         """Heads after a step of Newton's method, shortened until less water is out of balance than of late."""

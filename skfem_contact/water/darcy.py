@@ -16,7 +16,7 @@ from skfem import (
     ElementTriP1,
 )
 
-from .permeability import elements_of
+from ..unknowns import elements_of
 from .retention import Retention
 
 #: Error of a sum of some ten products of heads and conductances, relative to the largest.

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from skfem import CellBasis
 
 from ..errors import look_up
+from ..unknowns import elements_of
 
 #: Permeability of a region: a number, one number for each axis, or a symmetric tensor (dim, dim).
 Permeability = ArrayLike
@@ -19,11 +20,6 @@ T = TypeVar("T")
 #: Largest ratio of permeabilities: the flow through a dam is known to 5e-4 with a core 1e10 times as permeable as the
 #: rest, and the matrix is singular with 1e12.
 _MOST = 1e10
-
-
-def elements_of(basis: CellBasis) -> ndarray:
-    """Numbers in the mesh of the elements of a basis, (n_elements,)."""
-    return np.arange(basis.mesh.nelements) if basis.tind is None else np.asarray(basis.tind)
 
 
 def regions(basis: CellBasis, values: T | Mapping[str, T], what: str) -> list[tuple[ndarray, T]]:

@@ -10,19 +10,20 @@ from numpy import ndarray
 from skfem import CellBasis, FacetBasis, LinearForm
 
 from ..errors import AnalysisWarning, look_up, place
+from ..unknowns import elements_of
 from .balance import WaterBalance
 from .conditions import Head, check_connected, conditions
 from .darcy import DarcyFlow, head_basis
 from .free_surface import zero_lines
 from .joints import tied_heads
-from .permeability import Permeability, elements_of, permeability_tensors, regions
+from .permeability import Permeability, permeability_tensors, regions
 from .places import Interpolation
 from .retention import Ramp, Retention
 
 _RAMP = Ramp()
 #: Ground is dry below the first relative permeability and wet above the second one.
 _DRY, _WET = 0.01, 0.5
-#: Share of the flow through dry ground of which the user is told.
+#: Share of the flow through dry ground of which a warning is given.
 _SHARE = 0.05
 
 
