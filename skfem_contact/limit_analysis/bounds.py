@@ -115,8 +115,9 @@ def _tell(search: Search, gap: float) -> None:
     low, high = search.lower.proof.value, search.upper.proof.value
     unproven = [kind for kind, value in (("lower", low), ("upper", high)) if not np.isfinite(value)]
     if search.overloaded:
-        warnings.warn(f"the fixed loads alone cause a collapse: the multiplier is at most {high:.5g}", AnalysisWarning,
-                      stacklevel=4)
+        why = f"the multiplier is at most {high:.5g}" if high < 0 else \
+              f"they need {1 / search.fixed_factor:.4g} times the strength"
+        warnings.warn(f"the fixed loads alone cause a collapse: {why}", AnalysisWarning, stacklevel=4)
     elif unproven:
         warnings.warn(f"no {' and no '.join(unproven)} bound could be proven", AnalysisWarning, stacklevel=4)
     elif search.gap > gap:

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -42,6 +43,11 @@ class Program:
         self.places = places
         self.matrix = self._assembled()
         self.transposed = self.matrix.T.tocsr()
+
+    def of_fixed_loads(self) -> Program:
+        """The fixed loads alone, where all strength is reduced: its factor says whether anything stands at all."""
+        strengths = [replace(s, reduced=np.ones(len(s.reduced), bool)) for s in self.strengths]
+        return Program(self.blocks, strengths, self.places, self.dead, np.zeros(self.size))
 
     @cached_property
     def normal(self) -> NormalMatrix:

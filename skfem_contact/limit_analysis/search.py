@@ -68,6 +68,8 @@ class Search:
         self._began, self._factor, self._gain = process_time(), 1.0, np.inf
         self.lower = self._solve_lower(self.model)
         self.upper = self._solve_upper()
+        #: By what all strength must be divided that the fixed loads are borne, at most; inf where they are.
+        self.fixed_factor = self._factor_of_fixed_loads()
         self.last = self.lower, self.upper
 
     @property
@@ -79,7 +81,7 @@ class Search:
     @property
     def overloaded(self) -> bool:
         """Whether it is proven that the fixed loads alone are too much."""
-        return self.live and self.upper.proof.value < 0
+        return self.live and (self.upper.proof.value < 0 or self.fixed_factor < 1)
 
     def run(self, gap: float, elements: int, seconds: float) -> None:
         """Refine until the gap is small."""
@@ -131,6 +133,19 @@ class Search:
         proof = prove_upper(parts.program, found, self.live)
         self._certified("upper", parts, found, proof)
         return Found(self.triangles, parts, found, proof)
+
+    def _factor_of_fixed_loads(self) -> float:
+        """Upper bound of their factor of safety, where no multiplier was shown to be borne.
+
+        Whatever the live load, the mechanism of fixed loads that are too much goes on: its multiplier has no optimum,
+        and where the iteration for it ends is left to round-off.
+        """
+        program = self.upper.parts.program
+        if not self.live or np.isfinite(self.lower.proof.value) or not np.any(program.dead):
+            return np.inf
+        fixed = program.of_fixed_loads()
+        goal = Goal(1.0, _AIM * self._accuracy, True, _VOLUME[1])
+        return prove_upper(fixed, solve(fixed, goal, self._accuracy), False).value
 
     def _certified(self, kind: str, parts: Discretisation, found: Solution, proof: Proof) -> None:
         if not self.live:
