@@ -92,7 +92,7 @@ def block(law, strength: bool, soil=None, elements: int = 600) -> sc.Bounds:
     upper = MeshTri.init_tensor(np.linspace(2, 6, 4), np.linspace(0, 1, 2)).with_defaults()
     basis = Basis(sc.join_bodies({"base": base, "block": upper}), ElementVector(ElementTriP2()), intorder=2)
     forms = {"bodies": sc.SolidForm(basis, soil or replace(SOIL, c=1000.0)),
-             "joint": sc.ContactPair(basis, "block:bottom", "base:top", law)}  # fmt: skip
+             "joint": sc.ContactPair(basis, "block:bottom", "base:top", law, "nodal")}  # fmt: skip
     push = {"tractions": {"block:left": (30.0, 0.0)}, "reduce": "joint"}
     if not strength:
         push = {"tractions": {"block:left": (1.0, 0.0)}, "live": "block:left"}

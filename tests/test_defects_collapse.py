@@ -116,7 +116,7 @@ def wall(stiffness, law):
              "wall": sc.SolidForm(basis.with_elements("wall"), sc.LinearElastic(E=stiffness * 2e7, nu=0.2))}
     for face in faces:
         penalty = stiffness * 1e5, stiffness * 1e4
-        forms[face] = sc.ContactPair(basis, f"ground:{face}", f"wall:{face}", law, penalty=penalty)
+        forms[face] = sc.ContactPair(basis, f"ground:{face}", f"wall:{face}", law, "nodal", penalty=penalty)
     fixed = np.append(basis.get_dofs("bottom").all(), basis.get_dofs("sides").all("u^1"))
     return sc.strength_reduction(forms, fixed, sc.weight(basis, {"clay": 19.0, "wall": 25.0}), tol=0.01, progress=False)
 

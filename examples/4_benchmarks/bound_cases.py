@@ -72,7 +72,7 @@ def heavy_footing() -> dict:
     basis = Basis(sc.join_bodies({"soil": soil, "plate": plate}), ElementVector(ElementTriP2()), intorder=2)
     forms = {"soil": sc.SolidForm(basis.with_elements("soil"), sc.MohrCoulomb(1e5, 0.3, c=10.0, phi=30.0, psi=30.0)),
              "plate": sc.SolidForm(basis.with_elements("plate"), sc.LinearElastic(E=1e7, nu=0.2)),
-             "joint": sc.ContactPair(basis, "soil:strip", "plate:bottom", sc.Coulomb())}  # fmt: skip
+             "joint": sc.ContactPair(basis, "soil:strip", "plate:bottom", sc.Coulomb(), "nodal")}  # fmt: skip
     sides = [basis.get_dofs(name).all("u^1") for name in ("soil:sides", "plate:left")]
     return {"forms": forms, "fixed": np.concatenate([basis.get_dofs("soil:base").all(), *sides]),
             "weight": {"soil": 18.0}, "tractions": {"soil:beside": (0.0, -20.0), "plate:top": (0.0, -1.0)},
@@ -86,7 +86,7 @@ def sliding_block() -> dict:
     basis = Basis(sc.join_bodies({"base": base, "block": block}), ElementVector(ElementTriP2()), intorder=2)
     strong = sc.MohrCoulomb(E=1e5, nu=0.3, c=1000.0, phi=20.0, psi=20.0)
     joint = sc.Coulomb(mu=np.tan(np.radians(26.6)), adhesion=2.5)
-    pair = sc.ContactPair(basis, "block:bottom", "base:top", joint)
+    pair = sc.ContactPair(basis, "block:bottom", "base:top", joint, "nodal")
     forms = {"bodies": sc.SolidForm(basis, strong), "joint": pair}
     return {"forms": forms, "fixed": basis.get_dofs("base:bottom").all(), "weight": {"block": 25.0},
             "tractions": {"block:left": (1.0, 0.0)}, "live": "block:left"}  # fmt: skip

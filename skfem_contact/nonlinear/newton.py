@@ -40,8 +40,8 @@ class Newton:
     tolerance
         Norm of the residual over the largest norm among the load and the forms' forces.
     max_iterations
-        After so many iterations the increment has failed; those do not count that find an active set of contact that
-        is new, up to four times as many.
+        After so many iterations the increment has failed; along the energy those do not count that find an active set
+        of contact that is new, up to four times as many.
 
     Raises
     ------
@@ -117,7 +117,7 @@ def iterate(now: Evaluation, evaluate: Callable[[ndarray], Evaluation],
             raise NotConverged(f"the iterations run away; {_why(now, norms)}", now.z, norms, now.worst)
         now = new
         norms.append(now.norm)
-        counted += now.active in met
+        counted += search != "energy" or now.active in met
         met.add(now.active)
         sizes.append(unbalanced(now))
         logger.debug("iteration %d: residual %.3e", len(norms) - 1, now.norm)
