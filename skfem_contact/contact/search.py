@@ -225,7 +225,8 @@ def _on_sides(surface: Surface, nodes: ndarray, points: ndarray, facet: ndarray,
     feature, off = np.zeros(n, int), np.zeros(n, bool)
     sides = len(shape.side_corners)
     for side in range(sides):
-        at = np.flatnonzero(beyond[:, side] > reach[:, side])
+        if len(at := np.flatnonzero(beyond[:, side] > reach[:, side])) == 0:
+            continue
         start = shape.corners[shape.side_corners[side, 0]] + reach[at, side, None] * (
             shape.outward[side] / (shape.outward[side] @ shape.outward[side]))
         ends = 0.5 * reach[at][:, [side - 1, (side + 1) % sides]] * [-1, 1] + [0, 1]

@@ -4,7 +4,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import combinations_with_replacement, permutations, product
+from itertools import product
 
 import numpy as np
 from numpy import ndarray
@@ -147,29 +147,29 @@ class Shape:
         powers = [np.ones_like(xi)]
         for _ in range(int(self.exponents.max())):
             powers.append(powers[-1] * xi)
-        coefficients = self.coefficients[0 if len(self.coefficients) == 1 else facet]
+        monomials = np.empty((len(xi), len(self.exponents)), xi.dtype)
+        for j, exponents in enumerate(self.exponents):
+            monomials[:, j] = powers[exponents[0]][:, 0]
+            for axis in range(1, self.dim):
+                monomials[:, j] *= powers[exponents[axis]][:, axis]
         result = []
-        for order in range(derivatives + 1):
-            values = np.zeros((len(xi), *(self.dim,) * order, coefficients.shape[-2]), xi.dtype)
-            for axes in combinations_with_replacement(range(self.dim), order):
-                shapes = self._derivative(powers, axes, coefficients)
-                for place in set(permutations(axes)):
-                    np.moveaxis(values, 0, -2)[place] = shapes
-            result.append(values)
+        for order, coefficients in enumerate(self._derivatives[: derivatives + 1]):
+            if len(coefficients) == 1:
+                values = monomials @ coefficients.reshape(-1, len(self.exponents)).T
+            else:
+                values = np.einsum("n...p,np->n...", coefficients[facet], monomials)
+            result.append(values.reshape(len(xi), *(self.dim,) * order, coefficients.shape[-2]))
         return result
 
-    def _derivative(self, powers: list[ndarray], axes: tuple[int, ...], coefficients: ndarray) -> ndarray | float:
-        """The derivative along the axes, one of them for each order, (n, k)."""
-        times, left, factor = np.bincount(axes, minlength=self.dim), self.exponents.copy(), np.ones(len(self.exponents))
-        for axis, count in enumerate(times):
-            for _ in range(count):
-                factor *= left[:, axis]
-                left[:, axis] -= 1
-        acts = np.flatnonzero(factor)
-        if len(acts) == 0:
-            return 0.0
-        terms = np.stack([factor[j] * np.prod([powers[left[j, c]][:, c] for c in range(self.dim)], axis=0)
-                          for j in acts], axis=1)
-        if coefficients.ndim == 2:
-            return np.asarray(terms @ coefficients[:, acts].T)
-        return np.asarray(np.einsum("nkp,np->nk", coefficients[:, :, acts], terms))
+    @cached_property
+    def _derivatives(self) -> list[ndarray]:
+        """Coefficients of the derivatives to the third in the same monomials, (1 or n_facets, dim - 1, ..., k, p)."""
+        steps = np.zeros((self.dim, len(self.exponents), len(self.exponents)))
+        for axis, j in product(range(self.dim), range(len(self.exponents))):
+            if self.exponents[j, axis]:
+                lower = self.exponents[j] - np.eye(self.dim, dtype=int)[axis]
+                steps[axis, j, np.flatnonzero((self.exponents == lower).all(axis=1))] = self.exponents[j, axis]
+        result = [self.coefficients]
+        for _ in range(3):
+            result.append(np.stack([result[-1] @ step for step in steps], axis=1))
+        return result
