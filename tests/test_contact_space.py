@@ -204,9 +204,9 @@ def sliced(mesh, thickness: float = 0.3) -> MeshHex:
 
 @pytest.mark.parametrize("law", [sc.Coulomb(0.3), sc.Coulomb(0.2, adhesion=0.5, tension=0.5), sc.Tied()],
                          ids=["friction", "bond", "tied"])
-@pytest.mark.parametrize(
-    ("quadrature", "enforcement"),
-    [("nodal", None), (2, None), ("nodal", sc.AugmentedLagrangian())], ids=["nodal", "Gauss", "nodal, augmented"])
+@pytest.mark.parametrize(("quadrature", "enforcement"), [
+    ("nodal", None), (2, None), ("nodal", sc.AugmentedLagrangian(1e-11)),  # sharp: the two begin with other penalties
+], ids=["nodal", "Gauss", "augmented"])
 def test_slice_of_a_plane_case(quadrature, enforcement, law):
     """Pressed, dragged to and fro across facets and lifted off: a slice gives the plane's displacements to 1e-8."""
     x = np.linspace(0, 1, 5)
@@ -230,23 +230,12 @@ def test_slice_of_a_plane_case(quadrature, enforcement, law):
             values = basis.zeros()
             values[dofs[0, top]], values[dofs[1, top]] = (0.0 if law.bonds else along), up
             stages.append(sc.Stage(name, basis.zeros(), values, increments=2))
-        results.append((mesh, dofs, sc.run(forms, stages, fixed, progress=False)))
+        result = sc.run(forms, stages, fixed, newton=sc.Newton(1e-12), progress=False)
+        results.append((mesh, dofs, result))
     (mesh, dofs, flat), (_, thick, solid) = results
     n = mesh.p.shape[1]
     for one, other in zip(flat, solid, strict=True):
         u, both = one.x[dofs], other.x[thick]
         scale = np.abs(u).max()
         for side in (both[:2, :n], both[:2, n:]):
-            # the augmented method ends within its tolerance of 1e-4, in as many rounds as it takes
-            np.testing.assert_allclose(side, u, rtol=0, atol=(2e-4 if enforcement else 1e-8) * scale)
-
-
-def test_multipliers_between_the_nodes_are_plane():
-    """In space the augmented method is not exact enough at Gauss points yet: it is refused."""
-    block = MeshHex().refined(1).with_defaults()
-    mesh = sc.join_bodies({"lower": block, "upper": block.translated((0.0, 0.0, 1.0))})
-    basis = Basis(mesh, ElementVector(ElementHex1()), intorder=2)
-    for quadrature in (2, "segments"):
-        with pytest.raises(ValueError, match="in space the augmented method is for quadrature='nodal'"):
-            sc.ContactPair(basis, "upper:bottom", "lower:top", sc.Coulomb(), quadrature,
-                           enforcement=sc.AugmentedLagrangian())
+            np.testing.assert_allclose(side, u, rtol=0, atol=1e-8 * scale)
