@@ -239,3 +239,14 @@ def test_slice_of_a_plane_case(quadrature, enforcement, law):
         scale = np.abs(u).max()
         for side in (both[:2, :n], both[:2, n:]):
             np.testing.assert_allclose(side, u, rtol=0, atol=1e-8 * scale)
+
+
+def test_multipliers_between_the_nodes_are_plane():
+    """In space the augmented method is not exact enough at Gauss points yet: it is refused."""
+    block = MeshHex().refined(1).with_defaults()
+    mesh = sc.join_bodies({"lower": block, "upper": block.translated((0.0, 0.0, 1.0))})
+    basis = Basis(mesh, ElementVector(ElementHex1()), intorder=2)
+    for quadrature in (2, "segments"):
+        with pytest.raises(ValueError, match="in space the augmented method is for quadrature='nodal'"):
+            sc.ContactPair(basis, "upper:bottom", "lower:top", sc.Coulomb(), quadrature,
+                           enforcement=sc.AugmentedLagrangian())
