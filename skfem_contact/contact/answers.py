@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy import ndarray
 
-from ..forms import Form, arrays_of
+from ..forms import Form
+from ..states import arrays_of
 from ..remarks import Remark
 from ..surfaces.surface import Surface
 from .diagnosis import penetration, remarks

@@ -17,7 +17,7 @@ from ..remarks import Remark
 from ..solvers.choice import as_solver
 from ..sparse import padded
 from ..unknowns import Unknowns
-from .setup import on_all, unknowns_of
+from .setup import not_there, on_all, unknowns_of
 from .supports import all_unknowns, as_unknowns, check_supports
 
 if TYPE_CHECKING:
@@ -94,16 +94,17 @@ def plan(forms: Mapping[str, Form], stages: Sequence[Stage], fixed: ndarray, sta
             now.update({name: _changed(name, now[name], new) for name, new in as_forms(stage.change).items()})
             supported, fixed = fixed, fixed if stage.fixed is None else as_unknowns(stage.fixed)
             there = {name: now[name] for name in now if name in active}
-            held = np.setdiff1d(unknowns_of(now), unknowns_of(there))
+            held = not_there(now, there, unknowns)
             if changes or not phases:
                 check_contacts(there, held)
                 check_supports(there, np.union1d(fixed, held), unknowns)
         except ValueError as error:
             raise (ValueError(f"stage '{stage.name}': {error}") if changes else error) from None
         load, prescribed = _values(stage, unknowns, held, [name for name in now if name not in active])
+        remarks = (*_idle(stage, load, prescribed, phases, np.array_equal(supported, fixed)),
+                   *_of_forms(stage, there, fixed, held))
         phases.append(Phase(unknowns, before, there, np.union1d(fixed, held), load, prescribed,
-                            changes and bool(phases or start is not None),
-                            tuple(_idle(stage, load, prescribed, phases, np.array_equal(supported, fixed)))))
+                            changes and bool(phases or start is not None), remarks))
     return phases
 
 
@@ -173,6 +174,15 @@ def _idle(stage: Stage, load: ndarray, prescribed: ndarray | None, before: list[
     others = stage.activate or stage.deactivate or stage.change or stage.duration
     if before and not others and same_supports and np.array_equal(load, before[-1].load) and prescribed is None:
         yield Remark("nothing", 0.0, "it changes nothing: its load and its supports are those of the stage before")
+
+
+def _of_forms(stage: Stage, there: Mapping[str, Form], fixed: ndarray, held: ndarray) -> list[Remark]:
+    """What the forms remark on the stage."""
+    try:
+        return [replace(remark, text=f"{name}: {remark.text}") for name, form in there.items()
+                for remark in form.check_stage(fixed, held, stage.duration)]
+    except ValueError as error:
+        raise ValueError(f"stage '{stage.name}': {error}") from None
 
 
 def among(start: StageResult, unknowns: Unknowns) -> StageResult:
