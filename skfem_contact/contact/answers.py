@@ -9,8 +9,8 @@ import numpy as np
 from numpy import ndarray
 
 from ..forms import Form
-from ..states import arrays_of
 from ..remarks import Remark
+from ..states import arrays_of
 from ..surfaces.surface import Surface
 from .diagnosis import penetration, remarks
 from .first_geometry import FirstGeometry, HeldState

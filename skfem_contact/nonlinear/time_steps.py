@@ -22,7 +22,7 @@ PART = 1.0 - np.sqrt(0.5)
 #: What remains of the largest step by which the estimated error is allowed, and the least share of a step tried.
 _SAFE, _LEAST = 0.9, 0.1
 
-#: Load and prescribed values at a share of a step.
+#: Load and prescribed values at a share of a stage.
 Path = Callable[[float], tuple[ndarray, ndarray]]
 
 
@@ -34,8 +34,8 @@ class TimeStep:
     errors: Mapping[str, tuple[float, float]]
 
 
-def solve_step(system: System, x: ndarray, states: Mapping[str, Any], path: Path, duration: float, newton: Newton,
-               start: ndarray | None, try_recovery: bool) -> TimeStep:
+def solve_step(system: System, x: ndarray, states: Mapping[str, Any], path: Path, span: tuple[float, float],
+               duration: float, newton: Newton, start: ndarray | None, try_recovery: bool) -> TimeStep:
     """Equilibrium at the end of a step in time.
 
     Parameters
@@ -44,22 +44,27 @@ def solve_step(system: System, x: ndarray, states: Mapping[str, Any], path: Path
         As for :func:`solve_increment`.
     path
         Loads and prescribed values.
+    span
+        Shares of the stage at the beginning and at the end of the step.
     duration
-        Time that the step takes; without any it is a plain increment.
+        Time that the stage takes; without any the step is a plain increment.
     """
+    begin, end = span
+    duration *= end - begin
     second_order = {name for name, form in system.forms.items() if form.second_order}
     if not second_order or not duration > 0.0:
-        return TimeStep(solve_increment(system.over(duration), x, states, *path(1.0), newton, start, try_recovery), {})
+        step = system.over(duration)
+        return TimeStep(solve_increment(step, x, states, *path(end), newton, start, try_recovery), {})
     first = system.over(PART * duration)
-    middle = solve_increment(first, x, states, *path(PART), newton, None, try_recovery)
+    middle = solve_increment(first, x, states, *path(begin + PART * (end - begin)), newton, None, try_recovery)
     second = first.with_forms({name: first.forms[name] if name in second_order
                                else form.over((1.0 - PART) * duration) for name, form in system.forms.items()})
     begun = {name: first.forms[name].extrapolated(states[name], state, 1.0 / PART - 1.0) if name in second_order
              else state for name, state in middle.states.items()}
-    end = solve_increment(second, middle.x, begun, *path(1.0), newton, None, try_recovery)
-    errors = {name: first.forms[name].time_error(middle.states[name], end.states[name]) for name in second_order}
-    return TimeStep(Equilibrium(end.x, end.states, middle.residuals + end.residuals[1:],
-                                middle.equilibria + end.equilibria), errors)
+    last = solve_increment(second, middle.x, begun, *path(end), newton, None, try_recovery)
+    errors = {name: first.forms[name].time_error(middle.states[name], last.states[name]) for name in second_order}
+    return TimeStep(Equilibrium(last.x, last.states, middle.residuals + last.residuals[1:],
+                                middle.equilibria + last.equilibria), errors)
 
 
 class TimeError:

@@ -154,7 +154,8 @@ class Result:
         arrays, stages = {}, []
         for i, stage in enumerate(self.stages):
             stages.append({"name": stage.name, "iterations": stage.iterations, "residual": stage.residual,
-                           "fraction": stage.fraction, "time": stage.time, "summary": dict(stage.summary), "forms": list(stage.states),
+                           "fraction": stage.fraction, "time": stage.time, "summary": dict(stage.summary),
+                           "forms": list(stage.states),
                            "meshes": {name: _fingerprint(form) for name, form in stage.forms.items()}})
             arrays[f"{i}/x"], arrays[f"{i}/load"] = stage.x, stage.load
             for name, state in stage.states.items():

@@ -131,8 +131,8 @@ def _increments(system: System, predictor: Predictor, stage: Stage, phase: Phase
         time = began + fraction * stage.duration
         start = None if stepping.cut else predictor.start(*path(fraction), time)
         try:
-            step = solve_step(system, last.x, last.states, lambda share: path(done + share * (fraction - done)),
-                              (fraction - done) * stage.duration, newton, start, stepping.try_recovery)
+            step = solve_step(system, last.x, last.states, path, (done, fraction), stage.duration, newton, start,
+                              stepping.try_recovery)
         except NotConverged as error:
             stepping.reject(error)
             logger.info("stage '%s': increment to %.4f failed, cut to %.4f: %s", stage.name, fraction, stepping.size,

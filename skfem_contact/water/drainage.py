@@ -79,7 +79,7 @@ def _check_determined(water: PoreWater, fixed: ndarray, drained: ndarray) -> Non
 
 
 def _resolved(water: PoreWater, drained: ndarray, diffusivity: ndarray) -> float:
-    """Longest time h² / 6 c_v of the elements with a drained facet, h across it (P. A. Vermeer and A. Verruijt 1981)."""
+    """Longest time h² / 6 c_v of the elements with a drained facet, h across it (P. A. Vermeer, A. Verruijt 1981)."""
     basis, mesh = water.porous.basis, water.porous.basis.mesh
     corners = np.isin(np.arange(mesh.p.shape[1]), drained - water.first)
     sides = mesh.t2f[:, water.elements_in_mesh]

@@ -4,7 +4,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from copy import copy
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy import ndarray
@@ -49,7 +48,7 @@ class PoreState:
 
 
 class PoreWater(Form):
-    r"""Water in the pores of saturated ground: it is pressed out where the ground is compressed, and flows by Darcy's law.
+    r"""Water in the pores of saturated ground: pressed out where this is compressed, it flows by Darcy's law.
 
     It stands beside the solids, whose stresses are effective. With the excess pore pressure p, positive in compression,
 
@@ -116,6 +115,8 @@ class PoreWater(Form):
     """
 
     symmetric, second_order = True, True
+    size: int
+    carries: ndarray
     _kept: csr_matrix
     _passing: csr_matrix
     _step: csr_matrix
