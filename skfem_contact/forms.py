@@ -213,7 +213,7 @@ class Form:
         """Refuse to go on from a state of other settings, by a ``ValueError``."""
 
     def check_stage(self, fixed: ndarray, held: ndarray, duration: float) -> Iterable[Remark]:
-        """Remarks on a stage, on its supports, what is not there and how long it takes; or a ``ValueError``."""
+        """Remarks on supports, what is not there, and time since the last change to a stage's end; or a ValueError."""
         return ()
 
     # -- in an increment -------------------------------------------------------------------------------------

@@ -56,7 +56,8 @@ def solve_step(system: System, x: ndarray, states: Mapping[str, Any], path: Path
         step = system.over(duration)
         return TimeStep(solve_increment(step, x, states, *path(end), newton, start, try_recovery), {})
     first = system.over(PART * duration)
-    middle = solve_increment(first, x, states, *path(begin + PART * (end - begin)), newton, None, try_recovery)
+    towards = None if start is None else x + PART * (start - x)
+    middle = solve_increment(first, x, states, *path(begin + PART * (end - begin)), newton, towards, try_recovery)
     second = first.with_forms({name: first.forms[name] if name in second_order
                                else form.over((1.0 - PART) * duration) for name, form in system.forms.items()})
     begun = {name: first.forms[name].extrapolated(states[name], state, 1.0 / PART - 1.0) if name in second_order

@@ -86,6 +86,7 @@ def plan(forms: Mapping[str, Form], stages: Sequence[Stage], fixed: ndarray, sta
     now = choose_penalties(forms)
     active = _at_first(forms, stages, start)
     phases: list[Phase] = []
+    time = 0.0
     for stage in stages:
         before = {name: now[name] for name in now if name in active}
         changes = bool(stage.activate or stage.deactivate or stage.change or stage.fixed is not None)
@@ -101,8 +102,10 @@ def plan(forms: Mapping[str, Form], stages: Sequence[Stage], fixed: ndarray, sta
         except ValueError as error:
             raise (ValueError(f"stage '{stage.name}': {error}") if changes else error) from None
         load, prescribed = _values(stage, unknowns, held, [name for name in now if name not in active])
+        waits = bool(phases) and not changes and prescribed is None and np.array_equal(load, phases[-1].load)
+        time = time + stage.duration if waits else stage.duration
         remarks = (*_idle(stage, load, prescribed, phases, np.array_equal(supported, fixed)),
-                   *_of_forms(stage, there, fixed, held))
+                   *_of_forms(stage, there, fixed, held, time))
         phases.append(Phase(unknowns, before, there, np.union1d(fixed, held), load, prescribed,
                             changes and bool(phases or start is not None), remarks))
     return phases
@@ -176,11 +179,11 @@ def _idle(stage: Stage, load: ndarray, prescribed: ndarray | None, before: list[
         yield Remark("nothing", 0.0, "it changes nothing: its load and its supports are those of the stage before")
 
 
-def _of_forms(stage: Stage, there: Mapping[str, Form], fixed: ndarray, held: ndarray) -> list[Remark]:
-    """What the forms remark on the stage."""
+def _of_forms(stage: Stage, there: Mapping[str, Form], fixed: ndarray, held: ndarray, time: float) -> list[Remark]:
+    """What the forms remark on the stage, which ends some time after anything has begun to change."""
     try:
         return [replace(remark, text=f"{name}: {remark.text}") for name, form in there.items()
-                for remark in form.check_stage(fixed, held, stage.duration)]
+                for remark in form.check_stage(fixed, held, time if stage.duration else 0.0)]
     except ValueError as error:
         raise ValueError(f"stage '{stage.name}': {error}") from None
 
@@ -204,10 +207,11 @@ def begin(phase: Phase, last: StageResult) -> tuple[ndarray, dict[str, Any], nda
     """
     new = {name: form for name, form in phase.forms.items() if name not in phase.before}
     x = placed(last.x, new, unknowns_of(phase.before), phase.fixed)
-    states = {name: form.initial_state(x) if name in new else last.states[name] for name, form in phase.forms.items()}
+    states = {name: form.initial_state(x[:form.size]) if name in new else last.states[name]
+              for name, form in phase.forms.items()}
     for name, form in new.items():
         gone = {k: f for k, f in phase.before.items() if k not in phase.forms and form.replaces(f)}
-        operator = form.tractions_at(x, states[name]) if gone else None
+        operator = form.tractions_at(x[:form.size], states[name]) if gone else None
         if operator is not None:
             states[name] = prestressed({name: operator}, carried(gone, last.x, last.states)[:form.size])[name]
     lost = last.load - carried(phase.forms, x, states)

@@ -255,8 +255,8 @@ def _balanced(forms: Mapping[str, Form], load: ndarray, fixed: ndarray, stress: 
         if values.shape != states[key].stress.shape or not np.isfinite(values).all():
             raise ValueError(f"the stress of '{key}' must be finite and of shape {states[key].stress.shape}; its shape "
                              f"is {values.shape}")
-        states[key] = form.assemble(x, replace(states[key], stress=values)).state
-    bearing = {key: form.tractions_at(x, states[key]) for key, form in system.forms.items()}
+        states[key] = form.assemble(x[:form.size], replace(states[key], stress=values)).state
+    bearing = {key: form.tractions_at(x[:form.size], states[key]) for key, form in system.forms.items()}
     operators = {key: operator for key, operator in bearing.items() if operator is not None}
     if operators:
         force = carried(solids, x, states)

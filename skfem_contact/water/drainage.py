@@ -29,7 +29,7 @@ def drainage_remarks(water: PoreWater, fixed: ndarray, held: ndarray, duration: 
     fixed, held
         Unknowns that are supported, and those of what is not there.
     duration
-        Time that the stage takes.
+        Time from when loads, supports or anything else began to change to the end of the stage; zero without any.
 
     Raises
     ------
@@ -51,7 +51,7 @@ def drainage_remarks(water: PoreWater, fixed: ndarray, held: ndarray, duration: 
     time = float(diffusivity.max()) * duration / length**2, float(diffusivity.min()) * duration / length**2
     if time[0] < _LEAST or time[1] > _MOST:
         worst = time[0] if time[0] < _LEAST else time[1]
-        yield Remark("units", abs(np.log10(worst)), f"the stage takes {worst:.1e} times H² / c_v, with c_v from "
+        yield Remark("units", abs(np.log10(worst)), f"the stage ends after {worst:.1e} times H² / c_v, with c_v from "
                      f"{diffusivity.min():.3g} to {diffusivity.max():.3g}: are the permeability, the stiffness and the "
                      "duration in the same units?")
     if not (fixed >= water.first).any():
@@ -59,7 +59,7 @@ def drainage_remarks(water: PoreWater, fixed: ndarray, held: ndarray, duration: 
         return
     shortest = _resolved(water, drained, diffusivity)
     if duration < shortest:
-        yield Remark("short", shortest / duration, f"the stage takes {duration:.3g}, less than h² / 6 c_v = "
+        yield Remark("short", shortest / duration, f"it ends after {duration:.3g}, less than h² / 6 c_v = "
                      f"{shortest:.3g} of the elements at drained boundaries: pressures may be too high beside these")
 
 
