@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 _RIGID = 1e-12
 #: Degrees of consolidation, T = c_v t / H², that no stage of an analysis has in any sensible units.
 _LEAST, _MOST = 1e-10, 1e8
+#: From here on round-off of the pressures moves as much water as the ground holds.
+_LOST = 1e12
 
 
 def drainage_remarks(water: PoreWater, fixed: ndarray, held: ndarray, duration: float) -> Iterator[Remark]:
@@ -47,13 +49,15 @@ def drainage_remarks(water: PoreWater, fixed: ndarray, held: ndarray, duration: 
     assert water.skeleton is not None
     diffusivity = water.skeleton.modulus * np.linalg.eigvalsh(water.mobility)[:, -1]
     used = basis.mesh.p[:, np.unique(basis.mesh.t[:, water.elements_in_mesh])]
-    length = float(np.ptp(used, axis=1).min())
+    length = float(np.ptp(used, axis=1).max())
     time = float(diffusivity.max()) * duration / length**2, float(diffusivity.min()) * duration / length**2
     if time[0] < _LEAST or time[1] > _MOST:
         worst = time[0] if time[0] < _LEAST else time[1]
-        yield Remark("units", abs(np.log10(worst)), f"the stage ends after {worst:.1e} times H² / c_v, with c_v from "
-                     f"{diffusivity.min():.3g} to {diffusivity.max():.3g}: are the permeability, the stiffness and the "
-                     "duration in the same units?")
+        text = (f"the stage ends after {worst:.1e} times H² / c_v, with c_v from {diffusivity.min():.3g} to "
+                f"{diffusivity.max():.3g}: are permeability, stiffness and duration in the same units?")
+        if worst > _LOST:
+            raise ValueError(text)
+        yield Remark("units", abs(np.log10(worst)), text)
     if not (fixed >= water.first).any():
         yield Remark("sealed", 0.0, "no pore pressure is held: no water can leave the ground")
         return

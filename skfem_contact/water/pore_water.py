@@ -15,11 +15,15 @@ from ..forms import Form, Response
 from ..remarks import Remark
 from ..sparse import with_data
 from ..strain import StrainOperator, plane_strain
-from ..unknowns import Field, elements_of
+from ..unknowns import Field, elements_of, nodes
 from .drainage import drainage_remarks
 from .permeability import Permeability, permeability_tensors, regions
 from .porous import Porous
 from .skeleton import Skeleton
+
+#: Water out of balance is measured by what nodes store in a step, or by this share of what flows in and out of them: at
+#: the usual tolerance that is 1e-14, its round-off in ground a small part of which is 1e8 times as permeable.
+_FLOWING = 1e-6
 
 #: Values on a boundary: a number, or a function of places (dim, ...).
 Given = float | Callable[[ndarray], ndarray]
@@ -119,6 +123,7 @@ class PoreWater(Form):
     carries: ndarray
     _kept: csr_matrix
     _passing: csr_matrix
+    _gross: csr_matrix
     _step: csr_matrix
     capacity: ndarray
 
@@ -196,6 +201,15 @@ class PoreWater(Form):
         values[self.carries - self.first] = x[self.carries]
         return values
 
+    def pressure_at_nodes(self, x: ndarray) -> ndarray:
+        """The same at the nodes of the displacements, middles of edges among them, (N/dim,); zero elsewhere."""
+        basis, parts = self.porous.basis, self.porous.pressures
+        corners, local = nodes(basis), np.asarray(basis.elem.elem.doflocs).T
+        values = np.zeros(basis.N // basis.mesh.dim())
+        shapes = np.stack([np.broadcast_to(parts.elem.lbasis(local, j)[0], local.shape[1]) for j in range(parts.Nbfun)])
+        values[corners] = x[self.first + parts.element_dofs.T] @ shapes
+        return values
+
     def inflow(self, state: PoreState, boundary: str | None = None) -> float:
         """Water that has entered the ground since it became active; negative what has left it.
 
@@ -241,6 +255,7 @@ class PoreWater(Form):
             kept = kept + parts.spread / (2.0 * skeleton.shear)[:, None, None]
         new._kept = parts.symmetric(self.first, -parts.coupling, -kept)
         new._passing = parts.symmetric(self.first, 0.0 * parts.coupling, -parts.flow)
+        new._gross = with_data(new._passing, np.abs(new._passing.data))
         new.capacity = parts.at_nodes(1.0 / skeleton.modulus + self.storage)
         scale = float(skeleton.modulus.mean() / skeleton.size.mean())
         new.fields = (replace(self.fields[0], scale=scale),)
@@ -278,8 +293,9 @@ class PoreWater(Form):
         kept, flow = self._kept @ x, self._duration * (self._passing @ x)
         force = kept + flow
         force[first:] += state.stored
-        measure = kept.copy()
-        measure[first:] += state.stored
+        measure = _FLOWING * self._duration * (self._gross @ np.abs(x))
+        measure[:first] = kept[:first]
+        measure[first:] += np.abs(kept[first:] + state.stored)
         pressure = x[first:]
         return Response(force, lambda: PoreState(-kept[first:], state.first, state.entered - force[first:], pressure),
                         lambda: self._step, measure=measure)
@@ -299,10 +315,11 @@ class PoreWater(Form):
                        entered=before.entered + ratio * (found.entered - before.entered))
 
     def time_error(self, middle: PoreState, after: PoreState) -> tuple[float, float]:
-        """Water that a method of first order would have let flow besides, and what the pressures can press out."""
+        """Water that a method of first order would have let flow besides; what flows or may yet be pressed out."""
         assert self._duration is not None
         change = np.append(np.zeros(self.first), after.pressure - middle.pressure)
-        water = max(float(self.capacity @ np.abs(state.pressure)) for state in (middle, after))
+        flowed = 0.5 * float(np.abs(after.entered - middle.entered).sum())
+        water = max(flowed, *(float(self.capacity @ np.abs(state.pressure)) for state in (middle, after)))
         return 0.5 * self._duration * float(np.abs(self._passing @ change).sum()) / self._time_error, water
 
     def moved_back(self, x: ndarray, state: PoreState) -> PoreState:
