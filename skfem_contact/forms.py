@@ -18,7 +18,7 @@ from .unknowns import Field, elements_of
 
 
 class Response:
-    """What a form answers: the internal force and, when asked for, the candidate state and the tangent.
+    """What a form answers: the internal force and, computed at their first access only, candidate state and tangent.
 
     Parameters
     ----------
@@ -37,10 +37,6 @@ class Response:
         Active set, which points are closed and which slide: the method may go on while it still finds new ones.
     measure
         Forces (N,) that unbalanced ones are compared with, where `force` is itself a difference that vanishes.
-
-    Notes
-    -----
-    The functions are called at the first access of the properties only: a line search pays for the force alone.
 
     Examples
     --------
@@ -203,6 +199,10 @@ class Form:
         if type(self) is not type(old):
             raise ValueError(f"{type(old).__name__} cannot become {type(self).__name__}")
         return self
+
+    def inherits(self, old: Form, state: Any) -> Any:
+        """The state of an old form as this one goes on from it in its place."""
+        return state
 
     def fits(self, state: Any) -> bool:
         """Whether a state may be one of this form: by default, whether its arrays have their initial shapes."""

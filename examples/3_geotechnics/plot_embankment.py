@@ -2,9 +2,10 @@ r"""
 An embankment on soft clay
 ==========================
 
-A road is built up in three lifts on 6 m of soft clay under water, and the clay is given time to consolidate after each.
-Quickly placed fill is carried by the pressure of the water at first: that does not make the clay any stronger. While the
-water leaves the clay settles and gains strength, and the next lift can come. How safe is the embankment at each moment?
+A road is built up in three lifts on 6 m of soft clay under water, and the clay is given time to consolidate after
+each. Quickly placed fill is carried by the pressure of the water at first: that does not make the clay any stronger.
+While the water leaves the clay settles and gains strength, and the next lift can come. How safe is the embankment at
+each moment?
 
 The soil dilates not at all, a little, or as much as it has friction: :math:`\psi = 0`, 5° and :math:`\varphi`.
 ``--full`` searches for the factor after each stage of all three.

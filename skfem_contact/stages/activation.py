@@ -203,12 +203,12 @@ def begin(phase: Phase, last: StageResult) -> tuple[ndarray, dict[str, Any], nda
 
     New solids are stress-free in the deformed ground. A new contact pair carries no traction, unless it takes the
     place of one between the same surfaces: then it takes over its tractions, so that nothing moves. What is
-    out of balance then, because a body, a support or strength has gone, is to be released.
+    out of balance then, because a body, a support, strength or the pressure of water has gone, is to be released.
     """
     new = {name: form for name, form in phase.forms.items() if name not in phase.before}
     x = placed(last.x, new, unknowns_of(phase.before), phase.fixed)
-    states = {name: form.initial_state(x[:form.size]) if name in new else last.states[name]
-              for name, form in phase.forms.items()}
+    states = {name: form.initial_state(x[:form.size]) if name in new
+              else _inherited(form, phase.before[name], last, name) for name, form in phase.forms.items()}
     for name, form in new.items():
         gone = {k: f for k, f in phase.before.items() if k not in phase.forms and form.replaces(f)}
         operator = form.tractions_at(x[:form.size], states[name]) if gone else None
@@ -217,6 +217,18 @@ def begin(phase: Phase, last: StageResult) -> tuple[ndarray, dict[str, Any], nda
     lost = last.load - carried(phase.forms, x, states)
     lost[phase.fixed] = 0.0
     return x, states, lost
+
+
+def _inherited(form: Form, before: Form, last: StageResult, name: str) -> Any:
+    """The state that a form goes on from, in the place of one before or of that with which the last stage ended."""
+    old, state = last.forms.get(name, before), last.states[name]
+    return state if form is old else form.inherits(old, state)
+
+
+def goes_on_otherwise(phase: Phase, last: StageResult) -> bool:
+    """Whether the forms of a stage make something else of the states with which the last one ended."""
+    return any(name in phase.forms and _inherited(form, form, last, name) is not last.states[name]
+               for name, form in phase.before.items())
 
 
 def placed(x: ndarray, new: Mapping[str, Form], known: ndarray, fixed: ndarray) -> ndarray:

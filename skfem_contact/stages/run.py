@@ -18,7 +18,7 @@ from ..nonlinear.time_steps import TimeError, solve_step
 from ..progress import progress_bar
 from ..remarks import Remarks
 from ..solvers.threads import single_threaded
-from .activation import Phase, among, begin, check_start, plan
+from .activation import Phase, among, begin, check_start, goes_on_otherwise, plan
 from .result import Result, StageResult
 from .setup import build_system
 from .stage import Stage
@@ -95,7 +95,7 @@ def run(forms: Mapping[str, Any], stages: Sequence[Stage], fixed: ndarray,
     with Remarks(stacklevel=3) as remarks:
         for stage, phase in zip(stages, phases, strict=True):
             released = np.zeros(len(last.x))
-            if phase.changed:
+            if phase.changed or (stage is stages[0] and goes_on_otherwise(phase, last)):
                 x, states, released = begin(phase, last)
                 last = replace(last, x=x, states=states)
             if phase.changed or stage is stages[0]:
