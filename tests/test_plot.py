@@ -453,3 +453,21 @@ def test_tractions_are_drawn_as_the_slave_exerts_them():
     np.testing.assert_allclose(total / scale, -report.force / scale, atol=0.01)
     data = interface.on_facets()
     assert len(data["pressure"]) == 72 and np.isfinite(data["pressure"]).all() and (data["status"] == 1).all()
+
+
+@needs_opengl
+def test_an_own_picture(tmp_path):
+    """Principal strains as arrows, which no function here draws: from `to_pyvista` in a few lines."""
+    import pyvista
+
+    forms, step = block()
+    grid = sc.to_pyvista(forms, step)
+    values, directions = np.linalg.eigh([[[s[0], s[3] / 2], [s[3] / 2, s[1]]] for s in grid.point_data["strain"]])
+    grid["first"] = np.pad(values[:, -1:] * directions[:, :, -1], ((0, 0), (0, 1)))
+    np.testing.assert_allclose(np.abs(grid["first"]), [[0.1, 0, 0]] * grid.n_points, atol=1e-12)  # u_x = x / 10
+    plotter = pyvista.Plotter(off_screen=True, window_size=(300, 200))
+    plotter.add_mesh(grid.glyph(orient="first", scale="first", factor=2.0), color="red")
+    plotter.view_xy()
+    plotter.screenshot(tmp_path / "own.png")
+    plotter.close()
+    assert colored(plt.imread(tmp_path / "own.png") * 255).any()
