@@ -116,7 +116,7 @@ def nodal(surface: Surface) -> SlavePoints:
 def gauss(slave: Surface, master: Surface, n: int) -> SlavePoints:
     """Gauss points on every slave facet: surface-to-surface contact.
 
-    There are n in each direction, on triangles as many as integrate the same degree, 2n - 1.  The master's shape
+    There are n in each direction, on triangles as many as integrate the degree 2n - 2.  The master's shape
     functions have kinks at its nodes, which Gauss points smear. Where these nodes lie closer than the slave's facets
     are long, the facets are divided, so that no piece is longer than the nodes' distance.
     """
