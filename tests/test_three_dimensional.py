@@ -352,21 +352,51 @@ def orientation(basis: Basis) -> np.ndarray:
     return np.linalg.det(np.stack((b - a, c - a, d - a), axis=1))
 
 
+@pytest.mark.parametrize("element", ["TetP1", "HexS2"])
+def test_section_forces_of_a_pile(element):
+    """[X] Statics of a column under forces at its head and its weight: exact, however coarse the mesh.
+
+    The weight of tetrahedra has no centre on the axis.
+    """
+    kind, elem, intorder = ELEMENTS[element]
+    mesh = kind.init_tensor(np.linspace(-0.5, 0.5, 3), np.linspace(-0.5, 0.5, 3), np.linspace(0.0, 4.0, 6))
+    basis = Basis(mesh, ElementVector(elem()), intorder=intorder)
+    forms = {"pile": sc.SolidForm(basis, ELASTIC, sc.three_dimensional)}
+    head = mesh.facets_satisfying(lambda x: x[2] > 4.0 - 1e-9)
+    gamma = 5.0 if kind is MeshHex else 0.0
+    at_head = traction(basis, head, lambda w: [2.0 - 6 * w.x[1], 1.0 + 6 * w.x[0], -30.0 + 0 * w.x[0]])
+    load = sc.weight(basis, gamma) + at_head
+    step = sc.run(forms, [sc.Stage("load", load)], basis.get_dofs(lambda x: x[2] < 1e-9).all(), progress=False)["load"]
+    z = np.array([0.8, 1.6, 2.5, 3.2])  # on layers of nodes, and between them
+    found = step.section_forces("pile", sc.line_sections((0, 0, 0.8), (0, 0, 3.2), depth=1.5, n=4))
+    z = 0.8 + found.position
+    np.testing.assert_allclose(found.N, -30.0 - gamma * (4.0 - z), rtol=1e-9)
+    np.testing.assert_allclose(found.T, 1.0, rtol=1e-9)  # 6 (x^2 + y^2) over the head
+    np.testing.assert_allclose(found.V, np.tile([2.0, 1.0, 0.0], (4, 1)), atol=1e-9)
+    np.testing.assert_allclose(found.M, np.stack((-1.0 * (4 - z), 2.0 * (4 - z), 0 * z), axis=1), atol=1e-8)
+    side = found.towards((-1, 0, 0))  # pushed to the right the fibres on the left are in tension
+    np.testing.assert_allclose(side.M, 2.0 * (4 - z), atol=1e-8)
+    np.testing.assert_allclose(side.V, np.gradient(side.M, found.position), atol=1e-8)  # V = dM/ds
+    with pytest.raises(ValueError, match="across its axis"):
+        found.towards((0, 0, 1))
+
+
 # -- bad input --------------------------------------------------------------------------------------------------------
 
 
 def test_other_plane_things():
-    """Sections and pictures refuse with the same message."""
+    """Pictures of the plane refuse bodies in space, and cuts in the plane do not cut them."""
     basis = box("Hex1", n=1)
     form = sc.SolidForm(basis, ELASTIC, sc.three_dimensional)
     forms, state = {"cube": form}, form.initial_state()
     step = sc.StageResult("none", np.zeros(basis.N), np.zeros(basis.N), {"cube": state}, (), 0.0)
     for what, refused in {
-        "section_forces": lambda: sc.section_forces(form, state, sc.line_sections((0.0, 0.0), (1.0, 0.0), 1.0)),
         "plot.contour": lambda: plot.contour(forms, step, "ux"),
     }.items():
         with pytest.raises(ValueError, match=f"{what} is for plane bodies, but this is a MeshHex1 in three dim"):
             refused()
+    with pytest.raises(ValueError, match="these sections have 2 coordinates, the body has 3"):
+        sc.section_forces(form, state, sc.line_sections((0.0, 0.0), (1.0, 0.0), 1.0))
     assert "uz" not in quantities.PLANE  # which the plane has not
 
 
