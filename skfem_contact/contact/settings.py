@@ -10,7 +10,7 @@ from .clearance import Fit
 from .laws import InterfaceLaw
 
 
-def check_settings(quadrature: Any, enforcement: Any, initial: Any, share: Any, tangent: Any, dim: int) -> None:
+def check_settings(quadrature: Any, enforcement: Any, initial: Any, share: Any, tangent: Any) -> None:
     """Refuse a setting that means nothing to a contact pair, see there."""
     if not _counts(quadrature):
         _one_of("quadrature", quadrature, ("nodal", "segments"), " or a positive number of Gauss points")
@@ -20,8 +20,6 @@ def check_settings(quadrature: Any, enforcement: Any, initial: Any, share: Any, 
         raise ValueError(f"share must lie in (0, 1], not {share!r}")
     if not isinstance(enforcement, AugmentedLagrangian | None):
         raise ValueError(f"enforcement must be None or AugmentedLagrangian(), not {enforcement!r}")
-    if dim == 3 and enforcement is not None and quadrature != "nodal":
-        raise ValueError("in space the augmented method is for quadrature='nodal'; elsewhere take the penalty method")
 
 
 def check_law(law: Any, n_nodes: int) -> None:
