@@ -244,3 +244,13 @@ def test_slice_of_a_plane_case(quadrature, enforcement, error, law):
         scale = np.abs(u).max()
         for side in (both[:2, :n], both[:2, n:]):
             np.testing.assert_allclose(side, u, rtol=0, atol=error * scale)
+
+
+@pytest.mark.parametrize("element", ["P2", "S2"])
+def test_multipliers_need_areas(element):
+    """Corners of facets of six nodes have no area, and those of eight a negative one: refused."""
+    basis = space.facing(element, np.random.default_rng(1))
+    for quadrature in ("nodal", 3, "segments"):
+        with pytest.raises(ValueError, match=r"not for facets of [68] nodes, as 'upper:bottom'"):
+            sc.ContactPair(basis, "upper:bottom", "lower:top", sc.Coulomb(), quadrature,
+                           enforcement=sc.AugmentedLagrangian())

@@ -133,7 +133,7 @@ def _on_facets(pair: ContactPair, state: ContactState) -> Iterator[Remark]:
         yield Remark("overlap", carried,
                      f"facets of '{pair.slave.name}' and '{pair.facets.name}' that do not match overlap by up to "
                      f"{overlap.max():.3g} in the mesh, which alone carries about {carried:.1g} times the pressure "
-                     'that was found: initial="adjusted" lets them touch, nodes that match or curved facets do not overlap')
+                     'that was found: initial="adjusted" lets them touch, matching nodes or curves do not overlap')
     sideways = float(force @ _slope_at_joints(pair, state) / force.sum())
     if points.nodes.shape[1] == 1 and sideways > _SIDEWAYS:
         yield Remark("joints", sideways,
