@@ -354,7 +354,7 @@ def test_contact_diagram_marks_what_slips():
     y, zero = np.array([-3.0, -2.0, -1.0]), np.zeros(3)
     status = np.array([sc.Status.STICK, sc.Status.SLIP, sc.Status.OPEN])
     pressure, shear = np.array([3.0, 2.0, 0.0]), np.array([-1.0, 1.0, 0.0])
-    joint = sc.Tractions(y + 3.0, zero, y, zero, pressure, shear, zero, zero, status, zero)
+    joint = sc.Tractions(y + 3.0, zero, y, zero, pressure, shear, zero, zero, status, zero, pressure, shear)
     figure = plot.contact_diagram({"failure": joint}, along="y")
     for axes, values in zip(figure.axes, (pressure, shear)):
         line, circles = axes.lines
