@@ -315,6 +315,33 @@ def test_pressures_stand_in_a_search_for_a_collapse():
     np.testing.assert_allclose(found.end.x[water.unknowns()], 5.0)
 
 
+@pytest.mark.parametrize("soil", [sc.LinearElastic(E=1e3, nu=0.3), sc.MohrCoulomb(E=1e3, nu=0.3, c=8.0, phi=10.0)])
+def test_contact_carries_the_total_stress(soil):
+    """[X] A wet column on a rough base: contact carries the load at any time, whoever carries it above."""
+    grids = {"base": MeshTri.init_tensor(np.linspace(-1, 2, 10), np.linspace(-1, 0, 4)),
+             "column": MeshTri.init_tensor(np.linspace(0, 1, 5), np.linspace(0, 2, 9))}  # fmt: skip
+    mesh = sc.join_bodies({name: grid.with_defaults() for name, grid in grids.items()})
+    basis = vector_basis(mesh, "P2", intorder=4)
+    wet = basis.with_elements("column")
+    forms = {"base": sc.SolidForm(basis.with_elements("base"), sc.LinearElastic(E=1e5, nu=0.3)),
+             "column": sc.SolidForm(wet, soil), "water": sc.PoreWater(wet, 1e-2),
+             "joint": sc.ContactPair(basis, "column:bottom", "base:top", sc.Coulomb(mu=0.5))}  # fmt: skip
+    drained = forms["water"].unknowns("column:top", "column:left", "column:right")
+    fixed = np.append(basis.get_dofs("base:bottom").all(), drained)
+    load = sc.traction(basis, "column:top", (0.0, -10.0))
+    stages = [sc.Stage("load", load, duration=0.3), sc.Stage("wait", load, duration=100.0)]
+    with pytest.warns(sc.AnalysisWarning, match="'joint' carries the pressure of the water as well, at 3 nodes"):
+        result = sc.run(forms, stages, fixed, **QUIET)
+    for stage in result:
+        assert stage.report("joint").pressure == pytest.approx(10.0, rel=1e-3)  # along turned facets
+    p = [np.nanmax(forms["water"].pressure(stage.x)) for stage in result]
+    assert p[0] > 1.0 and p[1] < 1e-3
+    dry = {name: form for name, form in forms.items() if name != "water"}
+    slow = sc.run(dry, [sc.Stage("load", load)], fixed[fixed < basis.N], **QUIET)["load"]
+    if isinstance(soil, sc.LinearElastic):
+        np.testing.assert_allclose(result["wait"].x[: basis.N], slow.x, atol=1e-2 * np.abs(slow.x).max())  # friction
+
+
 # -- what is told ---------------------------------------------------------------------------------------------------
 
 

@@ -86,7 +86,8 @@ class StageResult:
         """Resultants and status of a contact pair, see :func:`~skfem_contact.contact_report`."""
         from ..post import contact_report
 
-        return contact_report(self._form(pair), self.x, self.states[pair])
+        form = self._form(pair)
+        return contact_report(form, self.x[:form.size], self.states[pair])
 
     def section_forces(self, solid: str, sections: Sections) -> SectionForces:
         """Section forces of a body, see :func:`~skfem_contact.section_forces`."""

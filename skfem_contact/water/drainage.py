@@ -48,7 +48,7 @@ def drainage_remarks(water: PoreWater, fixed: ndarray, held: ndarray, duration: 
     _check_determined(water, fixed, drained)
     assert water.skeleton is not None
     diffusivity = water.skeleton.modulus * np.linalg.eigvalsh(water.mobility)[:, -1]
-    used = basis.mesh.p[:, np.unique(basis.mesh.t[:, water.elements_in_mesh])]
+    used = basis.mesh.p[:, np.unique(basis.mesh.t[:, water.elements])]
     length = float(np.ptp(used, axis=1).max())
     time = float(diffusivity.max()) * duration / length**2, float(diffusivity.min()) * duration / length**2
     if time[0] < _LEAST or time[1] > _MOST:
@@ -58,6 +58,11 @@ def drainage_remarks(water: PoreWater, fixed: ndarray, held: ndarray, duration: 
         if worst > _LOST:
             raise ValueError(text)
         yield Remark("units", abs(np.log10(worst)), text)
+    for name, joined in water.touching.items():
+        if len(pressed := _under_pressure(water, joined, drained)):
+            yield Remark("friction", len(pressed),
+                         f"'{name}' carries the pressure of the water as well, at {len(pressed)} nodes that are not "
+                         "drained: friction there counts the total stress, not the effective one")
     if not (fixed >= water.first).any():
         yield Remark("sealed", 0.0, "no pore pressure is held: no water can leave the ground")
         return
@@ -65,6 +70,14 @@ def drainage_remarks(water: PoreWater, fixed: ndarray, held: ndarray, duration: 
     if duration < shortest:
         yield Remark("short", shortest / duration, f"it ends after {duration:.3g}, less than h² / 6 c_v = "
                      f"{shortest:.3g} of the elements at drained boundaries: pressures may be too high beside these")
+
+
+def _under_pressure(water: PoreWater, joined: ndarray, drained: ndarray) -> ndarray:
+    """Nodes with a pressure that is not held, among some unknowns of displacements."""
+    basis = water.porous.basis
+    vertices = water.carries - water.first
+    touched = vertices[np.isin(basis.nodal_dofs[0, vertices], joined)]
+    return np.setdiff1d(touched, drained - water.first)
 
 
 def _check_determined(water: PoreWater, fixed: ndarray, drained: ndarray) -> None:
@@ -86,7 +99,7 @@ def _resolved(water: PoreWater, drained: ndarray, diffusivity: ndarray) -> float
     """Longest time h² / 6 c_v of the elements with a drained facet, h across it (P. A. Vermeer, A. Verruijt 1981)."""
     basis, mesh = water.porous.basis, water.porous.basis.mesh
     corners = np.isin(np.arange(mesh.p.shape[1]), drained - water.first)
-    sides = mesh.t2f[:, water.elements_in_mesh]
+    sides = mesh.t2f[:, water.elements]
     side, element = np.nonzero(corners[mesh.facets].all(axis=0)[sides])
     if len(element) == 0:
         return 0.0

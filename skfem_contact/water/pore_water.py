@@ -143,7 +143,7 @@ class PoreWater(Form):
                 raise ValueError(f"the storage must be finite and not negative, not {value!r}")
             self.storage[part] = value
         self.porous = Porous.of(basis, strain, self.mobility)
-        self.unit_weight, self.elements_in_mesh, self._time_error = unit_weight, elements_of(basis), time_error
+        self.unit_weight, self._time_error = unit_weight, time_error
         self.nodes, self.joins = (np.arange(basis.N), basis.doflocs), np.zeros(0, int)
         self.first = after.fields[-1].end if after is not None and after.fields else int(basis.N)
         self._places = np.asarray(basis.mesh.p)[:, :self.porous.pressures.N]
@@ -151,10 +151,16 @@ class PoreWater(Form):
         self.carries = self.first + np.unique(self.porous.pressures.element_dofs)
         self.fields = (Field("pore pressure", self._places, self.first, moves=False),)
         self.skeleton: Skeleton | None = None
+        self.touching: dict[str, ndarray] = {}
         self._duration: float | None = None
 
     def __repr__(self) -> str:
         return f"<PoreWater {self.porous.basis.nelems} elements, {len(self.carries)} pressures>"
+
+    @property
+    def elements(self) -> ndarray:
+        """Numbers of the porous elements in the mesh, (n_elements,)."""
+        return elements_of(self.porous.basis)
 
     # -- what a user asks ------------------------------------------------------------------------------------
 
@@ -238,7 +244,13 @@ class PoreWater(Form):
 
     def completed(self, forms: Mapping[str, Form]) -> PoreWater:
         """The form with the stiffness of the ground, by which pressures are scaled and stabilised."""
-        return self if self.skeleton is not None else self._on(Skeleton.of(self.porous.basis, forms))
+        if self.skeleton is not None:
+            return self
+        new = self._on(Skeleton.of(self.porous.basis, forms))
+        own = np.unique(self.porous.basis.element_dofs)
+        new.touching = {name: form.joins for name, form in forms.items()
+                        if form.unilateral and form.joins is not None and np.isin(form.joins, own).any()}
+        return new
 
     def continues(self, old: Form) -> PoreWater:
         """The form in the place of one of the same ground, from whose pressures it goes on."""
