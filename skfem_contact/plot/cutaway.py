@@ -80,10 +80,10 @@ def cutaway(forms: Mapping[str, Any], step: StageResult, quantity: str, *, cuts:
     straight["region"] = np.repeat(np.arange(len(fields)), [len(field.cells) for field in fields])
     grid["values"] = values
     factor = round_factor(grid.points, moved) if deformed == "auto" else float(deformed)
-    scale = make_scale(values, _volumes(grid), limits, levels, colors)
     kept = _without(grid, planes)
     if kept.n_cells == 0:
         raise ValueError("the cuts leave nothing of the bodies")
+    scale = make_scale(kept["values"], _volumes(kept), limits, levels, colors)
     able, show = can_draw(f"'{quantity}'", show)
     if not able:
         return None
@@ -191,5 +191,5 @@ def _grid(points: ndarray, kind: str, cells: ndarray, displacement: ndarray) -> 
 def _volumes(grid: Any) -> ndarray:
     """Volume that belongs to each point, equal shares of the elements."""
     volume = np.abs(grid.compute_cell_sizes(length=False, area=False)["Volume"])
-    cells = grid.cells_dict[grid.celltypes[0]]
-    return np.bincount(cells.ravel(), np.repeat(volume / cells.shape[1], cells.shape[1]), minlength=grid.n_points)
+    corners = np.diff(grid.offset)
+    return np.bincount(grid.cell_connectivity, np.repeat(volume / corners, corners), minlength=grid.n_points)
