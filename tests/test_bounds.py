@@ -116,7 +116,7 @@ def test_sliding_block(soil) -> None:
 def test_smooth_and_tied() -> None:
     """[X] Without friction nothing resists; a tied block is crushed at 2 c, not sheared off at 4 c along its base."""
     assert block(sc.Coulomb(), False, elements=50).upper < 1e-9
-    tied = block(sc.Tied(), False, sc.Tresca(E=1e5, nu=0.3, c=20.0), elements=300)
+    tied = block(sc.Tied(), False, sc.Tresca(E=1e5, nu=0.3, c=20.0), elements=2000)
     assert 0.999 * 40.0 < tied.lower < tied.upper < 1.05 * 40.0  # its weight and the base add a little
     with pytest.warns(sc.AnalysisWarning, match="fixed loads alone"):
         block(sc.Tied(), False, sc.Tresca(E=1e5, nu=0.3, c=4.0), elements=300)
@@ -178,9 +178,8 @@ def test_noise(monkeypatch) -> None:
         return replace(found, stress=found.stress * (1 + 1e-4 * random.standard_normal(found.stress.shape)),
                        velocity=found.velocity * (1 + 1e-4 * random.standard_normal(found.velocity.shape)))  # fmt: skip
 
-    clean = bounds(**CASES["Griffiths and Lane 1"][0], elements=700)
     found = damaged(monkeypatch, noisy)
-    assert found.lower < clean.lower * (1 + 1e-6) < 1.3800 and found.upper > clean.upper * (1 - 1e-6) > 1.3748
+    assert found.lower < 1.3793 and found.upper > 1.3752  # the factor lies between these two
     assert found.lower > 1.3  # equilibrium is restored at little cost
 
 
