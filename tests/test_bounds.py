@@ -110,6 +110,8 @@ def test_sliding_block(soil) -> None:
     """[X] Adhesion and friction times the weight, and the factor on both of them; strong bodies and rigid ones."""
     load, factor = block(LAW, False, soil), block(LAW, True, soil)
     assert load.lower <= PUSH * (1 + 1e-12) and load.upper >= PUSH * (1 - 1e-12) and load.gap < 2e-4
+    if soil is None:
+        assert load.lower > PUSH * (1 - 1e-5)  # fans on both sides of the joint's ends; the solver's reserve is 1e-6
     assert factor.lower <= PUSH / 30 * (1 + 1e-12) and factor.upper >= PUSH / 30 * (1 - 1e-12) and factor.gap < 2e-4
 
 
@@ -298,7 +300,8 @@ def test_what_has_no_bounds() -> None:
 def test_clean_sand() -> None:
     """[X] The factor tan 30 / tan 20 = 1.5863 is met from above; there is no lower bound, and a remark says so."""
     mesh = slope_mesh(3.0, 3.0 / np.tan(np.radians(20.0)), 4.0, 1.0, 3.0)
-    found = bounds(**ground(mesh, 0.0, 30.0, 20.0), elements=500)
+    with pytest.warns(sc.AnalysisWarning, match="without cohesion bears nothing at a free surface"):
+        found = bounds(**ground(mesh, 0.0, 30.0, 20.0), elements=500)
     assert 1.5863 < found.upper < 1.61 and found.lower < 1.5863
     assert any("without cohesion" in remark for remark in found.remarks)
 

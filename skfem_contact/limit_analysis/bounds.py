@@ -17,6 +17,9 @@ from .report import report
 from .result import Bounds
 from .search import Search
 
+#: Share of the upper bound below which a lower one is none.
+_NOTHING = 1e-3
+
 
 @single_threaded
 def bounds(forms: Mapping[str, Any], fixed: ndarray, weight: float | Mapping[str, float] = 0.0,
@@ -76,8 +79,8 @@ def bounds(forms: Mapping[str, Any], fixed: ndarray, weight: float | Mapping[str
     Warns
     -----
     AnalysisWarning
-        The gap was not reached, a bound could not be proven (it is then infinite), or the fixed loads alone cause a
-        collapse.
+        The gap was not reached, a bound could not be proven (it is then infinite), there is no lower one for want
+        of cohesion, or the fixed loads alone cause a collapse.
 
     Examples
     --------
@@ -131,6 +134,10 @@ def _tell(search: Search, gap: float, stacklevel: int) -> None:
         why = f"the multiplier is at most {high:.5g}" if high < 0 else \
               f"they need {1 / search.fixed_factor:.4g} times the strength"
         warnings.warn(f"the fixed loads alone cause a collapse: {why}", AnalysisWarning, stacklevel=stacklevel)
+    elif search.problem.cohesionless and not low > _NOTHING * high:
+        warnings.warn("soil without cohesion bears nothing at a free surface, so that there is no lower bound: give it "
+                      f"a small cohesion, whose bounds these then are; the upper bound is {high:.5g}", AnalysisWarning,
+                      stacklevel=stacklevel)
     elif unproven:
         warnings.warn(f"no {' and no '.join(unproven)} bound could be proven", AnalysisWarning, stacklevel=stacklevel)
     elif search.gap > gap:

@@ -34,7 +34,7 @@ _CHANGE = 0.2
 #: Relative residual at which solutions of the normal equations are refined no more, and how often they are.
 _REFINED, _REFINEMENTS = 1e-9, 3
 #: Least size of that compliance, as a share of the median: a strong pile in the ground (c = 7,500 and 32) has so little
-#: of its own that round-off rules (share 0, .01: no lower bound; .1: 1.347 and 1.485; 1: none above in soils of c = 50).
+#: of its own that round-off rules (0 and .01: no lower bound; .1: 1.347 and 1.485; 1: none above for a slope of clay).
 _AMONG_WEAK = 0.1
 #: Share of its depth within the cone that a multiplier keeps where it is made to follow from the strains.
 _DEEP = 0.5

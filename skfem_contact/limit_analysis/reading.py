@@ -41,6 +41,8 @@ class Problem:
         Unit of stress.
     live
         Whether a load is multiplied; otherwise the strength is reduced.
+    cohesionless
+        Whether there is soil without cohesion.
     reduced
         Names of what is reduced.
     remarks
@@ -53,6 +55,7 @@ class Problem:
     geometry: Geometry
     stress: float
     live: bool
+    cohesionless: bool
     reduced: tuple[str, ...]
     remarks: tuple[str, ...]
 
@@ -82,8 +85,8 @@ def read(forms: Mapping[str, Any], fixed: ndarray, loads: Loads | Vectors, reduc
         davis = replace(model, c=weaker.c / unit, t=weaker.t)
     names = tuple(name if regions is None else f"{name}.{region}"
                   for name, regions in targets.items() for region in regions or ("",))
-    return Problem(model, davis, basis.mesh, shape, unit, loads.multiplied, names,
-                   _remarks(solids, shape, given, found))
+    return Problem(model, davis, basis.mesh, shape, unit, loads.multiplied,
+                   bool((found.c == 0).any()), names, _remarks(solids, shape, given, found))
 
 
 def _by_kind(forms: Mapping[str, Any]) -> tuple[dict[str, SolidForm], dict[str, ContactPair]]:
