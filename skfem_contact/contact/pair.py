@@ -107,7 +107,7 @@ class ContactPair(Answers):
         if np.isin(self.slave.dofs[:, 0], self.master.dofs[:, 0]).any():
             raise ValueError(f"slave '{slave}' and master '{self.master.name}' share nodes: a body cannot touch "
                              "itself there; separate the bodies with join_bodies")
-        check_settings(quadrature, enforcement, initial, share, tangent, self.slave.dim)
+        check_settings(self.slave, quadrature, enforcement, initial, share, tangent)
         check_law(law, len(self.slave.nodes))
         self.law, self.quadrature, self.tangent = law, quadrature, tangent
         self._sampling = Sampling(self.slave, self.master, quadrature)
