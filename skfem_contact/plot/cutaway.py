@@ -80,10 +80,10 @@ def cutaway(forms: Mapping[str, Any], step: StageResult, quantity: str, *, cuts:
     straight["region"] = np.repeat(np.arange(len(fields)), [len(field.cells) for field in fields])
     grid["values"] = values
     factor = round_factor(grid.points, moved) if deformed == "auto" else float(deformed)
-    scale = make_scale(values, _volumes(grid), limits, levels, colors)
     kept = _without(grid, planes)
     if kept.n_cells == 0:
         raise ValueError("the cuts leave nothing of the bodies")
+    scale = make_scale(kept["values"], _volumes(kept), limits, levels, colors)
     able, show = can_draw(f"'{quantity}'", show)
     if not able:
         return None
@@ -132,8 +132,7 @@ def _draw(plotter: Any, straight: Any, kept: Any, planes: Sequence[_Plane], fact
     bands, _ = banded(surface, scale)
     plotter.add_mesh(bands, scalars="colors", rgb=True, ambient=0.85, diffuse=0.2, specular=0.0, show_scalar_bar=False)
     for lines, style in _lines(straight, planes, factor, mesh):
-        if lines.n_cells:
-            plotter.add_mesh(camera.in_front(lines), lighting=False, **style)
+        plotter.add_mesh(camera.in_front(lines), lighting=False, **style)
 
 
 def _lines(straight: Any, planes: Sequence[_Plane], factor: float, mesh: bool) -> Iterator[tuple[Any, dict[str, Any]]]:
@@ -150,7 +149,8 @@ def _lines(straight: Any, planes: Sequence[_Plane], factor: float, mesh: bool) -
             if mesh:
                 found.append((part.slice(normal=cut.normal, origin=cut.origin).extract_all_edges(), others, thin))
     for lines, left, style in found:
-        yield _without(lines, left).warp_by_vector("displacement", factor=factor), style
+        if (seen := _without(lines, left)).n_cells:
+            yield seen.warp_by_vector("displacement", factor=factor), style
 
 
 def _surface(grid: Any, factor: float, subdivision: int) -> Any:
@@ -190,6 +190,8 @@ def _grid(points: ndarray, kind: str, cells: ndarray, displacement: ndarray) -> 
 
 def _volumes(grid: Any) -> ndarray:
     """Volume that belongs to each point, equal shares of the elements."""
+    import pyvista
+
     volume = np.abs(grid.compute_cell_sizes(length=False, area=False)["Volume"])
-    cells = grid.cells_dict[grid.celltypes[0]]
-    return np.bincount(cells.ravel(), np.repeat(volume / cells.shape[1], cells.shape[1]), minlength=grid.n_points)
+    corners = np.diff(pyvista.convert_array(grid.GetCells().GetOffsetsArray()))
+    return np.bincount(grid.cell_connectivity, np.repeat(volume / corners, corners), minlength=grid.n_points)

@@ -336,7 +336,7 @@ class PoreWater(Form):
 
     def moved_back(self, x: ndarray, state: PoreState) -> PoreState:
         """The state with its pressures, of ground that counts as undeformed from here on."""
-        moved = x.copy()
+        moved = x[:self.size].copy()
         moved[self.first:] = 0.0
         less = (self._kept @ moved)[self.first:]
         return replace(state, stored=state.stored + less, first=state.first + less)
