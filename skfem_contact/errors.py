@@ -4,6 +4,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, TypeVar
 
+import numpy as np
 from numpy import ndarray
 from skfem import (
     CellBasis,
@@ -75,9 +76,44 @@ class IncrementTooLarge(RuntimeError):
     """
 
 
+def is_number(value: Any, low: float, high: float) -> bool:
+    """Whether a value is a number between two others, not one of them: no array, no truth value, no NaN.
+
+    Examples
+    --------
+    >>> is_number(0.5, 0.0, 1.0), is_number("0.5", 0.0, 1.0), is_number(True, 0.0, 2.0)
+    (True, False, False)
+    """
+    return isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool) \
+        and bool(low < value < high)
+
+
+def finite(value: Any, what: str) -> ndarray:
+    """Numbers as an array of floats, or a ``ValueError`` where some are masked, complex, not finite, or no numbers.
+
+    Examples
+    --------
+    >>> finite([1, 2], "lengths")
+    array([1., 2.])
+    """
+    try:
+        numbers = np.asarray(value)
+    except ValueError:
+        numbers = np.asarray(None)  # a list of lists of different lengths
+    if np.ma.isMaskedArray(value) or numbers.dtype.kind not in "iuf" or not np.isfinite(numbers).all():
+        raise ValueError(f"{what} must be finite numbers, not {value!r}")
+    return numbers.astype(float)
+
+
+def check_size(x: ndarray, size: int) -> None:
+    """Refuse displacements of another mesh."""
+    if np.shape(x) != (size,):
+        raise ValueError(f"there are {np.size(x)} displacements for {size} unknowns")
+
+
 def look_up(name: str, existing: Mapping[str, T], kind: str) -> T:
     """The value of a name, or a ``ValueError`` that lists the names that exist."""
-    if name not in existing:
+    if not isinstance(name, str) or name not in existing:
         listed = ", ".join(sorted(existing)) or "none at all"
         raise ValueError(f"there is no {kind} '{name}'; existing: {listed}")
     return existing[name]

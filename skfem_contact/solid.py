@@ -12,7 +12,7 @@ from scipy.sparse import csr_matrix
 from skfem import CellBasis
 
 from .assembly import Pattern, damped, element_stiffness, force_matrix, strain_matrix
-from .errors import check_basis, check_quadrature, look_up
+from .errors import check_basis, check_quadrature, check_size, look_up
 from .forms import Form, Response
 from .materials import Material, Update
 from .materials.reduction import reduced_strength
@@ -196,8 +196,7 @@ class SolidForm(Form):
         state
             The last accepted state.
         """
-        if len(x) != self.size:
-            raise ValueError(f"there are {len(x)} displacements for {self.size} unknowns")
+        check_size(x, self.basis.N)
         strain = self._strains(x)
         increment = strain - state.strain
         before = self._remembered(state)

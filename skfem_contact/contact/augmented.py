@@ -9,6 +9,7 @@ from numpy import ndarray
 from scipy.sparse import coo_matrix, csc_matrix
 from scipy.sparse.linalg import spsolve
 
+from ..errors import is_number
 from .laws import Status
 from .quadrature import SlavePoints
 from .state import ContactState
@@ -87,7 +88,7 @@ class AugmentedLagrangian:
     tolerance: float = 1e-4
 
     def __post_init__(self) -> None:
-        if not 0 < self.tolerance < 1:
+        if not is_number(self.tolerance, 0.0, 1.0):
             raise ValueError(f"AugmentedLagrangian: tolerance must lie in (0, 1), not {self.tolerance!r}")
 
     def start(self, penalties: tuple[float, float], stiffness: float) -> ndarray:
@@ -135,10 +136,10 @@ class AugmentedLagrangian:
 def _improved(points: SlavePoints, traction: ndarray, multiplier: ndarray, closed: ndarray) -> ndarray:
     """Multipliers that exert the tractions' forces at the closed nodes, and are their means at the others."""
     excess = _excess(points, traction, multiplier)
-    at = np.flatnonzero(closed)
     mass = _mass(points)
-    weight = np.asarray(mass.sum(axis=1)).ravel()
-    excess[at] = spsolve(mass[at][:, at].tocsc(), (weight * excess)[at])
+    at = np.flatnonzero(closed & (mass.diagonal() > 0.0))
+    forces = _integral(points, traction - points.at(multiplier), points.values)
+    excess[at] = spsolve(mass[at][:, at].tocsc(), forces[at])
     return multiplier + excess
 
 
@@ -157,8 +158,17 @@ def _mass(points: SlavePoints) -> csc_matrix:
 
 
 def _nodal_mean(points: SlavePoints, values: ndarray) -> ndarray:
-    """Means of values at the points, weighted by the shape functions of each slave node."""
-    share = points.values * points.weight[:, None]
-    n = points.nodes.max() + 1
-    return np.asarray(np.bincount(points.nodes.ravel(), (share * values[:, None]).ravel(), n)
-                      / np.bincount(points.nodes.ravel(), share.ravel(), n))
+    """Means of values at the points, weighted by the shape functions of each slave node.
+
+    They count by their size: with their sign those of a quadratic element have no weight on an axis of symmetry.  A
+    node without points has the mean zero.
+    """
+    size = np.abs(points.values)
+    weight = _integral(points, np.ones(len(values)), size)
+    return _integral(points, values, size) / np.where(weight > 0.0, weight, np.inf)
+
+
+def _integral(points: SlavePoints, values: ndarray, shapes: ndarray) -> ndarray:
+    """Integrals of values at the points times functions of each slave node, (n_points, k)."""
+    share = shapes * (points.weight * values)[:, None]
+    return np.asarray(np.bincount(points.nodes.ravel(), share.ravel(), points.nodes.max() + 1))

@@ -5,23 +5,42 @@ from typing import Any, get_args
 
 import numpy as np
 
+from ..errors import is_number
+from ..surfaces.surface import Surface
 from .augmented import AugmentedLagrangian
 from .clearance import Fit
 from .laws import InterfaceLaw
 
+#: Round-off of the axis, as a share of a facet.
+_ON_AXIS = 1e-9
 
-def check_settings(quadrature: Any, enforcement: Any, initial: Any, share: Any, tangent: Any, dim: int) -> None:
+
+def check_surfaces(slave: Surface, master: Surface) -> None:
+    """Refuse surfaces that share nodes, and axial symmetry of what has none."""
+    if np.isin(slave.dofs[:, 0], master.dofs[:, 0]).any():
+        raise ValueError(f"slave '{slave.name}' and master '{master.name}' share nodes: a body cannot touch "
+                         "itself there; separate the bodies with join_bodies")
+    if not isinstance(slave.axisymmetric, bool):
+        raise ValueError(f"axisymmetric must be True or False, not {slave.axisymmetric!r}")
+    if slave.axisymmetric and (slave.dim == 3 or slave.nodes[:, 0].min() < -_ON_AXIS * slave.spacing):
+        raise ValueError(f"contact of '{slave.name}': axial symmetry is for plane meshes with x >= 0")
+
+
+def check_settings(quadrature: Any, enforcement: Any, initial: Any, share: Any, tangent: Any, slave: Surface) -> None:
     """Refuse a setting that means nothing to a contact pair, see there."""
     if not _counts(quadrature):
         _one_of("quadrature", quadrature, ("nodal", "segments"), " or a positive number of Gauss points")
     _one_of("tangent", tangent, ("exact", "primary"))
     _one_of("initial", initial, get_args(Fit))
-    if not 0.0 < share <= 1.0:
+    if not (share == 1.0 or is_number(share, 0.0, 1.0)):
         raise ValueError(f"share must lie in (0, 1], not {share!r}")
     if not isinstance(enforcement, AugmentedLagrangian | None):
         raise ValueError(f"enforcement must be None or AugmentedLagrangian(), not {enforcement!r}")
-    if dim == 3 and enforcement is not None and quadrature != "nodal":
+    if slave.dim == 3 and enforcement is not None and quadrature != "nodal":
         raise ValueError("in space the augmented method is for quadrature='nodal'; elsewhere take the penalty method")
+    if quadrature == 1 and enforcement is not None and slave.facets.shape[1] > slave.dim:
+        raise ValueError("quadrature=1 leaves nodes of quadratic elements without a point, whose multipliers nothing "
+                         "tells: the augmented method needs 2 points, or 'segments'")
 
 
 def check_law(law: Any, n_nodes: int) -> None:
