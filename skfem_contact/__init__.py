@@ -22,7 +22,7 @@ from .contact import (
 )
 from .contact.laws import Coulomb, InterfaceLaw, Status, Tied
 from .errors import AnalysisWarning, NoEquilibrium, NotConverged
-from .forms import Form, Response
+from .forms import Failure, Form, Response
 from .limit_analysis import Bounds, bounds
 from .links import Bar, BarState, MatrixForm, Spring
 from .loads import hydrostatic, traction, water_load, weight
@@ -78,6 +78,7 @@ __all__ = [
     "ContactState",
     "Coulomb",
     "DruckerPrager",
+    "Failure",
     "Field",
     "Form",
     "HardeningMohrCoulomb",

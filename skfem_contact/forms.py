@@ -81,6 +81,7 @@ class Response:
                         lambda: padded(self.stiffness, n), lambda: padded(self.damped, n), self.round_off,
                         self.active)
 
+
 @dataclass(frozen=True)
 class Failure:
     """How Newton's method failed, for a form that is asked for an easier one to begin with.
@@ -91,6 +92,19 @@ class Failure:
         Whether bodies can move freely, or ran away.
     seen
         Candidate states of the form between which the iterations chatter, if any.
+
+    Examples
+    --------
+    Contact of which nothing is closed yet answers with soft springs, see :meth:`Form.begin`:
+
+    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+    >>> import skfem_contact as sc
+    >>> basis = Basis(MeshQuad().with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+    >>> floor = sc.rigid_line((-1., -.1), (2., -.1))
+    >>> pair = sc.ContactPair(basis, "bottom", floor, sc.Coulomb(), penalty=1e4)
+    >>> eased = pair.begin(pair.initial_state(), sc.Failure(loose=True))
+    >>> bool(eased.assemble(basis.zeros(), pair.initial_state()).force.any())
+    True
     """
 
     loose: bool

@@ -189,10 +189,12 @@ class Bar(Form):
         if not (is_number(EA, 0.0, np.inf) and (yield_force == np.inf or is_number(yield_force, 0.0, np.inf))):
             raise ValueError(f"EA and yield_force must be positive, not {EA!r} and {yield_force!r}")
         if not (isinstance(fixed_end, bool) and isinstance(tension_only, bool)):
-            raise ValueError(f"fixed_end and tension_only must be True or False, not {fixed_end!r} and {tension_only!r}")
+            raise ValueError("fixed_end and tension_only must be True or False, "
+                             f"not {fixed_end!r} and {tension_only!r}")
         a, b = np.broadcast_arrays(np.atleast_2d(finite(start, "start")), np.atleast_2d(finite(end, "end")))
         if a.shape[1] != basis.mesh.dim():
-            raise ValueError(f"the ends of a bar must be points of {basis.mesh.dim()} coordinates, not {start!r}, {end!r}")
+            raise ValueError(f"the ends of a bar must be points of {basis.mesh.dim()} coordinates, not {start!r} and "
+                             f"{end!r}")
         length = np.linalg.norm(b - a, axis=1)
         if not (length > 0.0).all():
             raise ValueError("the ends of a bar must lie apart, and be finite")

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy import ndarray
-from scipy.sparse import coo_matrix, csc_matrix
+from scipy.sparse import coo_matrix, csc_matrix, diags_array
 from scipy.sparse.linalg import spsolve
 
 from ..errors import is_number
@@ -20,6 +20,9 @@ logger = logging.getLogger("skfem_contact")
 _WANTED = 10.0
 #: ... and the softest one that it starts from: with less, bodies might sink into each other by more than an element.
 _SOFTEST = 0.1
+#: Share of the largest entry that is added to the products of the shape functions: fewer points than nodes, as two on
+#: a quadratic facet, leave combinations of multipliers that nothing tells, and that are kept.
+_INDIFFERENT = 1e-10
 #: A correction that has not become less by this factor so many times in a row will not do so.
 _PROGRESS, _PATIENCE = 0.7, 2
 
@@ -136,8 +139,8 @@ class AugmentedLagrangian:
 def _improved(points: SlavePoints, traction: ndarray, multiplier: ndarray, closed: ndarray) -> ndarray:
     """Multipliers that exert the tractions' forces at the closed nodes, and are their means at the others."""
     excess = _excess(points, traction, multiplier)
-    mass = _mass(points)
-    at = np.flatnonzero(closed & (mass.diagonal() > 0.0))
+    at, mass = np.flatnonzero(closed), _mass(points)
+    mass += diags_array(np.full(mass.shape[0], _INDIFFERENT * mass.diagonal().max())).tocsc()
     forces = _integral(points, traction - points.at(multiplier), points.values)
     excess[at] = spsolve(mass[at][:, at].tocsc(), forces[at])
     return multiplier + excess
