@@ -354,7 +354,7 @@ def test_other_plane_things():
 def test_strain_of_other_dimension():
     plane = Basis(MeshQuad(), ElementVector(ElementQuad1()), intorder=2)
     with pytest.raises(ValueError, match="MeshHex1: for bodies in space pass strain=three_dimensional"):
-        sc.SolidForm(box("Hex1"), ELASTIC)
+        sc.SolidForm(box("Hex1"), ELASTIC, sc.plane_strain)
     with pytest.raises(ValueError, match="MeshHex1: for bodies in space pass strain=three_dimensional"):
         sc.axisymmetric(box("Hex1"))
     with pytest.raises(ValueError, match="three_dimensional is for tetrahedra and hexahedra, not for a MeshQuad1"):

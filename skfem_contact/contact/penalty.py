@@ -70,7 +70,8 @@ def with_chosen_penalty(pair: ContactPair, forms: Mapping[str, Form]) -> Contact
         raise ValueError("there is no SolidForm among the forms: contact takes its stiffness from what it joins")
     if any(form.axisymmetric for form in bodies) != pair.axisymmetric:
         raise ValueError(f"contact of '{pair.slave.name}' on '{pair.facets.name}' has axisymmetric="
-                         f"{pair.axisymmetric}, unlike the solids: pass axisymmetric={not pair.axisymmetric} to ContactPair")
+                         f"{pair.axisymmetric}, unlike the solids: pass axisymmetric={not pair.axisymmetric} to "
+                         "ContactPair")
     solids = [form.elastic_stiffness for form in bodies]
     stiffness = _series(pair, solids)
     penalty = pair.penalty or (_RATIO * stiffness, _RATIO * stiffness)

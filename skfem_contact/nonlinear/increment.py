@@ -112,8 +112,8 @@ def check(given: System, system: System, found: Equilibrium, load: ndarray, newt
 def _easier(system: System, states: Mapping[str, Any], load: ndarray, error: NotConverged) -> System:
     """The system with easier forms, or the same one where no form knows any.
 
-    Bodies that move freely need to be held, and points that chatter to be calmed.  Where none chatters the bodies may be
-    about to lift off: a residual that hardly changes is that of a body that flies away.
+    Bodies that move freely need to be held, and points that chatter to be calmed.  Where none chatters the bodies may
+    be about to lift off: a residual that hardly changes is that of a body that flies away.
 
     Parameters
     ----------
