@@ -7,13 +7,16 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 from numpy import ndarray
 from numpy.typing import ArrayLike
-from skfem import CellBasis, ElementQuad1, ElementTriP1, FacetBasis, LinearForm
+from skfem import CellBasis, ElementHex1, ElementQuad1, ElementTetP1, ElementTriP1, FacetBasis, LinearForm
 
-from .errors import AnalysisWarning, check_basis, check_plane, look_up
+from .errors import AnalysisWarning, check_basis, look_up, place
 from .unknowns import elements_of
 
 #: Pressure of water, positive: a function of places (2, ...), or values at the nodes of the mesh, (n_nodes,).
 Pressure = Callable[[ndarray], ndarray] | ndarray
+
+#: Linear elements by the dimension and the number of corners.
+_LINEAR = {(2, 3): ElementTriP1, (2, 4): ElementQuad1, (3, 4): ElementTetP1, (3, 8): ElementHex1}
 
 #: Facets that look up by more than this are a surface on which water can stand.
 _UPWARDS = 0.01
@@ -143,14 +146,15 @@ def hydrostatic(table: float | ArrayLike, unit_weight: float = 9.81) -> Callable
     Parameters
     ----------
     table
-        Height of the water table, or its points, (n, 2), from left to right; it goes on level at both ends.
+        Height of the water table, or its points (x, height), (n, 2), from left to right; it goes on level at both ends.
     unit_weight
         Of water (force per volume), positive.
 
     Returns
     -------
     callable
-        The pressure at places (2, ...): zero above the table, below it the depth times the unit weight.
+        The pressure at places (dim, ...): zero above the table, below it the depth times the unit weight. The last
+        coordinate is the height.
 
     Raises
     ------
@@ -173,7 +177,7 @@ def hydrostatic(table: float | ArrayLike, unit_weight: float = 9.81) -> Callable
         raise ValueError("a water table is a height, or points (n, 2) from left to right")
     if not 0.0 < unit_weight < np.inf:
         raise ValueError(f"the unit weight of water must be positive, not {unit_weight!r}")
-    return lambda x: unit_weight * np.maximum(np.interp(x[0], *points.T) - x[1], 0.0)
+    return lambda x: unit_weight * np.maximum(np.interp(x[0], *points.T) - x[-1], 0.0)
 
 
 def water_load(basis: CellBasis, pressure: Pressure, boundaries: str | Sequence[str] = ()) -> ndarray:
@@ -201,7 +205,7 @@ def water_load(basis: CellBasis, pressure: Pressure, boundaries: str | Sequence[
     Raises
     ------
     ValueError
-        Unknown boundary, values that are not as many as the nodes, or a basis in three dimensions.
+        Unknown or empty boundary, or values that are not as many as the nodes.
 
     Warns
     -----
@@ -219,7 +223,8 @@ def water_load(basis: CellBasis, pressure: Pressure, boundaries: str | Sequence[
     >>> round(float((sc.weight(basis, 20.) + water).sum()), 9)
     -10.0
     """
-    check_plane(basis, "water_load")
+    check_basis(basis)
+    axes = range(basis.mesh.dim())
     named = (boundaries,) if isinstance(boundaries, str) else tuple(boundaries)
     facets = [look_up(name, basis.mesh.boundaries or {}, "boundary") for name in named]
     if empty := [name for name, part in zip(named, facets) if len(np.asarray(part)) == 0]:
@@ -228,11 +233,11 @@ def water_load(basis: CellBasis, pressure: Pressure, boundaries: str | Sequence[
 
     @LinearForm
     def in_pores(v, w):  # type: ignore[no-untyped-def]
-        return w.p * (v.grad[0, 0] + v.grad[1, 1])
+        return w.p * sum(v.grad[c, c] for c in axes)
 
     @LinearForm
     def from_outside(v, w):  # type: ignore[no-untyped-def]
-        return -w.p * (v[0] * w.n[0] + v[1] * w.n[1])
+        return -w.p * sum(v[c] * w.n[c] for c in axes)
 
     load = np.asarray(in_pores.assemble(basis, p=_at_points(basis, pressure)))
     for part in facets:
@@ -250,7 +255,7 @@ def _at_points(basis: CellBasis | FacetBasis, pressure: Pressure) -> ndarray:
     n = basis.mesh.nvertices
     if np.shape(pressure) != (n,):
         raise ValueError(f"the pressure has shape {np.shape(pressure)}; the mesh has {n} nodes")
-    linear = ElementTriP1() if len(basis.mesh.t) == 3 else ElementQuad1()
+    linear = _LINEAR[basis.mesh.dim(), len(basis.mesh.t)]()
     return np.asarray(basis.with_element(linear).interpolate(np.asarray(pressure)))
 
 
@@ -263,9 +268,9 @@ def _warn_of_water(basis: CellBasis, pressure: Pressure, pressed: ndarray) -> No
         return
     surface = FacetBasis(mesh, basis.elem, facets=facets)
     values = _at_points(surface, pressure)
-    wet = (np.asarray(surface.normals)[1] > _UPWARDS) & (values > 1e-9 * np.abs(values).max())
+    wet = (np.asarray(surface.normals)[-1] > _UPWARDS) & (values > 1e-9 * np.abs(values).max())
     if wet.any():
-        x, y = np.asarray(surface.global_coordinates())[:, wet].T[0]
+        where = place(np.asarray(surface.global_coordinates())[:, wet].T[0])
         names = [k for k, f in (mesh.boundaries or {}).items() if np.isin(facets[wet.any(axis=1)], f).any()]
-        warnings.warn(f"there is water above the surface at ({x:.4g}, {y:.4g}) without pressure on it; pass its name "
+        warnings.warn(f"there is water above the surface at {where} without pressure on it; pass its name "
                       f"in boundaries= ({', '.join(names) or 'it has none yet'})", AnalysisWarning, stacklevel=3)

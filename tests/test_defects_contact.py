@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from helpers import grid, traction, unknowns_of, vector_basis
+from skfem import FacetBasis, LinearForm, MeshQuad
 
 import skfem_contact as sc
 
@@ -245,3 +246,160 @@ def test_an_interference_that_is_resolved_does_not_come_back(quadrature, augment
     new = sc.run(forms, [sc.Stage("nothing", none, none)], fixed, start=start, progress=False)["nothing"]
     # the strain of the fit, 1 %, is gone from the places where contact acts: this turns and moves its forces
     assert np.abs(new.x).max() < 0.01 * np.abs(fit["fit"].x).max()
+
+
+# -- augmented Lagrangian: its tolerance is that of the result ------------------------------------------------------
+
+AUGMENTED = sc.AugmentedLagrangian()
+
+
+def inclined(n_base: int, n_block: int, stiffer: float):
+    """A block on a base along a slope of 1 : 10, pressed and dragged to either side by its top."""
+
+    def body(x, bottom, low):
+        mesh = grid("Q1", x, bottom + np.linspace(0.0, 0.6, 3))
+        share = (mesh.p[1] - bottom) / 0.6
+        up = (share if low else 1 - share) * 0.1 * mesh.p[0]
+        return replace(mesh, doflocs=mesh.p + np.stack((0 * up, up)))
+
+    bodies = {
+        "base": body(np.linspace(-0.3, 1.3, n_base + 1), -0.6, True),
+        "block": body(np.linspace(0, 1, n_block + 1), 0.0, False),
+    }
+    basis = vector_basis(sc.join_bodies(bodies), "Q1", intorder=4)
+    soft, stiff = sc.LinearElastic(E=1e4, nu=0.3), sc.LinearElastic(E=1e4 * stiffer, nu=0.3)
+    solid = sc.SolidForm(basis, {"base": soft, "block": stiff})
+    top, dragged = basis.get_dofs("block:top"), []
+    for along in (0.004, -0.004):
+        dragged.append(basis.zeros())
+        dragged[-1][top.all("u^1")], dragged[-1][top.all("u^2")] = along, -0.01
+    return basis, solid, dragged, np.union1d(basis.get_dofs("base:bottom").all(), top.all())
+
+
+@pytest.mark.parametrize("passes", [1, 2])
+@pytest.mark.parametrize(("meshes", "stiffer"), [((3, 5), 2e4), ((7, 4), 1.0)])
+@pytest.mark.filterwarnings("ignore::skfem_contact.AnalysisWarning")
+def test_null_stage_moves_nothing(meshes, stiffer: float, passes: int) -> None:
+    """[X] What multipliers leave at the end of a stage is not taken up again where nothing changes."""
+    basis, solid, (there, back), fixed = inclined(*meshes, stiffer)
+    names, rule = ("block:bottom", "base:top"), {"quadrature": 2, "enforcement": AUGMENTED}
+    pairs = {"joint": sc.ContactPair(basis, *names, sc.Coulomb(0.3), **rule)}
+    if passes == 2:
+        pairs = dict(sc.two_pass(basis, *names, sc.Coulomb(0.3), **rule))
+    stages = [sc.Stage(name, basis.zeros(), x) for name, x in (("there", there), ("back", back), ("again", back))]
+    result = sc.run({"solid": solid, **pairs}, stages, fixed, progress=False)
+    # twice the tolerance of Newton's method, which may improve what it has accepted
+    np.testing.assert_allclose(result[2].x, result[1].x, atol=2e-8 * np.abs(back).max())
+
+
+@pytest.mark.parametrize("quadrature", [2, "segments"])
+def test_tie_of_unlike_bodies_by_multipliers(quadrature) -> None:
+    """[X] 7 elements of a stiff block tied to 3 of a soft cap: the penalty's tractions within 1 %, no 30 rounds."""
+    bodies = {
+        "block": grid("Q1", np.linspace(0, 1, 8), np.linspace(0, 0.6, 3)),
+        "cap": grid("Q1", np.linspace(0, 1, 4), np.linspace(0.6, 1.2, 2)),
+    }
+    basis = vector_basis(sc.join_bodies(bodies), "Q1", intorder=2)
+    materials = {"block": sc.LinearElastic(E=1.4e5, nu=0.1), "cap": sc.LinearElastic(E=1e4, nu=0.3)}
+    top, down, forces = basis.get_dofs("cap:top"), basis.zeros(), []
+    down[top.all("u^2")] = -0.016
+    fixed = np.union1d(basis.get_dofs("block:bottom").all(), top.all())
+    for rule in ({"enforcement": AUGMENTED}, {"penalty": 1e7}):
+        forms = {
+            "solid": sc.SolidForm(basis, materials, strain=sc.b_bar),
+            "tie": sc.ContactPair(basis, "block:top", "cap:bottom", sc.Tied(), quadrature, **rule),
+        }
+        stage = sc.run(forms, [sc.Stage("press", basis.zeros(), down)], fixed, progress=False)["press"]
+        assert len(stage.iterations) == 1
+        assert stage.iterations[0] <= 40  # measured 20 to 26
+        forces.append(sc.contact_report(forms["tie"], stage.x, stage.states["tie"]).force[1])
+    assert forces[0] == pytest.approx(forces[1], rel=0.01)
+
+
+# -- told: the penalty's share, facets that overlap, joints of the master -------------------------------------------
+
+
+def told_of(forms, stage, fixed) -> tuple[sc.StageResult, str]:
+    """A stage, and what is told of it."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        result = sc.run(forms, [stage], fixed, progress=False)
+    return result[0], "; ".join(str(warning.message) for warning in caught)
+
+
+@pytest.mark.parametrize(("n", "share"), [(3, 0.044), (7, 0.018), (20, None)])
+def test_share_of_the_default_penalty(n: int, share: float | None) -> None:
+    """[X] Two blocks shorten by 2 p (1 - nu^2) / E, and by what the penalty gives way, which is told above 1 %."""
+    E, nu, pressure = 30e6, 0.3, 1e3
+    bodies = {
+        "low": grid("Q1", np.linspace(0, 1, n + 1), np.linspace(-1, 0, n + 1)),
+        "up": grid("Q1", np.linspace(0, 1, n + 2), np.linspace(0, 1, n + 2)),
+    }
+    basis = vector_basis(sc.join_bodies(bodies), "Q1", intorder=2)
+    forms = sc.choose_penalties({
+        "blocks": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=nu)),
+        "joint": sc.ContactPair(basis, "up:bottom", "low:top", sc.Coulomb()),
+    })  # fmt: skip
+    guided = basis.get_dofs({"low:left", "up:left"}).all("u^1")
+    fixed = np.union1d(basis.get_dofs("low:bottom").all("u^2"), guided)
+    stage, told = told_of(forms, sc.Stage("press", traction(basis, "up:top", (0.0, -pressure))), fixed)
+    short, way = -stage.x[basis.get_dofs("up:top").all("u^2")].mean(), pressure / forms["joint"].penalty[0]
+    assert short == pytest.approx(2 * pressure * (1 - nu**2) / E + way, rel=1e-6)
+    assert ("of the largest displacement" in told) == (share is not None)
+    if share is not None:
+        assert way / short == pytest.approx(share, abs=0.003)
+        assert f"gives way by {way / short:.1%} of" in told
+
+
+def annulus(inner: float, outer: float, n: int, layers: int):
+    """A ring of straight facets; "inner" and "outer" are its faces."""
+    radii, angles = np.linspace(inner, outer, layers + 1), 2 * np.pi * np.arange(n) / n
+    p = np.array([np.outer(radii, f(angles)).ravel() for f in (np.cos, np.sin)])
+    i, j = (k.ravel() for k in np.indices((layers, n)))
+    t = np.array([i * n + j, (i + 1) * n + j, (i + 1) * n + (j + 1) % n, i * n + (j + 1) % n])
+    middle = 0.5 * (inner + outer)
+    faces = {"inner": lambda x: np.hypot(*x) < middle, "outer": lambda x: np.hypot(*x) > middle}
+    return MeshQuad(p, t).with_boundaries(faces)
+
+
+def fitted(disc: int, ring: int, *rule, **options):
+    """A ring pressed onto a disc: mean pressure over Lame's, torque over the sum of all pressure, what is told."""
+    a, b, c, pressure = 0.3, 1.0, 1.5, 10.0
+    mesh = sc.join_bodies({"disc": annulus(a, b, disc, 5), "ring": annulus(b, c, ring, 4)})
+    basis = vector_basis(mesh, "Q1", intorder=4)
+    pair = sc.ContactPair(basis, "ring:inner", "disc:outer", sc.Coulomb(), *rule, **options)
+    forms = sc.choose_penalties({"bodies": sc.SolidForm(basis, sc.LinearElastic(E=1e6, nu=0.25)), "joint": pair})
+    load = LinearForm(lambda v, w: -pressure * (w.x[0] * v[0] + w.x[1] * v[1]) / np.hypot(*w.x))
+    load = load.assemble(FacetBasis(mesh, basis.elem, facets="ring:outer", intorder=4))
+    held = [basis.nodal_dofs[component, np.argmin(np.hypot(mesh.p[0] - x, mesh.p[1] - y))]
+            for r in (a, c) for x, y, component in ((r, 0, 1), (0, r, 0), (-r, 0, 1))]  # fmt: skip
+    stage, told = told_of(forms, sc.Stage("press", load), np.array(held))
+    x, y = basis.doflocs[:, 0::2] + stage.x.reshape(-1, 2).T
+    force = forms["joint"].assemble(stage.x, stage.states["joint"]).force.reshape(-1, 2)
+    on = np.unique(mesh.t[:, mesh.subdomains["ring"]])
+    joint = forms["joint"].points(stage.states["joint"]).weight * -stage.states["joint"].traction[0]
+    length = forms["joint"].slave.area.sum()
+    exact = pressure * c**2 / (c**2 - a**2) * (1 - a**2 / b**2)
+    return joint.sum() / length / exact, (x * force[:, 1] - y * force[:, 0])[on].sum() / joint.sum(), told
+
+
+@pytest.mark.parametrize("rule", [2, "segments"])
+@pytest.mark.parametrize(("disc", "ring"), [(128, 100), (100, 128)])
+def test_overlaps_of_straight_facets_are_told(rule, disc: int, ring: int) -> None:
+    """[X] Facets of round meshes that do not match overlap by more than the load presses; adjusted they do not."""
+    mean, _, told = fitted(disc, ring, rule)
+    assert mean > 3.0 and "overlap" in told
+    mean, _, told = fitted(disc, ring, rule, initial="adjusted")
+    assert mean == pytest.approx(1.0, abs=0.01)  # polygons of 100 sides, elements of 1/4; measured -0.5 %
+    assert "overlap" not in told
+
+
+@pytest.mark.parametrize("n", [40, 128])
+def test_nodes_at_joints_are_told(n: int) -> None:
+    """[X] Nodes that face joints belong to the facet before: a torque without friction, of sin(pi/n), which is told."""
+    _, torque, told = fitted(n, n, "nodal")
+    assert abs(torque) == pytest.approx(np.sin(np.pi / n), rel=0.01)
+    assert f"{abs(np.sin(np.pi / n)):.1%} of their pressure acts along the surface" in told
+    for rule in ({"quadrature": "nodal", "smoothing": 0.1, "initial": "adjusted"}, {}, {"enforcement": AUGMENTED}):
+        _, torque, told = fitted(n, n, **rule)
+        assert abs(torque) < 1e-10 and "torque" not in told  # round-off

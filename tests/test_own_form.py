@@ -330,3 +330,42 @@ def test_time_of_a_stage():
         np.testing.assert_allclose(result["wait"].x[0], euler, rtol=1e-6)  # the tolerance of the iterations
         errors.append(exact - result["wait"].x[0])
     np.testing.assert_allclose(np.log2(np.divide(errors[:-1], errors[1:])), 1.0, atol=0.1)  # of first order
+
+
+class SlackRope(sc.Form):
+    """A rope of stiffness 10 with a slack of 1, and a recovery of its own: a damper while nothing else resists."""
+
+    def __init__(self, damping=0.0, at=0.0, given=None):
+        self.damping, self.at, self.given = damping, at, given or self
+
+    def initial_state(self, x=None):
+        return np.zeros(1)
+
+    def assemble(self, x, state):
+        force = 10 * np.maximum(x - 1, 0) + self.damping * (x - self.at)
+        return sc.Response(force, lambda: x, lambda: csr_matrix([10.0 * (x > 1) + self.damping]))
+
+    def begin(self, accepted, failure=None):
+        return SlackRope(1.0, accepted, self) if failure and failure.loose else self
+
+    def outer(self, x, accepted, found):
+        if self is self.given:
+            return None
+        moves = np.abs(x - self.at) > 1e-3
+        return (SlackRope(1.0, x, self.given) if moves else self.given), accepted
+
+
+class BareRope(SlackRope):
+    """The same without the recovery."""
+
+    def begin(self, accepted, failure=None):
+        return self
+
+
+def test_an_own_recovery():
+    """[X] Newton's method fails on a slack rope; its own family of easier ones leads to the form as given."""
+    stage = sc.Stage("pull", np.array([3.0]))
+    result = sc.run({"rope": SlackRope()}, [stage], fixed=[], **QUIET)
+    assert abs(result["pull"].x[0] - 1.3) < 1e-8  # linear once it is taut: no trace of the damper
+    with pytest.raises(sc.NotConverged):
+        sc.run({"rope": BareRope()}, [stage], fixed=[], **QUIET)

@@ -14,6 +14,17 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from helpers import ELEMENTS, grid, vector_basis
+from skfem import (
+    Basis,
+    ElementHex1,
+    ElementHex2,
+    ElementHexS2,
+    ElementTetP1,
+    ElementTetP2,
+    ElementVector,
+    MeshHex,
+    MeshTet,
+)
 
 import skfem_contact as sc
 from skfem_contact import plot
@@ -21,6 +32,7 @@ from skfem_contact.plot import picture
 from skfem_contact.plot.scales import make_scale
 from skfem_contact.plot.scene import Scene
 
+cutaway = sys.modules["skfem_contact.plot.cutaway"]  # the module; the package has its function
 matplotlib.use("Agg")
 ROOT = Path(__file__).parents[1]
 needs_opengl = pytest.mark.skipif(not picture._can_render(), reason="VTK cannot draw on this machine")
@@ -342,7 +354,7 @@ def test_contact_diagram_marks_what_slips():
     y, zero = np.array([-3.0, -2.0, -1.0]), np.zeros(3)
     status = np.array([sc.Status.STICK, sc.Status.SLIP, sc.Status.OPEN])
     pressure, shear = np.array([3.0, 2.0, 0.0]), np.array([-1.0, 1.0, 0.0])
-    joint = sc.Tractions(y + 3.0, zero, y, zero, pressure, shear, zero, zero, status, zero)
+    joint = sc.Tractions(y + 3.0, zero, y, zero, pressure, shear, zero, zero, status, zero, pressure, shear)
     figure = plot.contact_diagram({"failure": joint}, along="y")
     for axes, values in zip(figure.axes, (pressure, shear)):
         line, circles = axes.lines
@@ -453,3 +465,76 @@ def test_tractions_are_drawn_as_the_slave_exerts_them():
     np.testing.assert_allclose(total / scale, -report.force / scale, atol=0.01)
     data = interface.on_facets()
     assert len(data["pressure"]) == 72 and np.isfinite(data["pressure"]).all() and (data["status"] == 1).all()
+
+
+@needs_opengl
+def test_an_own_picture(tmp_path):
+    """Principal strains as arrows, which no function here draws: from `to_pyvista` in a few lines."""
+    import pyvista
+
+    forms, step = block()
+    grid = sc.to_pyvista(forms, step)
+    values, directions = np.linalg.eigh([[[s[0], s[3] / 2], [s[3] / 2, s[1]]] for s in grid.point_data["strain"]])
+    grid["first"] = np.pad(values[:, -1:] * directions[:, :, -1], ((0, 0), (0, 1)))
+    np.testing.assert_allclose(np.abs(grid["first"]), [[0.1, 0, 0]] * grid.n_points, atol=1e-12)  # u_x = x / 10
+    plotter = pyvista.Plotter(off_screen=True, window_size=(300, 200))
+    plotter.add_mesh(grid.glyph(orient="first", scale="first", factor=2.0), color="red")
+    plotter.view_xy()
+    plotter.screenshot(tmp_path / "own.png")
+    plotter.close()
+    assert colored(plt.imread(tmp_path / "own.png") * 255).any()
+
+
+def cube(kind, element):
+    """A cube in space in two regions: u_z = z / 10."""
+    mesh = kind.init_tensor(*3 * [np.linspace(0, 1, 3)])
+    mesh = mesh.with_subdomains({"low": lambda x: x[2] < 0.5, "high": lambda x: x[2] > 0.5})
+    basis = Basis(mesh, ElementVector(element()), intorder=4)
+    materials = {name: sc.LinearElastic(E=1e3, nu=0.0) for name in ("low", "high")}
+    forms = {"cube": sc.SolidForm(basis, materials, strain=sc.three_dimensional)}
+    x = basis.zeros()
+    x[2::3] = 0.1 * basis.doflocs[2, 2::3]
+    states = {"cube": forms["cube"].assemble(x, forms["cube"].initial_state()).state}
+    return forms, sc.StageResult("now", x, 0 * x, states, (), 0.0)
+
+
+@needs_opengl
+@pytest.mark.parametrize(("kind", "element"), [
+    (MeshTet, ElementTetP1), (MeshTet, ElementTetP2), (MeshHex, ElementHex1), (MeshHex, ElementHexS2),
+    (MeshHex, ElementHex2)])
+def test_cutaway(kind, element, monkeypatch):
+    """What is drawn of a cube of which a part is cut away: its volume, its field and lines on all of its faces."""
+    drawn = {}
+    monkeypatch.setattr(cutaway, "_draw", lambda plotter, straight, kept, *rest: drawn.update(all=straight, kept=kept))
+    forms, step = cube(kind, element)
+    plot.cutaway(forms, step, "uz", cuts=[((0, -1, 0), (0, 0.25, 0)), ((3, 0, 0), (0.5, 0, 0))])
+    kept = drawn["kept"]
+    volumes = np.abs(kept.compute_cell_sizes()["Volume"])
+    assert volumes.sum() == pytest.approx(0.5 * 0.75, rel=1e-6)  # VTK's points are single
+    np.testing.assert_allclose(kept["values"], 0.1 * kept.points[:, 2], atol=1e-7)
+    np.testing.assert_allclose(cutaway._volumes(drawn["all"]).sum(), 1.0, rtol=1e-6)
+    planes = [cutaway._plane((0, -1, 0), (0, 0.25, 0))]
+    lines = [lines for lines, _ in cutaway._lines(drawn["all"], planes, 0.0, True) if lines.n_cells]
+    points = np.concatenate([one.points for one in lines])
+    assert points[:, 1].min() == 0.25 and np.any((points[:, 1] == 0.25) & (points[:, 2] == 0.5))  # also between regions
+
+
+@needs_opengl
+def test_cutaway_is_seen():
+    """The cube from the side is a square, the half that a cut leaves is twice as wide as high; both have colours."""
+    forms, step = cube(MeshHex, ElementHex1)
+    look = {"towards": (-1, 0.1, -0.1), "limits": (-0.1, 0.1)}
+    whole = shot(plot.cutaway(forms, step, "uz", **look))
+    half = shot(plot.cutaway(forms, step, "uz", cuts=[((0, 0, 1), (0, 0, 0.5))], mesh=False, **look))
+    for image, ratio in ((whole, 1.0), (half, 0.5)):
+        seen = np.argwhere(colored(image[:-FOOT]))
+        wide, high = np.ptp(seen, axis=0)[::-1]
+        assert high / wide == pytest.approx(ratio, rel=0.25)  # seen from a little above and aside
+    for message, refused in {
+        "normal": lambda: plot.cutaway(forms, step, "uz", cuts=[((0, 0, 0), (0, 0, 0))]),
+        "upright": lambda: plot.cutaway(forms, step, "uz", towards=(0, 0, 1)),
+        "leave nothing": lambda: plot.cutaway(forms, step, "uz", cuts=[((0, 0, 1), (0, 0, -1))]),
+        "in space": lambda: plot.cutaway(*block(), "uy"),
+    }.items():
+        with pytest.raises(ValueError, match=message):
+            refused()

@@ -277,6 +277,27 @@ def test_stages(element):
     assert filled.min() < 2.0 * first.min()
 
 
+@pytest.mark.parametrize("element", ["TetP1", "HexS2"])
+def test_ground_at_rest_under_water(element):
+    """[X] Effective stresses of level ground whose water stands above it, with a joint in it."""
+    lower, upper = box(element, n=2).mesh, box(element, n=3).mesh
+    mesh = sc.join_bodies({"ground": lower, "block": upper.translated((0.0, 0.0, 1.0))})
+    basis = Basis(mesh, box(element, n=1).elem, intorder=4)
+    water = sc.hydrostatic(3.0, unit_weight=10.0)
+    forms = {"soil": sc.SolidForm(basis, sc.MohrCoulomb(E=1e4, nu=0.3, c=1.0, phi=30.0), sc.three_dimensional),
+             "joint": sc.ContactPair(basis, "block:front", "ground:back", sc.Coulomb(mu=0.5))}  # fmt: skip
+    wet = [name for name in mesh.boundaries if ":" in name]  # both sides of the joint too: front and back are z
+    load = sc.weight(basis, 20.0) + sc.water_load(basis, water, wet)
+    fixed = sc.rollers(basis)
+    start = sc.k0_state(forms, load, fixed, 20.0, 0.5, surcharge=10.0, water=water)["initial"]
+    z = np.asarray(forms["soil"].basis.global_coordinates())[2]
+    vertical = -10.0 * (2.0 - z)  # 20 a metre less 10 of water
+    stress = [0.5 * vertical, 0.5 * vertical, vertical, 0 * z, 0 * z, 0 * z]
+    np.testing.assert_allclose(start.states["soil"].stress, stress, atol=1e-12)
+    assert start.residual < 1e-8  # the joint's tractions are found by an iteration
+    np.testing.assert_allclose(start.states["joint"].traction[0], -10.0, rtol=1e-6)
+
+
 def test_bodies_taken_apart():
     """[X] Nodes of the face between two bodies become double, and both sides of it get names."""
     mesh = box("Hex1", n=2).mesh.with_subdomains({"low": lambda x: x[2] < 0.5, "high": lambda x: x[2] > 0.5})
@@ -333,23 +354,51 @@ def orientation(basis: Basis) -> np.ndarray:
     return np.linalg.det(np.stack((b - a, c - a, d - a), axis=1))
 
 
+@pytest.mark.parametrize("element", ["TetP1", "HexS2"])
+def test_section_forces_of_a_pile(element):
+    """[X] Statics of a column under forces at its head and its weight: exact, however coarse the mesh.
+
+    The weight of tetrahedra has no centre on the axis.
+    """
+    kind, elem, intorder = ELEMENTS[element]
+    mesh = kind.init_tensor(np.linspace(-0.5, 0.5, 3), np.linspace(-0.5, 0.5, 3), np.linspace(0.0, 4.0, 6))
+    basis = Basis(mesh, ElementVector(elem()), intorder=intorder)
+    forms = {"pile": sc.SolidForm(basis, ELASTIC, sc.three_dimensional)}
+    head = mesh.facets_satisfying(lambda x: x[2] > 4.0 - 1e-9)
+    gamma = 5.0 if kind is MeshHex else 0.0
+    at_head = traction(basis, head, lambda w: [2.0 - 6 * w.x[1], 1.0 + 6 * w.x[0], -30.0 + 0 * w.x[0]])
+    load = sc.weight(basis, gamma) + at_head
+    step = sc.run(forms, [sc.Stage("load", load)], basis.get_dofs(lambda x: x[2] < 1e-9).all(), progress=False)["load"]
+    z = np.array([0.8, 1.6, 2.5, 3.2])  # on layers of nodes, and between them
+    found = step.section_forces("pile", sc.line_sections((0, 0, 0.8), (0, 0, 3.2), depth=1.5, n=4))
+    z = 0.8 + found.position
+    np.testing.assert_allclose(found.N, -30.0 - gamma * (4.0 - z), rtol=1e-9)
+    np.testing.assert_allclose(found.T, 1.0, rtol=1e-9)  # 6 (x^2 + y^2) over the head
+    np.testing.assert_allclose(found.V, np.tile([2.0, 1.0, 0.0], (4, 1)), atol=1e-9)
+    np.testing.assert_allclose(found.M, np.stack((-1.0 * (4 - z), 2.0 * (4 - z), 0 * z), axis=1), atol=1e-8)
+    side = found.towards((-1, 0, 0))  # pushed to the right the fibres on the left are in tension
+    np.testing.assert_allclose(side.M, 2.0 * (4 - z), atol=1e-8)
+    np.testing.assert_allclose(side.V, np.gradient(side.M, found.position), atol=1e-8)  # V = dM/ds
+    with pytest.raises(ValueError, match="across its axis"):
+        found.towards((0, 0, 1))
+
+
 # -- bad input --------------------------------------------------------------------------------------------------------
 
 
 def test_other_plane_things():
-    """Loads of water, K0, sections and pictures refuse with the same message."""
+    """Pictures of the plane refuse bodies in space, and cuts in the plane do not cut them."""
     basis = box("Hex1", n=1)
     form = sc.SolidForm(basis, ELASTIC, sc.three_dimensional)
-    forms, fixed, state = {"cube": form}, basis.get_dofs(lambda x: x[2] == 0).all(), form.initial_state()
+    forms, state = {"cube": form}, form.initial_state()
     step = sc.StageResult("none", np.zeros(basis.N), np.zeros(basis.N), {"cube": state}, (), 0.0)
     for what, refused in {
-        "water_load": lambda: sc.water_load(basis, sc.hydrostatic(1.0)),
-        "k0_state": lambda: sc.k0_state(forms, sc.weight(basis, 20.0), fixed, 20.0, 0.5),
-        "section_forces": lambda: sc.section_forces(form, state, sc.line_sections((0.0, 0.0), (1.0, 0.0), 1.0)),
         "plot.contour": lambda: plot.contour(forms, step, "ux"),
     }.items():
         with pytest.raises(ValueError, match=f"{what} is for plane bodies, but this is a MeshHex1 in three dim"):
             refused()
+    with pytest.raises(ValueError, match="these sections have 2 coordinates, the body has 3"):
+        sc.section_forces(form, state, sc.line_sections((0.0, 0.0), (1.0, 0.0), 1.0))
     assert "uz" not in quantities.PLANE  # which the plane has not
 
 

@@ -138,4 +138,4 @@ class Answers(Form):
 
     def remarks(self, x: ndarray, state: ContactState) -> list[Remark]:
         """What a user should know of an accepted state: contact that is not there, or not where it should be."""
-        return list(remarks(self._pair, state))
+        return list(remarks(self._pair, x, state))

@@ -19,6 +19,13 @@ if TYPE_CHECKING:
 
 #: Penetration, as a share of the slave segment, that is remarked on.
 PENETRATION = 0.01
+#: Displacement that is the penalty's, as a share of the largest one, that is remarked on.
+_COMPLIANCE = 0.01
+#: Pressure that overlaps of the mesh carry by what they differ within facets, as a share of that found, likewise.
+_RIPPLE = 0.05
+#: Share of the pressure that acts along the slave where nodes face joints of the master, likewise; and how near to
+#: one, as a share of the facet, they do so: strains move them by less.
+_SIDEWAYS, _AT_JOINT = 1e-3, 0.01
 #: A gap below this share of the coordinates is nothing: bodies that touch unloaded go on touching when they move.
 ROUND_OFF = 8 * np.finfo(float).eps
 #: Round-off of the shear of sticking points, as a share of the largest traction, that is remarked on.
@@ -37,25 +44,11 @@ def passed_through(depth: ndarray, accepted: ContactState, candidate: ContactSta
     return int((was_outside & (candidate.gap < -depth)).sum())
 
 
-def remarks(pair: ContactPair, state: ContactState) -> Iterator[Remark]:
-    """Remarks on a state: penetration, round-off, bonds that are lost, points that lie too deep, no contact."""
-    slave, master, points, penalties = pair.slave, pair.master, pair.points(state), pair.penalties(state)
-    share = penetration(points, state)
-    if share > PENETRATION:
-        yield Remark("penetration", share,
-                     f"the slave penetrates by {share:.1%} of its segment length: the penalty, {penalties[0]:.3g}, is "
-                     "too soft for this load")
-    elif pair.enforcement is None and share > 0.0 and penalties[0] < (pair.stiffness or 0.0):
-        softer = pair.stiffness / penalties[0]  # type: ignore[operator]
-        yield Remark("soft penalty", softer,
-                     f"the penalty, {penalties[0]:.3g}, is {softer:.2g} times softer than the surfaces: contact gives "
-                     "way by more than the elements beside it; it is a stress per length, some times E/h")
-    lost = penalties[1] * ROUND_OFF * float(np.abs(master.nodes - slave.nodes.mean(axis=0)).max())
-    largest = float(np.abs(state.traction).max(initial=0.0))
-    if 0.0 < largest < lost / _LOST and (state.status == Status.STICK).any():
-        yield Remark("round-off", lost / largest,
-                     f"round-off of the slip makes up to {lost / largest:.1%} of the largest traction: the tangential "
-                     f"penalty, {penalties[1]:.3g}, is too hard")
+def remarks(pair: ContactPair, x: ndarray, state: ContactState) -> Iterator[Remark]:
+    """Remarks on a state: penalty, multipliers, round-off, facets, lost bonds, points that lie too deep, no contact."""
+    yield from _on_enforcement(pair, x, state)
+    yield from _on_facets(pair, state)
+    slave, master, points = pair.slave, pair.master, pair.points(state)
     lost_bond = _without_bond(pair.law, state)
     if lost_bond.any():
         yield Remark("bond", lost_bond.sum(),
@@ -72,6 +65,109 @@ def remarks(pair: ContactPair, state: ContactState) -> Iterator[Remark]:
         yield Remark("open", np.nan_to_num(gap), "no slave point found a master within reach: " + (
             f"nothing of '{master.name}' lies opposite '{slave.name}'" if np.isinf(gap) else
             f"gap is {gap:.3g} between '{slave.name}' and '{master.name}', smallest at {_place(slave, points, state)}"))
+
+
+def _on_enforcement(pair: ContactPair, x: ndarray, state: ContactState) -> Iterator[Remark]:
+    """Penetration, what the penalty gives way by, what multipliers leave, and round-off."""
+    slave, master, points, penalties = pair.slave, pair.master, pair.points(state), pair.penalties(state)
+    share, stiffness = penetration(points, state), pair.stiffness or penalties[0]
+    if pair.enforcement is not None:
+        error = pair.enforcement.error(state, points, penalties, stiffness)
+        if error > pair.enforcement.tolerance:
+            yield Remark("multipliers", error,
+                         f"the multipliers of '{slave.name}' leave an error of {error:.2%} of the largest traction: at "
+                         "some nodes they do not converge, and the penalty acts there")
+    if share > PENETRATION:
+        yield Remark("penetration", share,
+                     f"the slave penetrates by {share:.1%} of its segment length: the penalty, {penalties[0]:.3g}, is "
+                     "too soft for this load")
+    elif pair.enforcement is None and share > 0.0 and penalties[0] < stiffness:
+        softer = stiffness / penalties[0]
+        yield Remark("soft penalty", softer,
+                     f"the penalty, {penalties[0]:.3g}, is {softer:.2g} times softer than the surfaces: contact gives "
+                     "way by more than the elements beside it; it is a stress per length, some times E/h")
+    elif pair.enforcement is None and (part := _compliance(pair, x, state)) > _COMPLIANCE:
+        yield Remark("compliance", part,
+                     f"the penalty, {penalties[0]:.3g}, gives way by {part:.1%} of the largest displacement: finer "
+                     "elements, a harder penalty or AugmentedLagrangian() take that away")
+    lost = penalties[1] * ROUND_OFF * float(np.abs(master.nodes - slave.nodes.mean(axis=0)).max())
+    largest = float(np.abs(state.traction).max(initial=0.0))
+    if 0.0 < largest < lost / _LOST and (state.status == Status.STICK).any():
+        yield Remark("round-off", lost / largest,
+                     f"round-off of the slip makes up to {lost / largest:.1%} of the largest traction: the tangential "
+                     f"penalty, {penalties[1]:.3g}, is too hard")
+
+
+def _compliance(pair: ContactPair, x: ndarray, state: ContactState) -> float:
+    """What the penalty gives way by, averaged over the pressure, as a share of the largest displacement.
+
+    What gave way when displacements were counted from anew, or is an overlap of the mesh, is not due to it.
+    """
+    closed, largest = state.traction[0] != 0.0, float(np.abs(x).max(initial=0.0))
+    force = (pair.points(state).weight * np.abs(state.traction[0]))[closed]
+    way = (state.offset - state.gap)[closed]
+    if largest == 0.0 or not force.any() or not np.average(np.abs(way), weights=force) > _COMPLIANCE * largest:
+        return 0.0
+    since = np.abs(way - (state.offset - _meshed_gap(pair, state))[closed])
+    return float(np.average(np.minimum(np.abs(way), since), weights=force)) / largest
+
+
+def _meshed_gap(pair: ContactPair, state: ContactState) -> ndarray:
+    """Gaps of the undeformed bodies at a state's points, (n,); inf where nothing is near."""
+    points = pair.points(state)
+    slave, master = pair._places(np.zeros(pair.size))
+    return pair._project(points, master, points.positions(slave)).gap
+
+
+def _on_facets(pair: ContactPair, state: ContactState) -> Iterator[Remark]:
+    """What straight facets do to the pressure: overlaps where they do not match, a slope at nodes where they do."""
+    points = pair.points(state)
+    force = points.weight * np.abs(state.traction[0])
+    if not force.any():
+        return
+    overlap = np.maximum(state.offset - _meshed_gap(pair, state), 0.0)
+    overlap[overlap > pair.depth(points)] = 0.0
+    ripple = _within_facets(pair.slave, points, overlap)
+    carried = (pair.stiffness or pair.penalties(state)[0]) * float(ripple @ pair.slave.area) / float(force.sum())
+    if carried > _RIPPLE:
+        yield Remark("overlap", carried,
+                     f"facets of '{pair.slave.name}' and '{pair.facets.name}' that do not match overlap by up to "
+                     f"{overlap.max():.3g} in the mesh, which alone carries about {carried:.1g} times the pressure "
+                     'that was found: initial="adjusted" lets them touch, matching nodes or curves do not overlap')
+    sideways = float(force @ _slope_at_joints(pair, state) / force.sum())
+    if points.nodes.shape[1] == 1 and sideways > _SIDEWAYS:
+        yield Remark("joints", sideways,
+                     f"nodes of '{pair.slave.name}' face joints of '{pair.facets.name}' and belong to the facet "
+                     f"before: {sideways:.1%} of their pressure acts along the surface, as a torque if it is round; "
+                     'quadrature="segments", or smoothing=0.1 and initial="adjusted", avoids that')
+
+
+def _within_facets(slave: Surface, points: SlavePoints, values: ndarray) -> ndarray:
+    """Standard deviations of values at points within each facet of the slave, (n_facets,)."""
+    if points.nodes.shape[1] == 1:
+        nodal = np.zeros(len(slave.nodes))
+        nodal[points.nodes[:, 0]] = values
+        return np.asarray(nodal[slave.facets].std(axis=1))
+    total, first, second = (np.bincount(points.facet, points.weight * values**power, len(slave.facets))
+                            for power in (0, 1, 2))
+    mean = first / total
+    return np.asarray(np.sqrt(np.maximum(second / total - mean**2, 0.0)))
+
+
+def _slope_at_joints(pair: ContactPair, state: ContactState) -> ndarray:
+    """Sine of half the angle by which the master in the plane turns where points face its joints, else zero, (n,)."""
+    master, sine = pair.master, np.zeros(len(state.gap))
+    if master.dim == 3:
+        return sine
+    xi = state.position[0]
+    at = np.flatnonzero((state.facet >= 0) & (np.abs(xi) > 1.0 - 2.0 * _AT_JOINT))
+    end = np.sign(xi[at])
+    beyond = master.neighbours[state.facet[at], (end > 0).astype(int)]
+    at, end, beyond = at[beyond >= 0], end[beyond >= 0], beyond[beyond >= 0]
+    here = master.at(state.facet[at], end[:, None], master.nodes).normal
+    there = master.at(beyond, -end[:, None], master.nodes).normal
+    sine[at] = 0.5 * np.linalg.norm(here - there, axis=1)
+    return sine
 
 
 def _without_bond(law: InterfaceLaw, state: ContactState) -> ndarray:

@@ -107,7 +107,7 @@ class ContactPair(Answers):
         self.facets = master if isinstance(master, Surface) else Surface.from_boundary(basis, master)
         self.master = (self.facets if smoothing is None else smoothed(self.facets, smoothing)).facing(self.slave)
         check_surfaces(self.slave, self.master)
-        check_settings(quadrature, enforcement, initial, share, tangent, self.slave.dim)
+        check_settings(self.slave, quadrature, enforcement, initial, share, tangent)
         check_law(law, len(self.slave.nodes))
         self.law, self.quadrature, self.tangent, self.axisymmetric = law, quadrature, tangent, axisymmetric
         self._sampling = Sampling(self.slave, self.master, quadrature)

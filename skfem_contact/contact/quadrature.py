@@ -7,7 +7,7 @@ import numpy as np
 from numpy import ndarray
 
 from ..surfaces.shape import Shape
-from ..surfaces.surface import Place, Surface, rule
+from ..surfaces.surface import Place, Surface, gauss_points, rule
 from ..surfaces.vectors import across, products, solve
 
 #: Meshes whose sizes differ by less than this share are as fine as each other.
@@ -117,7 +117,7 @@ def nodal(surface: Surface) -> SlavePoints:
 def gauss(slave: Surface, master: Surface, n: int) -> SlavePoints:
     """Gauss points on every slave facet: surface-to-surface contact.
 
-    There are n in each direction, on triangles as many as integrate the same degree, 2n - 1.  The master's shape
+    There are n in each direction, on triangles as many as integrate the degree 2n - 2.  The master's shape
     functions have kinks at its nodes, which Gauss points smear. Where these nodes lie closer than the slave's facets
     are long, the facets are divided, so that no piece is longer than the nodes' distance.
     """
@@ -160,7 +160,7 @@ def between(surface: Surface, cuts: ndarray, n: int) -> SlavePoints:
         Coordinates of the cuts, ascending: facet number plus the share ``(1 + xi) / 2``; whole numbers,
         the ends of the facets, are among them.
     """
-    t, w = np.polynomial.legendre.leggauss(n)
+    t, w = gauss_points(n)
     half = 0.5 * np.diff(cuts)
     coordinate = ((cuts[:-1] + half)[:, None] + half[:, None] * t).ravel()
     facet = np.repeat(np.floor(cuts[:-1] + half).astype(int), n)

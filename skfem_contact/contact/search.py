@@ -12,6 +12,7 @@ from ..surfaces.shape import Shape
 from ..surfaces.surface import Surface
 from ..surfaces.vectors import across, determinant, dot, inverse, products, solve, unit
 from .neighbours import Neighbours, neighbours
+from .sides import normals_at_joint, on_ends, on_sides, side_of_joint
 
 #: Hysteresis: at a joint that turns by less than a degree, a point leaves the facet that it had in the accepted
 #: state only beyond this share of its size, lest nodes that face each other chatter between two facets.
@@ -21,7 +22,6 @@ FROZEN = 0.25
 _STRAIGHT = np.cos(np.deg2rad(1.0))
 _SMOOTH = 1e-12  # sine of the angle at a joint without one
 _ON_FACET = 1e-9  # round-off of xi at a joint
-_ON_SIDE = 1e-10  # last step along a side, that of Newton's method: the error is its square
 _NEWTON_STEPS = 25
 _ROUND_OFF = 16 * np.finfo(float).eps  # ... of xi where the coordinates are as large as the facet
 _BEYOND = 0.3  # share of its width by which a curved facet is followed beyond its sides: farther than locked points go
@@ -99,27 +99,18 @@ def project(surface: Surface, nodes: ndarray, points: ndarray, depth: ndarray,
     foot = _foot(surface, nodes, points[row], facet, foot)
     beyond = surface.shape.beyond(foot)
     stays = _stays(surface, nodes, facet, beyond, facet == accepted[row], held[row])
-    rim = surface.at_rim[facet]
-    limit = np.where(rim, 2.0 * surface.extension, np.maximum(2.0 * stays, _ON_FACET))
-    outside = np.any(beyond > limit, axis=1)
-    xi, feature, off = foot.copy(), np.zeros(len(facet), int), np.zeros(len(facet), bool)
-    out = np.flatnonzero(outside)
-    xi[out], feature[out], off[out] = _on_sides(surface, nodes, points[row[out]], facet[out], beyond[out],
-                                                np.where(rim, 2.0 * surface.extension, 0.0)[out])
-    place = surface.at(facet, xi, nodes)
-    offset = points[row] - place.x[0]
+    xi, feature, off = _on_facets(surface, nodes, points[row], facet, foot, beyond, stays)
+    offset = points[row] - surface.at(facet, xi, nodes, 0).x[0]
     distance = np.sqrt(np.einsum("nc,nc->n", offset, offset))
-    normal = place.normal
-    if (bent := np.flatnonzero(outside & ~off)).size:  # all facets there tell what is outside
-        normal[bent] = _side_of_joint(surface, nodes, facet[bent], feature[bent], xi[bent])
-    gap = np.where(np.einsum("nc,nc->n", normal, offset) >= 0, distance, -distance)
-    best = _first_minimum(row, distance - _preferred(surface, facet, beyond, outside, stays) * surface.size[facet])
+    best = _first_minimum(row, distance - _preferred(surface, facet, beyond, feature > 0, stays) * surface.size[facet])
     # what is closest decides: off the rim, or too deep, there is no contact with anything farther
     best = best[~off[best]]
     at = row[best]
-    result.facet[at], result.xi[at], result.gap[at] = facet[best], xi[best], gap[best]
+    result.facet[at], result.xi[at] = facet[best], xi[best]
+    above = _above(surface, nodes, facet[best], feature[best], xi[best], offset[best])
+    result.gap[at] = np.where(above, distance[best], -distance[best])
     result.feature[at] = feature[best]
-    result.found[at] = (gap[best] >= -depth[at]) & ~(held & (accepted == -1))[at]
+    result.found[at] = (result.gap[at] >= -depth[at]) & ~(held & (accepted == -1))[at]
     return result
 
 
@@ -209,94 +200,26 @@ def _newton_step(x: list[ndarray], points: ndarray) -> ndarray:
     return solve(matrix, np.einsum("nac,nc->na", x[1], offset))
 
 
-def _on_sides(surface: Surface, nodes: ndarray, points: ndarray, facet: ndarray, beyond: ndarray, reach: ndarray
-              ) -> tuple[ndarray, ndarray, ndarray]:
-    """Closest points on the sides of facets whose foot lies outside, their features, and whether that is off the rim.
-
-    Parameters
-    ----------
-    beyond
-        How far the feet lie beyond the sides, (n, n_sides).
-    reach
-        How far the facets go on beyond the sides, (n, n_sides): nothing but at the rim.
-    """
-    shape, n = surface.shape, len(facet)
-    best, xi = np.full(n, np.inf), np.zeros((n, shape.dim))
-    feature, off = np.zeros(n, int), np.zeros(n, bool)
-    sides = len(shape.side_corners)
-    for side in range(sides):
-        if len(at := np.flatnonzero(beyond[:, side] > reach[:, side])) == 0:
-            continue
-        start = shape.corners[shape.side_corners[side, 0]] + reach[at, side, None] * (
-            shape.outward[side] / (shape.outward[side] @ shape.outward[side]))
-        ends = 0.5 * reach[at][:, [side - 1, (side + 1) % sides]] * [-1, 1] + [0, 1]
-        s, place = _along_side(surface, nodes, points[at], facet[at], start, shape.along[side], ends)
-        distance = np.sqrt(((points[at] - place) ** 2).sum(axis=1))
-        nearer = distance < best[at]
-        at, s, start, ends = at[nearer], s[nearer], start[nearer], ends[nearer]
-        best[at], xi[at] = distance[nearer], start + s[:, None] * shape.along[side]
-        over = (s[:, None] == ends) if shape.dim > 1 else np.zeros((len(at), 2), bool)  # beyond an end of the side
-        feature[at] = np.where(over.any(axis=1), sides + 1, side + 1)
-        off[at] = surface.at_rim[facet[at], side] | (over & (ends != [0, 1])).any(axis=1)
+def _on_facets(surface: Surface, nodes: ndarray, points: ndarray, facet: ndarray, foot: ndarray, beyond: ndarray,
+               stays: ndarray) -> tuple[ndarray, ndarray, ndarray]:
+    """Closest points on candidates: feet, or places on the sides beyond which they lie; as :func:`on_sides`."""
+    rim = surface.at_rim[facet]
+    limit = np.where(rim, 2.0 * surface.extension, np.maximum(2.0 * stays, _ON_FACET))
+    xi, feature, off = foot.copy(), np.zeros(len(facet), int), np.zeros(len(facet), bool)
+    out = np.flatnonzero(np.any(beyond > limit, axis=1))
+    on_them = on_ends if surface.dim == 2 else on_sides
+    reach = np.where(rim, 2.0 * surface.extension, 0.0)
+    xi[out], feature[out], off[out] = on_them(surface, nodes, points[out], facet[out], beyond[out], reach[out])
     return xi, feature, off
 
 
-def _along_side(surface: Surface, nodes: ndarray, points: ndarray, facet: ndarray, start: ndarray, along: ndarray,
-                ends: ndarray) -> tuple[ndarray, ndarray]:
-    """Share of the way along a side, between two ends, (n, 2), at which it is closest, and the place there."""
-    s = np.full(len(facet), 0.5 if surface.dim == 3 else 0.0)
-    left = np.arange(len(facet) if surface.dim == 3 else 0)
-    for _ in range(_NEWTON_STEPS):
-        if len(left) == 0:
-            break
-        place = surface.at(facet[left], start[left] + s[left, None] * along, nodes, 2)
-        tangent, offset = along @ place.x[1], points[left] - place.x[0]
-        slope, curvature = dot(tangent, tangent), dot(along @ (along @ place.x[2]), offset)
-        step = dot(offset, tangent) / np.maximum(slope - curvature, 0.5 * slope)
-        new = np.clip(s[left] + np.clip(step, -1.0, 1.0), *ends[left].T)
-        moves, s[left] = np.abs(new - s[left]) > _ON_SIDE, new
-        left = left[moves]
-    return s, surface.at(facet, start + s[:, None] * along, nodes, 0).x[0]
-
-
-def _side_of_joint(surface: Surface, nodes: ndarray, facet: ndarray, feature: ndarray, xi: ndarray) -> ndarray:
-    """Direction that tells outside from inside at sides and corners: the sum of the normals of all facets there.
-
-    At corners in space each normal counts with the angle of its facet (Baerentzen and Aanaes, 2005).
-    """
-    sides = surface.neighbours.shape[1]
-    normal = np.zeros((len(facet), surface.dim))
-    at_side = feature <= sides
-    here, there = _normals_at_joint(surface, nodes, facet[at_side], feature[at_side] - 1)
-    normal[at_side] = here + there
-    if not at_side.all():
-        corner = np.argmin(np.abs(xi[~at_side][:, None] - surface.shape.corners).sum(axis=2), axis=1)
-        normal[~at_side] = _normals_at_corners(surface, nodes, surface.facets[facet[~at_side], corner])
-    return normal
-
-
-def _normals_at_corners(surface: Surface, nodes: ndarray, which: ndarray) -> ndarray:
-    """Sums of the normals of all facets at nodes, times their angles there."""
-    n = len(surface.shape.corners)
-    facet, corner = np.nonzero(np.isin(surface.facets[:, :n], which))
-    node = surface.facets[facet, corner]
-    before = nodes[surface.facets[facet, corner - 1]] - nodes[node]
-    after = nodes[surface.facets[facet, (corner + 1) % n]] - nodes[node]
-    angle = np.arccos(np.clip(np.einsum("nc,nc->n", unit(before), unit(after)), -1.0, 1.0))
-    normal = surface.at(facet, surface.shape.corners[corner], nodes).normal
-    total = np.zeros((len(surface.nodes), 3))
-    np.add.at(total, node, angle[:, None] * normal)
-    return total[which]
-
-
-def _normals_at_joint(surface: Surface, nodes: ndarray, facet: ndarray, side: ndarray) -> tuple[ndarray, ndarray]:
-    """Normals of facets and of those beyond their sides, in the middle of these; the facet's own beyond the rim."""
-    shape = surface.shape
-    neighbour = surface.neighbours[facet, side]
-    other = 1 - side if surface.dim == 2 else np.argmax(surface.neighbours[neighbour] == facet[:, None], axis=1)
-    neighbour, other = np.where(neighbour < 0, facet, neighbour), np.where(neighbour < 0, side, other)
-    middle = shape.corners[shape.side_corners[:, 0]] + 0.5 * shape.along
-    return (surface.at(facet, middle[side], nodes).normal, surface.at(neighbour, middle[other], nodes).normal)
+def _above(surface: Surface, nodes: ndarray, facet: ndarray, feature: ndarray, xi: ndarray, offset: ndarray
+           ) -> ndarray:
+    """Whether points lie outside the body, seen from their closest points."""
+    normal = surface.at(facet, xi, nodes).normal
+    if (bent := np.flatnonzero(feature)).size:  # all facets there tell what is outside
+        normal[bent] = side_of_joint(surface, nodes, facet[bent], feature[bent], xi[bent])
+    return np.asarray(np.einsum("nc,nc->n", normal, offset) >= 0)
 
 
 def _stays(surface: Surface, nodes: ndarray, facet: ndarray, beyond: ndarray, accepted: ndarray, frozen: ndarray
@@ -306,7 +229,7 @@ def _stays(surface: Surface, nodes: ndarray, facet: ndarray, beyond: ndarray, ac
     stays = np.zeros(beyond.shape)
     pair, side = np.nonzero(accepted[:, None] & (np.abs(beyond) <= 2.0 * share) & ~surface.at_rim[facet])
     if len(pair):
-        here, there = _normals_at_joint(surface, nodes, facet[pair], side)
+        here, there = normals_at_joint(surface, nodes, facet[pair], side)
         turn = np.sqrt(((here - there) ** 2).sum(axis=1))
         bends = (np.einsum("nc,nc->n", here, there) > _STRAIGHT) & (turn > _SMOOTH)
         stays[pair, side] = np.where(bends | frozen[pair], share[pair, 0], 0.0)

@@ -11,6 +11,8 @@ from .augmented import AugmentedLagrangian
 from .clearance import Fit
 from .laws import InterfaceLaw
 
+#: Nodes of facets in space some of which have no area, or a negative one: nothing holds a multiplier there.
+_WITHOUT_AREA = (6, 8)
 #: Round-off of the axis, as a share of a facet.
 _ON_AXIS = 1e-9
 
@@ -26,7 +28,7 @@ def check_surfaces(slave: Surface, master: Surface) -> None:
         raise ValueError(f"contact of '{slave.name}': axial symmetry is for plane meshes with x >= 0")
 
 
-def check_settings(quadrature: Any, enforcement: Any, initial: Any, share: Any, tangent: Any, dim: int) -> None:
+def check_settings(slave: Surface, quadrature: Any, enforcement: Any, initial: Any, share: Any, tangent: Any) -> None:
     """Refuse a setting that means nothing to a contact pair, see there."""
     if not _counts(quadrature):
         _one_of("quadrature", quadrature, ("nodal", "segments"), " or a positive number of Gauss points")
@@ -36,8 +38,9 @@ def check_settings(quadrature: Any, enforcement: Any, initial: Any, share: Any, 
         raise ValueError(f"share must lie in (0, 1], not {share!r}")
     if not isinstance(enforcement, AugmentedLagrangian | None):
         raise ValueError(f"enforcement must be None or AugmentedLagrangian(), not {enforcement!r}")
-    if dim == 3 and enforcement is not None and quadrature != "nodal":
-        raise ValueError("in space the augmented method is for quadrature='nodal'; elsewhere take the penalty method")
+    if enforcement is not None and (nodes := slave.facets.shape[1]) in _WITHOUT_AREA:
+        raise ValueError(f"the augmented method is not for facets of {nodes} nodes, as '{slave.name}' has them: the "
+                         "corners have no area for their multipliers; take the penalty method, or linear elements")
 
 
 def check_law(law: Any, n_nodes: int) -> None:

@@ -6,6 +6,7 @@ given.
 """
 from .animation import animate
 from .contours import contour, stages
+from .cutaway import cutaway
 from .diagrams import contact_diagram, ring_diagram, section_diagram
 from .history import history, load_curve
 from .mechanism import mechanism
@@ -13,5 +14,5 @@ from .structures import diagram_on
 from .units import labelled, set_units
 from .water import flow_diagram
 
-__all__ = ["animate", "contact_diagram", "contour", "diagram_on", "flow_diagram", "history", "labelled", "load_curve",
-           "mechanism", "ring_diagram", "section_diagram", "set_units", "stages"]
+__all__ = ["animate", "contact_diagram", "contour", "cutaway", "diagram_on", "flow_diagram", "history", "labelled",
+           "load_curve", "mechanism", "ring_diagram", "section_diagram", "set_units", "stages"]

@@ -106,7 +106,7 @@ def contour(forms: Mapping[str, Any], step: StageResult, quantity: str, *, since
     view = make_view(forms, step, quantity, since, deformed, water)
     marks = Marks(forms, step, since, water, supports, loads, vectors, points, contact)
     scale = make_scale(view.values, view.scene.area, limits, levels, colors)
-    note = _and_factor(view.title, view.scene.factor)
+    note = note_of(step, since, view.scene.factor)
     return draw([view], [marks], scale, headline(forms, quantity, since, water), note, window, mesh, file, show)
 
 
@@ -152,8 +152,17 @@ def make_view(forms: Mapping[str, Any], step: StageResult, quantity: str, since:
     """The bodies of a stage and the field on their nodes."""
     check_plane(next(iter(solids(forms).values())).basis, "plot.contour")
     fields = region_fields(forms, step, quantity, since, water)
-    title = step.name if since is None else f"{step.name}, since {since.name}"
-    return View(Scene(forms, step, deformed, since), np.concatenate([field.values[0] for field in fields]), title)
+    values = np.concatenate([field.values[0] for field in fields])
+    return View(Scene(forms, step, deformed, since), values, _name(step, since))
+
+
+def note_of(step: StageResult, since: StageResult | None, factor: float) -> str:
+    """What stands on the right above the colour bar: the stage, and how much its displacements are enlarged."""
+    return _and_factor(_name(step, since), factor)
+
+
+def _name(step: StageResult, since: StageResult | None) -> str:
+    return step.name if since is None else f"{step.name}, since {since.name}"
 
 
 def headline(forms: Mapping[str, Any], quantity: str, since: StageResult | None, water: Water | None = None) -> str:

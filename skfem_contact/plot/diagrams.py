@@ -14,7 +14,7 @@ from numpy import ndarray
 from numpy.typing import ArrayLike
 
 from ..contact.laws import Status
-from ..post.sections import SectionForces
+from ..post.resultants import SectionForces
 from ..post.tractions import Tractions
 from .units import labelled
 

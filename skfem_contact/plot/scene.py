@@ -48,23 +48,12 @@ class Scene:
         self.places = basis.doflocs[:, 0::2].T
         moved = step.x[:basis.N] - (0.0 if since is None else since.x[:basis.N])
         self.displacement = moved.reshape(-1, 2)
-        self.factor = self._factor(deformed)
+        self.factor = float(deformed) if deformed != "auto" else round_factor(self.places[self.nodes],
+                                                                              self.displacement[self.nodes])
         self.moved = self.places + self.factor * self.displacement
         self.area = self._areas()
         self.pixel = 1.0
         self._find_lines(np.repeat(np.arange(len(self.regions)), [len(field.cells) for field in self.regions]))
-
-    def _factor(self, deformed: float | Literal["auto"]) -> float:
-        """The factor of the displacements; an automatic one is 1, 2 or 5 times a power of ten."""
-        if deformed != "auto":
-            return float(deformed)
-        size = np.ptp(self.places[self.nodes], axis=0).max()
-        largest = np.linalg.norm(self.displacement[self.nodes], axis=1).max()
-        if largest == 0.0:
-            return 1.0
-        wanted = _VISIBLE * size / largest
-        power = 10.0 ** np.floor(np.log10(wanted))
-        return float(power * max(step for step in (1.0, 2.0, 5.0) if step * power <= wanted * (1 + 1e-9)))
 
     def _areas(self) -> ndarray:
         """Area that belongs to each of `nodes`, (n,): equal shares of the elements."""
@@ -101,13 +90,8 @@ class Scene:
 
     def draw_field(self, plotter: Any, values: ndarray, scale: Scale) -> None:
         """Bands of a field, values at `nodes`, with lines between them."""
-        n = len(scale.levels) - 1
-        surface = self._surface(np.interp(values, scale.levels, np.arange(n + 1.0)))  # numbers of bands
-        surface["values"] = np.clip(surface["values"], _INSIDE, n - _INSIDE)
-        banded, lines = surface.contour_banded(n + 1, rng=(0.0, float(n)), scalars="values", scalar_mode="index")
-        band = np.clip(np.asarray(banded.cell_data["Scalars"]).astype(int), 0, n - 1)
-        banded.cell_data["colors"] = (255 * np.asarray(scale.colors(band))[:, :3]).round().astype(np.uint8)
-        plotter.add_mesh(banded, scalars="colors", rgb=True, lighting=False, show_scalar_bar=False)
+        surface, lines = banded(self._surface(values), scale)
+        plotter.add_mesh(surface, scalars="colors", rgb=True, lighting=False, show_scalar_bar=False)
         if lines.n_cells:
             plotter.add_mesh(lines, color="#333333", opacity=0.25, line_width=1, lighting=False)
 
@@ -144,3 +128,25 @@ class Scene:
             grid["values"] = values
         moved = grid.warp_by_vector("displacement", factor=self.factor)
         return moved.extract_surface(nonlinear_subdivision=2, algorithm="dataset_surface")
+
+
+def round_factor(places: ndarray, displacement: ndarray) -> float:
+    """A factor with which displacements (n, dim) are seen: 1, 2 or 5 times a power of ten."""
+    size = np.ptp(places, axis=0).max()
+    largest = np.linalg.norm(displacement, axis=1).max()
+    if largest == 0.0:
+        return 1.0
+    wanted = _VISIBLE * size / largest
+    power = 10.0 ** np.floor(np.log10(wanted))
+    return float(power * max(step for step in (1.0, 2.0, 5.0) if step * power <= wanted * (1 + 1e-9)))
+
+
+def banded(surface: Any, scale: Scale) -> tuple[Any, Any]:
+    """Bands of the field "values" of a surface, with their colours, and the lines between them."""
+    n = len(scale.levels) - 1
+    bands = np.interp(surface["values"], scale.levels, np.arange(n + 1.0))  # their numbers
+    surface["values"] = np.clip(bands, _INSIDE, n - _INSIDE)
+    result, lines = surface.contour_banded(n + 1, rng=(0.0, float(n)), scalars="values", scalar_mode="index")
+    band = np.clip(np.asarray(result.cell_data["Scalars"]).astype(int), 0, n - 1)
+    result.cell_data["colors"] = (255 * np.asarray(scale.colors(band))[:, :3]).round().astype(np.uint8)
+    return result, lines

@@ -14,7 +14,7 @@ from numpy import ndarray
 
 from ..errors import check_plane, look_up
 from ..post.fields import solids
-from ..post.sections import SectionForces
+from ..post.resultants import SectionForces
 from ..post.tractions import Tractions
 from ..stages.result import StageResult
 from .scene import Scene

@@ -3,13 +3,14 @@ from .fields import nodal_field
 from .files import export_pvd, export_vtu, to_frame, to_pyvista
 from .reactions import reactions
 from .report import ContactReport, contact_report
-from .sections import SectionForces, Sections, line_sections, ring_sections, section_forces
+from .resultants import SectionForces, SpaceSectionForces
+from .sections import Sections, line_sections, ring_sections, section_forces
 from .strength import PointStatus
 from .tractions import Tractions, tractions
 from .undrained import pore_pressure, undrained_strength
 
 __all__ = [
-    "ContactReport", "PointStatus", "SectionForces", "Sections", "Tractions", "contact_report", "export_pvd",
-    "export_vtu", "line_sections", "nodal_field", "pore_pressure", "reactions", "ring_sections", "section_forces",
-    "to_frame", "to_pyvista", "tractions", "undrained_strength",
+    "ContactReport", "PointStatus", "SectionForces", "Sections", "SpaceSectionForces", "Tractions", "contact_report",
+    "export_pvd", "export_vtu", "line_sections", "nodal_field", "pore_pressure", "reactions", "ring_sections",
+    "section_forces", "to_frame", "to_pyvista", "tractions", "undrained_strength",
 ]

@@ -1,7 +1,7 @@
 """Solids and contact of a stage as the points, cells and data that VTK knows."""
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -41,8 +41,6 @@ class Grid(NamedTuple):
 
 def grid_of(forms: Mapping[str, Any], step: StageResult) -> Grid:
     """The solids of a stage, region by region, and the facets of its contact pairs."""
-    from skfem.io.meshio import HEX_MAPPING
-
     given = solids(forms)  # their regions have the same numbers in all stages
     first = dict(zip(given, np.cumsum([0] + [len(form.regions) for form in given.values()])))
     found = solids_there(forms, step)
@@ -55,18 +53,26 @@ def grid_of(forms: Mapping[str, Any], step: StageResult) -> Grid:
         parts += fields
         data += _point_data(form, step.states[name], fields)
         cell_data += _cell_data(form, step.states[name], int(first[name]), fields)
-    nodes = np.concatenate([part.nodes for part in parts])
-    offset = np.cumsum([0] + [len(part.nodes) for part in parts])
-    cells = np.concatenate([part.cells + start for part, start in zip(parts, offset)])
-    kind = _CELLS[dim, cells.shape[1]]
-    if kind.startswith("hexahedron"):  # of all others the nodes come in the same order
-        cells = cells[:, HEX_MAPPING[:cells.shape[1]]]
+    nodes, kind, cells = cells_of(parts, dim)
     point_data = {"displacement": _in_space(u[nodes])} | _joined(data)
     grid = Grid(_in_space(basis.doflocs[:, dim * nodes].T), [(kind, cells)], point_data,
                 {key: [values] for key, values in _joined(cell_data).items()})
     for interface in interfaces(forms, step).values():
         grid = _with_facets(grid, nodes, interface)
     return grid
+
+
+def cells_of(parts: Sequence[RegionField], dim: int) -> tuple[ndarray, str, ndarray]:
+    """Nodes of all regions one after the other, and their cells: meshio's name of the kind, and numbers among these."""
+    from skfem.io.meshio import HEX_MAPPING
+
+    nodes = np.concatenate([part.nodes for part in parts])
+    offset = np.cumsum([0] + [len(part.nodes) for part in parts])
+    cells = np.concatenate([part.cells + start for part, start in zip(parts, offset)])
+    kind = _CELLS[dim, cells.shape[1]]
+    if kind.startswith("hexahedron"):  # of all others the nodes come in the same order
+        cells = cells[:, HEX_MAPPING[:cells.shape[1]]]
+    return nodes, kind, cells
 
 
 def _in_space(values: ndarray) -> ndarray:

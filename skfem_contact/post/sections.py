@@ -16,9 +16,10 @@ from numpy import ndarray
 from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
 
-from ..errors import check_plane
+from ..errors import place
 from ..solid import SolidForm, SolidState
 from ..unknowns import nodes as nodes_of
+from .resultants import SectionForces, SpaceSectionForces
 
 #: Round-off of a position, as a share of the element: a cut through the end of a body meets its elements.
 _ROUND_OFF = 1e-9
@@ -33,9 +34,9 @@ class Sections:
     position
         Coordinate of every cut for tables and diagrams, (n,): central angle or arc position.
     center
-        Its point on the axis of the body, (n, 2); moments refer to it.
+        Its point on the axis of the body, (n, dim); moments refer to it.
     axis
-        Unit tangent of the axis, (n, 2), in the sense of rising position.
+        Unit tangent of the axis, (n, dim), in the sense of rising position.
     half_depth
         Half the depth of the body there, (n,): elements farther from the axis do not belong to it.
     curvature
@@ -62,9 +63,11 @@ class Sections:
         return replace(self, center=center, axis=axis)
 
     def local(self, section: ndarray, points: ndarray) -> tuple[ndarray, ndarray]:
-        """Position along the curved axis and distance to its left, of points (m, 2) from sections (m,)."""
+        """Position along the curved axis and distance to its left, of points (m, dim) from sections (m,)."""
         offset = points - self.center[section]
         s = np.einsum("mc,mc->m", offset, self.axis[section])
+        if points.shape[1] == 3:
+            return s, np.linalg.norm(offset - s[:, None] * self.axis[section], axis=1)
         y = np.einsum("mc,mc->m", offset, self.left[section])
         k = self.curvature[section]
         curved = k != 0.0
@@ -73,33 +76,6 @@ class Sections:
             radius = 1.0 + k * y[curved] + 1j * k * s[curved]  # from the centre of curvature, in units of 1/k
             s[curved], y[curved] = np.angle(radius) / k, (np.abs(radius) - 1.0) / k
         return s, y
-
-
-@dataclass(frozen=True)
-class SectionForces:
-    """Section forces along a body, arrays (n,).
-
-    Attributes
-    ----------
-    position
-        As in :class:`Sections`.
-    x, y
-        Place of the sections.
-    N
-        Normal force, tension positive (a thrust is negative).
-    V
-        Shear force: what the front exerts on the back to the left of the axis; ``V = dM/ds`` where no friction
-        on a side of the body acts as a couple.
-    M
-        Moment, positive where the fibres to the left of the axis, the outer ones of a ring, are in tension.
-    """
-
-    position: ndarray
-    x: ndarray
-    y: ndarray
-    N: ndarray
-    V: ndarray
-    M: ndarray
 
 
 def ring_sections(center: ArrayLike, inner: float, outer: float, n: int = 72) -> Sections:
@@ -143,16 +119,16 @@ def line_sections(start: ArrayLike, end: ArrayLike, depth: float, n: int = 51) -
     Parameters
     ----------
     start, end
-        Ends of the axis; the position is the distance from the start.
+        Ends of the axis, in the plane or in space; the position is the distance from the start.
     depth
-        Depth of the body across its axis.
+        Depth of the body across its axis; in space the diameter of a cylinder that holds it.
     n
         Number of cuts, both ends included.
 
     Raises
     ------
     ValueError
-        Ends that coincide or are no finite (x, y), a depth that is not positive, or fewer than two cuts.
+        Ends that coincide or are no finite places, a depth that is not positive, or fewer than two cuts.
 
     Examples
     --------
@@ -160,7 +136,8 @@ def line_sections(start: ArrayLike, end: ArrayLike, depth: float, n: int = 51) -
     >>> sc.line_sections((0., 0.), (0., -15.), depth=.2, n=4).position.tolist()
     [0.0, 5.0, 10.0, 15.0]
     """
-    start, end = _point(start, "the start"), _point(end, "the end")
+    dim = 3 if np.size(start) == 3 else 2
+    start, end = _point(start, "the start", dim), _point(end, "the end", dim)
     _check_number(n, 2)
     length = float(np.linalg.norm(end - start))
     if not (length > 0.0 and depth > 0.0):
@@ -171,11 +148,11 @@ def line_sections(start: ArrayLike, end: ArrayLike, depth: float, n: int = 51) -
                     np.full(n, 0.5 * depth), np.zeros(n))
 
 
-def _point(point: ArrayLike, what: str) -> ndarray:
-    """Coordinates of a point in the plane."""
+def _point(point: ArrayLike, what: str, dim: int = 2) -> ndarray:
+    """Coordinates of a point."""
     found = np.asarray(point, float)
-    if found.shape != (2,) or not np.isfinite(found).all():
-        raise ValueError(f"{what} of the sections must be a finite (x, y), not {point!r}")
+    if found.shape != (dim,) or not np.isfinite(found).all():
+        raise ValueError(f"{what} of the sections must be a finite {('(x, y)', '(x, y, z)')[dim - 2]}, not {point!r}")
     return found
 
 
@@ -199,7 +176,12 @@ def section_forces(form: SolidForm, state: SolidState, sections: Sections) -> Se
     Raises
     ------
     ValueError
-        No solid or no state of one, a section that cuts no element, or a body in three dimensions.
+        No solid or no state of one, a section that cuts no element, or sections of another dimension than the body.
+
+    Returns
+    -------
+    SectionForces
+        In space :class:`SpaceSectionForces`.
 
     Notes
     -----
@@ -227,14 +209,15 @@ def section_forces(form: SolidForm, state: SolidState, sections: Sections) -> Se
     if not (isinstance(form, SolidForm) and isinstance(state, SolidState)):
         raise ValueError(f"section forces are those of a solid and its state, result[stage].states[name of the solid], "
                          f"not of {type(form).__name__} and {type(state).__name__}")
-    check_plane(form.basis, "section_forces")
+    if (dim := form.basis.mesh.dim()) != sections.center.shape[1]:
+        raise ValueError(f"these sections have {sections.center.shape[1]} coordinates, the body has {dim}")
     if not sections.curvature.any():
-        return _cut(form, state, sections)
+        return _resultants(sections, *_cut(form, state, sections))
     back, front = _lines(form, sections)
     if not (back < front).any():
-        return _cut(form, state, sections)
+        return _in_plane(sections, *_cut(form, state, sections))
     share = np.divide(-back, front - back, out=np.zeros_like(back), where=front > back)
-    ends = [_cut(form, state, sections.moved(distance)) for distance in (back, front)]
+    ends = [_in_plane(moved, *_cut(form, state, moved)) for moved in map(sections.moved, (back, front))]
     N, V, M = ((1.0 - share) * getattr(ends[0], name) + share * getattr(ends[1], name) for name in "NVM")
     x, y = sections.center.T
     return SectionForces(sections.position, x, y, N, V, M)
@@ -254,16 +237,20 @@ def _lines(form: SolidForm, sections: Sections) -> tuple[ndarray, ndarray]:
 
 
 def _layers(form: SolidForm, sections: Sections) -> tuple[ndarray, ndarray, ndarray, ndarray]:
-    """Pairs of a section and an element near it; nodes (pairs, nodes, 2), and their positions along the axis."""
+    """Pairs of a section and an element near it; nodes (pairs, nodes, dim), and their positions along the axis."""
     nodes, section, element = _near(form, sections)
-    points = form.basis.doflocs[:, 2 * nodes[element]].transpose(1, 2, 0)
+    dim = len(form.basis.doflocs)
+    points = form.basis.doflocs[:, dim * nodes[element]].transpose(1, 2, 0)
     flat = np.repeat(section, points.shape[1])
-    s = sections.local(flat, points.reshape(-1, 2))[0].reshape(points.shape[:2])
+    s = sections.local(flat, points.reshape(-1, dim))[0].reshape(points.shape[:2])
     return section, element, points, s
 
 
-def _cut(form: SolidForm, state: SolidState, sections: Sections) -> SectionForces:
-    """Forces from the virtual motion of what is in front of each section."""
+def _cut(form: SolidForm, state: SolidState, sections: Sections) -> tuple[ndarray, ndarray, ndarray]:
+    """Pairs of a section and an element, their nodes (pairs, nodes, dim), and forces on these.
+
+    They follow from the virtual motion of what is in front of each section.
+    """
     n = len(sections.position)
     section, element, points, s = _layers(form, sections)
     length = np.ptp(s, axis=1)
@@ -272,7 +259,7 @@ def _cut(form: SolidForm, state: SolidState, sections: Sections) -> SectionForce
     if not count.all():
         at = sections.center[np.flatnonzero(count == 0)[0]]
         raise ValueError(f"{(count == 0).sum()} of {n} sections cut no element of the solid; the first is at "
-                         f"({at[0]:g}, {at[1]:g})")
+                         f"{place(at)}")
     layer = np.bincount(section[crossing], length[crossing], minlength=n) / count
     phi = np.clip(s / layer[section, None] + 0.5, 0.0, 1.0)
 
@@ -282,17 +269,16 @@ def _cut(form: SolidForm, state: SolidState, sections: Sections) -> SectionForce
     np.minimum.at(lowest, section, phi.min(axis=1))
     np.maximum.at(highest, section, phi.max(axis=1))
     used, position = np.unique(element, return_inverse=True)
-    forces = form.element_forces(state.stress, used).reshape(-1, 2, len(used))[:, :, position]
-    forces = np.einsum("pn,ncp->pnc", phi / (highest - lowest)[section, None], forces)
-    return _resultants(sections, section, points, forces)
+    forces = form.element_forces(state.stress, used).reshape(points.shape[1], -1, len(used))[:, :, position]
+    return section, points, np.einsum("pn,ncp->pnc", phi / (highest - lowest)[section, None], forces)
 
 
 def _near(form: SolidForm, sections: Sections) -> tuple[ndarray, ndarray, ndarray]:
     """Nodes of all elements, and the pairs of a section and an element that may touch its layer."""
-    nodes = nodes_of(form.basis)
-    points = form.basis.doflocs[:, 2 * nodes]
+    nodes, dim = nodes_of(form.basis), len(form.basis.doflocs)
+    points = form.basis.doflocs[:, dim * nodes]
     centroid = points.mean(axis=2).T
-    largest = float(np.ptp(points, axis=2).max()) * np.sqrt(2.0)
+    largest = float(np.ptp(points, axis=2).max()) * np.sqrt(dim)
     hits = cKDTree(centroid).query_ball_point(sections.center, sections.half_depth + 1.5 * largest)
     section = np.repeat(np.arange(len(hits)), [len(h) for h in hits])
     element = np.concatenate([np.asarray(h, dtype=int) for h in hits])
@@ -302,7 +288,18 @@ def _near(form: SolidForm, sections: Sections) -> tuple[ndarray, ndarray, ndarra
 
 
 def _resultants(sections: Sections, section: ndarray, points: ndarray, forces: ndarray) -> SectionForces:
-    """Sums of nodal forces (pairs, nodes, 2) section by section, moments about the sections' centres."""
+    """Sums of nodal forces (pairs, nodes, dim) section by section, moments about the sections' centres."""
+    if points.shape[2] == 2:
+        return _in_plane(sections, section, points, forces)
+    arm, n = points - sections.center[section][:, None], len(sections.position)
+    force, moment = np.zeros((2, n, 3))
+    np.add.at(force, section, forces.sum(axis=1))
+    np.add.at(moment, section, np.cross(arm, forces).sum(axis=1))
+    return SpaceSectionForces.of(sections.position, sections.center, sections.axis, force, moment)
+
+
+def _in_plane(sections: Sections, section: ndarray, points: ndarray, forces: ndarray) -> SectionForces:
+    """The same in the plane."""
     n = len(sections.position)
     arm = points - sections.center[section][:, None]
     turning = (arm[..., 1] * forces[..., 0] - arm[..., 0] * forces[..., 1]).sum(axis=1)  # clockwise

@@ -13,7 +13,7 @@ from scipy.spatial import cKDTree
 
 from ..contact.penalty import choose_penalties
 from ..contact.prestress import prestressed
-from ..errors import AnalysisWarning, check_plane, look_up, place
+from ..errors import AnalysisWarning, check_basis, look_up, place
 from ..forms import Form, as_forms, carried
 from ..materials.elastic import LinearElastic
 from .activation import acts_on, check_contacts
@@ -123,8 +123,7 @@ def k0_state(forms: Mapping[str, Form], load: ndarray, fixed: ndarray, unit_weig
     Raises
     ------
     ValueError
-        Unknown subdomain, elements without K0, different unit weights at the same height (the ground is not level), or
-        bodies in three dimensions.
+        Unknown subdomain, elements without K0, different unit weights at the same height (the ground is not level).
 
     Examples
     --------
@@ -141,7 +140,7 @@ def k0_state(forms: Mapping[str, Form], load: ndarray, fixed: ndarray, unit_weig
     """
     forms = as_forms(forms)
     basis = next(iter(_solids(forms).values())).basis
-    check_plane(basis, "k0_state")
+    check_basis(basis)
     mesh = basis.mesh
     elements = np.concatenate([form.elements for form in _solids(forms).values()])
     overburden, ratios = _overburden(mesh, elements, unit_weights), _by_element(mesh, K0)
@@ -151,11 +150,12 @@ def k0_state(forms: Mapping[str, Form], load: ndarray, fixed: ndarray, unit_weig
         raise ValueError(f"{len(missing)} elements have no K0; they lie in the subdomains {tags}")
 
     def stress(x: ndarray, elements: ndarray) -> ndarray:
-        vertical = -surcharge - overburden(x[1])
+        vertical = -surcharge - overburden(x[-1])
         if water is not None:
             vertical = vertical + water(x)
-        horizontal = ratios[elements] * vertical
-        return np.stack((horizontal, vertical, horizontal, np.zeros_like(vertical)))
+        horizontal, none = ratios[elements] * vertical, np.zeros_like(vertical)
+        plane = (horizontal, vertical, horizontal, none)
+        return np.stack(plane if len(x) == 2 else (horizontal, horizontal, vertical, none, none, none))
 
     return _balanced(forms, load, fixed, stress, name)
 
@@ -288,7 +288,7 @@ def _overburden(mesh: Any, elements: ndarray, unit_weights: float | Mapping[str,
         dict.fromkeys(everything, unit_weights), everything)
     extent = {}
     for name in layers:
-        heights = mesh.p[1, mesh.t[:, look_up(name, subdomains, "subdomain")]]
+        heights = mesh.p[-1, mesh.t[:, look_up(name, subdomains, "subdomain")]]
         extent[name] = float(heights.min()), float(heights.max())
     levels = np.unique(np.array([level for ends in extent.values() for level in ends]))
     weights = np.zeros(len(levels) - 1)

@@ -144,14 +144,9 @@ class Shape:
         derivatives
             Highest derivative that is asked for.
         """
-        powers = [np.ones_like(xi)]
-        for _ in range(int(self.exponents.max())):
-            powers.append(powers[-1] * xi)
-        monomials = np.empty((len(xi), len(self.exponents)), xi.dtype)
-        for j, exponents in enumerate(self.exponents):
-            monomials[:, j] = powers[exponents[0]][:, 0]
-            for axis in range(1, self.dim):
-                monomials[:, j] *= powers[exponents[axis]][:, axis]
+        monomials = np.ones((len(xi), len(self.exponents)), xi.dtype)
+        for axis, columns in self._factors:
+            monomials[:, columns] *= xi[:, axis:axis + 1]
         result = []
         for order, coefficients in enumerate(self._derivatives[: derivatives + 1]):
             if len(coefficients) == 1:
@@ -160,6 +155,12 @@ class Shape:
                 values = np.einsum("n...p,np->n...", coefficients[facet], monomials)
             result.append(values.reshape(len(xi), *(self.dim,) * order, coefficients.shape[-2]))
         return result
+
+    @cached_property
+    def _factors(self) -> list[tuple[int, ndarray]]:
+        """Local coordinates and the monomials that they multiply, once for each power."""
+        return [(axis, np.flatnonzero(self.exponents[:, axis] >= power))
+                for axis in range(self.dim) for power in range(1, int(self.exponents.max()) + 1)]
 
     @cached_property
     def _derivatives(self) -> list[ndarray]:

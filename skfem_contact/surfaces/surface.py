@@ -7,7 +7,7 @@ normal is the tangent turned by +90 degrees in the plane, and the cross product 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -205,16 +205,28 @@ class Surface:
         return np.asarray(np.linalg.norm(across(self.at(facet, xi, self.nodes).x[1]), axis=1))
 
 
-def rule(shape: Shape, n: int) -> tuple[ndarray, ndarray]:
-    """Points (q, dim - 1) and weights of a rule that is exact to the degree 2n - 1: n Gauss points a direction."""
+@lru_cache
+def gauss_points(n: int) -> tuple[ndarray, ndarray]:
+    """Gauss points from -1 to 1 and their weights; pieces of facets ask for them in every iteration."""
     t, w = np.polynomial.legendre.leggauss(n)
+    t.flags.writeable = w.flags.writeable = False
+    return t, w
+
+
+def rule(shape: Shape, n: int) -> tuple[ndarray, ndarray]:
+    """Points (q, dim - 1) and weights, all positive, of a rule with n Gauss points a direction.
+
+    It is exact to the degree 2n - 1; on triangles to 2n - 2, that of two shape functions' product: rules of the degrees
+    3 and 7 have points of negative area.
+    """
+    t, w = gauss_points(n)
     if shape.dim == 1:
         return t[:, None], w
     if shape.triangular:
         from skfem.quadrature import get_quadrature
         from skfem.refdom import RefTri
 
-        points, weights = get_quadrature(RefTri, 2 * n - 1)
+        points, weights = get_quadrature(RefTri, max(1, 2 * n - 2))
         return points.T, weights
     return np.stack(np.meshgrid(t, t, indexing="ij"), axis=-1).reshape(-1, 2), np.outer(w, w).ravel()
 

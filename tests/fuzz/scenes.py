@@ -120,8 +120,6 @@ def draw(seed: int) -> Scene:
     wave = (rng.uniform(0.01, 0.05), rng.uniform(2, 6), rng.uniform(0, 6)) if kinked else (0.0, 1.0, 0.0)
     augmented = bool(law is not None and rng.random() < 0.25)
     quadrature = rng.choice(["nodal", "segments", "1", "2", "4"]).item()
-    if kind == "space" and augmented:
-        quadrature = "nodal"  # elsewhere it is refused
     # nothing but friction, or a tie, holds a block that is loaded
     if augmented and quadrature == "1" and element in ("Q2", "P2"):
         quadrature = "2"  # so it is here
