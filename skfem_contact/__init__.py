@@ -21,8 +21,8 @@ from .contact import (
     two_pass,
 )
 from .contact.laws import Coulomb, InterfaceLaw, Status, Tied
-from .errors import AnalysisWarning, NoEquilibrium, NotConverged
-from .forms import Failure, Form, Response
+from .errors import AnalysisWarning, Failure, NoEquilibrium, NotConverged
+from .forms import Form, Response
 from .limit_analysis import Bounds, bounds
 from .links import Bar, BarState, MatrixForm, Spring
 from .loads import hydrostatic, traction, water_load, weight

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, TypeVar
 
 import numpy as np
@@ -63,6 +64,35 @@ class NoEquilibrium(NotConverged):
     mechanism.  A hundred times the elastic displacements are taken for that.  With friction and
     non-associated flow there is no potential, but the mechanism is found in the same way.
     """
+
+
+@dataclass(frozen=True)
+class Failure:
+    """How Newton's method failed, for a form that is asked for an easier one to begin with.
+
+    Attributes
+    ----------
+    loose
+        Whether bodies can move freely, or ran away.
+    seen
+        Candidate states of the form between which the iterations chatter, if any.
+
+    Examples
+    --------
+    Contact of which nothing is closed yet answers with soft springs, see :meth:`Form.begin`:
+
+    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+    >>> import skfem_contact as sc
+    >>> basis = Basis(MeshQuad().with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+    >>> floor = sc.rigid_line((-1., -.1), (2., -.1))
+    >>> pair = sc.ContactPair(basis, "bottom", floor, sc.Coulomb(), penalty=1e4)
+    >>> eased = pair.begin(pair.initial_state(), sc.Failure(loose=True))
+    >>> bool(eased.assemble(basis.zeros(), pair.initial_state()).force.any())
+    True
+    """
+
+    loose: bool
+    seen: tuple[Any, ...] = ()
 
 
 class IncrementTooLarge(RuntimeError):

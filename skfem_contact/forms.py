@@ -2,8 +2,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping
-from dataclasses import dataclass, is_dataclass
 from dataclasses import fields as dataclass_fields
+from dataclasses import is_dataclass
 from functools import cached_property
 from types import MappingProxyType
 from typing import Any
@@ -12,6 +12,7 @@ import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix
 
+from .errors import Failure
 from .remarks import Remark
 from .sparse import padded
 from .unknowns import Field, elements_of
@@ -80,35 +81,6 @@ class Response:
         return Response(np.pad(self.force, (0, n - len(self.force))), lambda: self.state,
                         lambda: padded(self.stiffness, n), lambda: padded(self.damped, n), self.round_off,
                         self.active)
-
-
-@dataclass(frozen=True)
-class Failure:
-    """How Newton's method failed, for a form that is asked for an easier one to begin with.
-
-    Attributes
-    ----------
-    loose
-        Whether bodies can move freely, or ran away.
-    seen
-        Candidate states of the form between which the iterations chatter, if any.
-
-    Examples
-    --------
-    Contact of which nothing is closed yet answers with soft springs, see :meth:`Form.begin`:
-
-    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
-    >>> import skfem_contact as sc
-    >>> basis = Basis(MeshQuad().with_defaults(), ElementVector(ElementQuad1()), intorder=2)
-    >>> floor = sc.rigid_line((-1., -.1), (2., -.1))
-    >>> pair = sc.ContactPair(basis, "bottom", floor, sc.Coulomb(), penalty=1e4)
-    >>> eased = pair.begin(pair.initial_state(), sc.Failure(loose=True))
-    >>> bool(eased.assemble(basis.zeros(), pair.initial_state()).force.any())
-    True
-    """
-
-    loose: bool
-    seen: tuple[Any, ...] = ()
 
 
 class Form:

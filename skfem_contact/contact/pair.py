@@ -10,8 +10,8 @@ from numpy import ndarray
 from scipy.sparse import csr_matrix
 from skfem import CellBasis
 
-from ..errors import IncrementTooLarge, check_basis, check_size, is_number
-from ..forms import Failure, Response
+from ..errors import Failure, IncrementTooLarge, check_basis, check_size, is_number
+from ..forms import Response
 from ..sparse import Gathering
 from ..surfaces.material_points import MaterialPoints
 from ..surfaces.smoothing import smoothed

@@ -8,8 +8,7 @@ from typing import Any
 
 from numpy import ndarray
 
-from ..errors import IncrementTooLarge, NoEquilibrium, NotConverged
-from ..forms import Failure
+from ..errors import Failure, IncrementTooLarge, NoEquilibrium, NotConverged
 from ..solvers.direct import SingularSystem
 from .line_search import Search
 from .newton import Newton

@@ -69,7 +69,7 @@ def trial(seed: int, comparisons: int = DRAWN) -> Trial:
         reached = sc.Result(tuple(stage for stage in result if stage.fraction > 0.0))
         findings = [finding for k in range(len(reached)) for finding in of_stage(scene, model, reached, k)]
         chosen = np.random.default_rng(seed).permutation(list(COMPARISONS))[:comparisons] if not failure else ()
-        findings += [finding for name in chosen for finding in of_result(scene, model, result, name)]
+        findings += [finding for name in chosen for finding in of_result(scene, model, result, name, told)]
     except Exception as error:
         return Trial(scene, crash=f"{type(error).__name__}: {error}")
     return Trial(scene, tuple(findings), told + ((failure,) if failure else ()), bool(failure))
