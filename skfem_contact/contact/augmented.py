@@ -166,7 +166,7 @@ def _improved(points: SlavePoints, traction: ndarray, multiplier: ndarray, close
     """Multipliers that exert the tractions' forces at the closed nodes, and are their means at the others."""
     excess = _excess(points, traction, multiplier)
     at, mass = np.flatnonzero(closed), _mass(points)
-    mass += diags_array(np.full(mass.shape[0], _INDIFFERENT * mass.diagonal().max())).tocsc()
+    mass = csc_matrix(mass + diags_array(np.full(mass.shape[0], _INDIFFERENT * mass.diagonal().max())))
     forces = _integral(points, traction - points.at(multiplier), points.values)
     excess[at] = spsolve(mass[at][:, at].tocsc(), forces[at])
     return multiplier + excess
