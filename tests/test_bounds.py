@@ -13,7 +13,8 @@ from skfem import Basis, ElementQuad1, ElementTriP1, ElementTriP2, ElementVector
 
 import skfem_contact as sc
 from skfem_contact.limit_analysis import certify, search
-from skfem_contact.limit_analysis.reading import Loads, read
+from skfem_contact.limit_analysis.loading import Loads
+from skfem_contact.limit_analysis.reading import read
 from skfem_contact.limit_analysis.search import Search
 
 sys.path.append(str(Path(__file__).parents[1] / "examples" / "4_benchmarks"))
@@ -109,13 +110,15 @@ def test_sliding_block(soil) -> None:
     """[X] Adhesion and friction times the weight, and the factor on both of them; strong bodies and rigid ones."""
     load, factor = block(LAW, False, soil), block(LAW, True, soil)
     assert load.lower <= PUSH * (1 + 1e-12) and load.upper >= PUSH * (1 - 1e-12) and load.gap < 2e-4
+    if soil is None:
+        assert load.lower > PUSH * (1 - 1e-5)  # fans on both sides of the joint's ends; the solver's reserve is 1e-6
     assert factor.lower <= PUSH / 30 * (1 + 1e-12) and factor.upper >= PUSH / 30 * (1 - 1e-12) and factor.gap < 2e-4
 
 
 def test_smooth_and_tied() -> None:
     """[X] Without friction nothing resists; a tied block is crushed at 2 c, not sheared off at 4 c along its base."""
     assert block(sc.Coulomb(), False, elements=50).upper < 1e-9
-    tied = block(sc.Tied(), False, sc.Tresca(E=1e5, nu=0.3, c=20.0), elements=300)
+    tied = block(sc.Tied(), False, sc.Tresca(E=1e5, nu=0.3, c=20.0), elements=2000)
     assert 0.999 * 40.0 < tied.lower < tied.upper < 1.05 * 40.0  # its weight and the base add a little
     with pytest.warns(sc.AnalysisWarning, match="fixed loads alone"):
         block(sc.Tied(), False, sc.Tresca(E=1e5, nu=0.3, c=4.0), elements=300)
@@ -177,9 +180,8 @@ def test_noise(monkeypatch) -> None:
         return replace(found, stress=found.stress * (1 + 1e-4 * random.standard_normal(found.stress.shape)),
                        velocity=found.velocity * (1 + 1e-4 * random.standard_normal(found.velocity.shape)))  # fmt: skip
 
-    clean = bounds(**CASES["Griffiths and Lane 1"][0], elements=700)
     found = damaged(monkeypatch, noisy)
-    assert found.lower < clean.lower * (1 + 1e-6) < 1.3800 and found.upper > clean.upper * (1 - 1e-6) > 1.3748
+    assert found.lower < 1.3793 and found.upper > 1.3752  # the factor lies between these two
     assert found.lower > 1.3  # equilibrium is restored at little cost
 
 
@@ -196,7 +198,7 @@ def test_equilibrium_that_is_not_reached_proves_nothing() -> None:
     case = CASES["Griffiths and Lane 1"][0]
     loads = Loads(case["weight"], 0.0, {}, None, (), ())
     problem = read(case["forms"], case["fixed"], loads, None, (), False)
-    found = Search(problem, False, _Silent()).lower
+    found = Search(problem, _Silent()).lower
     program = found.parts.program
     assert certify.prove_lower(program, found.solution, False).value == pytest.approx(found.proof.value)
     program.dead = program.dead + 1e9  # more than the metric can balance within its repetitions
@@ -298,7 +300,8 @@ def test_what_has_no_bounds() -> None:
 def test_clean_sand() -> None:
     """[X] The factor tan 30 / tan 20 = 1.5863 is met from above; there is no lower bound, and a remark says so."""
     mesh = slope_mesh(3.0, 3.0 / np.tan(np.radians(20.0)), 4.0, 1.0, 3.0)
-    found = bounds(**ground(mesh, 0.0, 30.0, 20.0), elements=500)
+    with pytest.warns(sc.AnalysisWarning, match="without cohesion bears nothing at a free surface"):
+        found = bounds(**ground(mesh, 0.0, 30.0, 20.0), elements=500)
     assert 1.5863 < found.upper < 1.61 and found.lower < 1.5863
     assert any("without cohesion" in remark for remark in found.remarks)
 

@@ -14,8 +14,8 @@ PACKAGE = Path(skfem_contact.__file__).parent
 ROOMS = (
     {"errors"}, {"progress", "remarks", "sparse", "tables"}, {"unknowns"}, {"forms"}, {"strain", "assembly"},
     {"materials", "mesh", "loads", "surfaces"},
-    {"regions"}, {"solid", "contact", "links"}, {"solvers"}, {"nonlinear"}, {"stages"}, {"collapse"},
-    {"limit_analysis", "water"}, {"post"},
+    {"regions", "targets"}, {"solid", "contact", "links"}, {"solvers"}, {"nonlinear"}, {"stages"},
+    {"limit_analysis"}, {"collapse"}, {"water"}, {"post"},
     {"testing"}, {"plot"}, {"demo", "data"}, {""},
 )  # fmt: skip
 #: A stage's result calls what shows it: the only calls that go up, and at run time only.

@@ -514,7 +514,7 @@ def test_cutaway(kind, element, monkeypatch):
     np.testing.assert_allclose(kept["values"], 0.1 * kept.points[:, 2], atol=1e-7)
     np.testing.assert_allclose(cutaway._volumes(drawn["all"]).sum(), 1.0, rtol=1e-6)
     planes = [cutaway._plane((0, -1, 0), (0, 0.25, 0))]
-    lines = [lines for lines, _ in cutaway._lines(drawn["all"], planes, 0.0, True) if lines.n_cells]
+    lines = [lines for lines, _ in cutaway._lines(drawn["all"], planes, 0.0, True)]
     points = np.concatenate([one.points for one in lines])
     assert points[:, 1].min() == 0.25 and np.any((points[:, 1] == 0.25) & (points[:, 2] == 0.5))  # also between regions
 

@@ -57,6 +57,8 @@ def text(key: str, value: object) -> str:
         return ""
     if not isinstance(value, float):
         return str(value)
+    if key in ("lower", "upper"):  # bounds, which differ in the fourth digit
+        return f"{value:.5g}"
     return f"{value:.1e}" if key == "error" and 0 < abs(value) < 1e-4 else f"{value:.3g}"
 
 

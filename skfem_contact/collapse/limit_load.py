@@ -9,6 +9,7 @@ from numpy import ndarray
 
 from ..errors import NotConverged
 from ..forms import Form
+from ..limit_analysis import beside
 from ..materials.reduction import Flow, check_reduction
 from ..nonlinear.line_search import Search
 from ..nonlinear.newton import Newton
@@ -44,7 +45,8 @@ class _Load:
 def limit_load(forms: Mapping[str, Form], fixed: ndarray, load: ndarray, start: Result | StageResult | None = None,
                tol: float = 0.005, step: float = 1.0, highest: float = np.inf, flow: Flow = "given",
                newton: Newton | None = None, solver: Any = None, progress: bool | None = None,
-               longest: float = np.inf, until: float = 0.0) -> CollapseResult:
+               longest: float = np.inf, until: float = 0.0, certify: bool | Mapping[str, Any] = False
+               ) -> CollapseResult:
     """Multiply a load until the structure collapses.
 
     The work of the reference load is prescribed and its multiplier follows, until the curve of the multiplier
@@ -81,6 +83,8 @@ def limit_load(forms: Mapping[str, Form], fixed: ndarray, load: ndarray, start: 
         Work of the longest step over that of the first one.  Steps grow up to it; without it, until the end.
     until
         The curve does not end at a peak or plateau before a displacement is as large as this.
+    certify
+        Whether to prove bounds as well, as in :func:`strength_reduction`; water is that of the start.
 
     Raises
     ------
@@ -92,7 +96,8 @@ def limit_load(forms: Mapping[str, Form], fixed: ndarray, load: ndarray, start: 
     Warns
     -----
     AnalysisWarning
-        The search has shown no limit, and it may be higher: :attr:`CollapseResult.stop` says why.
+        The search has shown no limit, and it may be higher: :attr:`CollapseResult.stop` says why.  Or the value lies
+        outside of the proven bounds by more than `tol`.
 
     Examples
     --------
@@ -113,11 +118,14 @@ def limit_load(forms: Mapping[str, Form], fixed: ndarray, load: ndarray, start: 
         raise ValueError(f"tol, step and longest must be positive, not {tol!r}, {step!r} and {longest!r}")
     last = last_stage(start)
     there, held, unknowns = left_by(last, forms, fixed)
+    given = there
     if flow != "given":
         there = {name: form.reduced(1.0, flow, form.strengths) for name, form in there.items()}
     system, origin = starting_point(build_system(there, held, unknowns, solver), last)
     reference = check_load(load, system.unknowns)
-    branch = _Load(system, np.zeros(system.size) if last is None else last.load, reference)
+    dead = np.zeros(system.size) if last is None else last.load
+    proven = beside(certify, given, system.fixed, dead, reference, flow=flow, progress=progress)
+    branch = _Load(system, dead, reference)
     newton = newton or Newton(tolerance=0.03 * tol, max_iterations=30)
     with progress_bar(progress, desc=LOAD, bar_format="{desc} {postfix} {elapsed}") as bar:
         log = SearchLog(system.forms, bar)
@@ -131,7 +139,7 @@ def limit_load(forms: Mapping[str, Form], fixed: ndarray, load: ndarray, start: 
     found = Found(value, (value, curve.above), curve.stop, curve.points, end, end.x - curve.points[-2].x)
     result = conclude(LOAD, found, system, branch.at(end.parameter)[1], log.steps, "continuation", flow)
     result.warn(stacklevel=3)
-    return result
+    return result.beside(proven, tol * abs(value), stacklevel=3)
 
 
 def _first(branch: _Load, origin: Point, step: float, newton: Newton, log: SearchLog) -> Point:

@@ -4,7 +4,7 @@ from __future__ import annotations
 import warnings
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
@@ -12,6 +12,7 @@ from numpy import ndarray
 
 from ..errors import AnalysisWarning
 from ..forms import Form
+from ..limit_analysis import Bounds
 from ..materials.reduction import dilates_less
 from ..nonlinear.system import System
 from ..stages.result import StageResult
@@ -129,6 +130,8 @@ class CollapseResult:
     davis
         The search with the soils of Davis (procedure B), of a strength reduction with psi < phi: its factor is on the
         safe side.
+    proven
+        The bounds of the value, with ``certify=True``.
     """
 
     what: str
@@ -146,6 +149,7 @@ class CollapseResult:
     path: tuple[tuple[float, ndarray], ...] = field(repr=False)
     dilates_less: bool = False
     davis: CollapseResult | None = field(default=None, repr=False)
+    proven: Bounds | None = field(default=None, repr=False)
 
     @property
     def factor(self) -> float:
@@ -190,7 +194,8 @@ class CollapseResult:
     def __str__(self) -> str:
         reduced = f"reduced: {', '.join(self.reduced)}\n" if self.reduced else ""
         davis = f"with psi < phi: {self.davis.value:.4g} after Davis, on the safe side\n" if self.davis else ""
-        return (f"{self.what} {self.value:.4g}, bracket [{self.bracket[0]:.4g}, {self.bracket[1]:.4g}]\n{davis}"
+        proven = f"bounds: {str(self.proven).splitlines()[0]}\n" if self.proven else ""
+        return (f"{self.what} {self.value:.4g}, bracket [{self.bracket[0]:.4g}, {self.bracket[1]:.4g}]\n{davis}{proven}"
                 f"{self.method}, flow {self.flow}\n{reduced}{self.mesh}; {self.iterations} Newton iterations\n"
                 f"stopped by {self.stop}\n{self._table()}")
 
@@ -230,6 +235,19 @@ class CollapseResult:
         elif self.what == FACTOR and self.value < 1.0:
             warnings.warn(f"the structure is unstable under its own load: its factor of safety is {self.value:.3f}",
                           AnalysisWarning, stacklevel=stacklevel + 1)
+
+    def beside(self, proven: Bounds | None, tol: float, stacklevel: int) -> CollapseResult:
+        """The result with its bounds, and a warning where it lies outside of them by more than `tol`."""
+        if proven is None:
+            return self
+        where = f"the {self.what} {self.value:.4g} lies {{}} [{proven.lower:.4g}, {proven.upper:.4g}], its bounds: "
+        if self.value > proven.upper + tol:
+            warnings.warn(where.format("above") + "the mesh is too coarse, or elements of order 1 lock (strain=b_bar); "
+                          "`proven.mesh` is a better one", AnalysisWarning, stacklevel=stacklevel + 1)
+        elif self.value < proven.lower - tol and not proven.estimate:
+            warnings.warn(where.format("below") + "the search ended too early, or the flow is not associated",
+                          AnalysisWarning, stacklevel=stacklevel + 1)
+        return replace(self, proven=proven)
 
 
 def describe_mesh(forms: Mapping[str, Form]) -> str:

@@ -11,6 +11,7 @@ from numpy import ndarray
 
 from ..errors import NoEquilibrium, NotConverged
 from ..forms import Form
+from ..limit_analysis import beside
 from ..materials.reduction import Flow, associated_bound, check_reduction, dilates_less
 from ..nonlinear.line_search import Search
 from ..nonlinear.newton import Newton
@@ -19,9 +20,9 @@ from ..progress import progress_bar
 from ..solvers.threads import single_threaded
 from ..stages.result import Result, StageResult
 from ..stages.setup import build_system, check_load, left_by
+from ..targets import reduced_parts
 from .continuation import Point, as_collapse, follow, last_stage, starting_point
 from .history import SearchLog
-from .reduction import reduced_parts
 from .result import FACTOR, CollapseResult, Found, Stop, conclude, no_collapse_below
 
 logger = logging.getLogger("skfem_contact")
@@ -97,8 +98,8 @@ def strength_reduction(forms: Mapping[str, Form], fixed: ndarray, load: ndarray 
                        start: Result | StageResult | None = None, reduce: str | Collection[str] | None = None,
                        exclude: str | Collection[str] = (), method: Literal["continuation", "bracket"] = "continuation",
                        flow: Flow = "given", tol: float = 0.01, step: float = 0.1, highest: float = 100.0,
-                       newton: Newton | None = None, solver: Any = None, progress: bool | None = None
-                       ) -> CollapseResult:
+                       newton: Newton | None = None, solver: Any = None, progress: bool | None = None,
+                       certify: bool | Mapping[str, Any] = False) -> CollapseResult:
     """Reduce the strength until the structure collapses under its load.
 
     Parameters
@@ -134,11 +135,16 @@ def strength_reduction(forms: Mapping[str, Form], fixed: ndarray, load: ndarray 
         A scikit-fem linear solver ``(A, b) -> x``.
     progress
         Show a progress bar; by default where the output is a terminal.
+    certify
+        Whether to prove bounds as well, :attr:`CollapseResult.proven`, before the search begins.  The load must be the
+        sum of weights of subdomains and tractions that are linear along named boundaries; of water give what the load
+        does not tell.  Arguments of :func:`bounds` go with it: ``{"gap": .02, "water": u, "wetted": "top"}``; others
+        are elements and seconds.
 
     Raises
     ------
     ValueError
-        Unknown names, method or flow, no load, nothing to reduce.
+        Unknown names, method or flow, no load, nothing to reduce; with `certify` whatever :func:`bounds` refuses.
     NotConverged
         No equilibrium was found to start from.
 
@@ -146,7 +152,8 @@ def strength_reduction(forms: Mapping[str, Form], fixed: ndarray, load: ndarray 
     -----
     AnalysisWarning
         The structure is unstable under its own load: the factor is less than 1.  Or the search has shown no collapse,
-        and the factor may be higher: :attr:`CollapseResult.stop` says why.
+        and the factor may be higher: :attr:`CollapseResult.stop` says why.  Or it lies outside of the proven bounds by
+        more than `tol`.
 
     Examples
     --------
@@ -176,12 +183,13 @@ def strength_reduction(forms: Mapping[str, Form], fixed: ndarray, load: ndarray 
     branch = _Strength(whole, load, reduced_parts(whole.forms, reduce, exclude), flow)
     free = flow == "given" and any(dilates_less(material) for material in branch.materials)
     newton = newton or Newton(tolerance=(_LOOSE if free else _BALANCE) * tol, max_iterations=30)
+    proven = beside(certify, whole.forms, whole.fixed, load, None, reduce, exclude, flow, progress)
     search = partial(_search, origin=origin, newton=newton, tol=tol, step=max(step, tol), highest=highest)
     with progress_bar(progress, desc=FACTOR, bar_format="{desc} {postfix} {elapsed}") as bar:
         davis = _davis(branch, search, bar) if free else None
         result = search(branch, method=method, bar=bar, davis=davis)
     result.warn(stacklevel=3)
-    return result
+    return result.beside(proven, tol, stacklevel=3)
 
 
 def _search(branch: _Strength, origin: Point, newton: Newton, tol: float, step: float, highest: float,

@@ -11,10 +11,14 @@ from tqdm import tqdm
 
 from ..errors import AnalysisWarning
 from ..solvers.threads import single_threaded
-from .reading import Loads, PressureLike, TractionLike, read
+from .loading import Loads, PressureLike, TractionLike
+from .reading import Problem, read
 from .report import report
 from .result import Bounds
 from .search import Search
+
+#: Share of the upper bound below which a lower one is none.
+_NOTHING = 1e-3
 
 
 @single_threaded
@@ -75,8 +79,8 @@ def bounds(forms: Mapping[str, Any], fixed: ndarray, weight: float | Mapping[str
     Warns
     -----
     AnalysisWarning
-        The gap was not reached, a bound could not be proven (it is then infinite), or the fixed loads alone cause a
-        collapse.
+        The gap was not reached, a bound could not be proven (it is then infinite), there is no lower one for want
+        of cohesion, or the fixed loads alone cause a collapse.
 
     Examples
     --------
@@ -91,35 +95,51 @@ def bounds(forms: Mapping[str, Any], fixed: ndarray, weight: float | Mapping[str
     >>> print(f"{found.lower:.3f} {found.upper:.3f}")
     2.000 2.000
     """
-    if not (0 < gap < np.inf) or not elements > 0 or not seconds > 0:
-        raise ValueError(f"gap, elements and seconds must be positive, not {gap!r}, {elements!r} and {seconds!r}")
+    check_settings(gap, elements, seconds)
     if flow not in ("given", "associated"):
         raise ValueError(f"flow must be 'given' or 'associated', not {flow!r}")
-    loads = Loads(weight, seismic, dict(tractions or {}), water, _names(wetted), _names(live))
+    loads = Loads(weight, seismic, dict(tractions or {}), water, names_of(wetted), names_of(live))
     problem = read(forms, fixed, loads, reduce, exclude, flow == "associated")
-    with tqdm(desc="bounds", disable=None if progress is None else not progress,
-              bar_format="{desc} {postfix} {elapsed}") as bar:
-        search = Search(problem, bool(loads.live), bar)
-        search.run(gap, elements, seconds)
-        davis = None if problem.davis is None else search.estimate(problem.davis)
-    _tell(search, gap)
-    return report(search, davis)
+    return bracket(problem, gap, elements, seconds, progress, stacklevel=5)
 
 
-def _names(names: str | Collection[str]) -> tuple[str, ...]:
+def check_settings(gap: float, elements: int, seconds: float) -> None:
+    """Refuse limits that nothing can keep."""
+    if not (0 < gap < np.inf) or not elements > 0 or not seconds > 0:
+        raise ValueError(f"gap, elements and seconds must be positive, not {gap!r}, {elements!r} and {seconds!r}")
+
+
+def names_of(names: str | Collection[str]) -> tuple[str, ...]:
+    """One name, or several."""
     return (names,) if isinstance(names, str) else tuple(names)
 
 
-def _tell(search: Search, gap: float) -> None:
-    """Errors and warnings of a search that did not reach its end."""
+def bracket(problem: Problem, gap: float, elements: int, seconds: float, progress: bool | None, stacklevel: int
+            ) -> Bounds:
+    """Bounds of a problem; where they leave something open, a warning at the caller's level."""
+    with tqdm(desc="bounds", disable=None if progress is None else not progress,
+              bar_format="{desc} {postfix} {elapsed}") as bar:
+        search = Search(problem, bar)
+        search.run(gap, elements, seconds)
+        davis = None if problem.davis is None else search.estimate(problem.davis)
+    _tell(search, gap, stacklevel)
+    return report(search, davis)
+
+
+def _tell(search: Search, gap: float, stacklevel: int) -> None:
+    """Warnings of a search that did not reach its end."""
     low, high = search.lower.proof.value, search.upper.proof.value
     unproven = [kind for kind, value in (("lower", low), ("upper", high)) if not np.isfinite(value)]
     if search.overloaded:
         why = f"the multiplier is at most {high:.5g}" if high < 0 else \
               f"they need {1 / search.fixed_factor:.4g} times the strength"
-        warnings.warn(f"the fixed loads alone cause a collapse: {why}", AnalysisWarning, stacklevel=4)
+        warnings.warn(f"the fixed loads alone cause a collapse: {why}", AnalysisWarning, stacklevel=stacklevel)
+    elif search.problem.cohesionless and not low > _NOTHING * high:
+        warnings.warn("soil without cohesion bears nothing at a free surface, so that there is no lower bound: give it "
+                      f"a small cohesion, whose bounds these then are; the upper bound is {high:.5g}", AnalysisWarning,
+                      stacklevel=stacklevel)
     elif unproven:
-        warnings.warn(f"no {' and no '.join(unproven)} bound could be proven", AnalysisWarning, stacklevel=4)
+        warnings.warn(f"no {' and no '.join(unproven)} bound could be proven", AnalysisWarning, stacklevel=stacklevel)
     elif search.gap > gap:
         warnings.warn(f"the bounds [{low:.5g}, {high:.5g}] differ by {search.gap:.2%}, more than the {gap:.2%} that "
-                      "were asked for: allow more `elements` or `seconds`", AnalysisWarning, stacklevel=4)
+                      "were asked for: allow more `elements` or `seconds`", AnalysisWarning, stacklevel=stacklevel)

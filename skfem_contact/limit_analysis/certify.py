@@ -15,7 +15,7 @@ from .strength import FLAT
 #: yield could not move at all, with the plain one soil of little stress would lose up to 2 % of the factor.
 _PLAIN = 1e-5
 #: Equilibrium is repeated until it is violated by less than this share, at most so often; beyond the last, refused.
-_BALANCED, _REPETITIONS, _UNBALANCED = 1e-15, 8, 1e-13
+_BALANCED, _REPETITIONS, UNBALANCED = 1e-15, 8, 1e-13
 #: Stress below this share of the largest is none.
 _NO_STRESS = 1e-12
 #: Accuracy of the factor at which dissipation and power are equal.
@@ -47,7 +47,7 @@ def prove_lower(program: Program, found: Solution, live: bool) -> Proof:
     """Lower bound: stresses in equilibrium with the loads, and the largest factor (multiplier) that they admit."""
     theta = found.theta if live else 1.0
     stress, residual = _balanced(program, found, theta)
-    if not residual <= _UNBALANCED:
+    if not residual <= UNBALANCED:
         return Proof(-np.inf, stress, residual)
     round_off = _NO_STRESS * np.abs(stress).max(initial=0.0)
     if not live:

@@ -54,7 +54,7 @@ class Model:
         Number of the rigid body that an element belongs to, -1 for none.
     dead, live
         Body forces that are fixed, and multiplied, (n_first, 2).
-    tractions, contacts, water
+    tractions, water, contacts
         On facets, by tags.
     """
 
@@ -67,8 +67,8 @@ class Model:
     dead: ndarray
     live: ndarray
     tractions: tuple[Traction, ...] = ()
-    contacts: tuple[Contact, ...] = ()
     water: Water | None = None
+    contacts: tuple[Contact, ...] = ()
 
     def loads(self, triangles: Triangles, elements: Elements) -> tuple[ndarray, ndarray]:
         """Power of the fixed and of the multiplied loads, (n,) each."""

@@ -132,8 +132,7 @@ def _draw(plotter: Any, straight: Any, kept: Any, planes: Sequence[_Plane], fact
     bands, _ = banded(surface, scale)
     plotter.add_mesh(bands, scalars="colors", rgb=True, ambient=0.85, diffuse=0.2, specular=0.0, show_scalar_bar=False)
     for lines, style in _lines(straight, planes, factor, mesh):
-        if lines.n_cells:
-            plotter.add_mesh(camera.in_front(lines), lighting=False, **style)
+        plotter.add_mesh(camera.in_front(lines), lighting=False, **style)
 
 
 def _lines(straight: Any, planes: Sequence[_Plane], factor: float, mesh: bool) -> Iterator[tuple[Any, dict[str, Any]]]:
@@ -150,7 +149,8 @@ def _lines(straight: Any, planes: Sequence[_Plane], factor: float, mesh: bool) -
             if mesh:
                 found.append((part.slice(normal=cut.normal, origin=cut.origin).extract_all_edges(), others, thin))
     for lines, left, style in found:
-        yield _without(lines, left).warp_by_vector("displacement", factor=factor), style
+        if (seen := _without(lines, left)).n_cells:
+            yield seen.warp_by_vector("displacement", factor=factor), style
 
 
 def _surface(grid: Any, factor: float, subdivision: int) -> Any:
@@ -190,6 +190,8 @@ def _grid(points: ndarray, kind: str, cells: ndarray, displacement: ndarray) -> 
 
 def _volumes(grid: Any) -> ndarray:
     """Volume that belongs to each point, equal shares of the elements."""
+    import pyvista
+
     volume = np.abs(grid.compute_cell_sizes(length=False, area=False)["Volume"])
-    corners = np.diff(grid.offset)
+    corners = np.diff(pyvista.convert_array(grid.GetCells().GetOffsetsArray()))
     return np.bincount(grid.cell_connectivity, np.repeat(volume / corners, corners), minlength=grid.n_points)

@@ -38,7 +38,8 @@ def mechanism(forms: Mapping[str, Any], found: Any, *, deformed: bool = False, v
         Forms by name.
     found
         What :func:`~skfem_contact.strength_reduction`, :func:`~skfem_contact.limit_load` or
-        :func:`~skfem_contact.bounds` has found; of bounds it is the mechanism of the upper one, on its own mesh.
+        :func:`~skfem_contact.bounds` has found; of bounds it is the mechanism of the upper one, on its own mesh.  The
+        title holds the bounds where they are known (``certify=True``).
     deformed
         Whether to draw the bodies as the mechanism moves them.
     vectors
@@ -76,9 +77,15 @@ def mechanism(forms: Mapping[str, Any], found: Any, *, deformed: bool = False, v
     strain = strain / _most(strain, scene.area)
     scale = make_scale(strain, scene.area, (0.0, 1.0), levels, "YlOrRd")
     marks = Marks(there, stage, water=water, vectors=vectors)
-    value = f"in [{found.lower:.4g}, {found.upper:.4g}]" if isinstance(found, Bounds) else f"{found.value:.4g}"
-    title = f"{found.what[0].upper()}{found.what[1:]} {value}: shear strain of the mechanism, relative"
+    title = f"{found.what[0].upper()}{found.what[1:]} {_value(found)}: shear strain of the mechanism, relative"
     return draw([View(scene, strain, "")], [marks], scale, title, "", window, mesh, file, show)
+
+
+def _value(found: Any) -> str:
+    """What was found, and the bounds that are known."""
+    proven = found if isinstance(found, Bounds) else found.proven
+    value = "" if isinstance(found, Bounds) else f"{found.value:.4g}"
+    return value if proven is None else f"{value} in [{proven.lower:.4g}, {proven.upper:.4g}]".strip()
 
 
 def _of_search(forms: Mapping[str, Any], found: Any) -> tuple[dict[str, SolidForm], StageResult, Mapping[str, ndarray]]:

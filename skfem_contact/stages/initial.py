@@ -269,7 +269,7 @@ def _balanced(forms: Mapping[str, Form], load: ndarray, fixed: ndarray, stress: 
                       ": begin with a stage of the same load to let them find equilibrium", AnalysisWarning,
                       stacklevel=3)
     summary = {key: form.summary(states[key]) for key, form in system.forms.items()}
-    return Result((StageResult(name, x, load, states, (), now.norm, 1.0, summary),))
+    return Result((StageResult(name, x, load, states, (), now.norm, 1.0, summary, system.forms),))
 
 
 def _stress_at(places: ndarray, stress: _Field, solids: Mapping[str, Any]) -> ndarray:

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 
-from ..forms import Form
+from .forms import Form
 
 
 def reduced_parts(forms: Mapping[str, Form], reduce: str | Collection[str] | None,

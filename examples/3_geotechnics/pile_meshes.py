@@ -1,0 +1,55 @@
+"""Quarters of round piles and of the ground around them, in layers of hexahedra."""
+from __future__ import annotations
+
+import meshio
+import numpy as np
+from numpy import ndarray
+from skfem import MeshHex
+from skfem.io.meshio import from_meshio
+
+import skfem_contact as sc
+
+
+def rings(m: int, radii: ndarray) -> tuple[ndarray, ndarray]:
+    """Points (n, 2) and quadrilaterals (m, 4) of a quarter of rings, 2 m to the quarter."""
+    angle = np.linspace(0, np.pi / 2, 2 * m + 1)
+    points = radii[:, None, None] * np.stack((np.cos(angle), np.sin(angle)), axis=1)
+    return points.reshape(-1, 2), _quads(len(radii), len(angle))
+
+
+def disc(m: int, radius: float) -> tuple[ndarray, ndarray]:
+    """The same of a disc: a square in the middle, and a ring from there to the rim."""
+    side = np.linspace(0, 0.6 * radius, m + 1)
+    x, y = np.meshgrid(side, side, indexing="ij")
+    end = np.full(m + 1, side[-1])
+    edge = np.stack((np.append(end, side[-2::-1]), np.append(side, end[1:])), axis=1)
+    angle = np.linspace(0, np.pi / 2, 2 * m + 1)
+    rim = radius * np.stack((np.cos(angle), np.sin(angle)), axis=1)
+    points = np.concatenate((np.stack((x.ravel(), y.ravel()), axis=1), edge, 0.5 * (edge + rim), rim))
+    return points, np.concatenate((_quads(m + 1, m + 1), _quads(3, 2 * m + 1) + x.size))
+
+
+def _quads(rows: int, columns: int) -> ndarray:
+    k = np.arange(rows * columns).reshape(rows, columns)
+    return np.stack((k[:-1, :-1], k[1:, :-1], k[1:, 1:], k[:-1, 1:]), axis=-1).reshape(-1, 4)
+
+
+def layers(section: tuple[ndarray, ndarray], z: ndarray) -> MeshHex:
+    """A section drawn along z; points in one place become one."""
+    points, quads = section
+    _, first, inverse = np.unique(points.round(9), axis=0, return_index=True, return_inverse=True)
+    points, quads, n = points[first], inverse.ravel()[quads], len(first)
+    p = np.concatenate([np.column_stack((points, np.full(n, height))) for height in z])
+    cells = np.concatenate([np.hstack((quads + k * n, quads + (k + 1) * n)) for k in range(len(z) - 1)])
+    return from_meshio(meshio.Mesh(p, [("hexahedron", cells)]))
+
+
+def pile_in_ground(m: int = 3, diameter: float = 0.6, length: float = 10.0, width: float = 6.0, n: int = 10
+                   ) -> MeshHex:
+    """A quarter of a pile and of the ground around it, as deep as the pile is long: bodies ``pile`` and ``soil``."""
+    z = -length * np.linspace(1, 0, n + 1)
+    radius = 0.5 * diameter
+    soil = layers(rings(m, radius * (width / radius) ** np.linspace(0, 1, 8)), z)
+    shaft = {"shaft": lambda x: np.isclose(np.hypot(*x[:2]), radius, rtol=0.05)}
+    return sc.join_bodies({"soil": soil.with_boundaries(shaft),
+                           "pile": layers(disc(m, radius), z).with_boundaries(shaft)})

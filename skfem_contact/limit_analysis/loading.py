@@ -1,0 +1,117 @@
+"""Loads as they are distributed, by name."""
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy import ndarray
+from numpy.typing import ArrayLike
+from skfem import Basis, CellBasis, ElementQuad1, ElementTriP1
+
+from ..errors import look_up
+from .model import Field, Traction
+
+#: A traction: (t_x, t_y), or a function of places (2, n) with values (2, n).
+TractionLike = ArrayLike | Callable[[ndarray], ndarray]
+#: A pressure of water, positive: a function of places (2, n), or values at the nodes of the mesh.
+PressureLike = Callable[[ndarray], ndarray] | ndarray
+
+
+class Site(NamedTuple):
+    """Where loads act: a basis, the elements of the solids and those of them with pores, and unknowns that are held."""
+
+    basis: CellBasis
+    elements: ndarray
+    porous: ndarray
+    fixed: ndarray
+
+
+class Given(NamedTuple):
+    """Loads in the user's units: body forces (n_elements, 2), tractions, pressure of water, and what it presses on."""
+
+    dead: ndarray
+    live: ndarray
+    tractions: tuple[Traction, ...]
+    water: Field | None = None
+    wetted: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Loads:
+    """Loads as they are given to :func:`~skfem_contact.bounds`."""
+
+    weight: float | Mapping[str, float]
+    seismic: float
+    tractions: Mapping[str, TractionLike]
+    water: PressureLike | None
+    wetted: tuple[str, ...]
+    live: tuple[str, ...]
+
+    @property
+    def multiplied(self) -> bool:
+        """Whether a load is multiplied; otherwise the strength is reduced."""
+        return bool(self.live)
+
+    def on(self, site: Site) -> Given:
+        """The loads on a mesh, checked."""
+        basis = site.basis
+        known = {"weight", *self.tractions}
+        for name in self.live:
+            if name not in known:
+                raise ValueError(f"there is no load '{name}' to multiply; existing: {', '.join(sorted(known))}")
+        for name in (*self.tractions, *self.wetted):
+            look_up(name, basis.mesh.boundaries or {}, "boundary")
+        body = _unit_weights(self.weight, basis)[:, None] * np.array([self.seismic, -1.0])
+        nothing = np.zeros_like(body)
+        dead, live = (nothing, body) if "weight" in self.live else (body, nothing)
+        tractions = tuple(Traction(name, _traction(name, value), name in self.live)
+                          for name, value in self.tractions.items())
+        water = None if self.water is None else pressure(self.water, basis)
+        if not body.any() and not tractions and water is None:
+            raise ValueError("there is no load: give `weight`, `tractions` or `water`")
+        linear = any(callable(value) for value in self.tractions.values())
+        return Given(dead, live, tractions, water, self.wetted, ("tractions are linear along every facet",) * linear)
+
+
+def _unit_weights(weight: float | Mapping[str, float], basis: CellBasis) -> ndarray:
+    """Weight per volume of every element of the mesh."""
+    gamma = np.zeros(basis.mesh.nelements)
+    for name, value in weight.items() if isinstance(weight, Mapping) else ():
+        elements = look_up(name, basis.mesh.subdomains or {}, "subdomain")
+        if gamma[elements].any():
+            raise ValueError(f"elements of '{name}' get their weight twice")
+        gamma[elements] = value
+    if not isinstance(weight, Mapping):
+        gamma[:] = weight
+    if not np.isfinite(gamma).all():
+        raise ValueError(f"unit weights must be finite numbers, not {weight!r}")
+    return gamma
+
+
+def _traction(name: str, value: TractionLike) -> Field:
+    """A traction as a function of places, checked."""
+    if callable(value):
+        def field(x: ndarray) -> ndarray:
+            result = np.asarray(value(x), dtype=float)
+            if result.shape != x.shape or not np.isfinite(result).all():
+                raise ValueError(f"the traction on '{name}' must be finite and of shape {x.shape}, like the places")
+            return result
+        return field
+    constant = np.asarray(value, dtype=float)
+    if constant.shape != (2,) or not np.isfinite(constant).all():
+        raise ValueError(f"the traction on '{name}' must be (t_x, t_y) or a function of places, not {value!r}")
+    return lambda x: np.broadcast_to(constant[:, None], x.shape)
+
+
+def pressure(water: PressureLike, basis: CellBasis) -> Field:
+    """Pressure of water as a function of places."""
+    if callable(water):
+        return lambda x: np.asarray(water(x), dtype=float)
+    mesh = basis.mesh
+    if np.shape(water) != (mesh.nvertices,):
+        raise ValueError(f"the water has shape {np.shape(water)}; the mesh has {mesh.nvertices} nodes")
+    linear = Basis(mesh, ElementTriP1() if len(mesh.t) == 3 else ElementQuad1())
+    return linear.interpolator(np.asarray(water, dtype=float))

@@ -1,0 +1,152 @@
+"""Bounds beside searches for a collapse: which distributed loads a vector stands for, and what is told."""
+
+from __future__ import annotations
+
+import sys
+import warnings
+from dataclasses import replace
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+from skfem import Basis, ElementQuad2, ElementTriP1, ElementTriP2, ElementVector, LinearForm, MeshQuad, MeshTri
+
+import skfem_contact as sc
+import skfem_contact.plot as plot
+from skfem_contact.limit_analysis.loading import Site
+from skfem_contact.limit_analysis.vectors import Vectors
+
+sys.path.append(str(Path(__file__).parents[1] / "examples" / "4_benchmarks"))
+from bound_cases import ground, slope_mesh
+
+SOIL = sc.MohrCoulomb(E=1e5, nu=0.3, c=10.0, phi=20.0, psi=20.0)
+
+
+def square(element, mesh=None) -> Basis:
+    """A square of two layers, and a strip on its top."""
+    mesh = (mesh or MeshTri().refined(2)).with_defaults().with_subdomains(
+        {"low": lambda x: x[1] < 0.5, "high": lambda x: x[1] > 0.5, "left half": lambda x: x[0] < 0.5}
+    ).with_boundaries({"strip": lambda x: (x[1] > 1 - 1e-9) & (x[0] < 0.5)})  # fmt: skip
+    return Basis(mesh, ElementVector(element), intorder=3)
+
+
+def column(psi: float = 20.0, element=None) -> tuple[dict, np.ndarray, Basis]:
+    """The square, spreading between its base and a smooth left side."""
+    basis = square(element or ElementTriP2())
+    fixed = np.hstack([basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1")])
+    return {"soil": sc.SolidForm(basis, sc.MohrCoulomb(E=1e5, nu=0.3, c=10.0, phi=20.0, psi=psi))}, fixed, basis
+
+
+def quiet(search, *args, **given):
+    """A search whose bounds are far apart."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "the bounds .* differ", sc.AnalysisWarning)
+        return search(*args, progress=False, **given)
+
+
+# -- which loads a vector stands for ------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("element", [ElementTriP1(), ElementTriP2(), ElementQuad2()])
+def test_loads_of_a_vector(element) -> None:
+    """[X] Weights by layer, an acceleration, and two tractions, one of them linear; forms of a user's own as well."""
+    mesh = MeshQuad().refined(2) if isinstance(element, ElementQuad2) else None
+    basis = square(element, mesh)
+
+    @LinearForm
+    def own(v, w):
+        return 3.0 * v[0] - np.where(w.x[1] < 0.5, 20.0, 18.0) * v[1]
+
+    load = own.assemble(basis) + sc.traction(basis, "strip", (0.0, -35.0))
+    load = load + sc.traction(basis, "right", lambda x: (-4.0 * (1 - x[1]), 0 * x[0]))
+    everywhere = np.arange(basis.mesh.nelements)
+    given = Vectors(load, None).on(Site(basis, everywhere, everywhere, basis.get_dofs("bottom").all()))
+    low = basis.mesh.subdomains["low"]
+    assert np.allclose(given.dead[low], [3.0, -20.0], atol=1e-6)
+    assert np.allclose(np.delete(given.dead, low, 0), [3.0, -18.0], atol=1e-6)
+    assert not given.live.any()
+    found = {traction.tag: traction.value(np.array([[1.0, 0.25], [0.5, 1.0]])) for traction in given.tractions}
+    assert set(found) == {"strip", "right"}  # not the whole top: its other half is free
+    assert np.allclose(found["strip"][:, 1], [0.0, -35.0], atol=1e-6)
+    assert np.allclose(found["right"][:, 0], [-2.0, 0.0], atol=1e-6)
+
+
+def test_what_is_not_distributed_is_refused() -> None:
+    """A point load, and water that nobody told of: one error, before anything is searched for."""
+    forms, fixed, basis = column()
+    load = sc.weight(basis, 20.0)
+    load[sc.unknowns_at(basis, (0.5, 1.0)).ravel()[1]] -= 5.0
+    with pytest.raises(ValueError, match=r"are left, most at \(0.5, 1\)"):
+        sc.strength_reduction(forms, fixed, load, certify=True, progress=False)
+    with pytest.raises(ValueError, match="certify must be True, or arguments of bounds among water, wetted, gap"):
+        sc.strength_reduction(forms, fixed, sc.weight(basis, 20.0), certify={"weight": 20.0}, progress=False)
+    with pytest.raises(ValueError, match="HardeningMohrCoulomb"):
+        hard = sc.HardeningMohrCoulomb(1e4, 0.3, c=20.0, c_end=5.0, phi=0.0, phi_end=0.0, strain_end=0.1)
+        sc.strength_reduction({"soil": sc.SolidForm(basis, hard)}, fixed, sc.weight(basis, 20.0), certify=True,
+                              progress=False)  # fmt: skip
+
+
+# -- bounds beside a search ---------------------------------------------------------------------------------
+
+
+def test_the_same_bounds_as_by_name() -> None:
+    """[X] Those of `bounds` with the loads that the vector is made of, water included."""
+    forms, fixed, basis = column()
+    water = sc.hydrostatic(1.0, unit_weight=10.0)
+    load = sc.weight(basis, 20.0) + sc.traction(basis, "top", (0.0, -15.0))
+    load = load + sc.water_load(basis, water, ["top", "right"])
+    told = {"water": water, "wetted": ("top", "right"), "elements": 100}
+    found = quiet(sc.strength_reduction, forms, fixed, load, certify=told)
+    named = quiet(sc.bounds, forms, fixed, weight=20.0, tractions={"top": (0.0, -15.0)}, **told)
+    assert found.proven.lower == pytest.approx(named.lower, rel=1e-6)
+    assert found.proven.upper == pytest.approx(named.upper, rel=1e-6)
+    assert found.proven.lower - 0.01 < found.factor < found.proven.upper + 0.01
+    assert f"bounds: factor of safety in [{named.lower:.5g}" in str(found)
+
+
+def test_limit_load_after_a_stage() -> None:
+    """[X] What the start carries stays, the other load is multiplied: 2 c tan(55°) less half of the weight."""
+    forms, fixed, basis = column()
+    own = sc.run(forms, [sc.Stage("gravity", sc.weight(basis, {"low": 8.0, "high": 2.0}))], fixed, progress=False)
+    load = sc.traction(basis, "top", (0.0, -1.0))
+    found = quiet(sc.limit_load, forms, fixed, load, start=own, step=10.0, certify={"elements": 100})
+    named = quiet(sc.bounds, forms, fixed, weight={"low": 8.0, "high": 2.0}, tractions={"top": (0.0, -1.0)},
+                  live="top", elements=100)  # fmt: skip
+    assert found.proven.what == "limit load"
+    assert found.proven.lower == pytest.approx(named.lower, rel=1e-6)
+    assert found.proven.upper == pytest.approx(named.upper, rel=1e-6)
+    strength = 20.0 * np.tan(np.radians(55.0))
+    assert strength - 5.0 < found.proven.upper < strength  # the foot of the column carries all of its weight
+
+
+def test_a_factor_outside_of_its_bounds_is_told(monkeypatch) -> None:
+    """[B] Elements of order 1 lock: their factor exceeds the upper bound, on a mesh of P2 triangles it does not."""
+    slope = ground(slope_mesh(10, 20, 12).refined(1), 10.0, 20.0, 20.0)
+    basis = slope["forms"]["soil"].basis.with_element(ElementVector(ElementTriP1()))
+    forms = {"soil": sc.SolidForm(basis, SOIL)}
+    fixed = np.append(basis.get_dofs("base").all(), basis.get_dofs("sides").all("u^1"))
+    with pytest.warns(sc.AnalysisWarning, match="lies above .* its bounds: the mesh is too coarse"):
+        found = quiet(sc.strength_reduction, forms, fixed, sc.weight(basis, 20.0), certify={"gap": 0.04})
+    assert found.factor > found.proven.upper > 1.3748
+    with pytest.warns(sc.AnalysisWarning, match="lies below"):
+        found.beside(replace(found.proven, lower=found.factor + 1.0, upper=9.0), 0.01, stacklevel=1)
+    told: list[str] = []
+    monkeypatch.setattr("skfem_contact.plot.contours.bar_figure", lambda scale, title, note, size, marks: told.append(
+        title) or plt.figure())
+    plot.mechanism(forms, found)
+    plt.close("all")
+    value = f"{found.factor:.4g} in [{found.proven.lower:.4g}, {found.proven.upper:.4g}]"
+    assert told[0].startswith(f"Factor of safety {value}")
+
+
+def test_less_dilation() -> None:
+    """[X] Davis' estimate is no bound: a factor below it is not complained of, the upper bound stays."""
+    forms, fixed, basis = column(psi=0.0)
+    load = sc.traction(basis, "top", (0.0, -20.0))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", sc.AnalysisWarning)
+        found = sc.strength_reduction(forms, fixed, load, certify={"gap": 0.02}, progress=False)
+    assert found.proven.estimate and found.factor < found.proven.upper + 0.01
+    associated = quiet(sc.strength_reduction, forms, fixed, load, flow="associated", certify={"gap": 0.02})
+    assert not associated.proven.estimate
