@@ -31,11 +31,16 @@ def tolerance(scene: Scene) -> float:
     return AUGMENTED if scene.augmented else SAME
 
 
-def of_result(scene: Scene, model: Model, result: sc.Result, name: str, told: Sequence[str] = ()) -> Iterator[Finding]:
+def of_result(
+    scene: Scene, model: Model, result: sc.Result, name: str, told: Sequence[str] = ()
+) -> Iterator[Finding]:
     """The findings of one comparison; none where it says nothing, or the other analysis gives up and says so.
 
-    Nor are there any where one of the two says that its multipliers do not reach their tolerance.
+    Nor are there any where one of the two says that its multipliers do not reach their tolerance, or where brittle bonds
+    broke: there are several equilibria then, and last bits tell which point goes first.
     """
+    if any(_broken(stage) for stage in result):
+        return
     try:
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
@@ -47,6 +52,14 @@ def of_result(scene: Scene, model: Model, result: sc.Result, name: str, told: Se
     for stage, x in pairs:
         size = max(np.abs(stage.x).max(), STRAIN * HEIGHT * model.frame.length)
         yield Finding(name, stage.name, float(np.abs(x - stage.x).max() / size), tolerance(scene))
+
+
+def _broken(stage: sc.StageResult) -> bool:
+    """Whether a point has lost its bond, of a law that has one."""
+    states = {name: state for name, state in stage.states.items() if isinstance(state, sc.ContactState)}
+    pairs = [(stage.forms[name].law, state) for name, state in states.items()]
+    return any(isinstance(law, sc.Coulomb) and (law.adhesion > 0.0 or law.tension > 0.0) and bool(state.internal.any())
+               for law, state in pairs)  # fmt: skip
 
 
 Pairs = list[tuple[sc.StageResult, np.ndarray]]
