@@ -21,7 +21,7 @@ from .contact import (
     two_pass,
 )
 from .contact.laws import Coulomb, InterfaceLaw, Status, Tied
-from .errors import AnalysisWarning, NoEquilibrium, NotConverged
+from .errors import AnalysisWarning, Failure, NoEquilibrium, NotConverged
 from .forms import Form, Response
 from .limit_analysis import Bounds, bounds
 from .links import Bar, BarState, MatrixForm, Spring
@@ -79,6 +79,7 @@ __all__ = [
     "ContactState",
     "Coulomb",
     "DruckerPrager",
+    "Failure",
     "Field",
     "Form",
     "HardeningMohrCoulomb",

@@ -2,8 +2,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, TypeVar
 
+import numpy as np
 from numpy import ndarray
 from skfem import (
     CellBasis,
@@ -64,6 +66,35 @@ class NoEquilibrium(NotConverged):
     """
 
 
+@dataclass(frozen=True)
+class Failure:
+    """How Newton's method failed, for a form that is asked for an easier one to begin with.
+
+    Attributes
+    ----------
+    loose
+        Whether bodies can move freely, or ran away.
+    seen
+        Candidate states of the form between which the iterations chatter, if any.
+
+    Examples
+    --------
+    Contact of which nothing is closed yet answers with soft springs, see :meth:`Form.begin`:
+
+    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+    >>> import skfem_contact as sc
+    >>> basis = Basis(MeshQuad().with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+    >>> floor = sc.rigid_line((-1., -.1), (2., -.1))
+    >>> pair = sc.ContactPair(basis, "bottom", floor, sc.Coulomb(), penalty=1e4)
+    >>> eased = pair.begin(pair.initial_state(), sc.Failure(loose=True))
+    >>> bool(eased.assemble(basis.zeros(), pair.initial_state()).force.any())
+    True
+    """
+
+    loose: bool
+    seen: tuple[Any, ...] = ()
+
+
 class IncrementTooLarge(RuntimeError):
     """What a form's ``outer`` raises where it cannot tell what happened during an increment: it must be cut.
 
@@ -75,9 +106,44 @@ class IncrementTooLarge(RuntimeError):
     """
 
 
+def is_number(value: Any, low: float, high: float) -> bool:
+    """Whether a value is a number between two others, not one of them: no array, no truth value, no NaN.
+
+    Examples
+    --------
+    >>> is_number(0.5, 0.0, 1.0), is_number("0.5", 0.0, 1.0), is_number(True, 0.0, 2.0)
+    (True, False, False)
+    """
+    return isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool) \
+        and bool(low < value < high)
+
+
+def finite(value: Any, what: str) -> ndarray:
+    """Numbers as an array of floats, or a ``ValueError`` where some are masked, complex, not finite, or no numbers.
+
+    Examples
+    --------
+    >>> finite([1, 2], "lengths")
+    array([1., 2.])
+    """
+    try:
+        numbers = np.asarray(value)
+    except ValueError:
+        numbers = np.asarray(None)  # a list of lists of different lengths
+    if np.ma.isMaskedArray(value) or numbers.dtype.kind not in "iuf" or not np.isfinite(numbers).all():
+        raise ValueError(f"{what} must be finite numbers, not {value!r}")
+    return numbers.astype(float)
+
+
+def check_size(x: ndarray, size: int) -> None:
+    """Refuse displacements of another mesh."""
+    if np.shape(x) != (size,):
+        raise ValueError(f"there are {np.size(x)} displacements for {size} unknowns")
+
+
 def look_up(name: str, existing: Mapping[str, T], kind: str) -> T:
     """The value of a name, or a ``ValueError`` that lists the names that exist."""
-    if name not in existing:
+    if not isinstance(name, str) or name not in existing:
         listed = ", ".join(sorted(existing)) or "none at all"
         raise ValueError(f"there is no {kind} '{name}'; existing: {listed}")
     return existing[name]

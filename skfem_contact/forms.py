@@ -2,7 +2,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping
-from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
 from typing import Any
@@ -11,6 +10,7 @@ import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix
 
+from .errors import Failure
 from .remarks import Remark
 from .sparse import padded
 from .states import arrays_of
@@ -79,21 +79,6 @@ class Response:
         return Response(np.pad(self.force, more), lambda: self.state, lambda: padded(self.stiffness, n),
                         lambda: padded(self.damped, n), self.round_off, self.active, np.pad(self.measure, more))
 
-
-@dataclass(frozen=True)
-class Failure:
-    """How Newton's method failed, for a form that is asked for an easier one to begin with.
-
-    Attributes
-    ----------
-    loose
-        Whether bodies can move freely, or ran away.
-    seen
-        Candidate states of the form between which the iterations chatter, if any.
-    """
-
-    loose: bool
-    seen: tuple[Any, ...] = ()
 
 
 class Form:

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from scipy.sparse import coo_matrix, csr_matrix
 from skfem import CellBasis
 
+from .errors import finite, is_number
 from .forms import Form, Response
 from .unknowns import unknowns_at
 
@@ -101,8 +102,9 @@ class Spring(MatrixForm):
 
     def __init__(self, basis: CellBasis, places: ArrayLike, stiffness: float | Sequence[float],
                  to: ArrayLike | None = None, part: str | None = None, to_part: str | None = None) -> None:
-        k = np.broadcast_to(np.asarray(stiffness, float), (basis.mesh.dim(),))
-        if not (np.isfinite(k).all() and (k >= 0.0).all() and k.any()):
+        k = finite(stiffness, "stiffness")
+        k = np.broadcast_to(k, (basis.mesh.dim(),)) if k.ndim == 0 else k
+        if not (k.shape == (basis.mesh.dim(),) and (k >= 0.0).all() and k.any()):
             raise ValueError(f"stiffness must be positive, in each direction or in one of them, not {stiffness!r}")
         ends = [unknowns_at(basis, places, part)]
         if to is not None:
@@ -184,9 +186,15 @@ class Bar(Form):
     def __init__(self, basis: CellBasis, start: ArrayLike, end: ArrayLike, EA: float, fixed_end: bool = False,
                  yield_force: float = np.inf, tension_only: bool = False, part: str | None = None,
                  end_part: str | None = None) -> None:
-        if not (0.0 < EA < np.inf and yield_force > 0.0):
+        if not (is_number(EA, 0.0, np.inf) and (yield_force == np.inf or is_number(yield_force, 0.0, np.inf))):
             raise ValueError(f"EA and yield_force must be positive, not {EA!r} and {yield_force!r}")
-        a, b = np.broadcast_arrays(np.atleast_2d(np.asarray(start, float)), np.atleast_2d(np.asarray(end, float)))
+        if not (isinstance(fixed_end, bool) and isinstance(tension_only, bool)):
+            raise ValueError("fixed_end and tension_only must be True or False, "
+                             f"not {fixed_end!r} and {tension_only!r}")
+        a, b = np.broadcast_arrays(np.atleast_2d(finite(start, "start")), np.atleast_2d(finite(end, "end")))
+        if a.shape[1] != basis.mesh.dim():
+            raise ValueError(f"the ends of a bar must be points of {basis.mesh.dim()} coordinates, not {start!r} and "
+                             f"{end!r}")
         length = np.linalg.norm(b - a, axis=1)
         if not (length > 0.0).all():
             raise ValueError("the ends of a bar must lie apart, and be finite")

@@ -12,14 +12,14 @@ from scipy.sparse import csr_matrix
 from skfem import CellBasis
 
 from .assembly import Pattern, damped, element_stiffness, force_matrix, strain_matrix
-from .errors import check_basis, check_quadrature, look_up
+from .errors import check_basis, check_quadrature, check_size, look_up
 from .forms import Form, Response
 from .materials import Material, Undrained, Update
 from .materials.reduction import reduced_strength
 from .materials.spectral import largest_shear
 from .regions import Region, by_region, check_materials
 from .remarks import Remark
-from .strain import StrainOperator, axisymmetric, plane_strain
+from .strain import StrainOperator, axisymmetric, b_bar, has_corners_only, strain_of
 
 #: Round-off of the forces of a displaced body, relative to those of its displacements taken one by one.
 _ROUND_OFF = 8 * np.finfo(float).eps
@@ -59,7 +59,9 @@ class SolidForm(Form):
         One material, or ``{subdomain: material}`` that covers every element of the basis exactly once. Parameters that
         are arrays have one value for each of these elements, in the order of ``mesh.subdomains[subdomain]``.
     strain
-        :func:`plane_strain`, :func:`b_bar`, :func:`axisymmetric` or :func:`three_dimensional`.
+        :func:`plane_strain`, :func:`b_bar`, :func:`axisymmetric` or :func:`three_dimensional`; by default plane or
+        three-dimensional strains, and :func:`b_bar` for quadrilaterals of four nodes and hexahedra of eight with a
+        material that yields, where they would lock.
 
     Attributes
     ----------
@@ -93,13 +95,14 @@ class SolidForm(Form):
     """
 
     def __init__(self, basis: CellBasis, materials: Material | Mapping[str, Material],
-                 strain: Callable[[CellBasis], StrainOperator] = plane_strain) -> None:
+                 strain: Callable[[CellBasis], StrainOperator] | None = None) -> None:
         check_basis(basis)
         check_quadrature(basis)
         self.basis, regions = by_region(basis, materials)  # state arrays follow this order of the elements
-        self.size, self.strain = int(self.basis.N), strain
-        self.joins, self.axisymmetric = np.zeros(0, int), strain is axisymmetric
-        B, self.weight = strain(self.basis)
+        flows = any(getattr(region.material, "n_internal", 0) for region in regions)
+        self.size, self.strain = int(self.basis.N), strain or strain_of(self.basis, flows)
+        self.joins, self.axisymmetric = np.zeros(0, int), self.strain is axisymmetric
+        B, self.weight = self.strain(self.basis)
         self._ncomp = B.shape[2]
         self._set(regions)
         self._pattern = Pattern.of(self.basis)
@@ -196,8 +199,7 @@ class SolidForm(Form):
         state
             The last accepted state.
         """
-        if len(x) != self.size:
-            raise ValueError(f"there are {len(x)} displacements for {self.size} unknowns")
+        check_size(x, self.basis.N)
         strain = self._strains(x)
         increment = strain - state.strain
         before = self._remembered(state)
@@ -256,7 +258,7 @@ class SolidForm(Form):
         return replace(state, strain=np.zeros_like(state.strain))
 
     def remarks(self, x: ndarray, state: SolidState) -> Iterator[Remark]:
-        """Rotations and strains that small-strain kinematics does not bear."""
+        """Rotations and strains that small-strain kinematics does not bear, and elements that lock."""
         gradient = np.asarray(self.basis.interpolate(x).grad)
         turn = float(np.abs(gradient - gradient.swapaxes(0, 1)).max(initial=0.0)) / 2.0
         if turn > _TURN:
@@ -265,6 +267,12 @@ class SolidForm(Form):
         strain = float(np.abs(state.strain).max(initial=0.0))
         if strain > _STRAIN:
             yield Remark("strain", strain, f"strains of up to {strain:.0%} are taken for small")
+        yielded = float((state.internal[0] > 0).mean()) if len(state.internal) else 0.0
+        if yielded and self.strain is not b_bar and has_corners_only(self.basis):
+            instead = "" if self.axisymmetric else "strain=b_bar, or "
+            yield Remark("locking", yielded, f"{yielded:.1%} of the points yield in elements of corner nodes with full "
+                         f"integration, which are too stiff where volume does not change: take {instead}elements of "
+                         "second order")
 
     def element_forces(self, stress: ndarray, elements: ndarray) -> ndarray:
         """Internal forces that the nodes exert on some elements, (n_local_dofs, len(elements))."""

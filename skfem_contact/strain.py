@@ -1,11 +1,12 @@
 """Strain operators: what a displacement strains at every integration point."""
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 from numpy import ndarray
-from skfem import CellBasis
+from skfem import CellBasis, ElementHex1, ElementQuad1
 
 
 class StrainOperator(NamedTuple):
@@ -22,6 +23,33 @@ class StrainOperator(NamedTuple):
 
     B: ndarray
     weight: ndarray
+
+
+def strain_of(basis: CellBasis, flows: bool) -> Callable[[CellBasis], StrainOperator]:
+    """The strain operator that suits an element: :func:`b_bar` where it would lock, the plain one elsewhere.
+
+    Parameters
+    ----------
+    basis
+        Basis of a vector element.
+    flows
+        Whether a material may flow at constant volume.
+
+    Examples
+    --------
+    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+    >>> basis = Basis(MeshQuad(), ElementVector(ElementQuad1()), intorder=2)
+    >>> strain_of(basis, flows=True) is b_bar, strain_of(basis, flows=False) is plane_strain
+    (True, True)
+    """
+    if flows and has_corners_only(basis):
+        return b_bar
+    return plane_strain if basis.mesh.dim() == 2 else three_dimensional
+
+
+def has_corners_only(basis: CellBasis) -> bool:
+    """Whether the elements are quadrilaterals of four nodes, or hexahedra of eight."""
+    return isinstance(basis.elem.elem, (ElementQuad1, ElementHex1))
 
 
 def _gradients(basis: CellBasis) -> ndarray:

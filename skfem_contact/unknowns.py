@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
 from skfem import CellBasis
 
-from .errors import look_up, place
+from .errors import finite, look_up, place
 
 #: A node lies at a place if it is nearer than this share of the mesh.
 _AT = 1e-6
@@ -166,8 +166,8 @@ def unknowns_at(basis: CellBasis, places: ArrayLike, part: str | None = None) ->
     [[2, 3]]
     """
     dim = basis.mesh.dim()
-    x = np.atleast_2d(np.asarray(places, float))
-    if x.ndim != 2 or x.shape[1] != dim or not np.isfinite(x).all():
+    x = np.atleast_2d(finite(places, "places"))
+    if x.ndim != 2 or x.shape[1] != dim:
         raise ValueError(f"places must be finite points of {dim} coordinates, not {places!r}")
     numbers = _first_unknowns(basis, part)
     tree, near = cKDTree(basis.doflocs[:, numbers].T), _AT * float(np.ptp(basis.doflocs, axis=1).max())

@@ -223,7 +223,7 @@ def test_plastic_tangent_is_full_assembly(element, rng):
     """[X] The elastic stiffness corrected in yielding elements is the sum over all points."""
     basis = vector_basis(two_materials(element, rng), element)
     soil = sc.MohrCoulomb(E=100.0, nu=0.3, c=1.0, phi=30.0, psi=5.0)
-    form = sc.SolidForm(basis, {"hard": HARD, "soft": soil})
+    form = sc.SolidForm(basis, {"hard": HARD, "soft": soil}, sc.plane_strain)
     x = 0.01 * rng.standard_normal(basis.N) * (basis.doflocs[0] < 1)  # the right half stays elastic
     state = form.initial_state()
     out = form.assemble(x, state)

@@ -166,6 +166,88 @@ def test_resultant_of_the_report_is_that_of_nodal_forces(quadrature, initial: st
     np.testing.assert_allclose(report.force, nodal, rtol=1e-12)
 
 
+@pytest.mark.parametrize("element", ["Q1", "Q2", "P2"])
+@pytest.mark.parametrize("augmented", [False, True])
+@pytest.mark.parametrize(("quadrature", "upper"), [("segments", 5), ("segments", 2), ("nodal", 3)])
+def test_patch_in_axial_symmetry(quadrature, upper: int, augmented: bool, element: str) -> None:
+    """[X] A uniform pressure passes from cylinder to cylinder: contact counts its forces per radian as solids do."""
+    bodies = {
+        "low": grid(element, np.linspace(0, 1, 4), np.linspace(-1, 0, 3)),
+        "up": grid(element, np.linspace(0, 1, upper + 1), np.linspace(0, 1, 3)),
+    }
+    basis = vector_basis(sc.join_bodies(bodies), element, intorder=4)
+    enforcement = sc.AugmentedLagrangian() if augmented else None
+    options = {"quadrature": quadrature, "enforcement": enforcement, "axisymmetric": True}
+    forms = {
+        "solids": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3), sc.axisymmetric),
+        "joint": sc.ContactPair(basis, "up:bottom", "low:top", sc.Coulomb(), **options),
+    }
+    axis = basis.get_dofs({"low:left", "up:left"}).all("u^1")
+    fixed = np.union1d(basis.get_dofs("low:bottom").all("u^2"), axis)
+    load = sc.traction(basis, "up:top", (0.0, -1.0), axisymmetric=True)
+    stage = sc.run(forms, [sc.Stage("press", load)], fixed, progress=False)["press"]
+    # round-off: shape functions and radius are integrated exactly
+    np.testing.assert_allclose(stage.states["solids"].stress[1], -1.0, atol=1e-10)
+    np.testing.assert_allclose(stage.states["joint"].traction[0], -1.0, atol=1e-10)
+    joint = sc.tractions(forms["joint"], stage.states["joint"])
+    assert (joint.pressure * joint.weight).sum() == pytest.approx(0.5)  # of a circle of radius 1, per radian
+
+
+@pytest.mark.parametrize("strain", [sc.plane_strain, sc.axisymmetric])
+def test_contact_and_solids_of_different_symmetry(strain) -> None:
+    bodies = {"low": grid("Q1", [0, 1], [-1, 0]), "up": grid("Q1", [0, 1], [0, 1])}
+    basis = vector_basis(sc.join_bodies(bodies), "Q1", intorder=2)
+    other = strain is sc.plane_strain
+    forms = {
+        "solids": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3), strain),
+        "joint": sc.ContactPair(basis, "up:bottom", "low:top", sc.Coulomb(), axisymmetric=other),
+    }
+    with pytest.raises(ValueError, match=f"unlike the solids: pass axisymmetric={not other} to ContactPair"):
+        sc.choose_penalties(forms)
+
+
+@pytest.mark.parametrize("quadrature", [1, 2, 3])
+def test_fewer_points_than_multipliers(quadrature: int) -> None:
+    """[X] One or two Gauss points on a quadratic facet: the blocks shorten as if they were one, and nothing is NaN."""
+    bodies = {"low": grid("Q2", [0, 0.5, 1], [-1, 0]), "up": grid("Q2", [0, 0.5, 1], [0, 1])}
+    basis = vector_basis(sc.join_bodies(bodies), "Q2")
+    enforcement = sc.AugmentedLagrangian(tolerance=1e-6)
+    forms = {
+        "blocks": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3)),
+        "joint": sc.ContactPair(basis, "up:bottom", "low:top", sc.Coulomb(), quadrature, enforcement=enforcement),
+    }
+    guided = basis.get_dofs({"low:left", "up:left"}).all("u^1")
+    stage = sc.Stage("press", traction(basis, "up:top", (0.0, -1.0)))
+    result = sc.run(forms, [stage], np.union1d(basis.get_dofs("low:bottom").all("u^2"), guided), progress=False)
+    assert np.isfinite(result["press"].states["joint"].multiplier).all()
+    short = -result["press"].x[basis.get_dofs("up:top").all("u^2")].mean()
+    # ten times the tolerance; one point leaves the ends of the facets free to part, by less than they are strained
+    assert short == pytest.approx(2 * (1 - 0.3**2) / 1e3, rel=1e-5 if quadrature > 1 else 0.1)
+
+
+@pytest.mark.parametrize("augmented", [False, True])
+@pytest.mark.parametrize("quadrature", ["nodal", 2, "segments"])
+def test_an_interference_that_is_resolved_does_not_come_back(quadrature, augmented: bool) -> None:
+    """[X] After displacements are counted anew, a stage without load moves nothing: the fit was made before."""
+    bodies = {
+        "low": grid("Q1", np.linspace(-0.5, 1.5, 7), [-1.0, -0.5, 0.0]),
+        "up": grid("Q1", np.linspace(0, 1, 6), [-0.01, 0.5, 1.0]),
+    }
+    basis = vector_basis(sc.join_bodies(bodies), "Q1", intorder=2)
+    enforcement = sc.AugmentedLagrangian() if augmented else None
+    options = {"quadrature": quadrature, "enforcement": enforcement, "initial": "ramped"}
+    forms = {
+        "solid": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3)),
+        "joint": sc.ContactPair(basis, "up:bottom", "low:top", sc.Coulomb(0.3), **options),
+    }
+    fixed, none = basis.get_dofs({"low:bottom", "up:top"}).all(), basis.zeros()
+    fit = sc.run(forms, [sc.Stage("fit", none)], fixed, progress=False)
+    start = sc.reset_displacements(forms, fit)
+    new = sc.run(forms, [sc.Stage("nothing", none, none)], fixed, start=start, progress=False)["nothing"]
+    # the strain of the fit, 1 %, is gone from the places where contact acts: this turns and moves its forces
+    assert np.abs(new.x).max() < 0.01 * np.abs(fit["fit"].x).max()
+
+
 # -- augmented Lagrangian: its tolerance is that of the result ------------------------------------------------------
 
 AUGMENTED = sc.AugmentedLagrangian()

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import ast
+import re
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from helpers import body_along, grid, rotation, traction, unknowns_of, vector_basis
 from scipy.sparse.linalg import spsolve
-from skfem import Mesh, condense, solve
+from skfem import BilinearForm, FacetBasis, Mesh, condense, solve
 from skfem.utils import solver_direct_scipy
 
 import skfem_contact as sc
@@ -438,3 +441,55 @@ def test_far_from_the_origin():
         # the mesh itself is rounded to 1e-10
         np.testing.assert_allclose(b.x, a.x, atol=1e-8 * np.abs(a.x).max())
         assert a.iterations == b.iterations
+
+
+# -- the loop of the guide, where bodies lift off -------------------------------------------------------------------
+
+
+def documented(*names):
+    """Functions that the guide defines, as it defines them."""
+    text = (Path(__file__).parents[1] / "docs" / "guide" / "forms.md").read_text(encoding="utf-8")
+    code = next(block for block in re.findall(r"```python\n(.*?)```", text, re.S) if f"def {names[0]}(" in block)
+    scope = {"np": np, "sc": sc, "solve": solve, "condense": condense}
+    tree = ast.parse(code)
+    tree.body = [node for node in tree.body if isinstance(node, ast.FunctionDef)]
+    exec(compile(tree, "forms.md", "exec"), scope)
+    return [scope[name] for name in names]
+
+
+@pytest.fixture(scope="module")
+def footing_on_springs():
+    """A block that stands on a slab on soft springs; pressed and pushed outside of its core, it lifts off."""
+    base = grid("Q2", np.linspace(0, 4, 25), np.linspace(0, 0.5, 5))
+    block = grid("Q2", np.linspace(1, 2.5, 13), np.linspace(0.5, 1.5, 9))
+    basis = vector_basis(sc.join_bodies({"base": base, "block": block}), "Q2", intorder=4)
+    bottom = FacetBasis(basis.mesh, basis.elem, facets="base:bottom")
+    bed = BilinearForm(lambda u, v, w: 2e4 * (u[0] * v[0] + u[1] * v[1])).assemble(bottom)
+    forms = {
+        "solid": sc.SolidForm(basis, sc.LinearElastic(E=3e7, nu=0.2)),
+        "bed": sc.MatrixForm(bed),
+        "joint": sc.ContactPair(basis, "block:bottom", "base:top", sc.Coulomb(mu=0.5), quadrature=2),
+    }
+    return basis, sc.choose_penalties(forms)
+
+
+#: Share by which the pressure grows along the block, and the push.
+PUSHES = [(0.0, 0.0), (1.0, 10.0), (1.0, 20.0), (3.0, 20.0), (1.0, 22.0)]
+
+
+@pytest.mark.parametrize(("eccentric", "push"), PUSHES)
+def test_loop_of_the_guide_holds_where_a_block_lifts_off(footing_on_springs, eccentric: float, push: float) -> None:
+    """[X] It finds the equilibrium that `run` finds, and what it finds balances."""
+    basis, forms = footing_on_springs
+    (equilibrium,) = documented("equilibrium")
+    load = sc.traction(basis, "block:top", lambda x: np.stack((push + 0 * x[0], -50 * (1 + eccentric * x[0]))))
+    none = np.zeros(0, int)
+    start = {name: form.initial_state() for name, form in forms.items()}
+    x, state = equilibrium(forms, basis.zeros(), start, load, none)
+    left = load - sum(form.assemble(x, state[name]).force for name, form in forms.items())
+    assert np.linalg.norm(left) < 1e-7 * np.linalg.norm(load)  # ten times the loop's tolerance: assembled again
+    assert (state["joint"].status == sc.Status.OPEN).any()
+    stage = sc.run(forms, [sc.Stage("load", load)], none, progress=False)["load"]
+    assert len(stage.iterations) == 1  # nothing is cut: the problem is homogeneous
+    # residuals of 1e-8 on springs that are softer than the bodies by 1e3
+    np.testing.assert_allclose(x, stage.x, atol=1e-6 * np.abs(stage.x).max())

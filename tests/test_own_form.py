@@ -217,7 +217,7 @@ def test_displacements_counted_anew():
         (lambda b: sc.Spring(b, (1.0, 0.0), 1.0), r"2 nodes at \(1, 0\); tell by `part`"),
         (lambda b: sc.Spring(b, (1.0, 0.0), 1.0, part="c"), "no subdomain 'c'; existing: a, b"),
         (lambda b: sc.Spring(b, (0.0, 0.0), -1.0), "stiffness must be positive"),
-        (lambda b: sc.Spring(b, (np.nan, 0.0), 1.0), "finite points of 2 coordinates"),
+        (lambda b: sc.Spring(b, (np.nan, 0.0), 1.0), "places must be finite"),
         (lambda b: sc.Bar(b, (0.0, 0.0), (0.0, 0.0), 1.0, fixed_end=True), "must lie apart"),
         (lambda b: sc.Bar(b, (0.0, 0.0), (0.0, 9.0), 0.0, fixed_end=True), "EA and yield_force must be positive"),
         (lambda b: sc.Bar(b, (0.0, 0.0), (0.0, 9.0), 1.0, True, yield_force=2.0).jacked(3.0), "between -2 and 2"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -315,3 +316,32 @@ def test_rotations_that_are_not_small_are_remarked_on(angle, told):
     assert [remark.kind for remark in remarks] == (["rotation"] if told else [])
     if told:
         np.testing.assert_allclose(remarks[0].figure, np.sin(turn), rtol=1e-12)
+
+
+# -- elements that lock ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("element", ["P1", "P2", "Q1", "Q2", "QuadS2"])
+def test_strain_follows_from_element_and_material(element):
+    """Volume strains are averaged where a quadrilateral of four nodes would lock, and nowhere else."""
+    basis = vector_basis(grid(element, [0, 1], [0, 1]), element, intorder=4)
+    clay = sc.Tresca(E=1e3, nu=0.3, c=1.0)
+    assert sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3)).strain is sc.plane_strain
+    assert sc.SolidForm(basis, clay).strain is (sc.b_bar if element == "Q1" else sc.plane_strain)
+    assert sc.SolidForm(basis, clay, sc.plane_strain).strain is sc.plane_strain
+
+
+@pytest.mark.parametrize(("strain", "told"), [(None, False), (sc.plane_strain, True)])
+@pytest.mark.parametrize("load", [1.0, 4.0])
+def test_locking_is_told(strain, told, load):
+    """... once points yield in elements that lock; by default none do."""
+    basis = vector_basis(grid("Q1", np.linspace(0, 2, 9), np.linspace(0, 1, 5)), "Q1", intorder=2)
+    forms = {"clay": sc.SolidForm(basis, sc.Tresca(E=1e3, nu=0.3, c=1.0), strain)}
+    fixed = np.append(basis.get_dofs("bottom").all(), basis.get_dofs("left").all("u^1"))
+    strip = sc.traction(basis, "top", lambda x: np.stack((0 * x[0], -load * (x[0] < 0.5))))
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        stage = sc.run(forms, [sc.Stage("strip", strip)], fixed, progress=False)["strip"]
+    yields = bool((stage.states["clay"].internal[0] > 0).any())
+    assert yields == (load > 2.0)
+    assert any("too stiff where volume does not change" in str(one.message) for one in caught) == (told and yields)

@@ -166,9 +166,11 @@ def test_stage_beyond_collapse():
     stress = start["below"].states["cube"].stress
     np.testing.assert_allclose(stress, -34.6 * np.eye(6)[2][:, None, None] * np.ones_like(stress), atol=1e-9)
     with pytest.raises(sc.NotConverged) as stopped:
-        sc.run(forms, [sc.Stage("above", loads[1])], fixed, start=start, solver="superlu")
+        sc.run(forms, [sc.Stage("above", loads[1])], fixed, start=start)
     limit = (20.0 * np.tan(np.radians(60.0)) - 34.6) / 0.1
-    assert stopped.value.result["above"].fraction == pytest.approx(limit, abs=0.002)  # the smallest increment
+    # the search ends where an equilibrium and a collapse are 2 % of the way apart: which increments lie between them
+    # hangs on the last bits.  A residual of 1e-8 of the load is 3e-6 of the step
+    assert limit - 0.02 * limit <= stopped.value.result["above"].fraction <= limit + 1e-5
 
 
 def sphere_errors(n: int) -> tuple[float, float]:
@@ -403,7 +405,7 @@ def test_other_plane_things():
 def test_strain_of_other_dimension():
     plane = Basis(MeshQuad(), ElementVector(ElementQuad1()), intorder=2)
     with pytest.raises(ValueError, match="MeshHex1: for bodies in space pass strain=three_dimensional"):
-        sc.SolidForm(box("Hex1"), ELASTIC)
+        sc.SolidForm(box("Hex1"), ELASTIC, sc.plane_strain)
     with pytest.raises(ValueError, match="MeshHex1: for bodies in space pass strain=three_dimensional"):
         sc.axisymmetric(box("Hex1"))
     with pytest.raises(ValueError, match="three_dimensional is for tetrahedra and hexahedra, not for a MeshQuad1"):

@@ -6,9 +6,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy import ndarray
-from scipy.sparse import coo_matrix, csc_matrix
+from scipy.sparse import coo_matrix, csc_matrix, diags_array
 from scipy.sparse.linalg import spsolve
 
+from ..errors import is_number
 from .laws import Status
 from .quadrature import SlavePoints
 from .state import ContactState
@@ -21,6 +22,9 @@ logger = logging.getLogger("skfem_contact")
 _WANTED, _HARDEST = 10.0, 100.0
 #: ... and the softest one that it starts from: with less, bodies might sink into each other by more than an element.
 _SOFTEST = 0.1
+#: Share of the largest entry that is added to the products of the shape functions: fewer points than nodes, as two on
+#: a quadratic facet, leave combinations of multipliers that nothing tells, and that are kept.
+_INDIFFERENT = 1e-10
 #: A correction that has not become less by this factor so many times in a row will not do so.
 _PROGRESS, _PATIENCE = 0.7, 2
 
@@ -94,7 +98,7 @@ class AugmentedLagrangian:
     tolerance: float = 1e-4
 
     def __post_init__(self) -> None:
-        if not 0 < self.tolerance < 1:
+        if not is_number(self.tolerance, 0.0, 1.0):
             raise ValueError(f"AugmentedLagrangian: tolerance must lie in (0, 1), not {self.tolerance!r}")
 
     def start(self, penalties: tuple[float, float], stiffness: float) -> ndarray:
@@ -161,10 +165,10 @@ class AugmentedLagrangian:
 def _improved(points: SlavePoints, traction: ndarray, multiplier: ndarray, closed: ndarray) -> ndarray:
     """Multipliers that exert the tractions' forces at the closed nodes, and are their means at the others."""
     excess = _excess(points, traction, multiplier)
-    at = np.flatnonzero(closed)
-    mass = _mass(points)
-    weight = np.asarray(mass.sum(axis=1)).ravel()
-    excess[at] = spsolve(mass[at][:, at].tocsc(), (weight * excess)[at])
+    at, mass = np.flatnonzero(closed), _mass(points)
+    mass = csc_matrix(mass + diags_array(np.full(mass.shape[0], _INDIFFERENT * mass.diagonal().max())))
+    forces = _integral(points, traction - points.at(multiplier), points.values)
+    excess[at] = spsolve(mass[at][:, at].tocsc(), forces[at])
     return multiplier + excess
 
 
@@ -183,8 +187,17 @@ def _mass(points: SlavePoints) -> csc_matrix:
 
 
 def _nodal_mean(points: SlavePoints, values: ndarray) -> ndarray:
-    """Means of values at the points, weighted by the shape functions of each slave node."""
-    share = points.values * points.weight[:, None]
-    n = points.nodes.max() + 1
-    return np.asarray(np.bincount(points.nodes.ravel(), (share * values[:, None]).ravel(), n)
-                      / np.bincount(points.nodes.ravel(), share.ravel(), n))
+    """Means of values at the points, weighted by the shape functions of each slave node.
+
+    They count by their size: with their sign those of a quadratic element have no weight on an axis of symmetry.  A
+    node without points has the mean zero.
+    """
+    size = np.abs(points.values)
+    weight = _integral(points, np.ones(len(values)), size)
+    return _integral(points, values, size) / np.where(weight > 0.0, weight, np.inf)
+
+
+def _integral(points: SlavePoints, values: ndarray, shapes: ndarray) -> ndarray:
+    """Integrals of values at the points times functions of each slave node, (n_points, k)."""
+    share = shapes * (points.weight * values)[:, None]
+    return np.asarray(np.bincount(points.nodes.ravel(), share.ravel(), points.nodes.max() + 1))

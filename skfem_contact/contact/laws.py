@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy import ndarray
 
+from ..errors import finite
 from .quadrature import SlavePoints
 
 #: Round-off of a traction on the friction cone, as a share of it.
@@ -170,10 +171,11 @@ class Coulomb(InterfaceLaw):
 
     def __post_init__(self) -> None:
         for name in ("mu", "adhesion", "tension"):
-            value = getattr(self, name)
-            if np.ndim(value) > 1 or not np.all(np.isfinite(value)) or not np.all(np.asarray(value) >= 0.0):
+            value = finite(getattr(self, name), f"Coulomb: {name}")
+            if value.ndim > 1 or (value < 0.0).any():
                 raise ValueError(f"Coulomb: {name} must be a non-negative number, or one for each node of the slave, "
-                                 f"not {value!r}")
+                                 f"not {getattr(self, name)!r}")
+            object.__setattr__(self, name, value if value.ndim else float(value))
 
     def reduced(self, factor: float) -> Coulomb:
         """The law with friction, adhesion and tension cut-off divided by a factor.

@@ -10,8 +10,8 @@ from numpy import ndarray
 from scipy.sparse import csr_matrix
 from skfem import CellBasis
 
-from ..errors import IncrementTooLarge, check_basis
-from ..forms import Failure, Response
+from ..errors import Failure, IncrementTooLarge, check_basis, check_size, is_number
+from ..forms import Response
 from ..sparse import Gathering
 from ..surfaces.material_points import MaterialPoints
 from ..surfaces.smoothing import smoothed
@@ -28,7 +28,7 @@ from .recovery.easing import Easing
 from .recovery.facet_lock import FacetLock
 from .search import Projection, merged
 from .segmentation import RECUTS, Sampling
-from .settings import check_law, check_settings
+from .settings import check_law, check_settings, check_surfaces
 from .state import ContactState
 from .transfer import dragged, elastic_slip, follow, nearest, slid, with_elastic_slip
 
@@ -72,6 +72,8 @@ class ContactPair(Answers):
         ``"exact"``, or ``"primary"``: the paper's eqs 20 to 22 without the rotation and curvature parts.  Where the
         iterations make no progress these parts are limited: bodies that overlap on the way to the solution exert
         tractions that would turn the facets.
+    axisymmetric
+        Forces per radian about the axis x = 0, for solids with ``strain=axisymmetric``.
 
     Raises
     ------
@@ -99,23 +101,20 @@ class ContactPair(Answers):
                  penalty: float | tuple[float, float] | None = None,
                  smoothing: float | None = None, enforcement: AugmentedLagrangian | None = None,
                  initial: Fit = "as meshed", share: float = 1.0,
-                 tangent: Literal["exact", "primary"] = "exact") -> None:
+                 tangent: Literal["exact", "primary"] = "exact", axisymmetric: bool = False) -> None:
         check_basis(basis)
-        self.slave = Surface.from_boundary(basis, slave)
+        self.slave = replace(Surface.from_boundary(basis, slave), axisymmetric=axisymmetric)
         self.facets = master if isinstance(master, Surface) else Surface.from_boundary(basis, master)
         self.master = (self.facets if smoothing is None else smoothed(self.facets, smoothing)).facing(self.slave)
-        if np.isin(self.slave.dofs[:, 0], self.master.dofs[:, 0]).any():
-            raise ValueError(f"slave '{slave}' and master '{self.master.name}' share nodes: a body cannot touch "
-                             "itself there; separate the bodies with join_bodies")
+        check_surfaces(self.slave, self.master)
         check_settings(self.slave, quadrature, enforcement, initial, share, tangent)
         check_law(law, len(self.slave.nodes))
-        self.law, self.quadrature, self.tangent = law, quadrature, tangent
+        self.law, self.quadrature, self.tangent, self.axisymmetric = law, quadrature, tangent, axisymmetric
         self._sampling = Sampling(self.slave, self.master, quadrature)
         self._neighbours, self._gathering = NeighbourList(self.master), Gathering(basis.N)
         self.enforcement, self.initial, self.share = enforcement, initial, share
         self.size: int = int(basis.N)
-        self.penalty: tuple[float, float] | None = None
-        self.stiffness: float | None = None
+        self.penalty, self.stiffness = None, None
         self.easing, self._progress, self._recuts = Easing(), Progress(), 0
         if penalty is not None:
             both = penalty if isinstance(penalty, tuple) and len(penalty) == 2 else (penalty, penalty)
@@ -139,7 +138,7 @@ class ContactPair(Answers):
             penetration by.
         """
         for value in (normal, tangential):
-            if not isinstance(value, (int, float, np.number)) or not 0 < value < np.inf:
+            if not is_number(value, 0.0, np.inf):
                 raise ValueError(f"penalties must be positive numbers, not {value!r}")
         new = copy(self)
         new.penalty, new.stiffness = (float(normal), float(tangential)), stiffness
@@ -195,6 +194,7 @@ class ContactPair(Answers):
         state
             The last accepted state.
         """
+        check_size(x, self.size)
         slave, nodes = self._places(x)
         points = self.points(state)
         positions = points.positions(slave)

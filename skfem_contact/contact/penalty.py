@@ -65,9 +65,14 @@ def choose_penalties(forms: Mapping[str, Any]) -> dict[str, Form]:
 
 def with_chosen_penalty(pair: ContactPair, forms: Mapping[str, Form]) -> ContactPair:
     """The pair with the stiffness of its surfaces, and with the default penalty where it has none."""
-    solids = [form.elastic_stiffness for form in forms.values() if form.elastic_stiffness is not None]
-    if not solids:
+    bodies = [form for form in forms.values() if form.elastic_stiffness is not None]
+    if not bodies:
         raise ValueError("there is no SolidForm among the forms: contact takes its stiffness from what it joins")
+    if any(form.axisymmetric for form in bodies) != pair.axisymmetric:
+        raise ValueError(f"contact of '{pair.slave.name}' on '{pair.facets.name}' has axisymmetric="
+                         f"{pair.axisymmetric}, unlike the solids: pass axisymmetric={not pair.axisymmetric} to "
+                         "ContactPair")
+    solids = [form.elastic_stiffness for form in bodies]
     stiffness = _series(pair, solids)
     penalty = pair.penalty or (_RATIO * stiffness, _RATIO * stiffness)
     if pair.enforcement is None and max(penalty) > _HARDEST * stiffness:
@@ -82,24 +87,27 @@ def _series(pair: ContactPair, solids: Sequence[csr_matrix]) -> float:
 
     One value for the whole surface: a pressure that is uniform stays so, whatever the sizes of the elements.
     """
-    slave = _per_length(pair.slave, solids)
-    if (pair.facets.dofs < 0).all():  # rigid
+    slave = _per_length(pair.slave, solids, pair.axisymmetric)
+    if pair.facets.rigid:
         return slave
-    return 1.0 / (1.0 / slave + 1.0 / _per_length(pair.facets, solids))
+    return 1.0 / (1.0 / slave + 1.0 / _per_length(pair.facets, solids, pair.axisymmetric))
 
 
-def _per_length(surface: Surface, solids: Sequence[csr_matrix]) -> float:
+def _per_length(surface: Surface, solids: Sequence[csr_matrix], axisymmetric: bool) -> float:
     """Largest stiffness against pressure per length, or area in space, among the facets of a surface: about E/h.
 
     That along the surface does not count: in thin elements it is larger by the square of their shape.
     """
     dim, m = surface.dim, len(surface.facets)
-    normal = surface.at(np.arange(m), np.tile(surface.shape.centre, (m, 1)), surface.nodes).normal
+    middle = surface.at(np.arange(m), np.tile(surface.shape.centre, (m, 1)), surface.nodes)
+    normal = middle.normal
     blocks = np.array([[sum(K[surface.dofs[:, i], surface.dofs[:, j]] for K in solids) for j in range(dim)]
                        for i in range(dim)]).reshape(dim, dim, -1)  # fmt: skip
     at_nodes = np.einsum("si,ijsk,sj->sk", normal, blocks[:, :, surface.facets], normal)
     intervals = int(surface.shape.exponents.max())  # between the nodes on a side
     stiffness = at_nodes.mean(axis=1) * (intervals / surface.size) ** (dim - 1)
+    if axisymmetric:
+        stiffness /= middle.x[0][:, 0]
     if not (stiffness > 0).all():
         raise ValueError(f"boundary '{surface.name}' belongs to no solid among the forms")
     return float(stiffness.max())

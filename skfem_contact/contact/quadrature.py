@@ -27,7 +27,8 @@ class SlavePoints:
     values
         Their shape functions, (n, k).
     weight
-        Area of surface (length in the plane) that belongs to each point, (n,), in the reference configuration.
+        Area of surface that belongs to each point, (n,), in the reference configuration: length in the plane, in axial
+        symmetry length times radius.
     size
         Size of the slave's facet at the point, (n,).
     along
@@ -50,7 +51,7 @@ class SlavePoints:
     def on(cls, surface: Surface, facet: ndarray, xi: ndarray, weight: ndarray) -> SlavePoints:
         """Points given by facet and local coordinates, with weights in the measure of the local coordinates."""
         place = surface.at(facet, xi, surface.nodes)
-        area = np.linalg.norm(across(place.x[1]), axis=1)
+        area = np.linalg.norm(across(place.x[1]), axis=1) * (place.x[0][:, 0] if surface.axisymmetric else 1.0)
         return cls(facet, xi, surface.facets[facet], place.shapes[0], area * weight, surface.size[facet],
                    _along(surface, place))
 

@@ -5,6 +5,7 @@ from typing import Any, get_args
 
 import numpy as np
 
+from ..errors import is_number
 from ..surfaces.surface import Surface
 from .augmented import AugmentedLagrangian
 from .clearance import Fit
@@ -12,6 +13,19 @@ from .laws import InterfaceLaw
 
 #: Nodes of facets in space some of which have no area, or a negative one: nothing holds a multiplier there.
 _WITHOUT_AREA = (6, 8)
+#: Round-off of the axis, as a share of a facet.
+_ON_AXIS = 1e-9
+
+
+def check_surfaces(slave: Surface, master: Surface) -> None:
+    """Refuse surfaces that share nodes, and axial symmetry of what has none."""
+    if np.isin(slave.dofs[:, 0], master.dofs[:, 0]).any():
+        raise ValueError(f"slave '{slave.name}' and master '{master.name}' share nodes: a body cannot touch "
+                         "itself there; separate the bodies with join_bodies")
+    if not isinstance(slave.axisymmetric, bool):
+        raise ValueError(f"axisymmetric must be True or False, not {slave.axisymmetric!r}")
+    if slave.axisymmetric and (slave.dim == 3 or slave.nodes[:, 0].min() < -_ON_AXIS * slave.spacing):
+        raise ValueError(f"contact of '{slave.name}': axial symmetry is for plane meshes with x >= 0")
 
 
 def check_settings(slave: Surface, quadrature: Any, enforcement: Any, initial: Any, share: Any, tangent: Any) -> None:
@@ -20,7 +34,7 @@ def check_settings(slave: Surface, quadrature: Any, enforcement: Any, initial: A
         _one_of("quadrature", quadrature, ("nodal", "segments"), " or a positive number of Gauss points")
     _one_of("tangent", tangent, ("exact", "primary"))
     _one_of("initial", initial, get_args(Fit))
-    if not 0.0 < share <= 1.0:
+    if not (share == 1.0 or is_number(share, 0.0, 1.0)):
         raise ValueError(f"share must lie in (0, 1], not {share!r}")
     if not isinstance(enforcement, AugmentedLagrangian | None):
         raise ValueError(f"enforcement must be None or AugmentedLagrangian(), not {enforcement!r}")

@@ -67,9 +67,12 @@ def as_parameter(name: str, value: ArrayLike) -> Parameter:
     array([10., 20.])
     """
     try:
-        array = np.array(value, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise ValueError(f"{name} must be a number or one number an element, got {value!r}") from None
+        array = np.array(value)
+    except ValueError:
+        array = np.array(None)  # a list of lists of different lengths
+    if np.ma.isMaskedArray(value) or array.dtype.kind not in "iuf":
+        raise ValueError(f"{name} must be a number or one number an element, got {value!r}")
+    array = array.astype(np.float64)
     if array.ndim > 1 or array.size == 0:
         raise ValueError(f"{name} must be a number or one number an element, got shape {array.shape}")
     require(name, array, np.isfinite(array), "be finite")

@@ -8,8 +8,7 @@ from typing import Any
 
 from numpy import ndarray
 
-from ..errors import IncrementTooLarge, NoEquilibrium, NotConverged
-from ..forms import Failure
+from ..errors import Failure, IncrementTooLarge, NoEquilibrium, NotConverged
 from ..solvers.direct import SingularSystem
 from .line_search import Search
 from .newton import Newton
@@ -113,6 +112,9 @@ def check(given: System, system: System, found: Equilibrium, states: Mapping[str
 def _easier(system: System, states: Mapping[str, Any], load: ndarray, error: NotConverged) -> System:
     """The system with easier forms, or the same one where no form knows any.
 
+    Bodies that move freely need to be held, and points that chatter to be calmed.  Where none chatters the bodies may
+    be about to lift off: a residual that hardly changes is that of a body that flies away.
+
     Parameters
     ----------
     system, states, load
@@ -120,13 +122,20 @@ def _easier(system: System, states: Mapping[str, Any], load: ndarray, error: Not
     error
         How it failed.
     """
-    if isinstance(error, NoEquilibrium) or isinstance(error.__cause__, SingularSystem):
-        failures = {name: Failure(loose=True) for name in system.forms}
-    elif error.x is None:  # every equilibrium was found, but a form was never content
-        return system
-    else:
+    loose = isinstance(error, NoEquilibrium) or isinstance(error.__cause__, SingularSystem)
+    if not loose:
+        if error.x is None:  # every equilibrium was found, but a form was never content
+            return system
         seen = _candidates(system, error.x, states, load)
-        failures = {name: Failure(False, tuple(candidates[name] for candidates in seen)) for name in system.forms}
+        calmed = _begin(system, states, {name: Failure(False, tuple(candidates[name] for candidates in seen))
+                                         for name in system.forms})
+        if calmed is not system or isinstance(error.__cause__, IncrementTooLarge):
+            return calmed
+    return _begin(system, states, {name: Failure(loose=True) for name in system.forms})
+
+
+def _begin(system: System, states: Mapping[str, Any], failures: Mapping[str, Failure]) -> System:
+    """The system with what its forms begin with after failures."""
     return _with(system, {name: form.begin(states[name], failures[name]) for name, form in system.forms.items()})
 
 

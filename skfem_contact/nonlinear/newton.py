@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy import ndarray
 
-from ..errors import NoEquilibrium, NotConverged
+from ..errors import NoEquilibrium, NotConverged, is_number
 from ..solvers.direct import SingularSystem
 from .evaluation import Evaluation
 from .line_search import Search, backtrack, bisect_work, unbalanced
@@ -57,9 +57,9 @@ class Newton:
     max_iterations: int = 25
 
     def __post_init__(self) -> None:
-        if not (isinstance(self.tolerance, (int, float)) and 0 < self.tolerance < np.inf):
+        if not is_number(self.tolerance, 0.0, np.inf):
             raise ValueError(f"tolerance must be positive, not {self.tolerance!r}")
-        if not (isinstance(self.max_iterations, (int, np.integer)) and self.max_iterations >= 1):
+        if not (isinstance(self.max_iterations, (int, np.integer)) and is_number(self.max_iterations, 0.0, np.inf)):
             raise ValueError(f"max_iterations must be a whole number, at least 1, not {self.max_iterations!r}")
 
 

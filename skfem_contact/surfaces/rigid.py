@@ -7,6 +7,7 @@ import numpy as np
 from numpy import ndarray
 from skfem import ElementTriP1
 
+from ..errors import is_number
 from .shape import Shape
 from .smoothing import smoothed
 from .surface import Surface
@@ -100,7 +101,7 @@ def rigid_circle(center: tuple[float, float], radius: float, hole: bool = False,
     >>> bool(abs(drum.area.sum() - 4 * np.pi) < 1e-3)
     True
     """
-    if not radius > 0:
+    if not is_number(radius, 0.0, np.inf):
         raise ValueError(f"'{name}': the radius must be positive, not {radius!r}")
     angle = np.linspace(0, 2 * np.pi, _FACETS, endpoint=False)
     # the smoothed polygon touches the middles of its facets' rounded joints at radius * cos(pi/n): scale that out

@@ -13,6 +13,7 @@ from __future__ import annotations
 import numpy as np
 from numpy import ndarray
 
+from ..errors import is_number
 from .surface import Surface
 from .topology import following
 
@@ -48,7 +49,7 @@ def smoothed(surface: Surface, alpha: float = 0.5, corner: float = 45.0) -> Surf
     """
     if surface.dim != 2:
         raise ValueError(f"smoothing: '{surface.name}' is a surface in space; use elements of second order there")
-    if not 0.0 < alpha <= 0.5:
+    if not (alpha == 0.5 or is_number(alpha, 0.0, 0.5)):
         raise ValueError(f"smoothing: alpha must lie in (0, 0.5], not {alpha!r}")
     if surface.facets.shape[1] != 2:
         raise ValueError(f"smoothing: the facets of '{surface.name}' are curved already; smooth linear elements only")

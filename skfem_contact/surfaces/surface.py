@@ -66,6 +66,8 @@ class Surface:
         Area of the facets, or length in the plane, in the reference configuration, (n_facets,).
     extension
         Share of a facet by which the surface goes on beyond its rim.
+    axisymmetric
+        Whether what it carries counts per radian about the axis x = 0.
 
     Examples
     --------
@@ -85,6 +87,7 @@ class Surface:
     neighbours: ndarray
     area: ndarray
     extension: float = EXTENSION
+    axisymmetric: bool = False
 
     @classmethod
     def from_boundary(cls, basis: CellBasis, name: str) -> Surface:

@@ -7,6 +7,8 @@ from typing import Protocol
 import numpy as np
 from numpy import ndarray
 
+from ..errors import is_number
+
 #: The slope of van Genuchten's curve is that of this relative suction where there is less.
 _STEEPEST = 1e-9
 
@@ -61,9 +63,9 @@ class Ramp:
     least: float = 1e-3
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.width < np.inf:
+        if not is_number(self.width, 0.0, np.inf):
             raise ValueError(f"width must be positive, not {self.width!r}")
-        if not 0.0 < self.least < 1.0:
+        if not is_number(self.least, 0.0, 1.0):
             raise ValueError(f"least must lie between 0 and 1, not {self.least!r}")
 
     def relative(self, suction: ndarray, size: ndarray) -> tuple[ndarray, ndarray]:
@@ -114,11 +116,11 @@ class VanGenuchten:
     least: float = 1e-6
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.alpha < np.inf:
+        if not is_number(self.alpha, 0.0, np.inf):
             raise ValueError(f"alpha must be positive, not {self.alpha!r}")
-        if not 1.0 < self.n < np.inf:
+        if not is_number(self.n, 1.0, np.inf):
             raise ValueError(f"n must be more than 1, not {self.n!r}")
-        if not 0.0 < self.least < 1.0:
+        if not is_number(self.least, 0.0, 1.0):
             raise ValueError(f"least must lie between 0 and 1, not {self.least!r}")
 
     def relative(self, suction: ndarray, size: ndarray) -> tuple[ndarray, ndarray]:

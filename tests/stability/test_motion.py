@@ -16,7 +16,7 @@ import skfem_contact as sc
 from skfem_contact.contact.recovery.easing import Easing
 from skfem_contact.contact.recovery.facet_lock import FacetLock
 from skfem_contact.contact.search import project
-from skfem_contact.forms import Failure
+from skfem_contact.errors import Failure
 from skfem_contact.nonlinear.increment import check
 from skfem_contact.nonlinear.system import Equilibrium, System
 from skfem_contact.unknowns import Unknowns

@@ -14,7 +14,7 @@ from setups import blocks, displaced, force_on, in_contact, run
 import skfem_contact as sc
 from skfem_contact.contact.recovery.easing import Easing
 from skfem_contact.contact.recovery.soft_stick import SoftStick
-from skfem_contact.forms import Failure
+from skfem_contact.errors import Failure
 
 QUADRATURES = ["nodal", 2, "segments"]
 RATIOS = [1e-3, 1e-1, 1.0, 1e2, 1e4, 1e6]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy import ndarray
 
-from ...forms import Failure
+from ...errors import Failure
 from ..laws import InterfaceLaw, Status
 from ..state import ContactState
 from .family import Recovery

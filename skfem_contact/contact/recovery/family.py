@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from numpy import ndarray
 
-from ...forms import Failure
+from ...errors import Failure
 from ..laws import InterfaceLaw
 from ..state import ContactState
 

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy import ndarray
 
-from ...forms import Failure
+from ...errors import Failure
 from ..diagnosis import PENETRATION
-from ..laws import InterfaceLaw
+from ..laws import InterfaceLaw, Status
 from ..state import ContactState
 from .family import Recovery
 
@@ -34,8 +34,12 @@ class Interference(Recovery):
 
     @classmethod
     def begin(cls, pair: ContactPair, accepted: ContactState, failure: Failure | None) -> Interference | None:
-        """All of the overlap touches; where it is small, or is not to be resolved in steps, there is nothing to do."""
-        wanted = failure is None and pair.initial == "ramped" and accepted.offset.any()
+        """All of the overlap touches.
+
+        There is nothing to do where it is not to be resolved in steps, or has been: closed points carry tractions then.
+        """
+        untouched = (accepted.status != Status.OPEN).any() and not accepted.traction.any()
+        wanted = failure is None and pair.initial == "ramped" and untouched and accepted.offset.any()
         return cls(accepted.offset) if wanted else None
 
     def seen(self, state: ContactState, law: InterfaceLaw) -> ContactState:

@@ -1,0 +1,38 @@
+"""``python -m tests.fuzz --scenes 500 --seed 1``, or ``--scene 1000042`` for a single one with every comparison."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+
+from tqdm import tqdm
+
+from .comparisons import COMPARISONS
+from .report import details, table, verdict
+from .scenes import seeds
+from .trial import trial
+
+
+def main() -> int:
+    """Trials as asked for; 0 only if all that must hold does."""
+    parser = argparse.ArgumentParser(prog="tests.fuzz", description=__doc__)
+    parser.add_argument("--scenes", type=int, default=500)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--scene", type=int, help="seed of a single scene")
+    given, began = parser.parse_args(), time.process_time()
+    if given.scene is not None:
+        trials = [trial(given.scene, len(COMPARISONS))]
+    else:
+        trials = [trial(seed) for seed in tqdm(seeds(given.seed, given.scenes), disable=None)]
+    violations, silent = verdict(trials)
+    if violations:
+        print(details(trials), end="\n\n")
+    print(table(trials))
+    print(f"{time.process_time() - began:.0f} s of CPU time")
+    print(f"{violations} violations, {silent} silent")
+    return int(violations > 0)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

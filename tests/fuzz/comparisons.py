@@ -1,0 +1,154 @@
+"""What another analysis of the same scene must find as well."""
+
+from __future__ import annotations
+
+import tempfile
+import warnings
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+import skfem_contact as sc
+
+from .frames import Frame, in_units, mirrored, shifted, turned
+from .model import HEIGHT, Model, build
+from .oracles import Finding
+from .scenes import STRAIN, Scene
+
+#: Displacements of two analyses with residuals of 1e-10, relative to the largest: that times the condition of scenes
+#: whose bodies differ in stiffness by up to 1e3, and whose penalties are ten times stiffer than the bodies.
+SAME = 1e-5
+#: ... whose multipliers may be those of one more round: ten times the tolerance of the augmented method.
+AUGMENTED = 1e-3
+#: What the augmented method says where nodes are left to the penalty, and more than its tolerance remains.
+LEFT = "leave an error"
+
+
+def tolerance(scene: Scene) -> float:
+    """How much displacements may differ."""
+    return AUGMENTED if scene.augmented else SAME
+
+
+def of_result(
+    scene: Scene, model: Model, result: sc.Result, name: str, told: Sequence[str] = ()
+) -> Iterator[Finding]:
+    """The findings of one comparison; none where it says nothing, or the other analysis gives up and says so.
+
+    Nor are there any where one of the two says that its multipliers do not reach their tolerance, or where brittle
+    bonds broke: there are several equilibria then, and last bits tell which point goes first.
+    """
+    if any(_broken(stage) for stage in result):
+        return
+    try:
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            pairs = COMPARISONS[name](scene, model, result)
+    except sc.NotConverged:
+        return
+    if any(LEFT in text for text in (*told, *(str(warning.message) for warning in caught))):
+        return
+    for stage, x in pairs:
+        size = max(np.abs(stage.x).max(), STRAIN * HEIGHT * model.frame.length)
+        yield Finding(name, stage.name, float(np.abs(x - stage.x).max() / size), tolerance(scene))
+
+
+def _broken(stage: sc.StageResult) -> bool:
+    """Whether a point has lost its bond, of a law that has one."""
+    states = {name: state for name, state in stage.states.items() if isinstance(state, sc.ContactState)}
+    pairs = [(stage.forms[name].law, state) for name, state in states.items()]
+    return any(isinstance(law, sc.Coulomb) and (law.adhesion > 0.0 or law.tension > 0.0) and bool(state.internal.any())
+               for law, state in pairs)  # fmt: skip
+
+
+Pairs = list[tuple[sc.StageResult, np.ndarray]]
+
+
+def _same_increments(one: sc.Result, other: sc.Result) -> Iterator[tuple[sc.StageResult, sc.StageResult]]:
+    """Stages up to the first one of which one analysis took other increments: friction follows another path there."""
+    for a, b in zip(one, other):
+        if len(a.iterations) != len(b.iterations):
+            return
+        yield a, b
+
+
+def _in_frame(frame: Frame) -> Callable[[Scene, Model, sc.Result], Pairs]:
+    def seen(scene: Scene, model: Model, result: sc.Result) -> Pairs:
+        other = build(scene, frame).run()
+        return [(a, frame.back(b.x)) for a, b in _same_increments(result, other)]
+
+    return seen
+
+
+def _mirror(scene: Scene, model: Model, result: sc.Result) -> Pairs:
+    if any(_at_joints(pair) for pair in model.forms.values() if isinstance(pair, sc.ContactPair)):
+        return []
+    if scene.quadrature == "segments" and scene.dim == 3:
+        return []  # pieces are cut into triangles from their first corner, which is another one in the mirror
+    return _in_frame(mirrored(scene.dim, 1 if scene.kind == "axisymmetric" else 0))(scene, model, result)
+
+
+def _at_joints(pair: sc.ContactPair) -> bool:
+    """Whether points face joints of the master: they belong to the facet before, which is another in the mirror."""
+    return pair.master.shape.dim == 1 and bool((np.abs(pair.initial_state().position) > 0.99).any())
+
+
+def _rotation(scene: Scene, model: Model, result: sc.Result) -> Pairs:
+    if scene.kind == "axisymmetric":
+        return []
+    return _in_frame(turned(scene.dim, 0.7))(scene, model, result)
+
+
+def _shift(scene: Scene, model: Model, result: sc.Result) -> Pairs:
+    shift = 30.0 * np.ones(scene.dim)
+    if scene.kind == "axisymmetric":
+        shift[0] = 0.0
+    return _in_frame(shifted(scene.dim, shift))(scene, model, result)
+
+
+def _units(scene: Scene, model: Model, result: sc.Result) -> Pairs:
+    return _in_frame(in_units(scene.dim, 1e3, 1e-3))(scene, model, result)
+
+
+def _saved(scene: Scene, model: Model, result: sc.Result) -> Pairs:
+    """Saved after the first stage, loaded, and continued."""
+    half = sc.Result(result.stages[:1])
+    with tempfile.TemporaryDirectory() as folder:
+        half.save(Path(folder, "half"))
+        loaded = sc.load_result(Path(folder, "half"), model.forms)
+    other = model.run(model.stages[1:], start=loaded)
+    return [(a, b.x) for a, b in _same_increments(result, other)]
+
+
+def _split(scene: Scene, model: Model, result: sc.Result) -> Pairs:
+    """The first stage in two increments, or as two stages."""
+    first = model.stages[0]
+    x = None if first.prescribed is None else 0.5 * first.prescribed
+    once = model.run([replace(first, increments=2)])[-1]
+    both = model.run([replace(first, name="half", load=0.5 * first.load, prescribed=x, increments=1),
+                      replace(first, increments=1)])  # fmt: skip
+    if any(len(stage.iterations) != 1 for stage in both) or len(once.iterations) != 2:
+        return []
+    return [(once, both[-1].x)]
+
+
+def _path(scene: Scene, model: Model, result: sc.Result) -> Pairs:
+    """Without friction and yielding the way does not matter: the first stage in three increments, or in one."""
+    if not (scene.frictionless and scene.elastic and not scene.bonded and scene.built != "cap"):
+        return []
+    first = model.stages[0]
+    one, three = (model.run([replace(first, increments=n)])[-1] for n in (1, 3))
+    return [(one, three.x)]
+
+
+def _nothing(scene: Scene, model: Model, result: sc.Result) -> Pairs:
+    """A stage that changes nothing."""
+    other = model.run([sc.Stage("nothing", result[-1].load, result[-1].x)], start=result)
+    return [(result[-1], other[-1].x)]
+
+
+COMPARISONS = {
+    "mirror": _mirror, "rotation": _rotation, "shift": _shift, "units": _units, "saved": _saved, "split": _split,
+    "path": _path, "nothing": _nothing,
+}  # fmt: skip

@@ -1,0 +1,75 @@
+"""A scene is analysed, and everything that must hold is looked at."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass
+
+import numpy as np
+
+import skfem_contact as sc
+
+from .comparisons import COMPARISONS, of_result
+from .frames import as_drawn
+from .model import build
+from .oracles import Finding, of_stage
+from .scenes import Scene, draw
+
+#: Comparisons that a scene is put to, of all that there are: each costs an analysis or two.
+DRAWN = 2
+
+
+@dataclass(frozen=True)
+class Trial:
+    """What became of a scene.
+
+    Attributes
+    ----------
+    scene
+        The scene.
+    findings
+        What was looked at.
+    told
+        Warnings of the analysis, and how it failed where it did.
+    gave_up
+        Whether it stopped before the end of the path, and said so.
+    crash
+        What was raised that nobody expects.
+    """
+
+    scene: Scene
+    findings: tuple[Finding, ...] = ()
+    told: tuple[str, ...] = ()
+    gave_up: bool = False
+    crash: str = ""
+
+    @property
+    def violations(self) -> tuple[Finding, ...]:
+        """What does not hold."""
+        return tuple(finding for finding in self.findings if not finding.holds)
+
+    @property
+    def silent(self) -> tuple[Finding, ...]:
+        """What does not hold, of which not a word was said."""
+        return () if self.told else self.violations
+
+
+def trial(seed: int, comparisons: int = DRAWN) -> Trial:
+    """The scene of a seed, analysed and looked at."""
+    scene = draw(seed)
+    try:
+        model = build(scene, as_drawn(scene.dim))
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            try:
+                result, failure = model.run(), ""
+            except sc.NotConverged as error:
+                result, failure = error.result, str(error)
+        told = tuple(str(warning.message) for warning in caught if warning.category is sc.AnalysisWarning)
+        reached = sc.Result(tuple(stage for stage in result if stage.fraction > 0.0))
+        findings = [finding for k in range(len(reached)) for finding in of_stage(scene, model, reached, k)]
+        chosen = np.random.default_rng(seed).permutation(list(COMPARISONS))[:comparisons] if not failure else ()
+        findings += [finding for name in chosen for finding in of_result(scene, model, result, name, told)]
+    except Exception as error:
+        return Trial(scene, crash=f"{type(error).__name__}: {error}")
+    return Trial(scene, tuple(findings), told + ((failure,) if failure else ()), bool(failure))

@@ -1,0 +1,27 @@
+"""Random scenes: 60 of those that ``python -m tests.fuzz`` tries."""
+
+from __future__ import annotations
+
+import pytest
+from fuzz.report import details
+from fuzz.scenes import draw, seeds
+from fuzz.trial import trial
+
+
+@pytest.mark.parametrize("part", range(6))
+@pytest.mark.filterwarnings("ignore::skfem_contact.AnalysisWarning")
+def test_random_scenes(part: int) -> None:
+    """What must hold in every scene does, or is told; most scenes reach the end of their path."""
+    trials = [trial(seed) for seed in seeds(1, 60)[part::6]]
+    assert not details(trials), details(trials)
+    assert sum(one.gave_up for one in trials) <= 2  # of ten; 3 % of all do
+
+
+def test_scenes_differ() -> None:
+    """The same seed gives the same scene, and many give all kinds."""
+    scenes = [draw(seed) for seed in seeds(1, 200)]
+    assert scenes[7] == draw(seeds(1, 200)[7])
+    for name in ("kind", "element", "quadrature", "initial", "soil", "built", "rigid", "swapped", "augmented",
+                 "both_ways", "b_bar", "displaced"):  # fmt: skip
+        values = [getattr(scene, name) for scene in scenes]
+        assert all(values.count(value) >= 4 for value in set(values)), name
