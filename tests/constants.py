@@ -133,22 +133,43 @@ def changed(new: dict[str, int | None], old: dict[str, int | None]) -> str:
     return "; ".join(f"{name}: {cell}" for name, cell in cells.items()) or "–"
 
 
+def row(module: Any, name: str, value: float, old: dict[str, int | None]) -> tuple[str, str, str, str]:
+    """Name, value, and what changes where the number is halved and doubled."""
+    cells = []
+    for factor in (0.5, 2.0):
+        new = factor * value
+        setattr(module, name, type(value)(math.ceil(new)) if isinstance(value, int) else new)
+        cells.append(changed({n: outcome(scene) for n, scene in SCENES.items()}, old))
+        setattr(module, name, value)
+    return f"`{module.__name__.removeprefix('skfem_contact.')}.{name}`", f"{value:g}", cells[0], cells[1]
+
+
+HEAD = """# Numbers that steer convergence
+
+Each number of the rooms for equilibrium, contact, collapse and linear solvers is halved and doubled, and small analyses
+are counted again. They take {counts} iterations. A dash: nothing changes. A change is what the number buys or costs in
+these scenes; none of them decides whether an answer is found, but for the share of an interference that a step leaves.
+The scene with the hard penalty chatters: 13 iterations fewer are one attempt that was not needed.
+"""
+REST = """
+## Numbers that change nothing here
+
+They bound round-off, end what leads nowhere, or choose a method by size. Halved and doubled they leave all of the scenes
+as they are:
+
+"""
+
+
 def main() -> None:
-    """Print the table."""
+    """Print the page."""
     old = {name: outcome(scene) for name, scene in SCENES.items()}
-    print("# Numbers that steer convergence\n")
-    print("Each is halved and doubled; what is shown is the change of the iterations of small analyses, which take")
-    print(", ".join(f"{n} ({name})" for name, n in old.items()) + ". A dash: nothing changes.\n")
+    rows = [row(*constant, old) for constant in constants()]
+    print(HEAD.format(counts=", ".join(f"{n} ({name})" for name, n in old.items())))
     print("| number | value | halved | doubled |\n|---|---|---|---|")
-    for module, name, value in constants():
-        cells = []
-        for factor in (0.5, 2.0):
-            new = factor * value
-            setattr(module, name, type(value)(math.ceil(new)) if isinstance(value, int) else new)
-            cells.append(changed({n: outcome(scene) for n, scene in SCENES.items()}, old))
-            setattr(module, name, value)
-        short = module.__name__.removeprefix("skfem_contact.")
-        print(f"| `{short}.{name}` | {value:g} | {cells[0]} | {cells[1]} |", flush=True)
+    for cells in rows:
+        if cells[2:] != ("–", "–"):
+            print("| " + " | ".join(cells) + " |")
+    print(REST + ",\n".join(f"{name} ({value})" for name, value, *cells in rows if cells == ["–", "–"]) + ".")
 
 
 if __name__ == "__main__":
