@@ -154,7 +154,7 @@ The scene with the hard penalty chatters: 13 iterations fewer are one attempt th
 REST = """
 ## Numbers that change nothing here
 
-They bound round-off, end what leads nowhere, or choose a method by size. Halved and doubled they leave all of the scenes
+They bound round-off, end what leads nowhere, or choose a method by size. Halved and doubled they leave all scenes
 as they are:
 
 """
