@@ -2,8 +2,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping
-from dataclasses import fields as dataclass_fields
-from dataclasses import is_dataclass
 from functools import cached_property
 from types import MappingProxyType
 from typing import Any
@@ -15,11 +13,12 @@ from scipy.sparse import csr_matrix
 from .errors import Failure
 from .remarks import Remark
 from .sparse import padded
+from .states import arrays_of
 from .unknowns import Field, elements_of
 
 
 class Response:
-    """What a form answers: the internal force and, when asked for, the candidate state and the tangent.
+    """What a form answers: the internal force and, computed at their first access only, candidate state and tangent.
 
     Parameters
     ----------
@@ -35,13 +34,9 @@ class Response:
     round_off
         Norm of the forces that round-off may leave: equilibrium is not asked to be better.
     active
-        Active set, whatever tells one from another: which points are closed, and which slide. Newton's method may go
-        on for longer while it still finds new ones.
-
-    Notes
-    -----
-    The functions are called at the first access of :attr:`state`, :attr:`stiffness` and :attr:`damped` only, so
-    that a line search pays for the force alone.
+        Active set, which points are closed and which slide: the method may go on while it still finds new ones.
+    measure
+        Forces (N,) that unbalanced ones are compared with, where `force` is itself a difference that vanishes.
 
     Examples
     --------
@@ -53,8 +48,10 @@ class Response:
     """
 
     def __init__(self, force: ndarray, state: Callable[[], Any], stiffness: Callable[[], csr_matrix],
-                 damped: Callable[[], csr_matrix] | None = None, round_off: float = 0.0, active: bytes = b"") -> None:
+                 damped: Callable[[], csr_matrix] | None = None, round_off: float = 0.0, active: bytes = b"",
+                 measure: ndarray | None = None) -> None:
         self.force, self.round_off, self.active = force, round_off, active
+        self.measure = force if measure is None else measure
         self._state = state
         self._stiffness = stiffness
         self._damped = damped
@@ -78,9 +75,9 @@ class Response:
         """The answer among n unknowns, of which the form knows the first ones."""
         if len(self.force) == n:
             return self
-        return Response(np.pad(self.force, (0, n - len(self.force))), lambda: self.state,
-                        lambda: padded(self.stiffness, n), lambda: padded(self.damped, n), self.round_off,
-                        self.active)
+        more = (0, n - len(self.force))
+        return Response(np.pad(self.force, more), lambda: self.state, lambda: padded(self.stiffness, n),
+                        lambda: padded(self.damped, n), self.round_off, self.active, np.pad(self.measure, more))
 
 
 class Form:
@@ -97,6 +94,10 @@ class Form:
         Basis of the elements that it gives stiffness to, where there are any.
     fields
         Unknowns that it brings besides displacements, see :class:`~skfem_contact.unknowns.Field`.
+    carries
+        Those of them that it has equations for; None: all.
+    second_order
+        Whether a step in time can be taken in two parts, see :meth:`extrapolated`.
     symmetric
         Whether its tangent is symmetric.
     unilateral
@@ -106,7 +107,7 @@ class Form:
     joins
         Unknowns that it couples to each other, -1 among them for a rigid obstacle; None: it may hold any of them.
     elastic_stiffness
-        Stiffness (N, N) by which penalties are chosen and new bodies placed, where it has one.
+        Stiffness (N, N) by which penalties are chosen and new bodies placed.
     nodes
         Unknowns, (n,), and the places that it takes these to have, (dim, n), where it knows any.
     axisymmetric
@@ -138,6 +139,8 @@ class Form:
     size: int | None = None
     basis: Any = None
     fields: tuple[Field, ...] = ()
+    carries: ndarray | None = None
+    second_order: bool = False
     symmetric: bool = False
     unilateral: bool = False
     changing: ndarray | None = None
@@ -181,6 +184,10 @@ class Form:
             raise ValueError(f"{type(old).__name__} cannot become {type(self).__name__}")
         return self
 
+    def inherits(self, old: Form, state: Any) -> Any:
+        """The state of an old form as this one goes on from it in its place."""
+        return state
+
     def fits(self, state: Any) -> bool:
         """Whether a state may be one of this form: by default, whether its arrays have their initial shapes."""
         given, initial = arrays_of(state), arrays_of(self.initial_state())
@@ -189,21 +196,30 @@ class Form:
     def check_start(self, x: ndarray, state: Any) -> None:
         """Refuse to go on from a state of other settings, by a ``ValueError``."""
 
+    def check_stage(self, fixed: ndarray, held: ndarray, duration: float) -> Iterable[Remark]:
+        """Remarks on supports, what is not there, and time since the last change to a stage's end; or a ValueError."""
+        return ()
+
     # -- in an increment -------------------------------------------------------------------------------------
 
     def over(self, duration: float) -> Form:
         """The form of a step in time; itself where time does not matter."""
         return self
 
+    def extrapolated(self, before: Any, found: Any, ratio: float) -> Any:
+        """State `ratio` times as far from one before as what was found, from which the second part of a step starts."""
+
+    def time_error(self, middle: Any, after: Any) -> tuple[float, float]:
+        """Error of a step from the states after its parts, over what is allowed, and what it is compared with."""
+        return 0.0, 0.0
+
     def begin(self, accepted: Any, failure: Failure | None = None) -> Form:
         """An easier form to begin an increment with, whose family ends at this one; itself where it knows none.
 
         Parameters
         ----------
-        accepted
-            The accepted state.
-        failure
-            How Newton's method failed; None before the first attempt.
+        accepted, failure
+            The accepted state; how Newton's method failed, None before the first attempt.
         """
         return self
 
@@ -311,24 +327,6 @@ def answers(forms: Mapping[str, Form], x: ndarray, states: Mapping[str, Any]) ->
 def carried(forms: Mapping[str, Form], x: ndarray, states: Mapping[str, Any]) -> ndarray:
     """Sum of the internal forces of all forms, (N,)."""
     return sum((response.force for response in answers(forms, x, states).values()), start=np.zeros(len(x)))
-
-
-def arrays_of(state: Any) -> dict[str, Any]:
-    """What a state consists of: the fields of a dataclass, the items of a tuple, an array or number, or nothing."""
-    if is_dataclass(state):
-        return {field.name: getattr(state, field.name) for field in dataclass_fields(state)}
-    if isinstance(state, tuple):
-        return {str(k): values for k, values in enumerate(state)}
-    return {} if state is None else {"values": state}
-
-
-def with_arrays(like: Any, arrays: Mapping[str, ndarray]) -> Any:
-    """A state like another one of these arrays; the inverse of :func:`arrays_of`."""
-    if is_dataclass(like):
-        return type(like)(**arrays)  # type: ignore[misc]
-    if isinstance(like, tuple):
-        return type(like)(*arrays.values()) if hasattr(like, "_fields") else tuple(arrays.values())
-    return arrays.get("values")
 
 
 def are_symmetric(forms: Mapping[str, Form]) -> bool:

@@ -14,7 +14,7 @@ from skfem import CellBasis
 from .assembly import Pattern, damped, element_stiffness, force_matrix, strain_matrix
 from .errors import check_basis, check_quadrature, check_size, look_up
 from .forms import Form, Response
-from .materials import Material, Update
+from .materials import Material, Undrained, Update
 from .materials.reduction import reduced_strength
 from .materials.spectral import largest_shear
 from .regions import Region, by_region, check_materials
@@ -234,6 +234,20 @@ class SolidForm(Form):
                 or not np.array_equal(old.basis.element_dofs, self.basis.element_dofs):
             raise ValueError("its elements are others")
         return self
+
+    def inherits(self, old: Form, state: SolidState) -> SolidState:
+        """The state of an old form, without the excess pressures of ground that was undrained and is not any more."""
+        now = np.zeros(self.basis.nelems, bool)
+        for region in self.regions:
+            now[region.elements] = isinstance(region.material, Undrained)
+        for region in old.regions if isinstance(old, SolidForm) else ():
+            last = region.material.n_internal - 1  # the excess pressure
+            drains = np.arange(len(now))[region.elements][~now[region.elements]]
+            if isinstance(region.material, Undrained) and len(drains) and len(state.internal) > last:
+                state = SolidState(state.strain, state.stress.copy(), state.internal.copy())
+                state.stress[:3, drains] += state.internal[last, drains]
+                state.internal[last, drains] = 0.0
+        return state
 
     def fits(self, state: SolidState) -> bool:
         """Whether a state has stresses at the points of this body; internal variables may be others than at first."""

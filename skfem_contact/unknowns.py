@@ -35,6 +35,8 @@ class Field:
     scale
         How much of the unknown goes with a unit of displacement: E/h for a pressure, 1/h for a rotation. Linear systems
         are solved in scaled unknowns: without it a direct solver pivots off its order.
+    moves
+        Whether they are motions, which :func:`reset_displacements` sets to zero: pressures are not.
 
     Examples
     --------
@@ -48,6 +50,7 @@ class Field:
     places: ndarray
     first: int
     scale: float = 1.0
+    moves: bool = True
 
     @property
     def end(self) -> int:
@@ -76,7 +79,8 @@ class Unknowns:
         ValueError
             Fields that overlap, or that leave a gap between them.
         """
-        given = sorted({id(field): field for field in fields}.values(), key=lambda field: field.first)
+        brought = {(field.name, field.first, field.end): field for field in fields}  # parts of the ground share theirs
+        given = sorted(brought.values(), key=lambda field: field.first)
         known = [Field("displacement", displacements, 0)]
         for field in given:
             if field.first != known[-1].end:
@@ -103,6 +107,11 @@ class Unknowns:
         if len(self.fields) == 1:
             return None
         return np.concatenate([np.full(field.end - field.first, field.scale) for field in self.fields])
+
+    @property
+    def brought(self) -> ndarray:
+        """Unknowns that are no displacements."""
+        return np.arange(self.fields[0].end, self.size)
 
     @property
     def parts(self) -> tuple[slice, ...]:

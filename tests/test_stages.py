@@ -300,7 +300,7 @@ def test_soft_penalty_is_told():
     assert told[0].filename == __file__  # it points at the caller's line
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        sc.run({**forms, "joint": forms["joint"].with_penalty(1e6, 1e6)}, [sc.Stage("top", top)], fixed, **QUIET)
+        sc.run({**forms, "joint": forms["joint"].with_penalty(1e7, 1e7)}, [sc.Stage("top", top)], fixed, **QUIET)
 
 
 def test_from_elastic_to_plastic_stage():

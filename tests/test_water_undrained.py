@@ -120,6 +120,27 @@ def test_mobilised_strength_is_that_of_the_soil():
     assert (point_status(wet, torn) == PointStatus.TENSION).all()
 
 
+@pytest.mark.parametrize("how", ["change", "start"])
+def test_drains_later(how):
+    """[X] Ground that was undrained and is not any more loses its excess pressure, and settles as drained ground."""
+    basis = vector_basis(grid("Q1", [0.0, 1.0], np.linspace(0.0, 2.0, 4)), "Q1", intorder=2)
+    drained = sc.SolidForm(basis, SOIL, strain=sc.b_bar)
+    quick = drained.with_materials({"all": sc.Undrained(SOIL, Kw=1e3 * BULK)})
+    fixed = np.append(basis.get_dofs("bottom").all("u^2"), basis.get_dofs({"left", "right"}).all("u^1"))
+    top = FacetBasis(basis.mesh, basis.elem, facets="top")
+    load = LinearForm(lambda v, w: -10.0 * v[1]).assemble(top)
+    first = sc.run({"soil": quick}, [sc.Stage("quick", load)], fixed, progress=False)
+    assert sc.pore_pressure(quick, first["quick"].states["soil"]).min() > 9.9
+    if how == "change":
+        stages = [sc.Stage("quick", load), sc.Stage("later", load, change={"soil": drained})]
+        later = sc.run({"soil": quick}, stages, fixed, progress=False)["later"]
+    else:
+        later = sc.run({"soil": drained}, [sc.Stage("later", load)], fixed, start=first, progress=False)["later"]
+    slow = sc.run({"soil": drained}, [sc.Stage("slow", load)], fixed, progress=False)["slow"]
+    np.testing.assert_allclose(later.x, slow.x, atol=1e-9)
+    np.testing.assert_allclose(later.states["soil"].stress, slow.states["soil"].stress, atol=1e-6)
+
+
 def test_in_space():
     """[X] A cube of tetrahedra under a quick load between smooth walls: Kw / (Kw + M) of it is carried by the water."""
     sides = [("bottom", 2, 0), ("x", 0, 0), ("X", 0, 1), ("y", 1, 0), ("Y", 1, 1)]

@@ -1,4 +1,4 @@
-"""Quarters of round piles and of the ground around them, in layers of hexahedra."""
+"""Quarters of round piles and footings and of the ground around them, in layers of hexahedra."""
 from __future__ import annotations
 
 import meshio
@@ -17,16 +17,21 @@ def rings(m: int, radii: ndarray) -> tuple[ndarray, ndarray]:
     return points.reshape(-1, 2), _quads(len(radii), len(angle))
 
 
-def disc(m: int, radius: float) -> tuple[ndarray, ndarray]:
-    """The same of a disc: a square in the middle, and a ring from there to the rim."""
+def disc(m: int, radius: float, inside: ndarray | None = None) -> tuple[ndarray, ndarray]:
+    """The same of a disc: a square in the middle, and rings from there to the rim.
+
+    The rings lie at shares of the way from the square to the rim, 0, 1/2 and 1 unless others are given.
+    """
+    share = np.array([0.0, 0.5, 1.0]) if inside is None else inside
     side = np.linspace(0, 0.6 * radius, m + 1)
     x, y = np.meshgrid(side, side, indexing="ij")
     end = np.full(m + 1, side[-1])
     edge = np.stack((np.append(end, side[-2::-1]), np.append(side, end[1:])), axis=1)
     angle = np.linspace(0, np.pi / 2, 2 * m + 1)
     rim = radius * np.stack((np.cos(angle), np.sin(angle)), axis=1)
-    points = np.concatenate((np.stack((x.ravel(), y.ravel()), axis=1), edge, 0.5 * (edge + rim), rim))
-    return points, np.concatenate((_quads(m + 1, m + 1), _quads(3, 2 * m + 1) + x.size))
+    around = (edge + t * (rim - edge) for t in share)
+    points = np.concatenate((np.stack((x.ravel(), y.ravel()), axis=1), *around))
+    return points, np.concatenate((_quads(m + 1, m + 1), _quads(len(share), 2 * m + 1) + x.size))
 
 
 def _quads(rows: int, columns: int) -> ndarray:
@@ -53,3 +58,14 @@ def pile_in_ground(m: int = 3, diameter: float = 0.6, length: float = 10.0, widt
     shaft = {"shaft": lambda x: np.isclose(np.hypot(*x[:2]), radius, rtol=0.05)}
     return sc.join_bodies({"soil": soil.with_boundaries(shaft),
                            "pile": layers(disc(m, radius), z).with_boundaries(shaft)})
+
+
+def ground_under_disc(m: int, size: float, growth: float, width: float) -> MeshHex:
+    """A quarter of the ground under a disc of radius 1, with elements that grow away from its rim and the surface."""
+    steps = size * growth ** np.arange(99)
+    away = np.append(0.0, np.cumsum(steps))
+    away = away[: np.searchsorted(away, width) + 1]
+    inside = away[away < 0.35] / 0.4
+    points, quads = disc(m, 1.0, np.append(1.0 - inside, 0.0)[::-1])
+    more, others = rings(m, 1.0 + away)
+    return layers((np.concatenate((points, more)), np.concatenate((quads, others + len(points)))), -away[::-1])

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy import ndarray
 
-from ..forms import Form, arrays_of
+from ..forms import Form
 from ..remarks import Remark
+from ..states import arrays_of
 from ..surfaces.surface import Surface
 from .diagnosis import penetration, remarks
 from .first_geometry import FirstGeometry, HeldState

@@ -10,7 +10,7 @@ from numpy import ndarray
 Fit = Literal["as meshed", "adjusted", "ramped"]
 
 #: Gaps of the mesh below this share of the slave segment are round-off: such bodies touch.
-_TOUCHING = 1e-8
+TOUCHING = 1e-8
 #: Gaps below this share of it are those of one surface meshed twice.
 _ADJUSTED = 0.5
 
@@ -35,7 +35,7 @@ def touching(gap: ndarray, meshed: ndarray, size: ndarray, fit: Fit, bonded: boo
         moved = np.where(np.abs(gap - meshed) <= 0.5 * size, gap - meshed, 0.0)
     if fit == "ramped":
         moved = np.zeros_like(gap)
-    nothing = (_ADJUSTED if bonded or fit == "adjusted" else _TOUCHING) * size
+    nothing = (_ADJUSTED if bonded or fit == "adjusted" else TOUCHING) * size
     offset = np.where(np.abs(gap - moved) <= nothing, gap, moved)
     return np.minimum(gap, offset) if fit == "ramped" else offset
 

@@ -10,6 +10,7 @@ from numpy import ndarray
 from ..errors import place
 from ..remarks import Remark
 from ..surfaces.surface import Surface
+from .clearance import TOUCHING
 from .laws import InterfaceLaw, Status
 from .quadrature import SlavePoints
 from .state import ContactState
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
 PENETRATION = 0.01
 #: Displacement that is the penalty's, as a share of the largest one, that is remarked on.
 _COMPLIANCE = 0.01
+#: Round-off of a traction that is the penalty times the gap, as a share of it.
+_ELASTIC = 1e-6
 #: Pressure that overlaps of the mesh carry by what they differ within facets, as a share of that found, likewise.
 _RIPPLE = 0.05
 #: Share of the pressure that acts along the slave where nodes face joints of the master, likewise; and how near to
@@ -101,10 +104,12 @@ def _on_enforcement(pair: ContactPair, x: ndarray, state: ContactState) -> Itera
 def _compliance(pair: ContactPair, x: ndarray, state: ContactState) -> float:
     """What the penalty gives way by, averaged over the pressure, as a share of the largest displacement.
 
-    What gave way when displacements were counted from anew, or is an overlap of the mesh, is not due to it.
+    What gave way when displacements were counted from anew, or is an overlap of the mesh, is not due to it; nor is
+    what a law of one's own makes of the gap.
     """
-    closed, largest = state.traction[0] != 0.0, float(np.abs(x).max(initial=0.0))
-    force = (pair.points(state).weight * np.abs(state.traction[0]))[closed]
+    elastic = np.where(state.traction[0] != 0.0, (state.gap - state.offset) * pair.penalties(state)[0], 0.0)
+    closed = (elastic != 0.0) & np.isclose(state.traction[0], elastic, rtol=_ELASTIC, atol=0.0)
+    force, largest = (pair.points(state).weight * np.abs(elastic))[closed], float(np.abs(x).max(initial=0.0))
     way = (state.offset - state.gap)[closed]
     if largest == 0.0 or not force.any() or not np.average(np.abs(way), weights=force) > _COMPLIANCE * largest:
         return 0.0
@@ -126,9 +131,10 @@ def _on_facets(pair: ContactPair, state: ContactState) -> Iterator[Remark]:
     if not force.any():
         return
     overlap = np.maximum(state.offset - _meshed_gap(pair, state), 0.0)
-    overlap[overlap > pair.depth(points)] = 0.0
-    ripple = _within_facets(pair.slave, points, overlap)
-    carried = (pair.stiffness or pair.penalties(state)[0]) * float(ripple @ pair.slave.area) / float(force.sum())
+    overlap[(overlap > pair.depth(points)) | (overlap < TOUCHING * points.size)] = 0.0
+    penalty = pair.penalties(state)[0]
+    in_series = 1.0 / (1.0 / penalty + 1.0 / (pair.stiffness or penalty))
+    carried = in_series * float(_within_facets(pair.slave, points, overlap) @ pair.slave.area) / float(force.sum())
     if carried > _RIPPLE:
         yield Remark("overlap", carried,
                      f"facets of '{pair.slave.name}' and '{pair.facets.name}' that do not match overlap by up to "

@@ -33,9 +33,9 @@ _FEASIBLE = (1e-4, 1e-5)
 _CHANGE = 0.2
 #: Relative residual at which solutions of the normal equations are refined no more, and how often they are.
 _REFINED, _REFINEMENTS = 1e-9, 3
-#: Least size of that compliance, as a share of the median: a strong pile in the ground (c = 7,500 and 32) has so little
-#: of its own that round-off rules (0 and .01: no lower bound; .1: 1.347 and 1.485; 1: none above for a slope of clay).
-_AMONG_WEAK = 0.1
+#: Least size of that compliance, as a share of the median, where the strength is so many times the median: a pile in
+#: the ground (c = 7,500 and 32) has so little that round-off rules (0 and .01: no lower bound; .1: 1.347, 1.485).
+_AMONG_WEAK, _STRONG = 0.1, 10.0
 #: Share of its depth within the cone that a multiplier keeps where it is made to follow from the strains.
 _DEEP = 0.5
 #: Steps without progress after which round-off is said to rule.
@@ -209,7 +209,8 @@ class _Path:
         trace = np.trace(H, axis1=1, axis2=2)[:, None, None]
         H += trace * 1e-13 * np.eye(3)
         volume = self.program.volume[self.soft]
-        size = np.maximum(trace, _AMONG_WEAK * np.median(trace))[self.soft]
+        strong = self.h[:self.program.n_points] > _STRONG * np.median(self.h)
+        size = np.maximum(trace, _AMONG_WEAK * np.median(trace) * strong[:, None, None])[self.soft]
         H[self.soft] += self.goal.volume * size * volume[:, :, None] * volume[:, None, :] / 2
         if not np.isfinite(H).all():
             raise ArithmeticError("a point has reached the surface of its cone")

@@ -82,7 +82,7 @@ def _solve(given: System, system: System, x: ndarray, states: Mapping[str, Any],
             raise NotConverged(f"the increment is too large: {error}", new.x, residuals) from error
         changed = {name: answer for name, answer in again.items() if answer is not None}
         if not changed:
-            check(given, system, new, load, newton)
+            check(given, system, new, states, load, newton)
             return replace(new, residuals=residuals, equilibria=count)
         states = {**states, **{name: state for name, (_, state) in changed.items()}}
         system = _with(system, {**system.forms, **{name: form for name, (form, _) in changed.items()}})
@@ -96,12 +96,13 @@ def _with(system: System, forms: Mapping[str, Any]) -> System:
     return system if same else system.with_forms(forms)
 
 
-def check(given: System, system: System, found: Equilibrium, load: ndarray, newton: Newton) -> None:
-    """Refuse what balances by easier forms alone."""
+def check(given: System, system: System, found: Equilibrium, states: Mapping[str, Any], load: ndarray,
+          newton: Newton) -> None:
+    """Refuse what balances by easier forms alone: they are assembled anew from what they left, as they were given."""
     eased = {name: form for name, form in system.forms.items() if form is not given.forms[name]}
     if not eased:
         return
-    again = given.evaluate(found.x, found.states, load)
+    again = given.evaluate(found.x, {k: found.states[k] if k in eased else state for k, state in states.items()}, load)
     if again.norm > _AGAIN * newton.tolerance:
         why = "; ".join(f"{name}: {form.eased}" for name, form in eased.items() if form.eased)
         raise NotConverged(f"an equilibrium was found that does not last, {again.norm:.1e} of the forces are out of "

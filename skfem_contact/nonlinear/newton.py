@@ -16,10 +16,8 @@ from .line_search import Search, backtrack, bisect_work, unbalanced
 logger = logging.getLogger("skfem_contact")
 #: The tangent is damped when so many iterations have not halved the residual.
 _PATIENCE = 6
-#: So many iterations, all of them with twice the smallest residual that has been reached, lead nowhere; neither do
-#: so many with forces that have lost any relation to the load.
-_ASTRAY, _LOST = 10, 3
-_TIMES, _NOTHING, _HALF = 2.0, 0.95, 0.5
+#: So many iterations, all of them with so many times the smallest residual that has been reached, lead nowhere.
+_ASTRAY, _TIMES = 10, 2.0
 #: Along the energy, so many residuals that differ by so little and are so many times the smallest one.
 _STUCK, _SAME, _WORSE = 6, 0.8, 5.0
 #: Round-off of the forces, as a share of the residual, that is mentioned where the iterations fail.
@@ -135,8 +133,7 @@ def _hopeless(norms: list[float]) -> bool:
     Along the energy this is not asked: there it may be the way to a collapse.  See :func:`_stuck`.
     """
     least = min(norms[1:], default=np.inf)
-    astray = len(norms) > _ASTRAY and min(norms[-_ASTRAY:]) > _TIMES * least
-    return astray or (len(norms) > _LOST and min(norms[-_LOST:]) > _NOTHING and least < _HALF)
+    return len(norms) > _ASTRAY and min(norms[-_ASTRAY:]) > _TIMES * least
 
 
 def _stuck(norms: list[float]) -> bool:

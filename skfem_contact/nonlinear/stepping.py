@@ -19,6 +19,8 @@ _SMALL = 1.0 / 128.0
 #: Distance from the last equilibrium to a collapse, as a share of what was reached, at which the limit is found.
 _NARROW = 0.02
 _ROUND_OFF = 1e-9
+#: Steps in time keep their length, and with it their matrix, until they may be longer by this, and at most this much.
+_WORTH, _TWICE = 1.5, 2.0
 
 
 class Stepping:
@@ -46,7 +48,7 @@ class Stepping:
 
     def __init__(self, increments: int) -> None:
         self._size = self._largest = 1.0 / increments
-        self._reached, self._failed, self._collapsed = 0.0, np.inf, np.inf
+        self._reached, self._failed, self._collapsed, self._shortest = 0.0, np.inf, np.inf, 1.0
         #: Whether the attempt before this one failed.
         self.cut = False
 
@@ -70,20 +72,27 @@ class Stepping:
     @property
     def exhausted(self) -> bool:
         """Whether smaller increments would tell no more."""
-        return self._size < _SMALLEST or self._limited
+        return self._size < _SMALLEST * self._shortest or self._limited
 
     @property
     def _limited(self) -> bool:
         """Whether an equilibrium and a collapse are next to each other."""
         return self._collapsed - self._reached <= _NARROW * self._reached
 
-    def accept(self, fraction: float, iterations: int, equilibria: int = 1) -> None:
-        """An equilibrium was found, or several in a row."""
+    def shorten(self, share: float) -> None:
+        """An equilibrium was found, after a step too long in time."""
+        self._size = share * (self.fraction - self._reached)
+        self._shortest = min(self._shortest, self._size)
+
+    def accept(self, fraction: float, iterations: int, equilibria: int = 1, growth: float = np.inf) -> None:
+        """An equilibrium was found, or several in a row; the next step in time may be longer by some factor."""
         self._reached, self.cut = fraction, False
         self._failed, self._collapsed = (f if f > fraction + _ROUND_OFF else np.inf
                                          for f in (self._failed, self._collapsed))
-        if iterations <= _EASY * equilibria:
-            self._size = max(self._size, min(2.0 * self._size, self._largest))
+        if growth < 1.0:
+            self._size *= growth
+        elif iterations <= _EASY * equilibria and growth >= _WORTH:
+            self._size = max(self._size, min(min(_TWICE, growth) * self._size, self._largest))
 
     def reject(self, error: NotConverged) -> None:
         """None was found."""

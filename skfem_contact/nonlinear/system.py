@@ -68,7 +68,9 @@ class System:
 
     def with_forms(self, forms: Mapping[str, Form]) -> System:
         """The system with other forms on the same unknowns."""
-        return System(forms, self.unknowns, self.fixed, self._solver)
+        new = System(forms, self.unknowns, self.fixed, self._solver)
+        new._total = self._total
+        return new
 
     def over(self, duration: float) -> System:
         """The system of a step in time; itself where time matters to none of its forms."""
@@ -112,9 +114,9 @@ class System:
                   ) -> tuple[float, float]:
         """Norm of the residual of a field over the largest forces there, less what may be round-off, and that."""
         carried = float(np.linalg.norm(load[part]))
-        scale = max(carried, *(float(np.linalg.norm(r.force[part])) for r in responses.values()))
+        scale = max(carried, *(float(np.linalg.norm(r.measure[part])) for r in responses.values()))
         if self._scale is not None:  # where all forces of a field vanish, as those of multipliers do, others measure it
-            everywhere = max(float(np.linalg.norm(self._scale * r.force)) for r in responses.values())
+            everywhere = max(float(np.linalg.norm(self._scale * r.measure)) for r in responses.values())
             scale = max(scale, _FLOOR * everywhere / float(self._scale[part].max()))
         round_off = sum(r.round_off for r in responses.values()) if part.start == 0 else 0.0
         if carried > 0.0:  # displacements so large that their round-off hides the load are no equilibrium

@@ -18,7 +18,7 @@ from .units import labelled
 
 
 def history(forms: Mapping[str, Any], result: Result, quantity: str, at: Mapping[str, ArrayLike], *,
-            file: str | Path | None = None) -> Figure:
+            time: bool = False, file: str | Path | None = None) -> Figure:
     """A field at some points through all stages.
 
     Parameters
@@ -29,6 +29,8 @@ def history(forms: Mapping[str, Any], result: Result, quantity: str, at: Mapping
         A field of :func:`~skfem_contact.nodal_field`.
     at
         Places (x, y) by their labels; the nearest nodes are taken. Stages in which no solid is there have no value.
+    time
+        Over the times at which the stages end, which have durations, in place of their names.
     file
         Name of a picture to write.
 
@@ -50,8 +52,12 @@ def history(forms: Mapping[str, Any], result: Result, quantity: str, at: Mapping
     figure, ax = plt.subplots(figsize=(8.0, 4.2), layout="constrained")
     for given, (label, node) in zip(styles(len(nodes)), nodes.items()):
         style = {**given, "linestyle": "-", "marker": "o", "markersize": 5}
-        ax.plot(range(len(names)), [field[node] for field in fields], label=label, **style)
-    ax.set_xticks(range(len(names)), names)
+        places = [stage.time for stage in result] if time else range(len(names))
+        ax.plot(places, [field[node] for field in fields], label=label, **style)
+    if time:
+        ax.set_xlabel("time")
+    else:
+        ax.set_xticks(range(len(names)), names)
     ax.set_ylabel(labelled(what[quantity].title, what[quantity].unit))
     tidy(ax, len(nodes))
     return saved(figure, file)

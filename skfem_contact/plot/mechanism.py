@@ -65,9 +65,10 @@ def mechanism(forms: Mapping[str, Any], found: Any, *, deformed: bool = False, v
     >>> found = sc.limit_load(forms, fixed, sc.weight(basis, 5.), progress=False)
     >>> picture = plot.mechanism(forms, found)
     """
-    check_plane(next(iter(solids(forms).values())).basis, "plot.mechanism")
+    basis = next(iter(solids(forms).values())).basis
+    check_plane(basis, "plot.mechanism")
     there, stage, bands = _of_bounds(found) if isinstance(found, Bounds) else _of_search(forms, found)
-    moved = stage.x
+    moved = stage.x[:basis.N]
     fields = [field for name, form in there.items() for field in recovered(form, bands[name][None], limited=True)]
     strain = np.concatenate([field.values[0] for field in fields])
     scene = Scene(there, stage, 0.0)

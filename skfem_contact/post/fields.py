@@ -10,7 +10,7 @@ from numpy import ndarray
 from ..errors import look_up
 from ..solid import SolidForm
 from ..stages.result import StageResult
-from ..water import Seepage
+from ..water import PoreWater, Seepage
 from .quantities import PLANE, SPACE, Quantity
 from .recovery import RegionField, recovered, recovered_stress, regions_of
 from .strength import mobilised
@@ -39,8 +39,8 @@ def nodal_field(forms: Mapping[str, Any], step: StageResult, quantity: str, sinc
         principal stresses ``"s1"`` >= ``"s2"`` >= ``"s3"``; ``"mean"``, ``"mises"``; strains ``"exx"``, ``"eyy"``,
         ``"exy"`` (engineering shear), ``"gamma"`` (largest shear strain, in the plane), ``"ev"`` (volumetric);
         ``"plastic"``, the equivalent plastic strain (zero in elastic bodies); ``"mobilised"``, the share of the shear
-        strength that is used; ``"pore"``, the excess pore pressure of undrained ground, and that of `water` with it. In
-        three dimensions also ``"uz"``, ``"syz"``, ``"szx"``.
+        strength that is used; ``"pore"``, the excess pore pressure of :class:`PoreWater` or of undrained ground, and
+        that of `water` with it. In three dimensions also ``"uz"``, ``"syz"``, ``"szx"``.
     since
         An earlier stage: the change from there on. Displacements and strains are those of the change; invariants of
         stresses are subtracted.
@@ -87,9 +87,10 @@ def region_fields(forms: Mapping[str, Any], step: StageResult, quantity: str, si
     what = look_up(quantity, quantities(found), "field")
     undrained = any(soil_of(m) is not m for form in (*found.values(), *solids(forms).values())
                     for m in form.materials.values())
-    if quantity == "pore" and water is None and not undrained:
-        raise ValueError("pore pressure where no ground is Undrained: give water=, a Seepage or a function of places "
-                         "such as hydrostatic(level)")
+    flowing = any(isinstance(form, PoreWater) for form in forms.values())
+    if quantity == "pore" and water is None and not undrained and not flowing:
+        raise ValueError("pore pressure where there is no PoreWater and no ground is Undrained: give water=, a Seepage "
+                         "or a function of places such as hydrostatic(level)")
     fields: list[RegionField] = []
     for name, form in found.items():
         fields += _of_form(form, step, name, quantity, what, since, water)
@@ -138,6 +139,10 @@ def _of_form(form: SolidForm, step: StageResult, name: str, quantity: str, what:
         return _valued(what, recovered(form, state.strain if before is None else state.strain - before.strain))
     at = _at_points if what.source == "points" else _stress
     now = _valued(what, at(form, state, quantity))
+    if quantity == "pore":
+        n = form.basis.N // form.basis.mesh.dim()
+        excess = _excess(step, n) - (0.0 if since is None else _excess(since, n))
+        now = [field._replace(values=field.values + excess[field.nodes]) for field in now]
     if quantity == "pore" and water is not None and since is None:
         pressure = water.pressure_at if isinstance(water, Seepage) else water
         places = form.basis.doflocs[:, ::form.basis.mesh.dim()]
@@ -146,6 +151,16 @@ def _of_form(form: SolidForm, step: StageResult, name: str, quantity: str, what:
         return now
     return [a._replace(values=a.values - b.values)
             for a, b in zip(now, _valued(what, at(form, before, quantity)), strict=True)]
+
+
+def _excess(step: StageResult, n: int) -> ndarray:
+    """Excess pressure of consolidating ground at the n nodes; zero where there is none."""
+    pressure = np.zeros(n)
+    for form in step.forms.values():
+        if isinstance(form, PoreWater):
+            own = form.pressure_at_nodes(step.x)
+            pressure = np.where(pressure == 0.0, own, pressure)  # parts of the ground share nodes, and their pressures
+    return pressure
 
 
 def _valued(what: Quantity, fields: list[RegionField]) -> list[RegionField]:

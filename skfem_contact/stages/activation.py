@@ -17,7 +17,7 @@ from ..remarks import Remark
 from ..solvers.choice import as_solver
 from ..sparse import padded
 from ..unknowns import Unknowns
-from .setup import on_all, unknowns_of
+from .setup import not_there, on_all, unknowns_of
 from .supports import all_unknowns, as_unknowns, check_supports
 
 if TYPE_CHECKING:
@@ -86,6 +86,7 @@ def plan(forms: Mapping[str, Form], stages: Sequence[Stage], fixed: ndarray, sta
     now = choose_penalties(forms)
     active = _at_first(forms, stages, start)
     phases: list[Phase] = []
+    time = 0.0
     for stage in stages:
         before = {name: now[name] for name in now if name in active}
         changes = bool(stage.activate or stage.deactivate or stage.change or stage.fixed is not None)
@@ -94,16 +95,19 @@ def plan(forms: Mapping[str, Form], stages: Sequence[Stage], fixed: ndarray, sta
             now.update({name: _changed(name, now[name], new) for name, new in as_forms(stage.change).items()})
             supported, fixed = fixed, fixed if stage.fixed is None else as_unknowns(stage.fixed)
             there = {name: now[name] for name in now if name in active}
-            held = np.setdiff1d(unknowns_of(now), unknowns_of(there))
+            held = not_there(now, there, unknowns)
             if changes or not phases:
                 check_contacts(there, held)
                 check_supports(there, np.union1d(fixed, held), unknowns)
         except ValueError as error:
             raise (ValueError(f"stage '{stage.name}': {error}") if changes else error) from None
         load, prescribed = _values(stage, unknowns, held, [name for name in now if name not in active])
+        waits = bool(phases) and not changes and prescribed is None and np.array_equal(load, phases[-1].load)
+        time = time + stage.duration if waits else stage.duration
+        remarks = (*_idle(stage, load, prescribed, phases, np.array_equal(supported, fixed)),
+                   *_of_forms(stage, there, fixed, held, time))
         phases.append(Phase(unknowns, before, there, np.union1d(fixed, held), load, prescribed,
-                            changes and bool(phases or start is not None),
-                            tuple(_idle(stage, load, prescribed, phases, np.array_equal(supported, fixed)))))
+                            changes and bool(phases or start is not None), remarks))
     return phases
 
 
@@ -175,6 +179,15 @@ def _idle(stage: Stage, load: ndarray, prescribed: ndarray | None, before: list[
         yield Remark("nothing", 0.0, "it changes nothing: its load and its supports are those of the stage before")
 
 
+def _of_forms(stage: Stage, there: Mapping[str, Form], fixed: ndarray, held: ndarray, time: float) -> list[Remark]:
+    """What the forms remark on the stage, which ends some time after anything has begun to change."""
+    try:
+        return [replace(remark, text=f"{name}: {remark.text}") for name, form in there.items()
+                for remark in form.check_stage(fixed, held, time if stage.duration else 0.0)]
+    except ValueError as error:
+        raise ValueError(f"stage '{stage.name}': {error}") from None
+
+
 def among(start: StageResult, unknowns: Unknowns) -> StageResult:
     """A start, which may know displacements only, among all unknowns."""
     return replace(start, x=on_all(start.x, unknowns, "start"), load=on_all(start.load, unknowns, "start"))
@@ -190,19 +203,32 @@ def begin(phase: Phase, last: StageResult) -> tuple[ndarray, dict[str, Any], nda
 
     New solids are stress-free in the deformed ground. A new contact pair carries no traction, unless it takes the
     place of one between the same surfaces: then it takes over its tractions, so that nothing moves. What is
-    out of balance then, because a body, a support or strength has gone, is to be released.
+    out of balance then, because a body, a support, strength or the pressure of water has gone, is to be released.
     """
     new = {name: form for name, form in phase.forms.items() if name not in phase.before}
     x = placed(last.x, new, unknowns_of(phase.before), phase.fixed)
-    states = {name: form.initial_state(x) if name in new else last.states[name] for name, form in phase.forms.items()}
+    states = {name: form.initial_state(x[:form.size]) if name in new
+              else _inherited(form, phase.before[name], last, name) for name, form in phase.forms.items()}
     for name, form in new.items():
         gone = {k: f for k, f in phase.before.items() if k not in phase.forms and form.replaces(f)}
-        operator = form.tractions_at(x, states[name]) if gone else None
+        operator = form.tractions_at(x[:form.size], states[name]) if gone else None
         if operator is not None:
             states[name] = prestressed({name: operator}, carried(gone, last.x, last.states)[:form.size])[name]
     lost = last.load - carried(phase.forms, x, states)
     lost[phase.fixed] = 0.0
     return x, states, lost
+
+
+def _inherited(form: Form, before: Form, last: StageResult, name: str) -> Any:
+    """The state that a form goes on from, in the place of one before or of that with which the last stage ended."""
+    old, state = last.forms.get(name, before), last.states[name]
+    return state if form is old else form.inherits(old, state)
+
+
+def goes_on_otherwise(phase: Phase, last: StageResult) -> bool:
+    """Whether the forms of a stage make something else of the states with which the last one ended."""
+    return any(name in phase.forms and _inherited(form, form, last, name) is not last.states[name]
+               for name, form in phase.before.items())
 
 
 def placed(x: ndarray, new: Mapping[str, Form], known: ndarray, fixed: ndarray) -> ndarray:

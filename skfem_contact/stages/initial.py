@@ -244,8 +244,9 @@ def _held(forms: Mapping[str, Form], load: ndarray, fixed: ndarray) -> ndarray:
 def _balanced(forms: Mapping[str, Form], load: ndarray, fixed: ndarray, stress: _Field, name: str) -> Result:
     """A result with these stresses, tractions to balance them, and the residual that is left."""
     forms = as_forms(forms)
-    load, fixed = np.asarray(load, dtype=float), _held(forms, load, fixed)
+    fixed = _held(forms, load, fixed)
     system = build_system(forms, fixed)
+    load = on_all(load, system.unknowns, "the load")
     x = np.zeros(system.size)
     states = {key: form.initial_state() for key, form in system.forms.items()}
     solids = _solids(system.forms)
@@ -254,8 +255,8 @@ def _balanced(forms: Mapping[str, Form], load: ndarray, fixed: ndarray, stress: 
         if values.shape != states[key].stress.shape or not np.isfinite(values).all():
             raise ValueError(f"the stress of '{key}' must be finite and of shape {states[key].stress.shape}; its shape "
                              f"is {values.shape}")
-        states[key] = form.assemble(x, replace(states[key], stress=values)).state
-    bearing = {key: form.tractions_at(x, states[key]) for key, form in system.forms.items()}
+        states[key] = form.assemble(x[:form.size], replace(states[key], stress=values)).state
+    bearing = {key: form.tractions_at(x[:form.size], states[key]) for key, form in system.forms.items()}
     operators = {key: operator for key, operator in bearing.items() if operator is not None}
     if operators:
         force = carried(solids, x, states)
@@ -263,7 +264,7 @@ def _balanced(forms: Mapping[str, Form], load: ndarray, fixed: ndarray, stress: 
         states.update(prestressed(operators, load - force, system.free, near))
     now = system.evaluate(x, states, load)
     if now.norm > _BALANCED:
-        at = place(next(iter(solids.values())).basis.doflocs[:, now.worst])
+        at = place(system.unknowns.places[:, now.worst])
         names = [key for key, response in now.responses.items() if response.force[now.worst] != 0.0]
         warnings.warn(f"the initial stresses are out of balance by {now.norm:.2g} of the load, most at {at} of {names}"
                       ": begin with a stage of the same load to let them find equilibrium", AnalysisWarning,

@@ -40,5 +40,10 @@ def reset_displacements(forms: Mapping[str, Form], result: Result) -> Result:
     """
     last = result[-1]
     given = as_forms(forms)
-    states = {name: look_up(name, given, "form").moved_back(last.x, state) for name, state in last.states.items()}
-    return Result((*result.stages[:-1], replace(last, x=np.zeros_like(last.x), states=states)))
+    states = {name: look_up(name, given, "form").completed(given).moved_back(last.x, state)
+              for name, state in last.states.items()}
+    x = np.zeros_like(last.x)
+    for form in given.values():
+        for field in (field for field in form.fields if not field.moves):
+            x[field.first:field.end] = last.x[field.first:field.end]
+    return Result((*result.stages[:-1], replace(last, x=x, states=states)))

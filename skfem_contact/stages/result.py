@@ -17,7 +17,8 @@ from numpy import ndarray
 
 from ..contact.penalty import choose_penalties
 from ..errors import look_up
-from ..forms import Form, arrays_of, with_arrays
+from ..forms import Form
+from ..states import arrays_of, with_arrays
 from ..tables import html_table
 
 if TYPE_CHECKING:
@@ -51,6 +52,8 @@ class StageResult:
         One line for every form.
     forms
         The forms themselves, as they are in the stage.
+    time
+        Time at the end: the durations of all stages so far.
     """
 
     name: str
@@ -62,6 +65,7 @@ class StageResult:
     fraction: float = 1.0
     summary: Mapping[str, str] = field(default_factory=dict)
     forms: Mapping[str, Form] = field(default_factory=dict, repr=False)
+    time: float = 0.0
 
     def _form(self, name: str) -> Any:
         return look_up(name, self.forms, f"form in stage '{self.name}'")
@@ -82,7 +86,8 @@ class StageResult:
         """Resultants and status of a contact pair, see :func:`~skfem_contact.contact_report`."""
         from ..post import contact_report
 
-        return contact_report(self._form(pair), self.x, self.states[pair])
+        form = self._form(pair)
+        return contact_report(form, self.x[:form.size], self.states[pair])
 
     def section_forces(self, solid: str, sections: Sections) -> SectionForces:
         """Section forces of a body, see :func:`~skfem_contact.section_forces`."""
@@ -150,7 +155,8 @@ class Result:
         arrays, stages = {}, []
         for i, stage in enumerate(self.stages):
             stages.append({"name": stage.name, "iterations": stage.iterations, "residual": stage.residual,
-                           "fraction": stage.fraction, "summary": dict(stage.summary), "forms": list(stage.states),
+                           "fraction": stage.fraction, "time": stage.time, "summary": dict(stage.summary),
+                           "forms": list(stage.states),
                            "meshes": {name: _fingerprint(form) for name, form in stage.forms.items()}})
             arrays[f"{i}/x"], arrays[f"{i}/load"] = stage.x, stage.load
             for name, state in stage.states.items():
@@ -253,4 +259,4 @@ def _stage_in(arrays: Mapping[str, ndarray], i: int, head: Mapping[str, Any], gi
         if set(found) != set(arrays_of(initial)) or not form.fits(states.setdefault(name, with_arrays(initial, found))):
             raise ValueError(f"'{name}' is another form there: its mesh, its element or its settings differ")
     return StageResult(head["name"], arrays[f"{i}/x"], arrays[f"{i}/load"], states, tuple(head["iterations"]),
-                       head["residual"], head["fraction"], head["summary"], there)
+                       head["residual"], head["fraction"], head["summary"], there, head.get("time", 0.0))

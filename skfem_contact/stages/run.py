@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -11,14 +11,14 @@ from numpy import ndarray
 
 from ..errors import NotConverged, place
 from ..forms import as_forms
-from ..nonlinear.increment import solve_increment
 from ..nonlinear.newton import Newton
 from ..nonlinear.stepping import Predictor, Stepping
 from ..nonlinear.system import System
+from ..nonlinear.time_steps import TimeError, solve_step
 from ..progress import progress_bar
 from ..remarks import Remarks
 from ..solvers.threads import single_threaded
-from .activation import Phase, among, begin, check_start, plan
+from .activation import Phase, among, begin, check_start, goes_on_otherwise, plan
 from .result import Result, StageResult
 from .setup import build_system
 from .stage import Stage
@@ -95,13 +95,13 @@ def run(forms: Mapping[str, Any], stages: Sequence[Stage], fixed: ndarray,
     with Remarks(stacklevel=3) as remarks:
         for stage, phase in zip(stages, phases, strict=True):
             released = np.zeros(len(last.x))
-            if phase.changed:
+            if phase.changed or (stage is stages[0] and goes_on_otherwise(phase, last)):
                 x, states, released = begin(phase, last)
                 last = replace(last, x=x, states=states)
             if phase.changed or stage is stages[0]:
                 system = build_system(phase.forms, phase.fixed, phase.unknowns, solver)
                 predictor = Predictor(system.fixed)
-                predictor.accept(last.x, last.load)
+                predictor.accept(last.x, last.load, last.time)
             remarks.add(stage.name, "the stage", phase.remarks)
             last = replace(last, name=stage.name, iterations=(), fraction=0.0, forms=system.forms)
             try:
@@ -123,18 +123,16 @@ def run(forms: Mapping[str, Any], stages: Sequence[Stage], fixed: ndarray,
 
 def _increments(system: System, predictor: Predictor, stage: Stage, phase: Phase, last: StageResult,
                 released: ndarray, newton: Newton) -> Iterator[StageResult]:
-    """Accepted increments of a stage, one after the other; forces of what has gone are released in proportion."""
-    first_load, first = last.load, last.x[system.fixed]
-    target = first if phase.prescribed is None else phase.prescribed[system.fixed]
-    stepping, began = Stepping(stage.increments), predictor.time
+    """Accepted increments of a stage, one after the other."""
+    path = _path(stage, phase, last.load, last.x[system.fixed], released)
+    stepping, error_in_time, began = Stepping(stage.increments), TimeError(), last.time
     while last.fraction < 1.0:
-        fraction = stepping.fraction
-        load = first_load + fraction * (phase.load - first_load) - (1.0 - fraction) * released
-        prescribed, time = first + fraction * (target - first), began + fraction * stage.duration
-        start = None if stepping.cut else predictor.start(load, prescribed, time)
+        done, fraction = last.fraction, stepping.fraction
+        time = began + fraction * stage.duration
+        start = None if stepping.cut else predictor.start(*path(fraction), time)
         try:
-            step = system.over((fraction - last.fraction) * stage.duration)
-            new = solve_increment(step, last.x, last.states, load, prescribed, newton, start, stepping.try_recovery)
+            step = solve_step(system, last.x, last.states, path, (done, fraction), stage.duration, newton, start,
+                              stepping.try_recovery)
         except NotConverged as error:
             stepping.reject(error)
             logger.info("stage '%s': increment to %.4f failed, cut to %.4f: %s", stage.name, fraction, stepping.size,
@@ -143,13 +141,30 @@ def _increments(system: System, predictor: Predictor, stage: Stage, phase: Phase
                 where = _place(system, error.unknown)
                 raise NotConverged(f"stage '{stage.name}' {stepping}: {error}{where}{_so_far(system, last)}") from error
             continue
+        new, growth = step.found, error_in_time.growth(step.errors)
+        if error_in_time.too_large(growth):
+            stepping.shorten(growth)
+            logger.info("stage '%s': step to %.3g too long, cut by %.2f", stage.name, time, growth)
+            continue
         logger.info("stage '%s': %.2f%% in %d iterations", stage.name, 100 * fraction, new.iterations)
-        stepping.accept(fraction, new.iterations, new.equilibria)
+        stepping.accept(fraction, new.iterations, new.equilibria, growth)
+        load, _ = path(fraction)
         summary = {name: form.summary(new.states[name]) for name, form in system.forms.items()}
         last = StageResult(stage.name, new.x, load, new.states, (*last.iterations, new.iterations),
-                           new.residuals[-1], fraction, summary, system.forms)
+                           new.residuals[-1], fraction, summary, system.forms, time)
         predictor.accept(last.x, last.load, time)
         yield last
+
+
+def _path(stage: Stage, phase: Phase, load: ndarray, held: ndarray, released: ndarray
+          ) -> Callable[[float], tuple[ndarray, ndarray]]:
+    """Loads and prescribed values at a share of a stage; forces of what has gone are released in proportion."""
+    target = held if phase.prescribed is None else phase.prescribed[phase.fixed]
+
+    def at(fraction: float) -> tuple[ndarray, ndarray]:
+        return load + fraction * (phase.load - load) - (1.0 - fraction) * released, held + fraction * (target - held)
+
+    return at
 
 
 def _place(system: System, unknown: int | None) -> str:

@@ -67,8 +67,8 @@ def left_by(start: StageResult | None, forms: Mapping[str, Form], fixed: ndarray
         given = as_forms(forms)
         return given, as_unknowns(fixed), all_unknowns(given)
     there, given = forms_there(start, forms, "start"), as_forms(forms)
-    held = np.setdiff1d(unknowns_of(given), unknowns_of(there))
-    return there, np.union1d(as_unknowns(fixed), held), all_unknowns(given)
+    unknowns = all_unknowns(given)
+    return there, np.union1d(as_unknowns(fixed), not_there(given, there, unknowns)), unknowns
 
 
 def forms_there(stage: StageResult, forms: Mapping[str, Form], what: str = "stage") -> dict[str, Form]:
@@ -81,8 +81,15 @@ def forms_there(stage: StageResult, forms: Mapping[str, Form], what: str = "stag
 def unknowns_of(forms: Mapping[str, Form]) -> ndarray:
     """Unknowns of the solids, and those that other forms bring."""
     found = [np.unique(form.basis.element_dofs) for form in forms.values() if form.basis is not None]
-    found += [np.arange(field.first, field.end) for form in forms.values() for field in form.fields]
+    found += [form.carries for form in forms.values() if form.carries is not None]
+    found += [np.arange(field.first, field.end) for form in forms.values() if form.carries is None
+              for field in form.fields]
     return np.unique(np.concatenate(found)) if found else np.zeros(0, int)
+
+
+def not_there(forms: Mapping[str, Form], there: Mapping[str, Form], unknowns: Unknowns) -> ndarray:
+    """Unknowns that some of the forms would carry, or that fields have, but nothing carries that is there."""
+    return np.setdiff1d(np.union1d(unknowns_of(forms), unknowns.brought), unknowns_of(there))
 
 
 def check_load(load: Any, unknowns: Unknowns) -> ndarray:

@@ -39,7 +39,8 @@ class Stage:
         released in proportion over the stage.
     duration
         Time that the stage takes, for forms to which it matters (:meth:`Form.over`); load and prescribed displacements
-        go from their last values to those of the stage in proportion to it.
+        go from their last values to those of the stage in proportion to it. Beside :class:`PoreWater` increments are
+        cut and grow with their estimated error in time, too.
 
     Notes
     -----

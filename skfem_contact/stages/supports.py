@@ -83,18 +83,19 @@ def all_unknowns(forms: Mapping[str, Form], size: int | None = None) -> Unknowns
         Bad mesh, forms of different bases, or no form that knows how many unknowns there are.
     """
     bases = {name: form.basis for name, form in forms.items() if form.basis is not None}
-    brought = [field for form in forms.values() for field in form.fields]
-    first = min((field.first for field in brought), default=None)
+    first = min((field.first for form in forms.values() for field in form.fields), default=None)
     sizes = {name: form.size for name, form in forms.items() if form.size is not None and not form.fields}
     if len(set(sizes.values())) > 1:
         raise ValueError(f"the forms belong to different bases; their numbers of unknowns are {sizes}")
     n = next(iter(sizes.values()), first if first is not None else size)
     if n is None:
         raise ValueError("no form knows how many unknowns there are: give one of them a `size`")
+    for basis in list(bases.values())[:1]:
+        check_mesh(basis.mesh)
+    brought = [field for form in forms.values() if form.fields for field in form.completed(forms).fields]
     if not bases:
         return Unknowns.of(np.arange(n, dtype=float)[None], brought)
     owner, basis = next(iter(bases.items()))
-    check_mesh(basis.mesh)
     unknowns = Unknowns.of(np.asarray(basis.doflocs), brought)
     known = {name: (np.arange(basis.N), basis.doflocs) for name, basis in bases.items()}
     known |= {name: form.nodes for name, form in forms.items() if form.nodes is not None}

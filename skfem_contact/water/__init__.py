@@ -1,6 +1,7 @@
-"""Water in the ground: steady seepage, confined or with a free surface."""
+"""Water in the ground: steady seepage, confined or with a free surface, and consolidation."""
 
+from .pore_water import PoreState, PoreWater
 from .retention import Ramp, Retention, VanGenuchten
 from .seepage import Seepage, seepage
 
-__all__ = ["Ramp", "Retention", "Seepage", "VanGenuchten", "seepage"]
+__all__ = ["PoreState", "PoreWater", "Ramp", "Retention", "Seepage", "VanGenuchten", "seepage"]

@@ -10,6 +10,7 @@ from scipy.sparse import coo_matrix, csr_matrix
 from skfem import (
     Basis,
     CellBasis,
+    Element,
     ElementHex1,
     ElementQuad1,
     ElementTetP1,
@@ -25,10 +26,15 @@ _ROUND_OFF = 16 * np.finfo(float).eps
 _LINEAR = {(2, 3): ElementTriP1, (2, 4): ElementQuad1, (3, 4): ElementTetP1, (3, 8): ElementHex1}
 
 
+def linear_element(basis: CellBasis) -> Element:
+    """The linear element, one unknown at each vertex of the mesh, in the shape of the elements of any basis."""
+    element: Element = _LINEAR[basis.mesh.dim(), len(basis.mesh.t)]()
+    return element
+
+
 def head_basis(basis: CellBasis) -> CellBasis:
     """Basis of heads on the elements of any basis: linear, one unknown at each vertex of the mesh."""
-    element = _LINEAR[basis.mesh.dim(), len(basis.mesh.t)]
-    return Basis(basis.mesh, element(), intorder=2, elements=elements_of(basis))
+    return Basis(basis.mesh, linear_element(basis), intorder=2, elements=elements_of(basis))
 
 
 class DarcyFlow:

@@ -36,8 +36,8 @@ def of_result(
 ) -> Iterator[Finding]:
     """The findings of one comparison; none where it says nothing, or the other analysis gives up and says so.
 
-    Nor are there any where one of the two says that its multipliers do not reach their tolerance, or where brittle bonds
-    broke: there are several equilibria then, and last bits tell which point goes first.
+    Nor are there any where one of the two says that its multipliers do not reach their tolerance, or where brittle
+    bonds broke: there are several equilibria then, and last bits tell which point goes first.
     """
     if any(_broken(stage) for stage in result):
         return

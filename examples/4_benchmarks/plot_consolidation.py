@@ -1,0 +1,272 @@
+r"""
+Consolidation
+=============
+
+Ground that is loaded quickly carries the load by the pressure of its water first; as the water leaves, it settles. Four
+problems have exact solutions by M. A. Biot's theory:
+
+* **Terzaghi** (1923): a layer that drains at its top settles by :math:`U(T) = 1 - \sum 2 m^{-2} e^{-m^2 T}`,
+  :math:`m = \pi/2, 3\pi/2, \ldots`;
+* **Mandel** (1953): a block between rigid plates drains at its sides. Its pressure *rises* first, because the sides
+  that have drained are softer and the middle takes over their load;
+* **Cryer** (1963): so does that in a sphere under an outer pressure;
+* **strip** on a layer of thickness 2a, width 2a: settlement of its middle by transforms of Fourier and Laplace.
+
+Times are :math:`T = c_v t / H^2`. Steps in time are of second order and as long as their estimated error allows.
+
+``--full`` adds finer meshes. ``error`` is that of the settlement over the final one (Terzaghi), of the largest pressure
+(Mandel, Cryer), and of the settlement (strip). Last comes what the water costs: the time to factor the matrix of both,
+over that for the ground alone.
+"""
+import json
+import sys
+import time
+
+import matplotlib.pyplot as plt
+import numpy as np
+from scipy.optimize import brentq
+from scipy.sparse import csr_matrix, diags_array
+from skfem import (
+    Basis,
+    ElementQuad1,
+    ElementQuad2,
+    ElementTriP2,
+    ElementVector,
+    MeshQuad,
+    MeshTri,
+    MeshTri2,
+)
+
+import skfem_contact as sc
+from skfem_contact.solvers.direct import DirectSolver
+from skfem_contact.stages.setup import build_system
+
+FULL = "--full" in sys.argv
+E, K, Q = 1e4, 1e-2, 100.0  # stiffness, permeability over the unit weight of water, load
+ELEMENTS = {"P2-P1": (MeshTri, ElementTriP2, 4), "Q2-Q1": (MeshQuad, ElementQuad2, 4),
+            "Q1-Q1, stabilised": (MeshQuad, ElementQuad1, 2)}
+
+# %%
+# The analysis
+# ------------
+# Water stands beside the solid; the pressures of drained boundaries are among the fixed unknowns. A short stage puts
+# the load on, others wait.
+
+
+def consolidate(basis, nu, load, fixed, drained, times, strain=sc.plane_strain, more=None, ramp=0.25):
+    """Stages that end at times T, after a load that comes within a share of the first one."""
+    forms = {"ground": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=nu), strain=strain),
+             "water": sc.PoreWater(basis, k=K, unit_weight=1.0, strain=strain), **(more or {})}
+    c_v = K * E * (1 - nu) / (1 + nu) / (1 - 2 * nu)
+    # a load that grows in proportion within a short time acts like one at once in the middle of that time
+    whole = np.concatenate(([ramp * times[0]], np.asarray(times) + 0.5 * ramp * times[0]))
+    stages = [sc.Stage(f"T = {T:.4g}" if k else "load", load, duration=d / c_v)
+              for k, (T, d) in enumerate(zip(whole, np.diff(whole, prepend=0.0)))]
+    fixed = np.concatenate((fixed, forms["water"].unknowns(drained)))
+    result = sc.run(forms, stages, fixed, progress=False)
+    return forms["water"], list(result)[1:], [iterations for stage in result for iterations in stage.iterations]
+
+
+def row(case, method, n, stages, began, error, steps, **more):
+    """Figures of a run."""
+    rows.append({"method": f"{case}, {method}", "n": n, "unknowns": len(stages[-1].x), "error": error,
+                 "cpu_s": round(time.process_time() - began, 2), "steps": len(steps), "iterations": sum(steps),
+                 **more})
+    print(f"{case:<9} {method:<18} n = {n:2d} {len(stages[-1].x):6d} unknowns {len(steps):4d} steps  "
+          f"error {error:8.2e}")
+
+
+rows = []
+
+# %%
+# Terzaghi's layer
+# ----------------
+# The worst error of the settlement from T = 0.001 to 1, with 40 steps in all. The layer's elements are thinner towards
+# the drain.
+
+
+def degree(T):
+    """Degree of consolidation."""
+    m = np.pi * (np.arange(2000) + 0.5)
+    return 1 - np.exp(-np.outer(T, m**2)) @ (2 / m**2)
+
+
+times = np.geomspace(1e-3, 1.0, 32)
+figure, axes = plt.subplots(2, 2, figsize=(11, 7.5), layout="constrained")
+for method, (kind, element, order) in ELEMENTS.items():
+    began = time.process_time()
+    mesh = kind.init_tensor(np.array([0.0, 0.1]), 1 - np.linspace(1, 0, 21) ** 1.8).with_defaults()
+    basis = Basis(mesh, ElementVector(element()), intorder=order)
+    strain = sc.b_bar if element is ElementQuad1 else sc.plane_strain
+    water, stages, steps = consolidate(basis, 0.2, sc.traction(basis, "top", (0, -Q)),
+                                       sc.rollers(basis, base="rollers"), "top", times, strain)
+    final = Q * 1.2 * 0.6 / (E * 0.8)
+    U = np.array([-stage.x[basis.get_dofs("top").all("u^2")].mean() / final for stage in stages])
+    last = stages[-1].states["water"]
+    lost = abs(water.inflow(last, "top") / water.volume(last) - 1)
+    row("Terzaghi", method, 20, stages, began, np.abs(U - degree(times)).max(), steps, water_lost=lost)
+    assert rows[-1]["error"] < 0.002 and len(steps) <= 40 and lost < 1e-8
+    axes[0, 0].semilogx(times, U, "o", ms=3, label=method)
+axes[0, 0].semilogx(times, degree(times), color="0.4", zorder=0, label="exact")
+axes[0, 0].set(title="Terzaghi", xlabel="T", ylabel="degree of consolidation")
+
+# %%
+# Mandel's block
+# --------------
+# A quarter of the block. The plate is rigid: the nodes below it are tied by stiff springs, a form of its own.
+
+
+def mandel(T, nu):
+    """Pressure in the middle over that at first."""
+    r = (1 - nu) / (0.5 - nu)
+    a = np.array([brentq(lambda a: np.sin(a) - r * a * np.cos(a), max(i * np.pi, 1e-3), (i + 0.5) * np.pi - 1e-12)
+                  for i in range(100)])
+    return np.exp(-np.outer(T, a**2)) @ (2 * np.sin(a) * (1 - np.cos(a)) / (a - np.sin(a) * np.cos(a)))
+
+
+def plate(basis):
+    """Springs between neighbouring nodes below the plate."""
+    top = basis.get_dofs("top").all("u^2")
+    top = top[np.argsort(basis.doflocs[0, top])]
+    m = len(top) - 1
+    data = 1e3 * np.sqrt(E) * np.repeat([-1.0, 1.0], m)
+    D = csr_matrix((data, (np.tile(np.arange(m), 2), np.r_[top[:-1], top[1:]])), (m, basis.N))
+    return {"plate": sc.MatrixForm(csr_matrix(D.T @ D))}
+
+
+times = np.sort(np.append(np.geomspace(2e-3, 1.0, 40), 0.072))
+for method, n in (("P2-P1", 20), ("Q2-Q1", 20)) + ((("P2-P1", 40),) if FULL else ()):
+    began = time.process_time()
+    kind, element, order = ELEMENTS[method]
+    mesh = kind.init_tensor(np.linspace(0, 1, n + 1), np.linspace(0, 0.5, n // 2 + 1)).with_defaults()
+    basis = Basis(mesh, ElementVector(element()), intorder=order)
+    fixed = np.append(basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1"))
+    water, stages, steps = consolidate(basis, 0.2, sc.traction(basis, "top", (0, -Q)), fixed, "right", times,
+                                       more=plate(basis))
+    p = np.array([water.pressure(stage.x)[0] / (Q / 2) for stage in stages])
+    exact = mandel(times, 0.2)
+    row("Mandel", method, n, stages, began, abs(p.max() / exact.max() - 1), steps, peak=round(p.max(), 5))
+    assert rows[-1]["error"] < 2e-3 and abs(exact.max() - 1.1069) < 1e-4
+    axes[0, 1].semilogx(times, p, "o", ms=3, label=method)
+axes[0, 1].semilogx(times, exact, color="0.4", zorder=0, label="exact")
+axes[0, 1].set(title="Mandel", xlabel="T", ylabel="pressure in the middle")
+
+# %%
+# Cryer's sphere
+# --------------
+# An eighth of it in axial symmetry, with curved elements at its surface.
+
+
+def cryer(T, nu):
+    """Pressure at the centre over that outside (A. Verruijt's series)."""
+    eta = (1 - nu) / (1 - 2 * nu)
+    f = lambda x: (1 - eta * x * x / 2) * np.sin(x) - x * np.cos(x)  # noqa: E731
+    grid = np.linspace(1e-3, 300, 20000)
+    x = np.array([brentq(f, *grid[i:i + 2]) for i in np.flatnonzero(f(grid[1:]) * f(grid[:-1]) < 0)])
+    return np.exp(-np.outer(T, x**2)) @ (eta * (np.sin(x) - x) / (eta * x * np.cos(x) / 2 + (eta - 1) * np.sin(x)))
+
+
+def ball(n):
+    """A quarter of a disc, its outer sides curved."""
+    disc = MeshTri.init_circle(n)
+    disc = disc.restrict(np.flatnonzero((disc.p[:, disc.t].mean(axis=1) > 0).all(axis=0)))
+    outer = disc.facets_satisfying(lambda x: x.min(axis=0) > 1e-9, boundaries_only=True)
+    curved = MeshTri2.from_mesh(disc)
+    places, middles = curved.doflocs.copy(), Basis(disc, ElementTriP2()).facet_dofs[0, outer]
+    places[:, middles] /= np.hypot(*places[:, middles])
+    return MeshTri2(places, curved.t).with_boundaries({
+        "axis": lambda x: x[0] < 1e-9, "base": lambda x: x[1] < 1e-9, "out": lambda x: x.min(axis=0) > 1e-9})
+
+
+times = np.geomspace(5e-3, 0.3, 40)
+for n in (4, 5):
+    began = time.process_time()
+    basis = Basis(ball(n), ElementVector(ElementTriP2()), intorder=4)
+    fixed = np.append(basis.get_dofs("base").all("u^2"), basis.get_dofs("axis").all("u^1"))
+    load = sc.traction(basis, "out", lambda x: -Q * x / np.hypot(*x), axisymmetric=True)
+    water, stages, steps = consolidate(basis, 0.25, load, fixed, "out", times, sc.axisymmetric)
+    centre = np.hypot(*basis.mesh.p).argmin()
+    p, exact = np.array([water.pressure(stage.x)[centre] / Q for stage in stages]), cryer(times, 0.25)
+    row("Cryer", "P2-P1", 2**n, stages, began, abs(p.max() / exact.max() - 1), steps, peak=round(p.max(), 5))
+    assert rows[-1]["error"] < (2e-3 if n == 5 else 4e-3) and abs(exact.max() - 1.3075) < 1e-3
+axes[1, 0].semilogx(times, p, "o", ms=3, label="P2-P1")
+axes[1, 0].semilogx(times, exact, color="0.4", zorder=0, label="exact")
+axes[1, 0].set(title="Cryer", xlabel="T", ylabel="pressure at the centre")
+
+# %%
+# A strip on a layer
+# ------------------
+# Half of it, on a rough tight base; the surface drains. Exact values of :math:`G w / q a` for :math:`\nu` = 0.3.
+
+EXACT = {0.01: 0.27642, 0.1: 0.32578, 1.0: 0.45461, 10.0: 0.54506}
+WIDTH = 12.0
+
+
+def strip(n):
+    """Elements that grow away from the strip and downwards."""
+    x = np.concatenate((np.linspace(0, 1, n + 1)[:-1], np.linspace(1, 2, n + 1)[:-1],
+                        2 + (WIDTH - 2) * np.linspace(0, 1, 2 * n + 1) ** 1.5))
+    y = -2 * (1 - np.linspace(0, 1, 2 * n + 1)) ** 1.4
+    return MeshTri.init_tensor(x, y).with_defaults().with_boundaries({
+        "strip": lambda x: (x[1] > -1e-9) & (x[0] < 1)})
+
+
+times = np.geomspace(0.01, 10.0, 19)
+for n in (4, 8) if FULL else (4,):
+    began = time.process_time()
+    basis = Basis(strip(n), ElementVector(ElementTriP2()), intorder=4)
+    fixed = np.append(basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1"))
+    water, stages, steps = consolidate(basis, 0.3, sc.traction(basis, "strip", (0, -Q)), fixed, "top", times)
+    middle = sc.unknowns_at(basis, (0.0, 0.0))[0, 1]
+    w = np.array([-stage.x[middle] * E / 2.6 / Q for stage in stages])
+    errors = [w[np.isclose(times, T)][0] / exact - 1 for T, exact in EXACT.items()]
+    row("strip", "P2-P1", n, stages, began, np.abs(errors).max(), steps)
+    assert rows[-1]["error"] < (3e-3 if n == 4 else 1e-3)
+    print("  ", ", ".join(f"T = {T:g}: {error:+.3%}" for T, error in zip(EXACT, errors, strict=True)))
+axes[1, 1].semilogx(times, w, "o", ms=3, label="P2-P1")
+axes[1, 1].semilogx(list(EXACT), list(EXACT.values()), "x", color="0.2", label="exact")
+axes[1, 1].set(title="strip on a layer", xlabel="T", ylabel="G w / q a")
+for ax in axes.ravel():
+    ax.legend(frameon=False)
+plt.show()
+
+# %%
+# What it costs
+# -------------
+# The matrix of displacements and pressures is symmetric but not definite. Because the pressures are scaled by E/h the
+# direct solver keeps to its order, at any length of a step.
+
+
+def seconds(solver, K):
+    """Least time of three to factor a matrix, after a first one that finds the order."""
+    times = []
+    for k in range(4):
+        K.data *= 1 + 1e-6 * k  # or the last factors would do
+        began = time.process_time()
+        solver.factor(K, symmetric=True)
+        times.append(time.process_time() - began)
+    return min(times[1:])
+
+
+for n in (8, 16, 32) if FULL else (8, 16):
+    basis = Basis(strip(n), ElementVector(ElementTriP2()), intorder=4)
+    forms = sc.choose_penalties({"ground": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=0.3)),
+                                 "water": sc.PoreWater(basis, k=K, unit_weight=1.0)})
+    fixed = np.append(basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1"))
+    held = np.append(fixed, forms["water"].unknowns("top"))
+    alone = build_system({"ground": forms["ground"]}, fixed)
+    ground = seconds(DirectSolver(basis.doflocs, alone.free), forms["ground"].elastic_stiffness.copy())
+    both = build_system(forms, held)
+    scale, places = both.unknowns.scale, both.unknowns.places
+    c_v = K * E * 0.7 / 1.3 / 0.4
+    for T in (1.0, 1e-4, 1e-8):
+        step = both.over(T / n**2 / c_v)
+        matrix = step.tangent(step.evaluate(np.zeros(step.size), {k: f.initial_state() for k, f in forms.items()},
+                                            np.zeros(step.size)))
+        matrix = csr_matrix(diags_array(scale) @ matrix @ diags_array(scale))
+        ratio = seconds(DirectSolver(places, both.free), matrix) / ground
+        rows.append({"method": f"refactoring, step {T:g} h²/c_v", "n": n, "unknowns": both.size, "error": None,
+                     "cpu_s": round(ratio * ground, 3), "iterations": 1, "ratio": round(ratio, 2)})
+        print(f"{both.size:6d} unknowns, step {T:5.0e} h²/c_v: {ratio * ground:.3f} s, {ratio:.2f} times the ground")
+
+print(json.dumps({"case": "consolidation", "rows": rows}))

@@ -1,0 +1,109 @@
+"""Where water leaves the ground, and whether a mesh and a stage can show it: asked before an analysis starts."""
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy import ndarray
+from skfem import FacetBasis
+
+from ..remarks import Remark
+
+if TYPE_CHECKING:
+    from .pore_water import PoreWater
+
+#: A pressure of one everywhere that strains nothing beyond this share of what it does without supports is undetermined.
+_RIGID = 1e-12
+#: Degrees of consolidation, T = c_v t / H², that no stage of an analysis has in any sensible units.
+_LEAST, _MOST = 1e-10, 1e8
+#: From here on round-off of the pressures moves as much water as the ground holds.
+_LOST = 1e12
+
+
+def drainage_remarks(water: PoreWater, fixed: ndarray, held: ndarray, duration: float) -> Iterator[Remark]:
+    """Remarks on a stage.
+
+    Parameters
+    ----------
+    water
+        The form, complete.
+    fixed, held
+        Unknowns that are supported, and those of what is not there.
+    duration
+        Time from when loads, supports or anything else began to change to the end of the stage; zero without any.
+
+    Raises
+    ------
+    ValueError
+        No duration, ground that is not there, or pressures that nothing determines.
+    """
+    if not duration > 0.0:
+        raise ValueError("PoreWater needs time: give Stage(duration=...), a short one for what happens at once, or "
+                         "activate the water in a later stage")
+    basis = water.porous.basis
+    if np.isin(basis.element_dofs, held).any():
+        raise ValueError(f"PoreWater is active in ground that is not there: {water!r}")
+    drained = np.intersect1d(fixed, water.carries)
+    _check_determined(water, fixed, drained)
+    assert water.skeleton is not None
+    diffusivity = water.skeleton.modulus * np.linalg.eigvalsh(water.mobility)[:, -1]
+    used = basis.mesh.p[:, np.unique(basis.mesh.t[:, water.elements])]
+    length = float(np.ptp(used, axis=1).max())
+    time = float(diffusivity.max()) * duration / length**2, float(diffusivity.min()) * duration / length**2
+    if time[0] < _LEAST or time[1] > _MOST:
+        worst = time[0] if time[0] < _LEAST else time[1]
+        text = (f"the stage ends after {worst:.1e} times H² / c_v, with c_v from {diffusivity.min():.3g} to "
+                f"{diffusivity.max():.3g}: are permeability, stiffness and duration in the same units?")
+        if worst > _LOST:
+            raise ValueError(text)
+        yield Remark("units", abs(np.log10(worst)), text)
+    for name, joined in water.touching.items():
+        if len(pressed := _under_pressure(water, joined, drained)):
+            yield Remark("friction", len(pressed),
+                         f"'{name}' carries the pressure of the water as well, at {len(pressed)} nodes that are not "
+                         "drained: friction there counts the total stress, not the effective one")
+    if not (fixed >= water.first).any():
+        yield Remark("sealed", 0.0, "no pore pressure is held: no water can leave the ground")
+        return
+    shortest = _resolved(water, drained, diffusivity)
+    if duration < shortest:
+        yield Remark("short", shortest / duration, f"it ends after {duration:.3g}, less than h² / 6 c_v = "
+                     f"{shortest:.3g} of the elements at drained boundaries: pressures may be too high beside these")
+
+
+def _under_pressure(water: PoreWater, joined: ndarray, drained: ndarray) -> ndarray:
+    """Nodes with a pressure that is not held, among some unknowns of displacements."""
+    basis = water.porous.basis
+    vertices = water.carries - water.first
+    touched = vertices[np.isin(basis.nodal_dofs[0, vertices], joined)]
+    return np.setdiff1d(touched, drained - water.first)
+
+
+def _check_determined(water: PoreWater, fixed: ndarray, drained: ndarray) -> None:
+    """Refuse pressures that could all be higher by the same amount."""
+    basis = water.porous.basis
+    if len(drained) or water.storage.any():
+        return
+    thrust = np.abs(np.bincount(basis.element_dofs.T.ravel(), water.porous.coupling.sum(axis=2).ravel(),
+                                minlength=basis.N))
+    whole, by_element = thrust.max(), np.abs(water.porous.coupling).max()
+    thrust[fixed[fixed < basis.N]] = 0.0
+    if thrust.max() <= _RIGID * max(whole, by_element):
+        raise ValueError("the pore pressure is not determined: nothing is drained, the water cannot be compressed, and "
+                         "the ground can neither grow nor shrink; hold a pressure, `fixed` with water.unknowns(...), "
+                         "or give a storage")
+
+
+def _resolved(water: PoreWater, drained: ndarray, diffusivity: ndarray) -> float:
+    """Longest time h² / 6 c_v of the elements with a drained facet, h across it (P. A. Vermeer, A. Verruijt 1981)."""
+    basis, mesh = water.porous.basis, water.porous.basis.mesh
+    corners = np.isin(np.arange(mesh.p.shape[1]), drained - water.first)
+    sides = mesh.t2f[:, water.elements]
+    side, element = np.nonzero(corners[mesh.facets].all(axis=0)[sides])
+    if len(element) == 0:
+        return 0.0
+    area = FacetBasis(mesh, water.porous.pressures.elem, facets=sides[side, element]).dx.sum(axis=1)
+    simplex = len(mesh.t) == mesh.dim() + 1
+    across = (mesh.dim() if simplex else 1) * basis.dx.sum(axis=1)[element] / area
+    return float((across**2 / 6.0 / diffusivity[element]).max())

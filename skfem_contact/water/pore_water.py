@@ -1,0 +1,347 @@
+"""Consolidation: ground that deforms with the water in its pores (M. A. Biot 1941)."""
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from copy import copy
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy import ndarray
+from scipy.sparse import csr_matrix, diags_array
+from skfem import CellBasis
+
+from ..errors import check_basis, check_quadrature, look_up
+from ..forms import Form, Response
+from ..remarks import Remark
+from ..sparse import with_data
+from ..strain import StrainOperator, plane_strain
+from ..unknowns import Field, elements_of, nodes
+from .drainage import drainage_remarks
+from .permeability import Permeability, permeability_tensors, regions
+from .porous import Porous
+from .skeleton import Skeleton
+
+#: Water out of balance is measured by what nodes store in a step, or by this share of what flows in and out of them: at
+#: the usual tolerance that is 1e-14, its round-off in ground a small part of which is 1e8 times as permeable.
+_FLOWING = 1e-6
+
+#: Values on a boundary: a number, or a function of places (dim, ...).
+Given = float | Callable[[ndarray], ndarray]
+
+
+@dataclass(frozen=True)
+class PoreState:
+    """What the water in the ground around the nodes remembers, (n,) each, of all vertices of the mesh.
+
+    Attributes
+    ----------
+    stored
+        Volume of water, more than in undeformed ground.
+    first
+        The same when the ground became active.
+    entered
+        Water that has entered at the nodes since: not zero only where pressures are given, or other ground begins.
+    pressure
+        Excess pore pressure, positive in compression.
+    """
+
+    stored: ndarray
+    first: ndarray
+    entered: ndarray
+    pressure: ndarray
+
+
+class PoreWater(Form):
+    r"""Water in the pores of saturated ground: pressed out where this is compressed, it flows by Darcy's law.
+
+    It stands beside the solids, whose stresses are effective. With the excess pore pressure p, positive in compression,
+
+    .. math:: \operatorname{div}(\sigma' - p\, I) + b = 0, \qquad
+              \operatorname{div} \dot u + S\, \dot p = \operatorname{div}\left(\frac{k}{\gamma_w} \nabla p\right) .
+
+    The pressure counts from that of the water at the beginning, which is part of the load (:func:`water_load`): from
+    hydrostatic pressure or steady seepage. It is a field of unknowns behind the displacements, linear between the
+    vertices of the mesh, and held like a displacement: :meth:`unknowns` among the fixed ones is drained, and
+    :meth:`prescribed` changes a level with a stage. Every stage needs a ``duration``; its steps are of second order in
+    time, and as short as `time_error` asks for. In a search for a collapse the pressures stay as they are.
+
+    Parameters
+    ----------
+    basis
+        ``Basis`` of the displacements, whole or restricted to what is porous.
+    k
+        Permeability (length per time): a number, numbers along the axes, ``(kh, kv)``, or a tensor (dim, dim); one for
+        all ground or by subdomain.
+    unit_weight
+        Of water (force per volume).
+    storage
+        Compressibility of the water, its porosity over its bulk modulus (1 / stress), not negative; one for all ground
+        or by subdomain.
+    strain
+        As of the solids: :func:`plane_strain`, :func:`b_bar`, :func:`axisymmetric` or :func:`three_dimensional`.
+    time_error
+        Error of a step in time that is allowed, estimated by a method of first order, as a share of the water that the
+        pressures can press out. Of Terzaghi's settlement 0.13 % is then wrong at most.
+    after
+        A form whose unknowns come before these.
+
+    Raises
+    ------
+    ValueError
+        Permeabilities that are not positive and finite, a negative storage, unknown subdomains; when an analysis
+        begins: a stage without duration, ground without a solid or with an :class:`Undrained` one, pressures that
+        nothing determines.
+
+    Notes
+    -----
+    Quadratic displacements with these pressures are stable (Taylor and Hood). Linear ones are stabilised: changes of
+    pressure that differ from their mean over an element store water, 1 / 2G a unit (P. B. Bochev and C. R. Dohrmann
+    2006).
+
+    Examples
+    --------
+    A column drains at its top: after T = c_v t / H² = 0.197 half of its settlement has happened (K. Terzaghi).
+
+    >>> import numpy as np
+    >>> from skfem import Basis, ElementTriP2, ElementVector, MeshTri
+    >>> import skfem_contact as sc
+    >>> mesh = MeshTri.init_tensor(np.array([0., .1]), np.linspace(0, 1, 11)).with_defaults()
+    >>> basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
+    >>> forms = {"clay": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.)),
+    ...          "water": sc.PoreWater(basis, k=1e-4, unit_weight=10.)}                 # c_v = 0.1
+    >>> fixed = np.hstack((sc.rollers(basis, base="rollers"), forms["water"].unknowns("top")))
+    >>> load = sc.traction(basis, "top", (0., -100.))
+    >>> stages = [sc.Stage("load", load, duration=.02), sc.Stage("wait", load, duration=1.96)]
+    >>> result = sc.run(forms, stages, fixed)
+    >>> settlement = -result["wait"].x[basis.get_dofs("top").all("u^2")] / .01
+    >>> bool(abs(settlement - .5).max() < .003)
+    True
+    """
+
+    symmetric, second_order = True, True
+    size: int
+    carries: ndarray
+    _kept: csr_matrix
+    _passing: csr_matrix
+    _gross: csr_matrix
+    _step: csr_matrix
+    capacity: ndarray
+
+    def __init__(self, basis: CellBasis, k: Permeability | Mapping[str, Permeability], unit_weight: float = 9.81,
+                 storage: float | Mapping[str, float] = 0.0,
+                 strain: Callable[[CellBasis], StrainOperator] = plane_strain, time_error: float = 0.01,
+                 after: Form | None = None) -> None:
+        check_basis(basis)
+        check_quadrature(basis)
+        for what, value in (("unit weight of water", unit_weight), ("error in time", time_error)):
+            if not 0.0 < value < np.inf:
+                raise ValueError(f"the {what} must be positive, not {value!r}")
+        self.mobility = permeability_tensors(basis, k) / unit_weight
+        self.storage = np.zeros(basis.nelems)
+        for part, value in regions(basis, storage, "storage"):
+            if not 0.0 <= value < np.inf:
+                raise ValueError(f"the storage must be finite and not negative, not {value!r}")
+            self.storage[part] = value
+        self.porous = Porous.of(basis, strain, self.mobility)
+        self.unit_weight, self._time_error = unit_weight, time_error
+        self.nodes, self.joins = (np.arange(basis.N), basis.doflocs), np.zeros(0, int)
+        self.first = after.fields[-1].end if after is not None and after.fields else int(basis.N)
+        self._places = np.asarray(basis.mesh.p)[:, :self.porous.pressures.N]
+        self.size = self.first + self._places.shape[1]
+        self.carries = self.first + np.unique(self.porous.pressures.element_dofs)
+        self.fields = (Field("pore pressure", self._places, self.first, moves=False),)
+        self.skeleton: Skeleton | None = None
+        self.touching: dict[str, ndarray] = {}
+        self._duration: float | None = None
+
+    def __repr__(self) -> str:
+        return f"<PoreWater {self.porous.basis.nelems} elements, {len(self.carries)} pressures>"
+
+    @property
+    def elements(self) -> ndarray:
+        """Numbers of the porous elements in the mesh, (n_elements,)."""
+        return elements_of(self.porous.basis)
+
+    # -- what a user asks ------------------------------------------------------------------------------------
+
+    def unknowns(self, *boundaries: str) -> ndarray:
+        """Unknowns of the pressures at the nodes of some boundaries, to be held; without any, all of them.
+
+        A boundary may be drains inside of the ground, facets of the mesh by any name.
+
+        Raises
+        ------
+        ValueError
+            A boundary that does not exist, or without porous ground.
+        """
+        if not boundaries:
+            return self.carries
+        return np.unique(np.concatenate([self._at(name) for name in boundaries]))
+
+    def prescribed(self, pressures: Mapping[str, Given]) -> ndarray:
+        """Excess pressures on boundaries, for :attr:`Stage.prescribed`, (N,), with zeros for all other unknowns.
+
+        Parameters
+        ----------
+        pressures
+            By boundary, a number or a function of places (dim, ...): where a level changes by dh, unit_weight * dh.
+
+        Raises
+        ------
+        ValueError
+            As :meth:`unknowns`; values that are not finite.
+        """
+        values = np.zeros(self.size)
+        for name, given in pressures.items():
+            at = self._at(name)
+            value = np.asarray(given(self._places[:, at - self.first]) if callable(given) else given, dtype=float)
+            if value.shape not in ((), at.shape) or not np.isfinite(value).all():
+                raise ValueError(f"the pressure of boundary '{name}' must be a finite number, or a function of places "
+                                 "that gives one for each")
+            values[at] = value
+        return values
+
+    def pressure(self, x: ndarray) -> ndarray:
+        """Excess pore pressure at the vertices of the mesh, (n_vertices,); NaN where there is no porous ground."""
+        values = np.full(self._places.shape[1], np.nan)
+        values[self.carries - self.first] = x[self.carries]
+        return values
+
+    def pressure_at_nodes(self, x: ndarray) -> ndarray:
+        """The same at the nodes of the displacements, middles of edges among them, (N/dim,); zero elsewhere."""
+        basis, parts = self.porous.basis, self.porous.pressures
+        corners, local = nodes(basis), np.asarray(basis.elem.elem.doflocs).T
+        values = np.zeros(basis.N // basis.mesh.dim())
+        shapes = np.stack([np.broadcast_to(parts.elem.lbasis(local, j)[0], local.shape[1]) for j in range(parts.Nbfun)])
+        values[corners] = x[self.first + parts.element_dofs.T] @ shapes
+        return values
+
+    def inflow(self, state: PoreState, boundary: str | None = None) -> float:
+        """Water that has entered the ground since it became active; negative what has left it.
+
+        Parameters
+        ----------
+        state
+            A state of this form.
+        boundary
+            Where; by default everywhere.
+        """
+        return float((state.entered if boundary is None else state.entered[self._at(boundary) - self.first]).sum())
+
+    def volume(self, state: PoreState) -> float:
+        """Water that the ground has more than when it became active: the growth of its pores, if water is rigid."""
+        return float((state.stored - state.first).sum())
+
+    def _at(self, boundary: str) -> ndarray:
+        mesh = self.porous.basis.mesh
+        facets = np.asarray(look_up(boundary, mesh.boundaries or {}, "boundary"))
+        found = np.intersect1d(self.first + mesh.facets[:, facets], self.carries)
+        if len(found) == 0:
+            raise ValueError(f"boundary '{boundary}' has no node of the porous ground")
+        return found
+
+    # -- what an analysis asks -------------------------------------------------------------------------------
+
+    def completed(self, forms: Mapping[str, Form]) -> PoreWater:
+        """The form with the stiffness of the ground, by which pressures are scaled and stabilised."""
+        if self.skeleton is not None:
+            return self
+        new = self._on(Skeleton.of(self.porous.basis, forms))
+        own = np.unique(self.porous.basis.element_dofs)
+        new.touching = {name: form.joins for name, form in forms.items()
+                        if form.unilateral and form.joins is not None and np.isin(form.joins, own).any()}
+        return new
+
+    def continues(self, old: Form) -> PoreWater:
+        """The form in the place of one of the same ground, from whose pressures it goes on."""
+        if not isinstance(old, PoreWater) or not np.array_equal(old.carries, self.carries):
+            raise ValueError("its elements are others")
+        return self if old.skeleton is None else self._on(old.skeleton)
+
+    def _on(self, skeleton: Skeleton) -> PoreWater:
+        """The form, complete."""
+        new, parts = copy(self), self.porous
+        new.skeleton = skeleton
+        kept = self.storage[:, None, None] * parts.mass
+        if parts.linear:
+            kept = kept + parts.spread / (2.0 * skeleton.shear)[:, None, None]
+        new._kept = parts.symmetric(self.first, -parts.coupling, -kept)
+        new._passing = parts.symmetric(self.first, 0.0 * parts.coupling, -parts.flow)
+        new._gross = with_data(new._passing, np.abs(new._passing.data))
+        new.capacity = parts.at_nodes(1.0 / skeleton.modulus + self.storage)
+        scale = float(skeleton.modulus.mean() / skeleton.size.mean())
+        new.fields = (replace(self.fields[0], scale=scale),)
+        return new
+
+    def check_stage(self, fixed: ndarray, held: ndarray, duration: float) -> Iterator[Remark]:
+        """Drainage and the time that it takes; see :func:`~skfem_contact.water.drainage.drainage_remarks`."""
+        return drainage_remarks(self, fixed, held, duration)
+
+    def over(self, duration: float) -> PoreWater:
+        """The form of a step in time."""
+        if not duration > 0.0:
+            return self
+        new = copy(self)
+        new._duration = duration
+        new._step = with_data(self._kept, self._kept.data + duration * self._passing.data)
+        return new
+
+    def initial_state(self, x: ndarray | None = None) -> PoreState:
+        """Undeformed ground without excess pressure, or ground that becomes active at some displacements."""
+        zero = np.zeros(len(self._places.T))
+        if x is None:
+            return PoreState(zero, zero, zero, zero)
+        stored = -(self._kept @ x)[self.first:]
+        return PoreState(stored, stored, zero, x[self.first:].copy())
+
+    def assemble(self, x: ndarray, state: PoreState) -> Response:
+        """Forces of the pressures on the ground, and the water that leaves the nodes beyond what they have.
+
+        Without a duration the pressures stay as they are.
+        """
+        if self._duration is None:
+            return self._standing(x, state)
+        first = self.first
+        kept, flow = self._kept @ x, self._duration * (self._passing @ x)
+        force = kept + flow
+        force[first:] += state.stored
+        measure = _FLOWING * self._duration * (self._gross @ np.abs(x))
+        measure[:first] = kept[:first]
+        measure[first:] += np.abs(kept[first:] + state.stored)
+        pressure = x[first:]
+        return Response(force, lambda: PoreState(-kept[first:], state.first, state.entered - force[first:], pressure),
+                        lambda: self._step, measure=measure)
+
+    def _standing(self, x: ndarray, state: PoreState) -> Response:
+        """Pressures that stay."""
+        held = np.zeros(self.size)
+        held[self.first:] = state.pressure
+        force = self._kept @ held
+        force[self.first:] = self.capacity * (x[self.first:] - state.pressure)
+        return Response(force, lambda: replace(state, stored=-(self._kept @ x)[self.first:]),
+                        lambda: csr_matrix(diags_array(np.append(np.zeros(self.first), self.capacity))))
+
+    def extrapolated(self, before: PoreState, found: PoreState, ratio: float) -> PoreState:
+        """Water `ratio` times as far from an earlier state as what was found."""
+        return replace(found, stored=before.stored + ratio * (found.stored - before.stored),
+                       entered=before.entered + ratio * (found.entered - before.entered))
+
+    def time_error(self, middle: PoreState, after: PoreState) -> tuple[float, float]:
+        """Water that a method of first order would have let flow besides; what flows or may yet be pressed out."""
+        assert self._duration is not None
+        change = np.append(np.zeros(self.first), after.pressure - middle.pressure)
+        flowed = 0.5 * float(np.abs(after.entered - middle.entered).sum())
+        water = max(flowed, *(float(self.capacity @ np.abs(state.pressure)) for state in (middle, after)))
+        return 0.5 * self._duration * float(np.abs(self._passing @ change).sum()) / self._time_error, water
+
+    def moved_back(self, x: ndarray, state: PoreState) -> PoreState:
+        """The state with its pressures, of ground that counts as undeformed from here on."""
+        moved = x[:self.size].copy()
+        moved[self.first:] = 0.0
+        less = (self._kept @ moved)[self.first:]
+        return replace(state, stored=state.stored + less, first=state.first + less)
+
+    def summary(self, state: PoreState) -> str:
+        """Range of the pressures, and water that has left the ground, for the table of a result."""
+        p = state.pressure[self.carries - self.first]
+        return f"excess pressure {p.min():.4g} to {p.max():.4g}, {-self.volume(state):.4g} of water pressed out"

@@ -1,0 +1,76 @@
+"""Water in the pores of elements: what its pressure does to them, what they store, and what flows through them."""
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy import ndarray
+from scipy.sparse import coo_matrix, csr_matrix
+from skfem import CellBasis
+
+from ..strain import StrainOperator
+from .darcy import linear_element
+
+
+@dataclass(frozen=True, eq=False)
+class Porous:
+    """Matrices of the elements.
+
+    Attributes
+    ----------
+    basis
+        Basis of the displacements.
+    pressures
+        Basis of the pressures, linear, at the same integration points.
+    coupling
+        Volume strain weighted with the shape functions of the pressure, (n_elements, n_u, n_p).
+    mass
+        Products of these shape functions, (n_elements, n_p, n_p).
+    spread
+        The same of what they differ by from their means over the element.
+    flow
+        Products of their gradients, with the permeability.
+    """
+
+    basis: CellBasis
+    pressures: CellBasis
+    coupling: ndarray
+    mass: ndarray
+    spread: ndarray
+    flow: ndarray
+
+    @classmethod
+    def of(cls, basis: CellBasis, strain: Callable[[CellBasis], StrainOperator], mobility: ndarray) -> Porous:
+        """Matrices from a measure of strain and the permeability over the unit weight of water, (n_elements, d, d)."""
+        pressures = basis.with_element(linear_element(basis))
+        B, weight = strain(basis)
+        shapes = [pressures.basis[j][0] for j in range(pressures.Nbfun)]
+        N = np.stack([np.broadcast_to(np.asarray(shape), weight.shape) for shape in shapes])
+        gradients = np.stack([np.asarray(shape.grad) for shape in shapes])
+        coupling = np.einsum("eqb,jeq,eq->ebj", B[:, :, :3].sum(axis=2), N, weight)
+        mass = np.einsum("ieq,jeq,eq->eij", N, N, weight, optimize=True)
+        mean = np.einsum("ieq,eq->ei", N, weight)
+        spread = mass - mean[:, :, None] * mean[:, None, :] / weight.sum(axis=1)[:, None, None]
+        flow = np.einsum("ikeq,ekl,jleq,eq->eij", gradients, mobility, gradients, weight, optimize=True)
+        return cls(basis, pressures, coupling, mass, spread, flow)
+
+    @property
+    def linear(self) -> bool:
+        """Whether displacements and pressures have the same nodes: such pairs are not stable by themselves."""
+        return self.basis.Nbfun == self.basis.mesh.dim() * self.pressures.Nbfun
+
+    def symmetric(self, first: int, coupling: ndarray, water: ndarray) -> csr_matrix:
+        """Matrix of all unknowns, of which the pressures begin with a number; its pattern is the same each time."""
+        u, p = self.basis.element_dofs.T, first + self.pressures.element_dofs.T
+        blocks = ((u, p, coupling), (p, u, coupling.transpose(0, 2, 1)), (p, p, water))
+        rows = np.concatenate([np.broadcast_to(r[:, :, None], values.shape).ravel() for r, _, values in blocks])
+        columns = np.concatenate([np.broadcast_to(c[:, None], values.shape).ravel() for _, c, values in blocks])
+        n = first + self.pressures.N
+        matrix = coo_matrix((np.concatenate([values.ravel() for *_, values in blocks]), (rows, columns)), (n, n))
+        return csr_matrix(matrix)
+
+    def at_nodes(self, density: ndarray) -> ndarray:
+        """Integrals of something that elements have, (n_elements,), by the nodes that they belong to, (n_p,)."""
+        share = self.mass.sum(axis=2) * density[:, None]
+        return np.bincount(self.pressures.element_dofs.T.ravel(), share.ravel(), minlength=self.pressures.N)
