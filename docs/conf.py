@@ -80,6 +80,7 @@ sphinx_gallery_conf = {
     "show_signature": False,
     "download_all_examples": False,
     "write_computation_times": False,
+    "parallel": 2,
     "plot_gallery": True,
 }
 

@@ -80,7 +80,6 @@ class Response:
                         lambda: padded(self.damped, n), self.round_off, self.active, np.pad(self.measure, more))
 
 
-
 class Form:
     """Whatever carries load: solids, contact pairs, bars, and forms of a user's own.
 

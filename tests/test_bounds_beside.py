@@ -145,7 +145,7 @@ def test_less_dilation() -> None:
     forms, fixed, basis = column(psi=0.0)
     load = sc.traction(basis, "top", (0.0, -20.0))
     with warnings.catch_warnings():
-        warnings.simplefilter("error", sc.AnalysisWarning)
+        warnings.filterwarnings("error", "the factor of safety .* lies", sc.AnalysisWarning)
         found = sc.strength_reduction(forms, fixed, load, certify={"gap": 0.02}, progress=False)
     assert found.proven.estimate and found.factor < found.proven.upper + 0.01
     associated = quiet(sc.strength_reduction, forms, fixed, load, flow="associated", certify={"gap": 0.02})

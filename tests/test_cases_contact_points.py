@@ -62,8 +62,8 @@ def test_rate_of_the_augmented_method(quadrature, eps):
         multiplier = states["stop"].multiplier[0]
         np.testing.assert_allclose(multiplier, multiplier.mean(), rtol=1e-10)
         errors.append(abs(-multiplier.mean() / exact - 1))
-    # stated 1e-10; the error itself is the difference of two numbers of order one
-    np.testing.assert_allclose(errors[1:], rate ** np.arange(1, 4), rtol=1e-10, atol=1e-13)
+    # 1e-10 of the mass keeps multipliers that no point tells, in every augmentation
+    np.testing.assert_allclose(errors[1:], rate ** np.arange(1, 4), rtol=0.0, atol=3e-10)
 
 
 def test_open_nodes_get_no_multiplier():

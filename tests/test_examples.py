@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import runpy
 import shutil
 import sys
@@ -16,6 +17,8 @@ import pytest
 ROOT = Path(__file__).parents[1]
 CHAPTERS = ("1_first_steps", "1_short_scripts", "2_contact", "3_geotechnics")
 SCRIPTS = [path for chapter in CHAPTERS for path in sorted((ROOT / "examples" / chapter).glob("plot_*.py"))]
+#: Those of more than 20 s; where the gallery is built as well, it runs them and their checks.
+LONG = {"plot_published_slopes", "plot_bounds_pile", "plot_embankment", "plot_drawdown"}
 KEYS = {"method", "n", "unknowns", "error", "cpu_s", "iterations"}
 
 
@@ -24,6 +27,8 @@ def test_example_runs_and_ends_with_its_figures(
     script: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """The last line is one JSON object that names the case and holds at least one row of figures."""
+    if script.stem in LONG and os.environ.get("GALLERY_RUNS_LONG_EXAMPLES"):
+        pytest.skip("the gallery runs it")
     matplotlib.use("Agg")
     monkeypatch.chdir(tmp_path)
     for mesh in script.parent.glob("*.msh"):

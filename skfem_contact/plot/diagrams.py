@@ -89,7 +89,8 @@ def contact_diagram(series: Mapping[str, Tractions], along: Literal["arc", "x", 
     >>> import skfem_contact as sc
     >>> import skfem_contact.plot as plot
     >>> y, ones = np.linspace(-5., 0., 6), np.ones(6)
-    >>> joint = sc.Tractions(y + 5., 0. * y, y, 0. * y, -6. * y, -2. * y, 0. * y, 0. * y, ones.astype(int), ones)
+    >>> joint = sc.Tractions(y + 5., 0. * y, y, 0. * y, -6. * y, -2. * y, 0. * y, 0. * y, ones.astype(int), ones,
+    ...                      -6. * y, -2. * y)
     >>> figure = plot.contact_diagram({"gravity": joint}, along="y")
     """
     upright = along == "y"

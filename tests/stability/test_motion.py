@@ -146,16 +146,16 @@ def test_overlap(share, quadrature):
 
 @pytest.mark.parametrize("law", [sc.Coulomb(), sc.Coulomb(0.3)], ids=repr)
 def test_one_step_or_many(law):
-    """[X] Case S9: without friction the result of one step is that of 10,000 to 1e-6; with friction to 1 %."""
+    """[X] Case S9: without friction the result of one step is that of 2,000 to 1e-6; with friction to 1 %."""
     results = []
-    for increments in (1, 10_000):
+    for increments in (1, 2_000):
         basis = blocks(4, 3)
         forms = in_contact(basis, law, 2)
         fixed = basis.get_dofs({"lower:bottom", "upper:top"}).all()
         stage = sc.Stage("press", basis.zeros(), displaced(basis, "upper:top", (0.0, -0.01)), increments)
         results.append(quiet(forms, [stage], fixed, newton=sc.Newton(tolerance=1e-9))["press"])
     one, many = results
-    assert len(many.iterations) == 10_000 and sum(many.iterations) <= 10_010  # extrapolated
+    assert len(many.iterations) == 2_000 and sum(many.iterations) <= 2_010  # extrapolated
     rel = 1e-6 if law.mu == 0 else 1e-2
     np.testing.assert_allclose(one.x, many.x, atol=rel * np.abs(many.x).max())
     np.testing.assert_allclose(one.states["joint"].traction[0], many.states["joint"].traction[0], rtol=max(rel, 1e-6))
@@ -271,10 +271,11 @@ def test_locks_that_hide_a_kink_are_refused():
     found = Equilibrium(x, {name: answer.state for name, answer in answers.items()}, (1.0, 0.0))
     load = sum(answer.force for answer in answers.values())
     moved = replace(found, states={**found.states, "joint": replace(held.state, facet=state.facet)})
-    check(system, system.with_forms(given), found, load, sc.Newton())  # nothing is easier than given
+    accepted = {"body": forms["body"].initial_state(), "joint": state}
+    check(system, system.with_forms(given), found, accepted, load, sc.Newton())  # nothing is easier than given
     told = r"does not last, .*joint: points \[0 1\] of 'slave:face' rest on neither side"
     with pytest.raises(sc.NotConverged, match=told):
-        check(system, system.with_forms(forms), moved, load, sc.Newton())
+        check(system, system.with_forms(forms), moved, accepted, load, sc.Newton())
 
 
 def test_point_that_chatters(caplog):

@@ -60,7 +60,7 @@ def squeezed(degenerate):
 #: What is done, and what the error says.
 REFUSED = {
     "negative friction": (lambda: sc.Coulomb(-0.1), r"mu must be a non-negative number, .* not -0\.1"),
-    "friction NaN": (lambda: sc.Coulomb(np.nan), "mu must be a non-negative number"),
+    "friction NaN": (lambda: sc.Coulomb(np.nan), "Coulomb: mu must be finite numbers, not nan"),
     "negative adhesion": (lambda: sc.Coulomb(0.3, adhesion=-1.0), "adhesion must be a non-negative"),
     "alpha too large": (lambda: in_contact(blocks(), smoothing=0.51), r"alpha must lie in \(0, 0\.5\], not 0\.51"),
     "alpha zero": (lambda: in_contact(blocks(), smoothing=0.0), "alpha must lie in"),
