@@ -1,5 +1,6 @@
 """Sphinx configuration: MyST pages, numpydoc reference, executed gallery."""
 
+import os
 import sys
 from pathlib import Path
 
@@ -59,8 +60,8 @@ autodoc_member_order = "bysource"
 python_maximum_signature_line_length = 88
 numpydoc_show_class_members = False  # the class template lists them
 
-pyvista.OFF_SCREEN = True
-pyvista.BUILDING_GALLERY = True
+pyvista.OFF_SCREEN = pyvista.BUILDING_GALLERY = True
+os.environ |= {"PYVISTA_OFF_SCREEN": "true", "PYVISTA_BUILDING_GALLERY": "true"}  # for the processes of the gallery
 
 sphinx_gallery_conf = {
     "examples_dirs": "../examples",
