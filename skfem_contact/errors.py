@@ -20,6 +20,7 @@ from skfem import (
     ElementTriP1,
     ElementTriP2,
     ElementVector,
+    Mesh,
 )
 
 T = TypeVar("T")
@@ -147,6 +148,14 @@ def look_up(name: str, existing: Mapping[str, T], kind: str) -> T:
         listed = ", ".join(sorted(existing)) or "none at all"
         raise ValueError(f"there is no {kind} '{name}'; existing: {listed}")
     return existing[name]
+
+
+def facets_of(mesh: Mesh, boundary: str) -> ndarray:
+    """The facets of a named boundary, or a ``ValueError`` where there are none."""
+    facets = np.asarray(look_up(boundary, mesh.boundaries or {}, "boundary"))
+    if len(facets) == 0:
+        raise ValueError(f"boundary '{boundary}' is empty")
+    return facets
 
 
 def place(x: ndarray) -> str:

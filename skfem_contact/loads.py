@@ -7,16 +7,13 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 from numpy import ndarray
 from numpy.typing import ArrayLike
-from skfem import CellBasis, ElementHex1, ElementQuad1, ElementTetP1, ElementTriP1, FacetBasis, LinearForm
+from skfem import CellBasis, FacetBasis, LinearForm, Mesh
 
-from .errors import AnalysisWarning, check_basis, look_up, place
-from .unknowns import elements_of
+from .errors import AnalysisWarning, check_basis, facets_of, look_up, place
+from .unknowns import elements_of, linear_element
 
 #: Pressure of water, positive: a function of places (2, ...), or values at the nodes of the mesh, (n_nodes,).
 Pressure = Callable[[ndarray], ndarray] | ndarray
-
-#: Linear elements by the dimension and the number of corners.
-_LINEAR = {(2, 3): ElementTriP1, (2, 4): ElementQuad1, (3, 4): ElementTetP1, (3, 8): ElementHex1}
 
 #: Facets that look up by more than this are a surface on which water can stand.
 _UPWARDS = 0.01
@@ -57,22 +54,8 @@ def weight(basis: CellBasis, unit_weights: float | Mapping[str, float],
     -20.0
     """
     check_basis(basis)
-    gamma = np.zeros(basis.mesh.nelements)
-    if isinstance(unit_weights, Mapping):
-        given = np.zeros(basis.mesh.nelements, dtype=int)
-        for name, value in unit_weights.items():
-            elements = look_up(name, basis.mesh.subdomains or {}, "subdomain")
-            gamma[elements] = value
-            given[elements] += 1
-        if given.max() > 1:
-            raise ValueError(f"{(given > 1).sum()} elements get their weight twice: the subdomains "
-                             f"{list(unit_weights)} overlap")
-    else:
-        gamma[:] = unit_weights
-    if not np.isfinite(gamma).all():
-        raise ValueError(f"unit weights must be finite numbers, not {unit_weights!r}")
-    here = gamma if basis.tind is None else gamma[basis.tind]
-    field = np.broadcast_to(here[:, None], basis.dx.shape).copy()
+    gamma = by_element(basis.mesh, unit_weights)[elements_of(basis)]
+    field = np.broadcast_to(gamma[:, None], basis.dx.shape).copy()
     down = -np.eye(basis.mesh.dim())[-1] if direction is None else np.asarray(direction, dtype=float)
     if down.shape != (basis.mesh.dim(),) or not np.isclose(np.linalg.norm(down), 1.0, rtol=0.0, atol=1e-6):
         raise ValueError(f"direction must be a unit vector with {basis.mesh.dim()} components, not {direction!r}")
@@ -83,6 +66,25 @@ def weight(basis: CellBasis, unit_weights: float | Mapping[str, float],
         return radius * w.gamma * np.einsum("c,c...->...", down, np.asarray(v))
 
     return np.asarray(body_force.assemble(basis, gamma=field))
+
+
+def by_element(mesh: Mesh, unit_weights: float | Mapping[str, float]) -> ndarray:
+    """Unit weights of all elements of a mesh, checked, (n_elements,); see :func:`weight`."""
+    gamma = np.zeros(mesh.nelements)
+    if isinstance(unit_weights, Mapping):
+        given = np.zeros(mesh.nelements, dtype=int)
+        for name, value in unit_weights.items():
+            elements = look_up(name, mesh.subdomains or {}, "subdomain")
+            gamma[elements] = value
+            given[elements] += 1
+        if given.max() > 1:
+            raise ValueError(f"{(given > 1).sum()} elements get their weight twice: the subdomains "
+                             f"{list(unit_weights)} overlap")
+    else:
+        gamma[:] = unit_weights
+    if not np.isfinite(gamma).all():
+        raise ValueError(f"unit weights must be finite numbers, not {unit_weights!r}")
+    return gamma
 
 
 def traction(basis: CellBasis, boundary: str, force: Sequence[float] | Callable[[ndarray], ArrayLike],
@@ -122,10 +124,7 @@ def traction(basis: CellBasis, boundary: str, force: Sequence[float] | Callable[
     -17.5
     """
     check_basis(basis)
-    facets = look_up(boundary, basis.mesh.boundaries or {}, "boundary")
-    if len(facets) == 0:
-        raise ValueError(f"boundary '{boundary}' is empty")
-    surface = FacetBasis(basis.mesh, basis.elem, facets=np.asarray(facets))
+    surface = FacetBasis(basis.mesh, basis.elem, facets=facets_of(basis.mesh, boundary))
     x = np.asarray(surface.global_coordinates())
     shape = (basis.mesh.dim(), *x.shape[1:])
     values = np.asarray(force(x) if callable(force) else np.reshape(force, (-1, 1, 1)), float)
@@ -255,8 +254,7 @@ def _at_points(basis: CellBasis | FacetBasis, pressure: Pressure) -> ndarray:
     n = basis.mesh.nvertices
     if np.shape(pressure) != (n,):
         raise ValueError(f"the pressure has shape {np.shape(pressure)}; the mesh has {n} nodes")
-    linear = _LINEAR[basis.mesh.dim(), len(basis.mesh.t)]()
-    return np.asarray(basis.with_element(linear).interpolate(np.asarray(pressure)))
+    return np.asarray(basis.with_element(linear_element(basis.mesh)).interpolate(np.asarray(pressure)))
 
 
 def _warn_of_water(basis: CellBasis, pressure: Pressure, pressed: ndarray) -> None:

@@ -35,7 +35,7 @@ def check_materials(regions: tuple[Region, ...], n_elements: int, ncomp: int) ->
 
 
 def by_region(basis: CellBasis, materials: Material | Mapping[str, Material]
-               ) -> tuple[CellBasis, tuple[Region, ...]]:
+              ) -> tuple[CellBasis, tuple[Region, ...]]:
     """Order the elements of a basis region by region, so that every region is a slice."""
     if not isinstance(materials, Mapping):
         return basis, (Region("all", materials),)

@@ -12,10 +12,12 @@ import numpy as np
 from numpy import ndarray
 from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
-from skfem import CellBasis
+from skfem import CellBasis, Element, ElementHex1, ElementQuad1, ElementTetP1, ElementTriP1, Mesh
 
 from .errors import finite, look_up, place
 
+#: Linear elements by the numbers of dimensions and of corners.
+_LINEAR = {(2, 3): ElementTriP1, (2, 4): ElementQuad1, (3, 4): ElementTetP1, (3, 8): ElementHex1}
 #: A node lies at a place if it is nearer than this share of the mesh.
 _AT = 1e-6
 
@@ -128,6 +130,11 @@ def nodes(basis: CellBasis) -> ndarray:
 def elements_of(basis: CellBasis) -> ndarray:
     """Numbers in the mesh of the elements of a basis, whole or restricted, (n_elements,)."""
     return np.arange(basis.mesh.nelements) if basis.tind is None else np.asarray(basis.tind)
+
+
+def linear_element(mesh: Mesh) -> Element:
+    """The linear element of a mesh, straight or curved: one unknown at each vertex."""
+    return _LINEAR[mesh.dim(), len(mesh.t)]()
 
 
 def _first_unknowns(basis: CellBasis, part: str | None) -> ndarray:

@@ -14,17 +14,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from helpers import ELEMENTS, grid, vector_basis
-from skfem import (
-    Basis,
-    ElementHex1,
-    ElementHex2,
-    ElementHexS2,
-    ElementTetP1,
-    ElementTetP2,
-    ElementVector,
-    MeshHex,
-    MeshTet,
-)
+from space import ELEMENTS as IN_SPACE
+from space import vector_basis as basis_in_space
 
 import skfem_contact as sc
 from skfem_contact import plot
@@ -485,11 +476,11 @@ def test_an_own_picture(tmp_path):
     assert colored(plt.imread(tmp_path / "own.png") * 255).any()
 
 
-def cube(kind, element):
+def cube(element):
     """A cube in space in two regions: u_z = z / 10."""
-    mesh = kind.init_tensor(*3 * [np.linspace(0, 1, 3)])
+    mesh = IN_SPACE[element][0].init_tensor(*3 * [np.linspace(0, 1, 3)])
     mesh = mesh.with_subdomains({"low": lambda x: x[2] < 0.5, "high": lambda x: x[2] > 0.5})
-    basis = Basis(mesh, ElementVector(element()), intorder=4)
+    basis = basis_in_space(mesh, element, intorder=4)
     materials = {name: sc.LinearElastic(E=1e3, nu=0.0) for name in ("low", "high")}
     forms = {"cube": sc.SolidForm(basis, materials, strain=sc.three_dimensional)}
     x = basis.zeros()
@@ -499,14 +490,12 @@ def cube(kind, element):
 
 
 @needs_opengl
-@pytest.mark.parametrize(("kind", "element"), [
-    (MeshTet, ElementTetP1), (MeshTet, ElementTetP2), (MeshHex, ElementHex1), (MeshHex, ElementHexS2),
-    (MeshHex, ElementHex2)])
-def test_cutaway(kind, element, monkeypatch):
+@pytest.mark.parametrize("element", IN_SPACE)
+def test_cutaway(element, monkeypatch):
     """What is drawn of a cube of which a part is cut away: its volume, its field and lines on all of its faces."""
     drawn = {}
     monkeypatch.setattr(cutaway, "_draw", lambda plotter, straight, kept, *rest: drawn.update(all=straight, kept=kept))
-    forms, step = cube(kind, element)
+    forms, step = cube(element)
     plot.cutaway(forms, step, "uz", cuts=[((0, -1, 0), (0, 0.25, 0)), ((3, 0, 0), (0.5, 0, 0))])
     kept = drawn["kept"]
     volumes = np.abs(kept.compute_cell_sizes()["Volume"])
@@ -522,7 +511,7 @@ def test_cutaway(kind, element, monkeypatch):
 @needs_opengl
 def test_cutaway_is_seen():
     """The cube from the side is a square, the half that a cut leaves is twice as wide as high; both have colours."""
-    forms, step = cube(MeshHex, ElementHex1)
+    forms, step = cube("Q1")
     look = {"towards": (-1, 0.1, -0.1), "limits": (-0.1, 0.1)}
     whole = shot(plot.cutaway(forms, step, "uz", **look))
     half = shot(plot.cutaway(forms, step, "uz", cuts=[((0, 0, 1), (0, 0, 0.5))], mesh=False, **look))

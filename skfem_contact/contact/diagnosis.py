@@ -13,6 +13,7 @@ from ..surfaces.surface import Surface
 from .clearance import TOUCHING
 from .laws import InterfaceLaw, Status
 from .quadrature import SlavePoints
+from .sides import normals_at_joint
 from .state import ContactState
 
 if TYPE_CHECKING:
@@ -49,8 +50,9 @@ def passed_through(depth: ndarray, accepted: ContactState, candidate: ContactSta
 
 def remarks(pair: ContactPair, x: ndarray, state: ContactState) -> Iterator[Remark]:
     """Remarks on a state: penalty, multipliers, round-off, facets, lost bonds, points that lie too deep, no contact."""
-    yield from _on_enforcement(pair, x, state)
-    yield from _on_facets(pair, state)
+    meshed = _meshed_gap(pair, state) if state.traction[0].any() else state.gap  # without tractions nobody asks
+    yield from _on_enforcement(pair, x, state, meshed)
+    yield from _on_facets(pair, state, meshed)
     slave, master, points = pair.slave, pair.master, pair.points(state)
     lost_bond = _without_bond(pair.law, state)
     if lost_bond.any():
@@ -70,7 +72,7 @@ def remarks(pair: ContactPair, x: ndarray, state: ContactState) -> Iterator[Rema
             f"gap is {gap:.3g} between '{slave.name}' and '{master.name}', smallest at {_place(slave, points, state)}"))
 
 
-def _on_enforcement(pair: ContactPair, x: ndarray, state: ContactState) -> Iterator[Remark]:
+def _on_enforcement(pair: ContactPair, x: ndarray, state: ContactState, meshed: ndarray) -> Iterator[Remark]:
     """Penetration, what the penalty gives way by, what multipliers leave, and round-off."""
     slave, master, points, penalties = pair.slave, pair.master, pair.points(state), pair.penalties(state)
     share, stiffness = penetration(points, state), pair.stiffness or penalties[0]
@@ -89,7 +91,7 @@ def _on_enforcement(pair: ContactPair, x: ndarray, state: ContactState) -> Itera
         yield Remark("soft penalty", softer,
                      f"the penalty, {penalties[0]:.3g}, is {softer:.2g} times softer than the surfaces: contact gives "
                      "way by more than the elements beside it; it is a stress per length, some times E/h")
-    elif pair.enforcement is None and (part := _compliance(pair, x, state)) > _COMPLIANCE:
+    elif pair.enforcement is None and (part := _compliance(pair, x, state, meshed)) > _COMPLIANCE:
         yield Remark("compliance", part,
                      f"the penalty, {penalties[0]:.3g}, gives way by {part:.1%} of the largest displacement: finer "
                      "elements, a harder penalty or AugmentedLagrangian() take that away")
@@ -101,7 +103,7 @@ def _on_enforcement(pair: ContactPair, x: ndarray, state: ContactState) -> Itera
                      f"penalty, {penalties[1]:.3g}, is too hard")
 
 
-def _compliance(pair: ContactPair, x: ndarray, state: ContactState) -> float:
+def _compliance(pair: ContactPair, x: ndarray, state: ContactState, meshed: ndarray) -> float:
     """What the penalty gives way by, averaged over the pressure, as a share of the largest displacement.
 
     What gave way when displacements were counted from anew, or is an overlap of the mesh, is not due to it; nor is
@@ -113,7 +115,7 @@ def _compliance(pair: ContactPair, x: ndarray, state: ContactState) -> float:
     way = (state.offset - state.gap)[closed]
     if largest == 0.0 or not force.any() or not np.average(np.abs(way), weights=force) > _COMPLIANCE * largest:
         return 0.0
-    since = np.abs(way - (state.offset - _meshed_gap(pair, state))[closed])
+    since = np.abs(way - (state.offset - meshed)[closed])
     return float(np.average(np.minimum(np.abs(way), since), weights=force)) / largest
 
 
@@ -124,13 +126,13 @@ def _meshed_gap(pair: ContactPair, state: ContactState) -> ndarray:
     return pair._project(points, master, points.positions(slave)).gap
 
 
-def _on_facets(pair: ContactPair, state: ContactState) -> Iterator[Remark]:
+def _on_facets(pair: ContactPair, state: ContactState, meshed: ndarray) -> Iterator[Remark]:
     """What straight facets do to the pressure: overlaps where they do not match, a slope at nodes where they do."""
     points = pair.points(state)
     force = points.weight * np.abs(state.traction[0])
     if not force.any():
         return
-    overlap = np.maximum(state.offset - _meshed_gap(pair, state), 0.0)
+    overlap = np.maximum(state.offset - meshed, 0.0)
     overlap[(overlap > pair.depth(points)) | (overlap < TOUCHING * points.size)] = 0.0
     penalty = pair.penalties(state)[0]
     in_series = 1.0 / (1.0 / penalty + 1.0 / (pair.stiffness or penalty))
@@ -140,8 +142,8 @@ def _on_facets(pair: ContactPair, state: ContactState) -> Iterator[Remark]:
                      f"facets of '{pair.slave.name}' and '{pair.facets.name}' that do not match overlap by up to "
                      f"{overlap.max():.3g} in the mesh, which alone carries about {carried:.1g} times the pressure "
                      'that was found: initial="adjusted" lets them touch, matching nodes or curves do not overlap')
-    sideways = float(force @ _slope_at_joints(pair, state) / force.sum())
-    if points.nodes.shape[1] == 1 and sideways > _SIDEWAYS:
+    nodal = points.nodes.shape[1] == 1
+    if nodal and (sideways := float(force @ _slope_at_joints(pair, state) / force.sum())) > _SIDEWAYS:
         yield Remark("joints", sideways,
                      f"nodes of '{pair.slave.name}' face joints of '{pair.facets.name}' and belong to the facet "
                      f"before: {sideways:.1%} of their pressure acts along the surface, as a torque if it is round; "
@@ -167,11 +169,7 @@ def _slope_at_joints(pair: ContactPair, state: ContactState) -> ndarray:
         return sine
     xi = state.position[0]
     at = np.flatnonzero((state.facet >= 0) & (np.abs(xi) > 1.0 - 2.0 * _AT_JOINT))
-    end = np.sign(xi[at])
-    beyond = master.neighbours[state.facet[at], (end > 0).astype(int)]
-    at, end, beyond = at[beyond >= 0], end[beyond >= 0], beyond[beyond >= 0]
-    here = master.at(state.facet[at], end[:, None], master.nodes).normal
-    there = master.at(beyond, -end[:, None], master.nodes).normal
+    here, there = normals_at_joint(master, master.nodes, state.facet[at], (xi[at] > 0).astype(int))
     sine[at] = 0.5 * np.linalg.norm(here - there, axis=1)
     return sine
 

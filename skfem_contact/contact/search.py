@@ -101,7 +101,7 @@ def project(surface: Surface, nodes: ndarray, points: ndarray, depth: ndarray,
     stays = _stays(surface, nodes, facet, beyond, facet == accepted[row], held[row])
     xi, feature, off = _on_facets(surface, nodes, points[row], facet, foot, beyond, stays)
     offset = points[row] - surface.at(facet, xi, nodes, 0).x[0]
-    distance = np.sqrt(np.einsum("nc,nc->n", offset, offset))
+    distance = np.sqrt(dot(offset, offset))
     best = _first_minimum(row, distance - _preferred(surface, facet, beyond, feature > 0, stays) * surface.size[facet])
     # what is closest decides: off the rim, or too deep, there is no contact with anything farther
     best = best[~off[best]]
@@ -219,7 +219,7 @@ def _above(surface: Surface, nodes: ndarray, facet: ndarray, feature: ndarray, x
     normal = surface.at(facet, xi, nodes).normal
     if (bent := np.flatnonzero(feature)).size:  # all facets there tell what is outside
         normal[bent] = side_of_joint(surface, nodes, facet[bent], feature[bent], xi[bent])
-    return np.asarray(np.einsum("nc,nc->n", normal, offset) >= 0)
+    return np.asarray(dot(normal, offset) >= 0)
 
 
 def _stays(surface: Surface, nodes: ndarray, facet: ndarray, beyond: ndarray, accepted: ndarray, frozen: ndarray
@@ -231,7 +231,7 @@ def _stays(surface: Surface, nodes: ndarray, facet: ndarray, beyond: ndarray, ac
     if len(pair):
         here, there = normals_at_joint(surface, nodes, facet[pair], side)
         turn = np.sqrt(((here - there) ** 2).sum(axis=1))
-        bends = (np.einsum("nc,nc->n", here, there) > _STRAIGHT) & (turn > _SMOOTH)
+        bends = (dot(here, there) > _STRAIGHT) & (turn > _SMOOTH)
         stays[pair, side] = np.where(bends | frozen[pair], share[pair, 0], 0.0)
     return stays
 

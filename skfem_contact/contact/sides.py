@@ -92,7 +92,7 @@ def _normals_at_corners(surface: Surface, nodes: ndarray, which: ndarray) -> nda
     node = surface.facets[facet, corner]
     before = nodes[surface.facets[facet, corner - 1]] - nodes[node]
     after = nodes[surface.facets[facet, (corner + 1) % n]] - nodes[node]
-    angle = np.arccos(np.clip(np.einsum("nc,nc->n", unit(before), unit(after)), -1.0, 1.0))
+    angle = np.arccos(np.clip(dot(unit(before), unit(after)), -1.0, 1.0))
     normal = surface.at(facet, surface.shape.corners[corner], nodes).normal
     total = np.zeros((len(surface.nodes), 3))
     np.add.at(total, node, angle[:, None] * normal)

@@ -8,9 +8,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy import ndarray
 from numpy.typing import ArrayLike
-from skfem import Basis, CellBasis, ElementQuad1, ElementTriP1
+from skfem import Basis, CellBasis
 
 from ..errors import look_up
+from ..loads import by_element
+from ..unknowns import linear_element
 from .model import Field, Traction
 
 #: A traction: (t_x, t_y), or a function of places (2, n) with values (2, n).
@@ -64,7 +66,7 @@ class Loads:
                 raise ValueError(f"there is no load '{name}' to multiply; existing: {', '.join(sorted(known))}")
         for name in (*self.tractions, *self.wetted):
             look_up(name, basis.mesh.boundaries or {}, "boundary")
-        body = _unit_weights(self.weight, basis)[:, None] * np.array([self.seismic, -1.0])
+        body = by_element(basis.mesh, self.weight)[:, None] * np.array([self.seismic, -1.0])
         nothing = np.zeros_like(body)
         dead, live = (nothing, body) if "weight" in self.live else (body, nothing)
         tractions = tuple(Traction(name, _traction(name, value), name in self.live)
@@ -74,21 +76,6 @@ class Loads:
             raise ValueError("there is no load: give `weight`, `tractions` or `water`")
         linear = any(callable(value) for value in self.tractions.values())
         return Given(dead, live, tractions, water, self.wetted, ("tractions are linear along every facet",) * linear)
-
-
-def _unit_weights(weight: float | Mapping[str, float], basis: CellBasis) -> ndarray:
-    """Weight per volume of every element of the mesh."""
-    gamma = np.zeros(basis.mesh.nelements)
-    for name, value in weight.items() if isinstance(weight, Mapping) else ():
-        elements = look_up(name, basis.mesh.subdomains or {}, "subdomain")
-        if gamma[elements].any():
-            raise ValueError(f"elements of '{name}' get their weight twice")
-        gamma[elements] = value
-    if not isinstance(weight, Mapping):
-        gamma[:] = weight
-    if not np.isfinite(gamma).all():
-        raise ValueError(f"unit weights must be finite numbers, not {weight!r}")
-    return gamma
 
 
 def _traction(name: str, value: TractionLike) -> Field:
@@ -113,5 +100,4 @@ def pressure(water: PressureLike, basis: CellBasis) -> Field:
     mesh = basis.mesh
     if np.shape(water) != (mesh.nvertices,):
         raise ValueError(f"the water has shape {np.shape(water)}; the mesh has {mesh.nvertices} nodes")
-    linear = Basis(mesh, ElementTriP1() if len(mesh.t) == 3 else ElementQuad1())
-    return linear.interpolator(np.asarray(water, dtype=float))
+    return Basis(mesh, linear_element(mesh)).interpolator(np.asarray(water, dtype=float))

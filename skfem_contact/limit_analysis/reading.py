@@ -150,7 +150,7 @@ def _contacts(pairs: Mapping[str, ContactPair], targets: Mapping[str, Any], stre
     contacts: list[Contact] = []
     seen: set[str] = set()
     for name, pair in pairs.items():
-        if (pair.master.dofs < 0).any():
+        if pair.master.rigid:
             raise ValueError(f"contact '{name}' is with the rigid obstacle '{pair.master.name}': bounds know contact "
                              "between bodies; make the obstacle an elastic body, which they take for rigid")
         sides = pair.slave.name, pair.master.name

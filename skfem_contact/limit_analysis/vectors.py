@@ -40,7 +40,7 @@ class Vectors:
         if self.water is not None:
             water = pressure(self.water, basis)
             with warnings.catch_warnings():
-                warnings.simplefilter("ignore", AnalysisWarning)  # whoever made the load has been told
+                warnings.simplefilter("ignore", AnalysisWarning)  # it was given with the load
                 dead = dead - water_load(basis.with_elements(site.porous), self.water, self.wetted)
         body, tractions = parts.of(dead, False)
         if self.live is None:

@@ -112,7 +112,7 @@ def check(given: System, system: System, found: Equilibrium, states: Mapping[str
 def _easier(system: System, states: Mapping[str, Any], load: ndarray, error: NotConverged) -> System:
     """The system with easier forms, or the same one where no form knows any.
 
-    Bodies that move freely need to be held, and points that chatter to be calmed.  Where none chatters the bodies may
+    Bodies that move freely need to be held, and points that chatter an easier law.  Where none chatters the bodies may
     be about to lift off: a residual that hardly changes is that of a body that flies away.
 
     Parameters
@@ -127,10 +127,10 @@ def _easier(system: System, states: Mapping[str, Any], load: ndarray, error: Not
         if error.x is None:  # every equilibrium was found, but a form was never content
             return system
         seen = _candidates(system, error.x, states, load)
-        calmed = _begin(system, states, {name: Failure(False, tuple(candidates[name] for candidates in seen))
+        easier = _begin(system, states, {name: Failure(False, tuple(candidates[name] for candidates in seen))
                                          for name in system.forms})
-        if calmed is not system or isinstance(error.__cause__, IncrementTooLarge):
-            return calmed
+        if easier is not system or isinstance(error.__cause__, IncrementTooLarge):
+            return easier
     return _begin(system, states, {name: Failure(loose=True) for name in system.forms})
 
 

@@ -7,6 +7,8 @@ import numpy as np
 from numpy import ndarray
 from numpy.typing import ArrayLike
 
+from ..surfaces.vectors import dot
+
 
 @dataclass(frozen=True)
 class SectionForces:
@@ -66,7 +68,7 @@ class SpaceSectionForces(SectionForces):
            ) -> SpaceSectionForces:
         """From resultants (n, 3)."""
         x, y, z = place.T
-        N, T = (np.einsum("nc,nc->n", vector, axis) for vector in (force, moment))
+        N, T = dot(force, axis), dot(moment, axis)
         return cls(position, x, y, N, force - N[:, None] * axis, moment - T[:, None] * axis, z, T, axis)
 
     def towards(self, left: ArrayLike) -> SectionForces:
@@ -93,5 +95,5 @@ class SpaceSectionForces(SectionForces):
             raise ValueError(f"the side of a bent body lies across its axis, not at {left!r}")
         side = side / length[:, None]
         about = np.cross(self.axis, side)
-        V, M = np.einsum("nc,nc->n", self.V, side), -np.einsum("nc,nc->n", self.M, about)
+        V, M = dot(self.V, side), -dot(self.M, about)
         return SectionForces(self.position, self.x, self.z, self.N, V, M)

@@ -90,8 +90,8 @@ def all_unknowns(forms: Mapping[str, Form], size: int | None = None) -> Unknowns
     n = next(iter(sizes.values()), first if first is not None else size)
     if n is None:
         raise ValueError("no form knows how many unknowns there are: give one of them a `size`")
-    for basis in list(bases.values())[:1]:
-        check_mesh(basis.mesh)
+    if bases:
+        check_mesh(next(iter(bases.values())).mesh)
     brought = [field for form in forms.values() if form.fields for field in form.completed(forms).fields]
     if not bases:
         return Unknowns.of(np.arange(n, dtype=float)[None], brought)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy import ndarray
 from skfem import CellBasis
 
-from ..errors import check_basis, look_up
+from ..errors import check_basis, facets_of
 from .shape import Shape
 from .topology import adjacent, ordered
 from .vectors import across, unit
@@ -101,9 +101,7 @@ class Surface:
         """
         check_basis(basis)
         mesh = basis.mesh
-        facets = np.unique(look_up(name, mesh.boundaries or {}, "boundary"))
-        if len(facets) == 0:
-            raise ValueError(f"boundary '{name}' is empty")
+        facets = np.unique(facets_of(mesh, name))
         if (mesh.f2t[1, facets] >= 0).any():
             raise ValueError(f"boundary '{name}' lies inside the mesh: its facets have elements on both sides; "
                              "separate the bodies with join_bodies")

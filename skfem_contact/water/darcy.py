@@ -7,34 +7,18 @@ from functools import cached_property
 import numpy as np
 from numpy import ndarray
 from scipy.sparse import coo_matrix, csr_matrix
-from skfem import (
-    Basis,
-    CellBasis,
-    Element,
-    ElementHex1,
-    ElementQuad1,
-    ElementTetP1,
-    ElementTriP1,
-)
+from skfem import Basis, CellBasis
 
-from ..unknowns import elements_of
+from ..unknowns import elements_of, linear_element
 from .retention import Retention
 
 #: Error of a sum of some ten products of heads and conductances, relative to the largest.
 _ROUND_OFF = 16 * np.finfo(float).eps
-#: Linear elements by the numbers of dimensions and of corners.
-_LINEAR = {(2, 3): ElementTriP1, (2, 4): ElementQuad1, (3, 4): ElementTetP1, (3, 8): ElementHex1}
-
-
-def linear_element(basis: CellBasis) -> Element:
-    """The linear element, one unknown at each vertex of the mesh, in the shape of the elements of any basis."""
-    element: Element = _LINEAR[basis.mesh.dim(), len(basis.mesh.t)]()
-    return element
 
 
 def head_basis(basis: CellBasis) -> CellBasis:
     """Basis of heads on the elements of any basis: linear, one unknown at each vertex of the mesh."""
-    return Basis(basis.mesh, linear_element(basis), intorder=2, elements=elements_of(basis))
+    return Basis(basis.mesh, linear_element(basis.mesh), intorder=2, elements=elements_of(basis))
 
 
 class DarcyFlow:

@@ -10,7 +10,7 @@ from scipy.sparse import coo_matrix, csr_matrix
 from skfem import CellBasis
 
 from ..strain import StrainOperator
-from .darcy import linear_element
+from ..unknowns import linear_element
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +43,7 @@ class Porous:
     @classmethod
     def of(cls, basis: CellBasis, strain: Callable[[CellBasis], StrainOperator], mobility: ndarray) -> Porous:
         """Matrices from a measure of strain and the permeability over the unit weight of water, (n_elements, d, d)."""
-        pressures = basis.with_element(linear_element(basis))
+        pressures = basis.with_element(linear_element(basis.mesh))
         B, weight = strain(basis)
         shapes = [pressures.basis[j][0] for j in range(pressures.Nbfun)]
         N = np.stack([np.broadcast_to(np.asarray(shape), weight.shape) for shape in shapes])
