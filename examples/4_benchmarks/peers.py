@@ -32,17 +32,22 @@ class Run:
 
     Attributes
     ----------
-    x
-        Displacements at the end, (N,), or None where it failed.
+    steps
+        Displacements at the end of each stage, (N,) each; none where it failed.
     cpu
         Its process time in seconds.
     iterations
         Number of linear systems.
     """
 
-    x: ndarray | None
+    steps: tuple[ndarray, ...]
     cpu: float
     iterations: int
+
+    @property
+    def x(self) -> ndarray | None:
+        """Displacements at the end, or None where it failed."""
+        return self.steps[-1] if self.steps else None
 
 
 def available() -> bool:
@@ -74,9 +79,10 @@ def calculix(problem: Problem, stages: Sequence[sc.Stage], mu: float, method: st
         )
         end = os.times()
         good = "Job finished" in done.stdout and "*ERROR" not in done.stdout
-        x = _displacements(problem, (folder / "job.dat").read_text()) if good else None
+        printed = (folder / "job.dat").read_text().split("displacements")[1:] if good else ()
     cpu = end.children_user + end.children_system - begin.children_user - begin.children_system
-    return Run(x, cpu, len(re.findall(r"^ *iteration +\d+", done.stdout, re.MULTILINE)))
+    steps = tuple(_displacements(problem, table) for table in printed)
+    return Run(steps, cpu, len(re.findall(r"^ *iteration +\d+", done.stdout, re.MULTILINE)))
 
 
 def _deck(problem: Problem, stages: Sequence[sc.Stage], mu: float, method: str) -> Iterator[str]:
@@ -130,9 +136,9 @@ def _faces(mesh, quads: ndarray, boundary: str) -> list[str]:
 
 
 def _displacements(problem: Problem, printed: str) -> ndarray:
-    """Displacements of the first layer from CalculiX's last table."""
+    """Displacements of the first layer from one of CalculiX's tables."""
     n = problem.basis.mesh.p.shape[1]
-    table = [line.split() for line in printed.split("displacements")[-1].splitlines()]
+    table = [line.split() for line in printed.splitlines()]
     rows = np.array([row for row in table if len(row) == 4], dtype=float)
     rows = rows[np.argsort(rows[:, 0])][:n]
     x = problem.basis.zeros()
