@@ -59,7 +59,7 @@ def test_bracket_without_dilatancy():
 
 
 def test_limit_load_that_stalls_says_what_helps():
-    """A strip footing, phi = 30 and psi = 0, with few iterations: nothing is known above, and the flows are named."""
+    """A strip footing, phi = 30 and psi = 0, with one iteration a step: nothing is known above, and the flows are named."""
     mesh = grid("P2", np.linspace(0, 6, 10), np.linspace(-3, 0, 5)).with_boundaries(
         {"foot": lambda p: (p[1] > -1e-9) & (p[0] < 1.4)})
     basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
@@ -68,9 +68,9 @@ def test_limit_load_that_stalls_says_what_helps():
     load = LinearForm(lambda v, w: -v[1]).assemble(FacetBasis(mesh, basis.elem, facets="foot"))
     forms = {"soil": sc.SolidForm(basis, sc.MohrCoulomb(E=1e4, nu=0.3, c=1.0, phi=30.0, psi=0.0))}
     with pytest.warns(sc.AnalysisWarning, match=r"psi < phi .* flow='davis_b' or 'lagged'"):
-        found = sc.limit_load(forms, fixed, load, newton=sc.Newton(1.5e-4, 2), progress=False)
+        found = sc.limit_load(forms, fixed, load, newton=sc.Newton(1.5e-4, 1), progress=False)
     assert found.stop.kind == "stall" and found.bracket[1] == np.inf
-    assert sum(step.iterations for step in found.steps if step.outcome == "stall") <= 150 + 2
+    assert sum(step.iterations for step in found.steps if step.outcome == "stall") <= 150 + 1
 
 
 def test_joints_are_reduced_like_all_other_strength():

@@ -30,8 +30,10 @@ from .result import Stop, no_collapse_below
 _DIFFERENCE = 1e-6
 #: Growth of the steps.
 GROWTH = 2.0
+#: ... once a step has failed; ACADS 1(c) with psi = 0 takes 154 iterations with 2, 152 with 1.5 and 123 with 1.3.
+_CAUTIOUS = 1.3
 #: Step lengths in a row that may fail before the curve ends: no equilibrium is found, or one below the last.
-_CUTS = {"stall": 6, "peak": 2}
+_CUTS = {"stall": 6, "peak": 1}
 #: Iterations of failed steps after which it ends, too.
 _VAIN = 150
 _MOST_STEPS = 100
@@ -176,7 +178,7 @@ def follow(branch: Branch, control: ndarray, points: list[Point], newton: Newton
     report
         Told of every new point and of every step that failed.
     growth
-        Ratio of a step to the one before; the step after one that failed does not grow.
+        Ratio of a step to the one before; the step after one that failed does not grow, those after it grow less.
     longest
         Work of the longest step.
     until
@@ -200,7 +202,7 @@ def follow(branch: Branch, control: ndarray, points: list[Point], newton: Newton
             vain += max(len(error.residuals) - 1, 0)
             if kind != "collapse" and (failures[kind] > _CUTS[kind] or vain > _VAIN):
                 return Curve(tuple(points), Stop(kind, str(error)))
-            length *= 0.5
+            length, growth = 0.5 * length, min(growth, _CAUTIOUS)
             continue
         points.append(point)
         report.accept(point)
