@@ -59,7 +59,7 @@ def test_bracket_without_dilatancy():
 
 
 def test_limit_load_that_stalls_says_what_helps():
-    """A strip footing, phi = 30 and psi = 0, with one iteration a step: nothing is known above, and the flows are named."""
+    """A strip footing, phi = 30 and psi = 0, one iteration a step: nothing is known above, the flows are named."""
     mesh = grid("P2", np.linspace(0, 6, 10), np.linspace(-3, 0, 5)).with_boundaries(
         {"foot": lambda p: (p[1] > -1e-9) & (p[0] < 1.4)})
     basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)

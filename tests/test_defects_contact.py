@@ -351,6 +351,28 @@ def test_share_of_the_default_penalty(n: int, share: float | None) -> None:
         assert f"gives way by {way / short:.1%} of" in told
 
 
+@pytest.mark.parametrize("n", [3, 20])
+def test_share_of_the_tangential_penalty(n: int) -> None:
+    """[X] Two stuck blocks in pure shear move by 2 t / G, and by what the penalty gives way, told above 1 %."""
+    E, nu, shear, mu, depth = 30e6, 0.3, 1e3, 100.0, 1e-7
+    bodies = {name: grid("Q1", np.linspace(0, 1, m + 1), np.linspace(y, y + 1, m + 1))
+              for name, m, y in (("low", n, -1), ("up", n + 1, 0))}  # fmt: skip
+    basis = vector_basis(sc.join_bodies(bodies), "Q1", intorder=2)
+    forms = sc.choose_penalties({
+        "blocks": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=nu)),
+        "joint": sc.ContactPair(basis, "up:bottom", "low:top", sc.Coulomb(mu=mu), initial="adjusted"),
+    })  # fmt: skip
+    pressed = basis.zeros()
+    pressed[basis.get_dofs(elements="up").all("u^2")] = -depth
+    fixed = np.union1d(basis.get_dofs("low:bottom").all(), np.unique(basis.dofs.element_dofs[1::2]))
+    stage, told = told_of(forms, sc.Stage("shear", traction(basis, "up:top", (shear, 0.0)), pressed), fixed)
+    moved, way = stage.x[basis.get_dofs("up:top").all("u^1")].mean(), shear / forms["joint"].penalty[1]
+    assert moved == pytest.approx(4 * shear * (1 + nu) / E + way, rel=1e-6)
+    assert ("of the largest displacement" in told) == (n == 3)
+    if n == 3:
+        assert f"tangential penalty, {forms['joint'].penalty[1]:.3g}, gives way by {way / moved:.1%} of" in told
+
+
 def annulus(inner: float, outer: float, n: int, layers: int):
     """A ring of straight facets; "inner" and "outer" are its faces."""
     radii, angles = np.linspace(inner, outer, layers + 1), 2 * np.pi * np.arange(n) / n

@@ -91,9 +91,10 @@ def _on_enforcement(pair: ContactPair, x: ndarray, state: ContactState, meshed: 
         yield Remark("soft penalty", softer,
                      f"the penalty, {penalties[0]:.3g}, is {softer:.2g} times softer than the surfaces: contact gives "
                      "way by more than the elements beside it; it is a stress per length, some times E/h")
-    elif pair.enforcement is None and (part := _compliance(pair, x, state, meshed)) > _COMPLIANCE:
+    elif pair.enforcement is None and max(parts := _compliance(pair, x, state, meshed)) > _COMPLIANCE:
+        part, penalty, which = max(zip(parts, penalties, ("", "tangential ")))
         yield Remark("compliance", part,
-                     f"the penalty, {penalties[0]:.3g}, gives way by {part:.1%} of the largest displacement: finer "
+                     f"the {which}penalty, {penalty:.3g}, gives way by {part:.1%} of the largest displacement: finer "
                      "elements, a harder penalty or AugmentedLagrangian() take that away")
     lost = penalties[1] * ROUND_OFF * float(np.abs(master.nodes - slave.nodes.mean(axis=0)).max())
     largest = float(np.abs(state.traction).max(initial=0.0))
@@ -103,20 +104,38 @@ def _on_enforcement(pair: ContactPair, x: ndarray, state: ContactState, meshed: 
                      f"penalty, {penalties[1]:.3g}, is too hard")
 
 
-def _compliance(pair: ContactPair, x: ndarray, state: ContactState, meshed: ndarray) -> float:
-    """What the penalty gives way by, averaged over the pressure, as a share of the largest displacement.
+def _compliance(pair: ContactPair, x: ndarray, state: ContactState, meshed: ndarray) -> tuple[float, float]:
+    """What the penalties give way by, averaged over the tractions, as shares of the largest displacement.
 
-    What gave way when displacements were counted from anew, or is an overlap of the mesh, is not due to it; nor is
-    what a law of one's own makes of the gap.
+    What gave way when displacements were counted from anew, or is an overlap of the mesh, is not due to them; nor is
+    what a law of one's own makes of gap and slip.
     """
-    elastic = np.where(state.traction[0] != 0.0, (state.gap - state.offset) * pair.penalties(state)[0], 0.0)
-    closed = (elastic != 0.0) & np.isclose(state.traction[0], elastic, rtol=_ELASTIC, atol=0.0)
-    force, largest = (pair.points(state).weight * np.abs(elastic))[closed], float(np.abs(x).max(initial=0.0))
-    way = (state.offset - state.gap)[closed]
-    if largest == 0.0 or not force.any() or not np.average(np.abs(way), weights=force) > _COMPLIANCE * largest:
-        return 0.0
-    since = np.abs(way - (state.offset - meshed)[closed])
-    return float(np.average(np.minimum(np.abs(way), since), weights=force)) / largest
+    closed = np.flatnonzero(state.status != Status.OPEN)
+    largest = float(np.abs(x).max(initial=0.0))
+    if largest == 0.0:
+        return 0.0, 0.0
+    way, slip = (state.offset - state.gap)[closed], np.linalg.norm(state.slip[:, closed], axis=0)
+    pressed, sheared = np.abs(state.traction[0, closed]), np.linalg.norm(state.traction[1:, closed], axis=0)
+    normal, tangential = pair.penalties(state)
+    weight, since = pair.points(state).weight[closed], way - (state.offset - meshed)[closed]
+    return (_gives_way(weight, pressed, normal, np.abs(way), np.abs(since)) / largest,
+            _gives_way(weight, sheared, tangential, slip, _moved_apart(pair, x, state)[closed]) / largest)
+
+
+def _gives_way(weight: ndarray, traction: ndarray, penalty: float, way: ndarray, since: ndarray) -> float:
+    """Mean over the force of the way, as far as it was gone since displacements count, where it is elastic."""
+    force = weight * traction * np.isclose(traction, penalty * way, rtol=_ELASTIC, atol=0.0)
+    return float(np.average(np.minimum(way, since), weights=force)) if force.any() else 0.0
+
+
+def _moved_apart(pair: ContactPair, x: ndarray, state: ContactState) -> ndarray:
+    """Distance by which the displacements have moved points and their closest points apart, (n,)."""
+    (slave, master), (slave_0, master_0) = pair._places(x), pair._places(np.zeros(pair.size))
+    points, closest, found = pair.points(state), state.closest, state.facet >= 0
+    apart = points.positions(slave - slave_0)
+    N = pair.master.shape.at(closest.facet[found], closest.xi[found], 0)[0]
+    apart[found] -= np.einsum("nk,nkc->nc", N, (master - master_0)[pair.master.facets[closest.facet[found]]])
+    return np.asarray(np.linalg.norm(apart, axis=1))
 
 
 def _meshed_gap(pair: ContactPair, state: ContactState) -> ndarray:
