@@ -4,6 +4,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from copy import copy
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy import ndarray
@@ -121,11 +122,7 @@ class PoreWater(Form):
     symmetric, second_order = True, True
     size: int
     carries: ndarray
-    _kept: csr_matrix
-    _passing: csr_matrix
-    _gross: csr_matrix
     _step: csr_matrix
-    capacity: ndarray
 
     def __init__(self, basis: CellBasis, k: Permeability | Mapping[str, Permeability], unit_weight: float = 9.81,
                  storage: float | Mapping[str, float] = 0.0,
@@ -260,18 +257,32 @@ class PoreWater(Form):
 
     def _on(self, skeleton: Skeleton) -> PoreWater:
         """The form, complete."""
-        new, parts = copy(self), self.porous
+        new = copy(self)
         new.skeleton = skeleton
-        kept = self.storage[:, None, None] * parts.mass
-        if parts.linear:
-            kept = kept + parts.spread / (2.0 * skeleton.shear)[:, None, None]
-        new._kept = parts.symmetric(self.first, -parts.coupling, -kept)
-        new._passing = parts.symmetric(self.first, 0.0 * parts.coupling, -parts.flow)
-        new._gross = with_data(new._passing, np.abs(new._passing.data))
-        new.capacity = parts.at_nodes(1.0 / skeleton.modulus + self.storage)
         scale = float(skeleton.modulus.mean() / skeleton.size.mean())
         new.fields = (replace(self.fields[0], scale=scale),)
         return new
+
+    @cached_property
+    def _kept(self) -> csr_matrix:
+        """Less what the ground and the water store, symmetric with what the pressures do to the ground."""
+        assert self.skeleton is not None
+        parts = self.porous
+        kept = self.storage[:, None, None] * parts.mass
+        if parts.linear:
+            kept = kept + parts.spread / (2.0 * self.skeleton.shear)[:, None, None]
+        return parts.symmetric(self.first, -parts.coupling, -kept)
+
+    @cached_property
+    def _passing(self) -> csr_matrix:
+        """Less what flows, on the same pattern."""
+        return self.porous.symmetric(self.first, 0.0 * self.porous.coupling, -self.porous.flow)
+
+    @cached_property
+    def capacity(self) -> ndarray:
+        """Water that a pressure of one presses out at the nodes, (n_vertices,)."""
+        assert self.skeleton is not None
+        return self.porous.at_nodes(1.0 / self.skeleton.modulus + self.storage)
 
     def check_stage(self, fixed: ndarray, held: ndarray, duration: float) -> Iterator[Remark]:
         """Drainage and the time that it takes; see :func:`~skfem_contact.water.drainage.drainage_remarks`."""
@@ -305,7 +316,7 @@ class PoreWater(Form):
         kept, flow = self._kept @ x, self._duration * (self._passing @ x)
         force = kept + flow
         force[first:] += state.stored
-        measure = _FLOWING * self._duration * (self._gross @ np.abs(x))
+        measure = _FLOWING * self._duration * (abs(self._passing) @ np.abs(x))
         measure[:first] = kept[:first]
         measure[first:] += np.abs(kept[first:] + state.stored)
         pressure = x[first:]
