@@ -242,7 +242,8 @@ class SolidForm(Form):
             tight[region.elements] = hasattr(region.material, "drained")
         for region in old.regions if isinstance(old, SolidForm) else ():
             opened = np.arange(len(tight))[region.elements][~tight[region.elements]]
-            if (drained := getattr(region.material, "drained", None)) and len(opened) and len(state.internal):
+            if (drained := getattr(region.material, "drained", None)) and len(opened) \
+                    and len(state.internal) >= region.material.n_internal:
                 state = SolidState(state.strain, state.stress.copy(), state.internal.copy())
                 state.stress[:, opened], state.internal[:, opened] = drained(
                     state.stress[:, opened], state.internal[:, opened])

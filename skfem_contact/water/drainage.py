@@ -77,7 +77,7 @@ def _under_pressure(water: PoreWater, joined: ndarray, drained: ndarray) -> ndar
     basis = water.porous.basis
     vertices = water.carries - water.first
     touched = vertices[np.isin(basis.nodal_dofs[0, vertices], joined)]
-    return np.setdiff1d(touched, drained - water.first)
+    return np.setdiff1d(touched, np.append(drained - water.first, water.porous.open))
 
 
 def _check_determined(water: PoreWater, fixed: ndarray, drained: ndarray) -> None:

@@ -1,9 +1,9 @@
 """Consolidation: ground that deforms with the water in its pores (M. A. Biot 1941)."""
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -19,6 +19,7 @@ from ..strain import StrainOperator, plane_strain
 from ..unknowns import Field, elements_of, nodes
 from .drainage import drainage_remarks
 from .permeability import Permeability, permeability_tensors, regions
+from .pore_state import PoreState
 from .porous import Porous
 from .skeleton import Skeleton
 
@@ -28,28 +29,6 @@ _FLOWING = 1e-6
 
 #: Values on a boundary: a number, or a function of places (dim, ...).
 Given = float | Callable[[ndarray], ndarray]
-
-
-@dataclass(frozen=True)
-class PoreState:
-    """What the water in the ground around the nodes remembers, (n,) each, of all vertices of the mesh.
-
-    Attributes
-    ----------
-    stored
-        Volume of water, more than in undeformed ground.
-    first
-        The same when the ground became active.
-    entered
-        Water that has entered at the nodes since: not zero only where pressures are given, or other ground begins.
-    pressure
-        Excess pore pressure, positive in compression.
-    """
-
-    stored: ndarray
-    first: ndarray
-    entered: ndarray
-    pressure: ndarray
 
 
 class PoreWater(Form):
@@ -83,6 +62,10 @@ class PoreWater(Form):
     time_error
         Error of a step in time that is allowed, estimated by a method of first order, as a share of the water that the
         pressures can press out. Of Terzaghi's settlement 0.13 % is then wrong at most.
+    joints
+        Pairs of boundaries of bodies that share no nodes, closed or open, through which water passes freely, as in
+        :func:`seepage`. It presses on both sides, so that contact there carries the effective stress. Other joints are
+        tight, and contact there carries the water's pressure as well.
     after
         A form whose unknowns come before these.
 
@@ -122,12 +105,13 @@ class PoreWater(Form):
     symmetric, second_order = True, True
     size: int
     carries: ndarray
+    capacity: ndarray
     _step: csr_matrix
 
     def __init__(self, basis: CellBasis, k: Permeability | Mapping[str, Permeability], unit_weight: float = 9.81,
                  storage: float | Mapping[str, float] = 0.0,
                  strain: Callable[[CellBasis], StrainOperator] = plane_strain, time_error: float = 0.01,
-                 after: Form | None = None) -> None:
+                 joints: Sequence[tuple[str, str]] = (), after: Form | None = None) -> None:
         check_basis(basis)
         check_quadrature(basis)
         for what, value in (("unit weight of water", unit_weight), ("error in time", time_error)):
@@ -139,7 +123,7 @@ class PoreWater(Form):
             if not 0.0 <= value < np.inf:
                 raise ValueError(f"the storage must be finite and not negative, not {value!r}")
             self.storage[part] = value
-        self.porous = Porous.of(basis, strain, self.mobility)
+        self.porous = Porous.of(basis, strain, self.mobility, joints)
         self.unit_weight, self._time_error = unit_weight, time_error
         self.nodes, self.joins = (np.arange(basis.N), basis.doflocs), np.zeros(0, int)
         self.first = after.fields[-1].end if after is not None and after.fields else int(basis.N)
@@ -259,6 +243,7 @@ class PoreWater(Form):
         """The form, complete."""
         new = copy(self)
         new.skeleton = skeleton
+        new.capacity = self.porous.at_nodes(1.0 / skeleton.modulus + self.storage)
         scale = float(skeleton.modulus.mean() / skeleton.size.mean())
         new.fields = (replace(self.fields[0], scale=scale),)
         return new
@@ -276,13 +261,8 @@ class PoreWater(Form):
     @cached_property
     def _passing(self) -> csr_matrix:
         """Less what flows, on the same pattern."""
-        return self.porous.symmetric(self.first, 0.0 * self.porous.coupling, -self.porous.flow)
+        return self.porous.symmetric(self.first, 0.0 * self.porous.coupling, -self.porous.flow, -1.0)
 
-    @cached_property
-    def capacity(self) -> ndarray:
-        """Water that a pressure of one presses out at the nodes, (n_vertices,)."""
-        assert self.skeleton is not None
-        return self.porous.at_nodes(1.0 / self.skeleton.modulus + self.storage)
 
     def check_stage(self, fixed: ndarray, held: ndarray, duration: float) -> Iterator[Remark]:
         """Drainage and the time that it takes; see :func:`~skfem_contact.water.drainage.drainage_remarks`."""
