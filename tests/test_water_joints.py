@@ -108,7 +108,7 @@ def test_friction_is_of_the_effective_stress():
 
 
 def test_tangent():
-    """Symmetric, of one pattern for steps of any length, and what a uniform pressure does to closed joints is nothing."""
+    """Symmetric, of one pattern for steps of any length; a uniform pressure does nothing to closed joints."""
     basis, forms, _, _ = cut_layer(sc.Tied(), OPEN, n=(10, 20))
     water = sc.choose_penalties(forms)["water"]
     x = np.zeros(water.size)

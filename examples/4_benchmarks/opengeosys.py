@@ -1,5 +1,7 @@
-"""OpenGeoSys on the consolidation of this chapter, as a peer to compare with: quadratic displacements, linear pressures,
-Euler's backward method, its direct solver, and one iteration a step, as many as a linear problem needs.
+"""OpenGeoSys on the consolidation of this chapter, as a peer to compare with.
+
+Quadratic displacements, linear pressures, Euler's backward method, its direct solver, and one iteration a step, as many
+as a linear problem needs.
 """
 
 from __future__ import annotations
@@ -115,7 +117,8 @@ def _project(layer: Layer, steps: Sequence[float], counts: Sequence[int]) -> ET.
         "time_discretization": {"type": "BackwardEuler"},
         "time_stepping": {
             "type": "FixedTimeStepping", "t_initial": 0.0, "t_end": float(np.dot(steps, counts)),
-            "timesteps": {"pair": [{"repeat": k, "delta_t": float(d)} for k, d in zip(counts, steps, strict=True)]}}}  # fmt: skip
+            "timesteps": {"pair": [{"repeat": k, "delta_t": float(step)}
+                                   for k, step in zip(counts, steps, strict=True)]}}}  # fmt: skip
     output = {"type": "VTK", "prefix": "job", "suffix": "_{:timestep}", "data_mode": "Ascii",
               "timesteps": {"pair": [{"repeat": 1, "each_steps": k} for k in counts]},
               "variables": {"variable": ["displacement", "pressure"]}}  # fmt: skip

@@ -113,8 +113,8 @@ axes[0, 0].semilogx(times, degree(times), color="0.4", zorder=0, label="exact")
 axes[0, 0].set(title="Terzaghi", xlabel="T", ylabel="degree of consolidation")
 
 # %%
-# The same layer cut in two at half its height, by a joint that water passes: contact there carries the effective stress,
-# and is so stiff that its closing is no settlement.
+# The same layer cut in two at half its height by a joint that is open to water. Contact there carries the effective
+# stress, and is so stiff that its closing is no settlement.
 
 began = time.process_time()
 heights = 1 - np.linspace(1, 0, 21) ** 1.8

@@ -1,6 +1,7 @@
 """Water in the ground: steady seepage, confined or with a free surface, and consolidation."""
 
-from .pore_water import PoreState, PoreWater
+from .pore_state import PoreState
+from .pore_water import PoreWater
 from .retention import Ramp, Retention, VanGenuchten
 from .seepage import Seepage, seepage
 

@@ -54,8 +54,9 @@ def tied_heads(basis: CellBasis, joints: Sequence[tuple[str, str]], held: ndarra
     return csr_matrix(result)
 
 
-def open_joints(basis: CellBasis, joints: Sequence[tuple[str, str]], conductance: ndarray) -> tuple[coo_matrix, ndarray]:
-    """Water that leaves the nodes through joints, (N, N), by the pressures on both sides, and the facets between them.
+def open_joints(basis: CellBasis, joints: Sequence[tuple[str, str]], conductance: ndarray
+                ) -> tuple[coo_matrix, ndarray]:
+    """Water that leaves the nodes through joints, (N, N), by the pressures, and the facets that face each other.
 
     Parameters
     ----------
@@ -102,8 +103,7 @@ def pressed(basis: CellBasis, pressures: CellBasis, facets: ndarray, axisymmetri
 
 
 def _nearest(mesh: Mesh, points: ndarray, facets: ndarray) -> tuple[ndarray, ndarray, ndarray]:
-    """Corners and weights of the places on facets nearest to points (dim, n), (n, dim) each, and whether they are near.
-    """
+    """Corners and weights of the places on facets nearest to points, (n, dim) each, and whether these are near."""
     ends = mesh.facets[:, facets]
     parts = ends if len(ends) == mesh.dim() else np.hstack((ends[[0, 1, 2]], ends[[0, 2, 3]]))
     p = mesh.p[:, parts]  # (dim, corners, m)
