@@ -145,9 +145,9 @@ plot.contour(quick, result["down"], "pore", mesh=False)
 # %%
 # With time
 # ---------
-# The reservoir falls by 0.4 H in four lifts, within 1, 10 or 100 days. The face follows the level: below it the pressure
-# is that of the water outside, above it rain keeps face and crest wet, at zero pressure. The far side and the base are
-# tight. The pressures count from those of still water before. In a search for the factor they stay as they are.
+# The reservoir falls by 0.4 H in four lifts, within 1, 10 or 100 days. The face follows the level: below it the
+# pressure is that of the water outside, above it rain keeps face and crest wet, at zero pressure. The far side and the
+# base are tight. The pressures count from those of still water before. In a search for the factor they stay.
 
 pores = sc.PoreWater(basis, K, unit_weight=WATER)
 wet = {"slope": form, "water": pores}
