@@ -269,6 +269,38 @@ def test_levels_that_change():
     assert settlement(basis, alone["wait"]) == pytest.approx(5.0 / OEDOMETER, rel=1e-6)
 
 
+def test_seepage_face():
+    """[X] A face that water leaves drains a layer under load; unloaded this keeps its volume, and its water sucks."""
+    basis, forms, fixed, load = layer()
+    fixed = fixed[fixed < basis.N]
+    forms["face"] = sc.SeepageFace(forms["water"], "top")
+    times, water = np.array([0.01, 0.05, 0.197, 0.5]), forms["water"]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # it is not sealed
+        result = sc.run(forms, after(times, load), fixed, **QUIET)
+    U = np.array([settlement(basis, stage) / FINAL for stage in result])[1:]
+    assert np.abs(U - terzaghi(times)).max() < 0.002
+    state = result[-1].states["water"]
+    assert water.inflow(state, "top") == pytest.approx(water.volume(state), rel=1e-9)
+    stages = [sc.Stage("long", load, duration=10.0 / C_V), sc.Stage("half", 0.5 * load, duration=1.0 / C_V),
+              sc.Stage("double", 2.0 * load, duration=1e3 / C_V)]  # fmt: skip
+    result = sc.run(forms, stages, fixed, start=result, **QUIET)
+    np.testing.assert_allclose([settlement(basis, result[name]) / FINAL for name in ("long", "half", "double")],
+                               [1.0, 1.0, 2.0], rtol=1e-3)  # fmt: skip
+    np.testing.assert_allclose(water.pressure(result["half"].x), -0.5 * LOAD, rtol=1e-3)
+    sc.check_form(forms["face"].over(0.1), result["half"].x, None)
+
+
+def test_seepage_face_below_zero():
+    """[X] It opens where the pressure at the beginning and the excess pressure add up to more than zero."""
+    basis, forms, fixed, load = layer("Q1", n=8)
+    forms["face"] = sc.SeepageFace(forms["water"], ["top"], lambda x: -0.3 * LOAD + 0.0 * x[0])
+    stages = [sc.Stage("wait", load, duration=1e4 / C_V)]
+    end = sc.run(forms, stages, fixed[fixed < basis.N], **QUIET)["wait"]
+    np.testing.assert_allclose(forms["water"].pressure(end.x), 0.3 * LOAD, rtol=1e-3)
+    assert settlement(basis, end) / FINAL == pytest.approx(0.7, rel=1e-3)
+
+
 def test_wet_fill_that_comes_and_goes():
     """[X] Two parts of the ground share the pressures at their interface; the lower one drains through the fill."""
     mesh = MeshTri.init_tensor(np.array([0.0, 0.1]), np.linspace(0, 1, 21)).with_defaults()
@@ -406,6 +438,10 @@ def test_bad_analyses():
         water.unknowns("tpo")
     with pytest.raises(ValueError, match="must be a finite number"):
         water.prescribed({"top": np.nan})
+    with pytest.raises(ValueError, match="no boundary 'tpo'; existing: bottom"):
+        sc.SeepageFace(water, "tpo")
+    with pytest.raises(ValueError, match="must be a finite number"):
+        sc.SeepageFace(water, "top", np.nan)
     with pytest.raises(ValueError, match="PoreWater in 6 elements of no SolidForm"):
         sc.run({"water": water, "plate": sc.MatrixForm(csr_matrix((basis.N, basis.N)))},
                [sc.Stage("load", load, duration=1.0)], fixed, **QUIET)  # fmt: skip

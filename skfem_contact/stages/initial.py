@@ -206,7 +206,7 @@ def gravity_state(forms: Mapping[str, Form], load: ndarray, fixed: ndarray,
     (True, False)
     """
     wet, fixed = as_forms(forms), _held(as_forms(forms), load, fixed)
-    forms = {key: form for key, form in wet.items() if all(field.moves for field in form.fields)}
+    forms = _without_water(wet)
     n = all_unknowns(forms).size
     stages, fixed = [Stage(name, np.asarray(load)[:n], increments=increments)], fixed[fixed < n]
     if K0 is None:
@@ -225,8 +225,16 @@ def gravity_state(forms: Mapping[str, Form], load: ndarray, fixed: ndarray,
     return _with_water(wet, reset_displacements(forms, Result((last,))))
 
 
+def _without_water(forms: Mapping[str, Form]) -> dict[str, Form]:
+    """The forms but those that bring fields that do not move, or act on these."""
+    still = {key: np.arange(field.first, field.end) for key, form in forms.items() for field in form.fields
+             if not field.moves}
+    return {key: form for key, form in forms.items() if key not in still and not any(
+        np.isin(form.joins, numbers).any() for numbers in still.values() if form.joins is not None)}
+
+
 def _with_water(forms: Mapping[str, Form], result: Result) -> Result:
-    """A result of the forms without those of fields that do not move, among all unknowns and with these at zero."""
+    """A result of the forms without water, of all of them and among all unknowns."""
     last, given = result[-1], choose_penalties(forms)
     if len(given) == len(last.states):
         return result

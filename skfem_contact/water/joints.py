@@ -11,8 +11,8 @@ from skfem import CellBasis, FacetBasis, Mesh
 from ..errors import look_up
 from ..unknowns import elements_of
 
-#: Conductance of a joint over that of the elements beside it: the pressures differ by this part of the drop in one.
-_OPEN = 1e4
+#: Conductance of a joint over that of the elements beside it: its sides differ by a thousandth of the drop in one.
+_OPEN = 1e3
 #: Nodes farther than this from the other side, in sizes of its facets, lie beside it: the joint is not there.
 _BESIDE = 0.1
 #: Pairs of nodes and facets that are compared at a time.
@@ -65,7 +65,7 @@ def open_joints(basis: CellBasis, joints: Sequence[tuple[str, str]], conductance
     joints
         Pairs of boundaries.
     conductance
-        Water that leaves the corners of the elements by a pressure of one there, (n_elements, n_corners).
+        Water that leaves the nodes by a pressure of one there, (N,).
 
     Raises
     ------
@@ -79,8 +79,7 @@ def open_joints(basis: CellBasis, joints: Sequence[tuple[str, str]], conductance
         if not np.isin(mesh.f2t[0, side], elements_of(basis)).all():
             raise ValueError(f"a joint is open where there is porous ground on both sides, but not on '{name}'")
         facets.append(side[_nearest(mesh, mesh.p[:, mesh.facets[:, side]].mean(axis=1), opposite)[2]])
-    at_nodes = np.bincount(basis.element_dofs.T.ravel(), conductance.ravel(), minlength=n)
-    return coo_matrix(apart.T @ diags_array(_OPEN * at_nodes) @ apart), np.unique(np.concatenate(facets))
+    return coo_matrix(apart.T @ diags_array(_OPEN * conductance) @ apart), np.unique(np.concatenate(facets))
 
 
 def pressed(basis: CellBasis, pressures: CellBasis, facets: ndarray, axisymmetric: bool) -> ndarray:

@@ -132,7 +132,7 @@ class PoreWater(Form):
         self.carries = self.first + np.unique(self.porous.pressures.element_dofs)
         self.fields = (Field("pore pressure", self._places, self.first, moves=False),)
         self.skeleton: Skeleton | None = None
-        self.touching: dict[str, ndarray] = {}
+        self.leaks, self.touching = False, dict[str, ndarray]()
         self._duration: float | None = None
 
     def __repr__(self) -> str:
@@ -229,6 +229,7 @@ class PoreWater(Form):
             return self
         new = self._on(Skeleton.of(self.porous.basis, forms))
         own = np.unique(self.porous.basis.element_dofs)
+        new.leaks = any(np.isin(form.joins, self.carries).any() for form in forms.values() if form.joins is not None)
         new.touching = {name: form.joins for name, form in forms.items()
                         if form.unilateral and form.joins is not None and np.isin(form.joins, own).any()}
         return new
@@ -262,7 +263,6 @@ class PoreWater(Form):
     def _passing(self) -> csr_matrix:
         """Less what flows, on the same pattern."""
         return self.porous.symmetric(self.first, 0.0 * self.porous.coupling, -self.porous.flow, -1.0)
-
 
     def check_stage(self, fixed: ndarray, held: ndarray, duration: float) -> Iterator[Remark]:
         """Drainage and the time that it takes; see :func:`~skfem_contact.water.drainage.drainage_remarks`."""

@@ -32,6 +32,8 @@ class Porous:
         The same of what they differ by from their means over the element.
     flow
         Products of their gradients, with the permeability.
+    conductance
+        Water that leaves the nodes by a pressure of one there, (N,).
     across
         Water that leaves the nodes through joints, (N, N), by pressures.
     open
@@ -44,6 +46,7 @@ class Porous:
     mass: ndarray
     spread: ndarray
     flow: ndarray
+    conductance: ndarray
     across: coo_matrix
     open: ndarray
 
@@ -64,9 +67,11 @@ class Porous:
         mean = np.einsum("ieq,eq->ei", N, weight)
         spread = mass - mean[:, :, None] * mean[:, None, :] / weight.sum(axis=1)[:, None, None]
         flow = np.einsum("ikeq,ekl,jleq,eq->eij", gradients, mobility, gradients, weight, optimize=True)
-        across, sides = open_joints(pressures, joints, np.einsum("eii->ei", flow))
+        conductance = _at_nodes(pressures, np.einsum("eii->ei", flow))
+        across, sides = open_joints(pressures, joints, conductance)
         coupling = coupling - pressed(basis, pressures, sides, strain is axisymmetric)
-        return cls(basis, pressures, coupling, mass, spread, flow, across, np.unique(basis.mesh.facets[:, sides]))
+        return cls(basis, pressures, coupling, mass, spread, flow, conductance, across,
+                   np.unique(basis.mesh.facets[:, sides]))
 
     @property
     def linear(self) -> bool:
@@ -88,5 +93,9 @@ class Porous:
 
     def at_nodes(self, density: ndarray) -> ndarray:
         """Integrals of something that elements have, (n_elements,), by the nodes that they belong to, (n_p,)."""
-        share = self.mass.sum(axis=2) * density[:, None]
-        return np.bincount(self.pressures.element_dofs.T.ravel(), share.ravel(), minlength=self.pressures.N)
+        return _at_nodes(self.pressures, self.mass.sum(axis=2) * density[:, None])
+
+
+def _at_nodes(basis: CellBasis, values: ndarray) -> ndarray:
+    """Sums of what the corners of the elements have, (n_elements, n_corners)."""
+    return np.bincount(basis.element_dofs.T.ravel(), values.ravel(), minlength=basis.N)
