@@ -62,7 +62,7 @@ from .stages.stage import Stage
 from .strain import StrainOperator, axisymmetric, b_bar, plane_strain, three_dimensional
 from .testing import CheckFailed, check_form, check_interface_law, check_material
 from .unknowns import Field, rollers, unknowns_at
-from .water import PoreWater, Ramp, Seepage, VanGenuchten, seepage
+from .water import PoreWater, Ramp, Seepage, SeepageFace, VanGenuchten, seepage
 
 __version__ = "0.1.0"
 
@@ -98,6 +98,7 @@ __all__ = [
     "SectionForces",
     "Sections",
     "Seepage",
+    "SeepageFace",
     "SolidForm",
     "SolidState",
     "SpaceSectionForces",

@@ -14,7 +14,7 @@ from skfem import CellBasis
 from .assembly import Pattern, damped, element_stiffness, force_matrix, strain_matrix
 from .errors import check_basis, check_quadrature, check_size, look_up
 from .forms import Form, Response
-from .materials import Material, Undrained, Update
+from .materials import Material, Update
 from .materials.reduction import reduced_strength
 from .materials.spectral import largest_shear
 from .regions import Region, by_region, check_materials
@@ -237,16 +237,16 @@ class SolidForm(Form):
 
     def inherits(self, old: Form, state: SolidState) -> SolidState:
         """The state of an old form, without the excess pressures of ground that was undrained and is not any more."""
-        now = np.zeros(self.basis.nelems, bool)
+        tight = np.zeros(self.basis.nelems, bool)
         for region in self.regions:
-            now[region.elements] = isinstance(region.material, Undrained)
+            tight[region.elements] = hasattr(region.material, "drained")
         for region in old.regions if isinstance(old, SolidForm) else ():
-            last = region.material.n_internal - 1  # the excess pressure
-            drains = np.arange(len(now))[region.elements][~now[region.elements]]
-            if isinstance(region.material, Undrained) and len(drains) and len(state.internal) > last:
+            opened = np.arange(len(tight))[region.elements][~tight[region.elements]]
+            if (drained := getattr(region.material, "drained", None)) and len(opened) \
+                    and len(state.internal) >= region.material.n_internal:
                 state = SolidState(state.strain, state.stress.copy(), state.internal.copy())
-                state.stress[:3, drains] += state.internal[last, drains]
-                state.internal[last, drains] = 0.0
+                state.stress[:, opened], state.internal[:, opened] = drained(
+                    state.stress[:, opened], state.internal[:, opened])
         return state
 
     def fits(self, state: SolidState) -> bool:

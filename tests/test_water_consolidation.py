@@ -13,6 +13,7 @@ from skfem import Basis, ElementHex1, ElementTetP2, ElementTriP2, ElementVector,
 
 import skfem_contact as sc
 from skfem_contact.nonlinear.time_steps import PART
+from skfem_contact.solvers.direct import DirectSolver
 
 E, NU, MOBILITY, LOAD = 1e4, 0.2, 1e-3, 100.0
 OEDOMETER = E * (1 - NU) / (1 + NU) / (1 - 2 * NU)
@@ -174,6 +175,19 @@ def test_steps_follow_their_error():
     assert counts[0.03] < counts[0.01] < counts[0.003] < 60
 
 
+def test_equal_steps_share_their_factor(monkeypatch):
+    """Steps that are equal but for round-off have the same matrix, to the last bit: it is factored once a stage."""
+    basis, forms, fixed, load = layer("Q1", n=4, time_error=1e6)
+    factored = []
+    engine = type(DirectSolver(basis.doflocs, np.arange(2))._engine)
+    factor = engine.factor
+    monkeypatch.setattr(engine, "factor", lambda self, A, *more: factored.append(A.nnz) or factor(self, A, *more))
+    stages = [sc.Stage("load", load, duration=0.01, increments=9), sc.Stage("wait", load, duration=0.1, increments=7)]
+    result = sc.run(forms, stages, fixed, **QUIET)
+    assert [len(stage.iterations) for stage in result] == [9, 7]
+    assert len(factored) == 2
+
+
 def test_beside_a_form_of_first_order():
     """[X] A damper below a plate on the layer takes the whole step: in the end it has moved as far as the ground."""
     basis, forms, fixed, load = layer(n=8)
@@ -255,6 +269,38 @@ def test_levels_that_change():
     assert settlement(basis, alone["wait"]) == pytest.approx(5.0 / OEDOMETER, rel=1e-6)
 
 
+def test_seepage_face():
+    """[X] A face that water leaves drains a layer under load; unloaded this keeps its volume, and its water sucks."""
+    basis, forms, fixed, load = layer()
+    fixed = fixed[fixed < basis.N]
+    forms["face"] = sc.SeepageFace(forms["water"], "top")
+    times, water = np.array([0.01, 0.05, 0.197, 0.5]), forms["water"]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # it is not sealed
+        result = sc.run(forms, after(times, load), fixed, **QUIET)
+    U = np.array([settlement(basis, stage) / FINAL for stage in result])[1:]
+    assert np.abs(U - terzaghi(times)).max() < 0.002
+    state = result[-1].states["water"]
+    assert water.inflow(state, "top") == pytest.approx(water.volume(state), rel=1e-9)
+    stages = [sc.Stage("long", load, duration=10.0 / C_V), sc.Stage("half", 0.5 * load, duration=1.0 / C_V),
+              sc.Stage("double", 2.0 * load, duration=1e3 / C_V)]  # fmt: skip
+    result = sc.run(forms, stages, fixed, start=result, **QUIET)
+    np.testing.assert_allclose([settlement(basis, result[name]) / FINAL for name in ("long", "half", "double")],
+                               [1.0, 1.0, 2.0], rtol=1e-3)  # fmt: skip
+    np.testing.assert_allclose(water.pressure(result["half"].x), -0.5 * LOAD, rtol=1e-3)
+    sc.check_form(forms["face"].over(0.1), result["half"].x, None)
+
+
+def test_seepage_face_below_zero():
+    """[X] It opens where the pressure at the beginning and the excess pressure add up to more than zero."""
+    basis, forms, fixed, load = layer("Q1", n=8)
+    forms["face"] = sc.SeepageFace(forms["water"], ["top"], lambda x: -0.3 * LOAD + 0.0 * x[0])
+    stages = [sc.Stage("wait", load, duration=1e4 / C_V)]
+    end = sc.run(forms, stages, fixed[fixed < basis.N], **QUIET)["wait"]
+    np.testing.assert_allclose(forms["water"].pressure(end.x), 0.3 * LOAD, rtol=1e-3)
+    assert settlement(basis, end) / FINAL == pytest.approx(0.7, rel=1e-3)
+
+
 def test_wet_fill_that_comes_and_goes():
     """[X] Two parts of the ground share the pressures at their interface; the lower one drains through the fill."""
     mesh = MeshTri.init_tensor(np.array([0.0, 0.1]), np.linspace(0, 1, 21)).with_defaults()
@@ -291,6 +337,25 @@ def test_wet_fill_that_comes_and_goes():
     p = lower.pressure(quick.x)[mesh.p[1] == 0.5]
     np.testing.assert_allclose(p, upper.pressure(quick.x)[mesh.p[1] == 0.5])
     assert (p > 0.5 * LOAD).all()
+
+
+@pytest.mark.parametrize("K0", [None, 0.5])
+def test_initial_states(K0):
+    """[X] Ground at rest has no excess pressure: it goes on as if the water came with the first stage."""
+    basis, forms, fixed, load = layer(n=4)
+    weight = sc.weight(basis, 10.0)
+    starts = [sc.gravity_state(forms, weight, fixed, K0=K0)]
+    if K0 is not None:
+        starts.append(sc.k0_state(forms, weight, fixed, 10.0, K0))
+    press = sc.Stage("press", weight + load, duration=0.1 / C_V)
+    dry = sc.gravity_state({"clay": forms["clay"]}, weight, fixed[fixed < basis.N], K0=K0)
+    later = sc.run(forms, [sc.Stage("press", press.load, duration=press.duration, activate="water")], fixed,
+                   start=dry, **QUIET)["press"]  # fmt: skip
+    for start in starts:
+        assert not start["initial"].x.any() and not forms["water"].volume(start["initial"].states["water"])
+        result = sc.run(forms, [press], fixed, start=start, **QUIET)["press"]
+        np.testing.assert_allclose(result.x, later.x, atol=1e-9 * np.abs(later.x).max())
+        np.testing.assert_allclose(result.states["clay"].stress, later.states["clay"].stress, atol=1e-7 * LOAD)
 
 
 def test_pressures_stand_in_a_search_for_a_collapse():
@@ -373,6 +438,10 @@ def test_bad_analyses():
         water.unknowns("tpo")
     with pytest.raises(ValueError, match="must be a finite number"):
         water.prescribed({"top": np.nan})
+    with pytest.raises(ValueError, match="no boundary 'tpo'; existing: bottom"):
+        sc.SeepageFace(water, "tpo")
+    with pytest.raises(ValueError, match="must be a finite number"):
+        sc.SeepageFace(water, "top", np.nan)
     with pytest.raises(ValueError, match="PoreWater in 6 elements of no SolidForm"):
         sc.run({"water": water, "plate": sc.MatrixForm(csr_matrix((basis.N, basis.N)))},
                [sc.Stage("load", load, duration=1.0)], fixed, **QUIET)  # fmt: skip

@@ -84,7 +84,7 @@ def rival(peer: dict, rows: list[dict]) -> dict:
     """Our fastest row on a mesh like the peer's whose error is no larger; if there is none, the most accurate."""
     same = [row for row in rows if not row.get("peer") and row["error"] is not None
             and 0.8 < row["unknowns"] / peer["unknowns"] < 1.25 and row.get("psi") == peer.get("psi")
-            and "flow davis" not in row["method"]]  # fmt: skip
+            and row.get("case") == peer.get("case") and "flow davis" not in row["method"]]  # fmt: skip
     better = [row for row in same if row["error"] <= peer["error"]]
     return min(better, key=lambda row: row["cpu_s"]) if better else min(same, key=lambda row: row["error"])
 

@@ -10,7 +10,8 @@ makes the sand behind heavier and the sand before the toe, which should hold it,
 What is the moment in the wall, with the water and without? And does the bottom of the pit
 hold? Two checks from hydraulics answer that: the exit gradient, and Terzaghi's block before
 the wall, :math:`D` deep and :math:`D / 2` wide, whose weight under water is compared with
-the lift of the flow on its base.
+the lift of the flow on its base. A third one, of strength, is a factor of safety between
+two proven bounds.
 
 The flow is compared with the method of fragments (M. E. Harr, Groundwater and Seepage,
 1962, ch. 5): below the toe the head is taken as constant, :math:`q = k h / (\Phi_1 +
@@ -345,6 +346,90 @@ print(
     f"factor {critical / gradient:.2f}; Terzaghi's block {block:.2f}"
 )
 assert 0 < gradient < critical and 2.5 < block < 4.0
+
+# %%
+# And the strength: by what may it be divided until the ground fails? The bounds answer for
+# all mechanisms, here with a rigid wall that may turn about the strut, a stub on which it
+# presses. Below, stresses that the soil bears with the pressures of the flow in its pores;
+# above, velocities that make it yield. Joints stick by 1 kPa, or the proof from below would
+# hang on their ends, which carry nothing. Both hold for sand with :math:`\psi = \phi`; this
+# one dilates less, and has the estimate of Davis.
+
+X, Y = mesh.p[:, mesh.t].mean(axis=1)
+stub = np.flatnonzero((Y > -0.5) & (X < INNER) & (X > INNER - 0.27))
+pit = mesh.with_subdomains({"stub": stub})
+kept = np.concatenate([pit.subdomains[name] for name in ("sand", "wall", "stub")])
+pit = pit.restrict(kept)
+pit = pit.with_boundaries(
+    {"abutment": lambda x: (abs(x[0] - INNER + 0.25) < 0.1) & (x[1] > LEVELS[1])}
+)
+there = Basis(pit, ElementVector(ElementTriP2()), intorder=2)
+bodies = {
+    name: sc.SolidForm(there.with_elements(name), SOIL if name == "sand" else WALL)
+    for name in ("sand", "wall", "stub")
+}
+joints = {
+    "sand|wall": ("wall|sand", sc.Coulomb(friction.mu, adhesion=1.0)),
+    "lift 1|wall": ("wall|lift 1", sc.Coulomb(mu=0.1, adhesion=1.0)),
+}
+bodies |= {
+    name: sc.ContactPair(there, name, other, law, quadrature=2)
+    for name, (other, law) in joints.items()
+}
+held = np.concatenate(
+    (
+        there.get_dofs({"bottom", "abutment"}).all(),
+        there.get_dofs({"left", "right"}).all("u^1"),
+    )
+)
+
+
+def in_pores(x):
+    """Pressure of the flow; on the wall that of its nearer side, none above the pit."""
+    x = np.array(x)
+    on_wall = (abs(x[0] - INNER - THICK / 2) < THICK) & (x[1] > TOE + 1e-9)
+    side = np.where(x[0] < INNER + THICK / 2, INNER - 1e-9, OUTER + 1e-9)
+    x[0] = np.where(on_wall, side, x[0])
+    wet = (x[0] > INNER) | (x[1] <= LEVELS[3])
+    p = np.zeros(x.shape[1:])
+    p[wet] = flow.pressure_at(x[:, wet])
+    return p
+
+
+began, found = process_time(), {}
+for key in ("associated", "given"):
+    found[key] = sc.bounds(
+        bodies,
+        held,
+        weight={"sand": WEIGHT, "wall": WALL_WEIGHT},
+        water=in_pores,
+        wetted=("sand|wall", "wall|sand"),
+        flow=key,
+        gap=0.1,
+        elements=1300,
+    )
+proven, davis = found["associated"], found["given"].lower
+rows.append(
+    {
+        "method": "bounds, psi = phi",
+        "n": proven.mesh.nelements,
+        "lower": round(proven.lower, 4),
+        "upper": round(proven.upper, 4),
+        "davis": round(davis, 4),
+        "error": None,
+        "cpu_s": round(process_time() - began, 2),
+    }
+)
+print(
+    f"factor of safety between {proven.lower:.3f} and {proven.upper:.3f}, "
+    f"for psi = 10 about {davis:.2f}"
+)
+assert 1.7 < proven.lower < proven.upper < 2.05 and 1.5 < davis < proven.lower
+
+# %%
+# The mechanism of the upper bound: the toe moves into the pit and lifts its bottom.
+
+plot.mechanism(bodies, proven)
 
 # %%
 # The flow round the toe.

@@ -14,9 +14,10 @@ problems have exact solutions by M. A. Biot's theory:
 
 Times are :math:`T = c_v t / H^2`. Steps in time are of second order and as long as their estimated error allows.
 
-``--full`` adds finer meshes. ``error`` is that of the settlement over the final one (Terzaghi), of the largest pressure
-(Mandel, Cryer), and of the settlement (strip). Last comes what the water costs: the time to factor the matrix of both,
-over that for the ground alone.
+``--full`` adds finer meshes, and ``--peers`` OpenGeoSys on the strip where it is installed (``pip install ogs``).
+``error`` is that of the settlement over the final one (Terzaghi), of the largest pressure (Mandel, Cryer), and of the
+settlement (strip). Last comes what the water costs: the time to factor the matrix of both, over that for the ground
+alone.
 """
 import json
 import sys
@@ -24,6 +25,7 @@ import time
 
 import matplotlib.pyplot as plt
 import numpy as np
+import opengeosys
 from scipy.optimize import brentq
 from scipy.sparse import csr_matrix, diags_array
 from skfem import (
@@ -41,7 +43,7 @@ import skfem_contact as sc
 from skfem_contact.solvers.direct import DirectSolver
 from skfem_contact.stages.setup import build_system
 
-FULL = "--full" in sys.argv
+FULL, PEERS = "--full" in sys.argv, "--peers" in sys.argv
 E, K, Q = 1e4, 1e-2, 100.0  # stiffness, permeability over the unit weight of water, load
 ELEMENTS = {"P2-P1": (MeshTri, ElementTriP2, 4), "Q2-Q1": (MeshQuad, ElementQuad2, 4),
             "Q1-Q1, stabilised": (MeshQuad, ElementQuad1, 2)}
@@ -109,6 +111,31 @@ for method, (kind, element, order) in ELEMENTS.items():
     axes[0, 0].semilogx(times, U, "o", ms=3, label=method)
 axes[0, 0].semilogx(times, degree(times), color="0.4", zorder=0, label="exact")
 axes[0, 0].set(title="Terzaghi", xlabel="T", ylabel="degree of consolidation")
+
+# %%
+# The same layer cut in two at half its height by a joint that is open to water. Contact there carries the effective
+# stress, and is so stiff that its closing is no settlement.
+
+began = time.process_time()
+heights = 1 - np.linspace(1, 0, 21) ** 1.8
+cut = np.abs(heights - 0.5).argmin()
+mesh = sc.join_bodies({name: MeshTri.init_tensor(np.array([0.0, 0.1]), part).with_defaults() for name, part in (
+    ("low", heights[:cut + 1]), ("high", heights[cut:]))})
+basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=4)
+joint = ("high:bottom", "low:top")
+forms = {"ground": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=0.2)),
+         "water": sc.PoreWater(basis, k=K, unit_weight=1.0, joints=[joint]),
+         "joint": sc.ContactPair(basis, *joint, sc.Tied(), penalty=1e3 * E)}
+sides = basis.get_dofs({f"{body}:{side}" for body in ("low", "high") for side in ("left", "right")}).all("u^1")
+fixed = np.concatenate((basis.get_dofs("low:bottom").all("u^2"), sides, forms["water"].unknowns("high:top")))
+load = sc.traction(basis, "high:top", (0, -Q))
+whole = np.append(0.25 * times[0], times + 0.125 * times[0]) / (K * Q / final)
+stages = [sc.Stage(f"{k}", load, duration=d) for k, d in enumerate(np.diff(whole, prepend=0.0))]
+result = list(sc.run(forms, stages, fixed, progress=False))
+U = np.array([-stage.x[basis.get_dofs("high:top").all("u^2")].mean() / final for stage in result[1:]])
+row("Terzaghi", "P2-P1, cut", 20, result[1:], began, np.abs(U - degree(times)).max(),
+    [k for stage in result for k in stage.iterations])
+assert rows[-1]["error"] < 0.002
 
 # %%
 # Mandel's block
@@ -229,6 +256,52 @@ axes[1, 1].set(title="strip on a layer", xlabel="T", ylabel="G w / q a")
 for ax in axes.ravel():
     ax.legend(frameon=False)
 plt.show()
+
+# %%
+# Beside another program
+# ----------------------
+# OpenGeoSys steps by Euler's backward method. Here this does so too: five equal steps until T = 0.01, and nine to each
+# further power of ten. The results then are the same, with its error; one iteration a step is enough for both.
+
+
+class Euler(sc.PoreWater):
+    """Water in steps of first order."""
+
+    second_order = False
+
+
+SIDES = {"bottom": (0, 1), "left": (0,), "right": (0,)}
+counts, ends = np.array([1, 4, 9, 9, 9]), np.array([2e-3, *EXACT])
+durations = np.diff(ends, prepend=0.0) / (K * E * 0.7 / 1.3 / 0.4)
+for n in (4, 8) if FULL else (4,):
+    began = time.process_time()
+    basis = Basis(strip(n), ElementVector(ElementTriP2()), intorder=2)
+    forms = {"ground": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=0.3)), "water": Euler(basis, k=K, unit_weight=1.0)}
+    fixed = [basis.get_dofs(side).all([f"u^{c + 1}" for c in held]) for side, held in SIDES.items()]
+    load = sc.traction(basis, "strip", (0, -Q))
+    stages = [sc.Stage(f"T = {T:g}", load, duration=d, increments=count)
+              for T, d, count in zip(ends, durations, counts.tolist(), strict=True)]
+    result = sc.run(forms, stages, np.concatenate((*fixed, forms["water"].unknowns("top"))), progress=False)
+    middle = sc.unknowns_at(basis, (0.0, 0.0))[0, 1]
+    done = list(result)[1:]
+    ours = [stage.x for stage in done]
+    case = {"case": "strip, Euler"}
+    error = max(abs(-x[middle] * E / 2.6 / Q / exact - 1) for x, exact in zip(ours, EXACT.values(), strict=True))
+    row("strip", "P2-P1, Euler", n, done, began, error, [k for stage in result for k in stage.iterations])
+    rows[-1] |= case
+    if not PEERS or not opengeosys.available():
+        continue
+    layer = opengeosys.Layer(basis, E, 0.3, K, SIDES, "top", "strip", -Q)
+    theirs, cpu = opengeosys.consolidate(layer, durations / counts, counts.tolist())
+    error = max(abs(-x[middle] * E / 2.6 / Q / exact - 1) for x, exact in zip(theirs, EXACT.values(), strict=True))
+    parts = slice(0, basis.N), slice(basis.N, None)
+    apart = max(abs(x[part] - y[part]).max() / abs(y[part]).max()
+                for x, y in zip(ours, theirs, strict=True) for part in parts)
+    rows.append({"method": "OpenGeoSys, strip", "peer": True, "n": n, "unknowns": len(theirs[0]), "error": error,
+                 "cpu_s": round(cpu, 2), "steps": int(counts.sum()), "iterations": int(counts.sum()), "apart": apart,
+                 "ratio": round(rows[-1]["cpu_s"] / cpu, 3), **case})
+    print(f"OpenGeoSys, n = {n}: {cpu:.2f} s, ours {rows[-1]['ratio']:.2f} of it, {apart:.1e} apart")
+    assert apart < 1e-3
 
 # %%
 # What it costs

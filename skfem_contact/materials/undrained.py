@@ -148,6 +148,13 @@ class Undrained:
         variables[own], variables[-1] = new.internal, pressure
         return Update(total, variables, new.plastic, lambda: self._tangent(new, stress.shape))
 
+    def drained(self, stress: Array, internal: Array) -> tuple[Array, Array]:
+        """Accepted stress and internal variables once the water may leave: without its excess pressure."""
+        effective, variables = stress.copy(), internal.copy()
+        effective[:3] += internal[self.n_internal - 1]
+        variables[self.n_internal - 1] = 0.0
+        return effective, variables
+
     def _tangent(self, new: Update, shape: tuple[int, ...]) -> Array:
         """The soil's tangents at its plastic points, and the water's."""
         tangent = new.tangent().copy()

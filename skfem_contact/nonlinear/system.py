@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -68,8 +69,9 @@ class System:
 
     def with_forms(self, forms: Mapping[str, Form]) -> System:
         """The system with other forms on the same unknowns."""
-        new = System(forms, self.unknowns, self.fixed, self._solver)
-        new._total = self._total
+        new = copy(self)
+        new.forms = dict(forms)
+        vars(new).pop("symmetric", None)
         return new
 
     def over(self, duration: float) -> System:

@@ -22,6 +22,9 @@ PART = 1.0 - np.sqrt(0.5)
 #: What remains of the largest step by which the estimated error is allowed, and the least share of a step tried.
 _SAFE, _LEAST = 0.9, 0.1
 
+#: Digits of the share of a stage that a step takes: equal steps then are so to the last bit, and share their factor.
+_DIGITS = 12
+
 #: Load and prescribed values at a share of a stage.
 Path = Callable[[float], tuple[ndarray, ndarray]]
 
@@ -50,7 +53,7 @@ def solve_step(system: System, x: ndarray, states: Mapping[str, Any], path: Path
         Time that the stage takes; without any the step is a plain increment.
     """
     begin, end = span
-    duration *= end - begin
+    duration *= round(end - begin, _DIGITS)
     second_order = {name for name, form in system.forms.items() if form.second_order}
     if not second_order or not duration > 0.0:
         step = system.over(duration)

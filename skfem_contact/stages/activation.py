@@ -95,8 +95,8 @@ def plan(forms: Mapping[str, Form], stages: Sequence[Stage], fixed: ndarray, sta
             now.update({name: _changed(name, now[name], new) for name, new in as_forms(stage.change).items()})
             supported, fixed = fixed, fixed if stage.fixed is None else as_unknowns(stage.fixed)
             there = {name: now[name] for name in now if name in active}
-            held = not_there(now, there, unknowns)
             if changes or not phases:
+                held = not_there(now, there, unknowns)
                 check_contacts(there, held)
                 check_supports(there, np.union1d(fixed, held), unknowns)
         except ValueError as error:

@@ -16,7 +16,7 @@ from ..contact.prestress import prestressed
 from ..errors import AnalysisWarning, check_basis, look_up, place
 from ..forms import Form, as_forms, carried
 from ..materials.elastic import LinearElastic
-from .activation import acts_on, check_contacts
+from .activation import acts_on, among, check_contacts
 from .reset import reset_displacements
 from .result import Result, StageResult
 from .run import run
@@ -167,7 +167,8 @@ def gravity_state(forms: Mapping[str, Form], load: ndarray, fixed: ndarray,
     Parameters
     ----------
     forms
-        Solids and contact pairs that are there at first. Other bodies of the mesh stay where they are.
+        Solids and contact pairs that are there at first. Other bodies of the mesh stay where they are. Excess pressures
+        of :class:`PoreWater` are zero.
     load
         External forces, (N,).
     fixed
@@ -204,10 +205,12 @@ def gravity_state(forms: Mapping[str, Form], load: ndarray, fixed: ndarray,
     >>> bool(np.allclose(stress[0], .5 * stress[1])), bool(start["initial"].x.any())
     (True, False)
     """
-    forms = as_forms(forms)
-    stages, fixed = [Stage(name, load, increments=increments)], _held(forms, load, fixed)
+    wet, fixed = as_forms(forms), _held(as_forms(forms), load, fixed)
+    forms = _without_water(wet)
+    n = all_unknowns(forms).size
+    stages, fixed = [Stage(name, np.asarray(load)[:n], increments=increments)], fixed[fixed < n]
     if K0 is None:
-        return reset_displacements(forms, run(forms, stages, fixed, progress=False))
+        return _with_water(wet, reset_displacements(forms, run(forms, stages, fixed, progress=False)))
     forms = choose_penalties(forms)  # the same for elastic ground
     elastic = dict(forms)
     regions = {region for form in _solids(forms).values() for region in form.materials}
@@ -219,7 +222,27 @@ def gravity_state(forms: Mapping[str, Form], load: ndarray, fixed: ndarray,
         elastic[key] = form.with_materials(given)
     first = run(elastic, [Stage(f"{name}, elastic", load)], fixed, progress=False)
     last = run(forms, stages, fixed, start=first, progress=False)[name]
-    return reset_displacements(forms, Result((last,)))
+    return _with_water(wet, reset_displacements(forms, Result((last,))))
+
+
+def _without_water(forms: Mapping[str, Form]) -> dict[str, Form]:
+    """The forms but those that bring fields that do not move, or act on these."""
+    still = {key: np.arange(field.first, field.end) for key, form in forms.items() for field in form.fields
+             if not field.moves}
+    return {key: form for key, form in forms.items() if key not in still and not any(
+        np.isin(form.joins, numbers).any() for numbers in still.values() if form.joins is not None)}
+
+
+def _with_water(forms: Mapping[str, Form], result: Result) -> Result:
+    """A result of the forms without water, of all of them and among all unknowns."""
+    last, given = result[-1], choose_penalties(forms)
+    if len(given) == len(last.states):
+        return result
+    everything = {key: last.forms.get(key, form) for key, form in given.items()}
+    states = {key: last.states.get(key, form.initial_state()) for key, form in everything.items()}
+    summary = {key: form.summary(states[key]) for key, form in everything.items()}
+    last = among(last, all_unknowns(forms))
+    return Result((*result.stages[:-1], replace(last, states=states, summary=summary, forms=everything)))
 
 
 def _solids(forms: Mapping[str, Form]) -> dict[str, Any]:

@@ -64,7 +64,8 @@ def drainage_remarks(water: PoreWater, fixed: ndarray, held: ndarray, duration: 
                          f"'{name}' carries the pressure of the water as well, at {len(pressed)} nodes that are not "
                          "drained: friction there counts the total stress, not the effective one")
     if not (fixed >= water.first).any():
-        yield Remark("sealed", 0.0, "no pore pressure is held: no water can leave the ground")
+        if not water.leaks:
+            yield Remark("sealed", 0.0, "no pore pressure is held: no water can leave the ground")
         return
     shortest = _resolved(water, drained, diffusivity)
     if duration < shortest:
@@ -77,7 +78,7 @@ def _under_pressure(water: PoreWater, joined: ndarray, drained: ndarray) -> ndar
     basis = water.porous.basis
     vertices = water.carries - water.first
     touched = vertices[np.isin(basis.nodal_dofs[0, vertices], joined)]
-    return np.setdiff1d(touched, drained - water.first)
+    return np.setdiff1d(touched, np.append(drained - water.first, water.porous.open))
 
 
 def _check_determined(water: PoreWater, fixed: ndarray, drained: ndarray) -> None:

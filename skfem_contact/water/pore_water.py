@@ -1,9 +1,10 @@
 """Consolidation: ground that deforms with the water in its pores (M. A. Biot 1941)."""
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 from numpy import ndarray
@@ -18,6 +19,7 @@ from ..strain import StrainOperator, plane_strain
 from ..unknowns import Field, elements_of, nodes
 from .drainage import drainage_remarks
 from .permeability import Permeability, permeability_tensors, regions
+from .pore_state import PoreState
 from .porous import Porous
 from .skeleton import Skeleton
 
@@ -27,28 +29,6 @@ _FLOWING = 1e-6
 
 #: Values on a boundary: a number, or a function of places (dim, ...).
 Given = float | Callable[[ndarray], ndarray]
-
-
-@dataclass(frozen=True)
-class PoreState:
-    """What the water in the ground around the nodes remembers, (n,) each, of all vertices of the mesh.
-
-    Attributes
-    ----------
-    stored
-        Volume of water, more than in undeformed ground.
-    first
-        The same when the ground became active.
-    entered
-        Water that has entered at the nodes since: not zero only where pressures are given, or other ground begins.
-    pressure
-        Excess pore pressure, positive in compression.
-    """
-
-    stored: ndarray
-    first: ndarray
-    entered: ndarray
-    pressure: ndarray
 
 
 class PoreWater(Form):
@@ -82,6 +62,10 @@ class PoreWater(Form):
     time_error
         Error of a step in time that is allowed, estimated by a method of first order, as a share of the water that the
         pressures can press out. Of Terzaghi's settlement 0.13 % is then wrong at most.
+    joints
+        Pairs of boundaries of bodies that share no nodes, closed or open, through which water passes freely, as in
+        :func:`seepage`. It presses on both sides, so that contact there carries the effective stress. Other joints are
+        tight, and contact there carries the water's pressure as well.
     after
         A form whose unknowns come before these.
 
@@ -121,16 +105,13 @@ class PoreWater(Form):
     symmetric, second_order = True, True
     size: int
     carries: ndarray
-    _kept: csr_matrix
-    _passing: csr_matrix
-    _gross: csr_matrix
-    _step: csr_matrix
     capacity: ndarray
+    _step: csr_matrix
 
     def __init__(self, basis: CellBasis, k: Permeability | Mapping[str, Permeability], unit_weight: float = 9.81,
                  storage: float | Mapping[str, float] = 0.0,
                  strain: Callable[[CellBasis], StrainOperator] = plane_strain, time_error: float = 0.01,
-                 after: Form | None = None) -> None:
+                 joints: Sequence[tuple[str, str]] = (), after: Form | None = None) -> None:
         check_basis(basis)
         check_quadrature(basis)
         for what, value in (("unit weight of water", unit_weight), ("error in time", time_error)):
@@ -142,7 +123,7 @@ class PoreWater(Form):
             if not 0.0 <= value < np.inf:
                 raise ValueError(f"the storage must be finite and not negative, not {value!r}")
             self.storage[part] = value
-        self.porous = Porous.of(basis, strain, self.mobility)
+        self.porous = Porous.of(basis, strain, self.mobility, joints)
         self.unit_weight, self._time_error = unit_weight, time_error
         self.nodes, self.joins = (np.arange(basis.N), basis.doflocs), np.zeros(0, int)
         self.first = after.fields[-1].end if after is not None and after.fields else int(basis.N)
@@ -151,7 +132,7 @@ class PoreWater(Form):
         self.carries = self.first + np.unique(self.porous.pressures.element_dofs)
         self.fields = (Field("pore pressure", self._places, self.first, moves=False),)
         self.skeleton: Skeleton | None = None
-        self.touching: dict[str, ndarray] = {}
+        self.leaks, self.touching = False, dict[str, ndarray]()
         self._duration: float | None = None
 
     def __repr__(self) -> str:
@@ -248,6 +229,7 @@ class PoreWater(Form):
             return self
         new = self._on(Skeleton.of(self.porous.basis, forms))
         own = np.unique(self.porous.basis.element_dofs)
+        new.leaks = any(np.isin(form.joins, self.carries).any() for form in forms.values() if form.joins is not None)
         new.touching = {name: form.joins for name, form in forms.items()
                         if form.unilateral and form.joins is not None and np.isin(form.joins, own).any()}
         return new
@@ -260,18 +242,27 @@ class PoreWater(Form):
 
     def _on(self, skeleton: Skeleton) -> PoreWater:
         """The form, complete."""
-        new, parts = copy(self), self.porous
+        new = copy(self)
         new.skeleton = skeleton
-        kept = self.storage[:, None, None] * parts.mass
-        if parts.linear:
-            kept = kept + parts.spread / (2.0 * skeleton.shear)[:, None, None]
-        new._kept = parts.symmetric(self.first, -parts.coupling, -kept)
-        new._passing = parts.symmetric(self.first, 0.0 * parts.coupling, -parts.flow)
-        new._gross = with_data(new._passing, np.abs(new._passing.data))
-        new.capacity = parts.at_nodes(1.0 / skeleton.modulus + self.storage)
+        new.capacity = self.porous.at_nodes(1.0 / skeleton.modulus + self.storage)
         scale = float(skeleton.modulus.mean() / skeleton.size.mean())
         new.fields = (replace(self.fields[0], scale=scale),)
         return new
+
+    @cached_property
+    def _kept(self) -> csr_matrix:
+        """Less what the ground and the water store, symmetric with what the pressures do to the ground."""
+        assert self.skeleton is not None
+        parts = self.porous
+        kept = self.storage[:, None, None] * parts.mass
+        if parts.linear:
+            kept = kept + parts.spread / (2.0 * self.skeleton.shear)[:, None, None]
+        return parts.symmetric(self.first, -parts.coupling, -kept)
+
+    @cached_property
+    def _passing(self) -> csr_matrix:
+        """Less what flows, on the same pattern."""
+        return self.porous.symmetric(self.first, 0.0 * self.porous.coupling, -self.porous.flow, -1.0)
 
     def check_stage(self, fixed: ndarray, held: ndarray, duration: float) -> Iterator[Remark]:
         """Drainage and the time that it takes; see :func:`~skfem_contact.water.drainage.drainage_remarks`."""
@@ -305,7 +296,7 @@ class PoreWater(Form):
         kept, flow = self._kept @ x, self._duration * (self._passing @ x)
         force = kept + flow
         force[first:] += state.stored
-        measure = _FLOWING * self._duration * (self._gross @ np.abs(x))
+        measure = _FLOWING * self._duration * (abs(self._passing) @ np.abs(x))
         measure[:first] = kept[:first]
         measure[first:] += np.abs(kept[first:] + state.stored)
         pressure = x[first:]

@@ -1,7 +1,7 @@
 """Water in the pores of elements: what its pressure does to them, what they store, and what flows through them."""
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,8 +9,9 @@ from numpy import ndarray
 from scipy.sparse import coo_matrix, csr_matrix
 from skfem import CellBasis
 
-from ..strain import StrainOperator
+from ..strain import StrainOperator, axisymmetric
 from ..unknowns import linear_element
+from .joints import open_joints, pressed
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,6 +32,12 @@ class Porous:
         The same of what they differ by from their means over the element.
     flow
         Products of their gradients, with the permeability.
+    conductance
+        Water that leaves the nodes by a pressure of one there, (N,).
+    across
+        Water that leaves the nodes through joints, (N, N), by pressures.
+    open
+        Nodes at joints.
     """
 
     basis: CellBasis
@@ -39,10 +46,17 @@ class Porous:
     mass: ndarray
     spread: ndarray
     flow: ndarray
+    conductance: ndarray
+    across: coo_matrix
+    open: ndarray
 
     @classmethod
-    def of(cls, basis: CellBasis, strain: Callable[[CellBasis], StrainOperator], mobility: ndarray) -> Porous:
-        """Matrices from a measure of strain and the permeability over the unit weight of water, (n_elements, d, d)."""
+    def of(cls, basis: CellBasis, strain: Callable[[CellBasis], StrainOperator], mobility: ndarray,
+           joints: Sequence[tuple[str, str]] = ()) -> Porous:
+        """Matrices from a measure of strain and the permeability over the unit weight of water, (n_elements, d, d).
+
+        Water in joints presses on their sides, and what they open by it fills.
+        """
         pressures = basis.with_element(linear_element(basis.mesh))
         B, weight = strain(basis)
         shapes = [pressures.basis[j][0] for j in range(pressures.Nbfun)]
@@ -53,24 +67,35 @@ class Porous:
         mean = np.einsum("ieq,eq->ei", N, weight)
         spread = mass - mean[:, :, None] * mean[:, None, :] / weight.sum(axis=1)[:, None, None]
         flow = np.einsum("ikeq,ekl,jleq,eq->eij", gradients, mobility, gradients, weight, optimize=True)
-        return cls(basis, pressures, coupling, mass, spread, flow)
+        conductance = _at_nodes(pressures, np.einsum("eii->ei", flow))
+        across, sides = open_joints(pressures, joints, conductance)
+        coupling = coupling - pressed(basis, pressures, sides, strain is axisymmetric)
+        return cls(basis, pressures, coupling, mass, spread, flow, conductance, across,
+                   np.unique(basis.mesh.facets[:, sides]))
 
     @property
     def linear(self) -> bool:
         """Whether displacements and pressures have the same nodes: such pairs are not stable by themselves."""
         return self.basis.Nbfun == self.basis.mesh.dim() * self.pressures.Nbfun
 
-    def symmetric(self, first: int, coupling: ndarray, water: ndarray) -> csr_matrix:
-        """Matrix of all unknowns, of which the pressures begin with a number; its pattern is the same each time."""
+    def symmetric(self, first: int, coupling: ndarray, water: ndarray, across: float = 0.0) -> csr_matrix:
+        """Matrix of all unknowns, of which the pressures begin with a number; its pattern is the same each time.
+
+        With it goes `across` times what passes through joints.
+        """
         u, p = self.basis.element_dofs.T, first + self.pressures.element_dofs.T
         blocks = ((u, p, coupling), (p, u, coupling.transpose(0, 2, 1)), (p, p, water))
-        rows = np.concatenate([np.broadcast_to(r[:, :, None], values.shape).ravel() for r, _, values in blocks])
-        columns = np.concatenate([np.broadcast_to(c[:, None], values.shape).ravel() for _, c, values in blocks])
-        n = first + self.pressures.N
-        matrix = coo_matrix((np.concatenate([values.ravel() for *_, values in blocks]), (rows, columns)), (n, n))
-        return csr_matrix(matrix)
+        rows = [np.broadcast_to(r[:, :, None], values.shape).ravel() for r, _, values in blocks]
+        columns = [np.broadcast_to(c[:, None], values.shape).ravel() for _, c, values in blocks]
+        data = np.concatenate([*(values.ravel() for *_, values in blocks), across * self.across.data])
+        places = np.concatenate([*rows, first + self.across.row]), np.concatenate([*columns, first + self.across.col])
+        return csr_matrix(coo_matrix((data, places), 2 * (first + self.pressures.N,)))
 
     def at_nodes(self, density: ndarray) -> ndarray:
         """Integrals of something that elements have, (n_elements,), by the nodes that they belong to, (n_p,)."""
-        share = self.mass.sum(axis=2) * density[:, None]
-        return np.bincount(self.pressures.element_dofs.T.ravel(), share.ravel(), minlength=self.pressures.N)
+        return _at_nodes(self.pressures, self.mass.sum(axis=2) * density[:, None])
+
+
+def _at_nodes(basis: CellBasis, values: ndarray) -> ndarray:
+    """Sums of what the corners of the elements have, (n_elements, n_corners)."""
+    return np.bincount(basis.element_dofs.T.ravel(), values.ravel(), minlength=basis.N)
