@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -184,6 +185,47 @@ def test_patch(element, quadrature, bound, swapped):
     stress = patch(element, quadrature, swapped)
     assert np.abs(stress / stress.mean() - 1).max() < (2 * bound if swapped and quadrature in (2, 3) else bound)
     assert stress.mean() == pytest.approx(-1 / (1 + 1e3 / 5e4 / 2), rel=1e-4)  # two blocks and the penalty in series
+
+
+def box_in_pit(element: str, quadrature, law) -> tuple[Basis, sc.ContactPair]:
+    """A box in a pit that it fills: the slave are its bottom and its sides."""
+    line, finer = np.array([-1.5, -0.5, 0.0, 0.5, 1.5]), np.linspace(-0.5, 0.5, 4)
+    ground = space.block(element, line, line, [-2.0, -1.0, 0.0])
+    x, y, z = ground.p[:, ground.t].mean(axis=1)
+    ground = ground.remove_elements(np.flatnonzero((abs(x) < 0.5) & (abs(y) < 0.5) & (z > -1)))
+    ground = ground.with_boundaries({"pit": lambda p: (np.abs(p[:2]) < 0.51).all(axis=0) & (-1.5 < p[2]) & (p[2] < 0),
+                                     "low": lambda p: np.isclose(p[2], -2)})
+    box = space.block(element, finer, finer, np.linspace(-1.0, 0.5, 4))
+    box = box.with_boundaries({"skin": lambda p: p[2] < 0.49})
+    basis = space.vector_basis(sc.join_bodies({"ground": ground, "box": box}), element, intorder=2)
+    return basis, sc.ContactPair(basis, "box:skin", "ground:pit", law, quadrature, penalty=(1e4, 7e3))
+
+
+@pytest.mark.parametrize("law", [sc.Coulomb(0.3), sc.Coulomb(0.3, adhesion=0.5, tension=1.0), sc.Tied()],
+                         ids=["friction", "bond", "tied"])
+@pytest.mark.parametrize("element", ["P1", "Q1"])
+def test_slave_that_goes_round_corners(element, law, rng):
+    """A box in a pit: every facet has a tangent to count from, walls do not face the floor, nothing goes round corners.
+
+    Gauss points and pieces differ by their quadrature: 1 %; nodes by 8 %.
+    """
+    forces = {}
+    for quadrature in ("nodal", 2, "segments"):
+        basis, pair = box_in_pit(element, quadrature, law)
+        forms = {"bodies": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.2), sc.three_dimensional), "joint": pair}
+        low, top = basis.get_dofs("ground:low").all(), basis.get_dofs("box:top").all()
+        x = basis.zeros()
+        x[top.reshape(-1, 3)] = (1e-3, 5e-4, -2e-3)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", sc.AnalysisWarning)  # the penalty gives way by some per cent
+            step = sc.run(forms, [sc.Stage("press", basis.zeros(), x)], np.union1d(low, top), progress=False)[-1]
+        forces[quadrature] = step.reactions()[low].reshape(-1, 3).sum(axis=0)
+        if quadrature == 2 and law.bonds:  # nodes sit at joints, and some of many points on the edge of the cone
+            x = step.x + 1e-4 * rng.standard_normal(basis.N)
+            assert tangent_error(pair, x, step.states["joint"], rng) < EXACT
+    largest = np.abs(forces[2]).max()
+    np.testing.assert_allclose(forces["segments"], forces[2], atol=0.01 * largest)
+    np.testing.assert_allclose(forces["nodal"], forces[2], atol=0.08 * largest)
 
 
 # -- slices of plane cases: one element thick, held in their plane -------------------------------------------------

@@ -101,7 +101,7 @@ plot.contour(forms, result[-1], "u", since=result[-2], window=(-2.0, 2.0, 0.0, 2
 # clay has no weight: nothing closes a gap.
 
 LENGTH = 3.0
-m, levels, first = (3, 9, 0.04) if FULL else (2, 5, 0.05)
+m, levels, first = (3, 6, 0.05) if FULL else (2, 5, 0.05)
 basis = Basis(short_pile_in_ground(m, first, 2.0, LENGTH, levels),
               ElementVector(ElementHex1()), intorder=2)
 pile = np.unique(basis.get_dofs(elements="pile").all())
