@@ -76,7 +76,7 @@ def valley(element: str) -> Basis:
 
 
 @pytest.mark.parametrize("law", LAWS)
-@pytest.mark.parametrize("element", ["P1", "Q1", "P2"])
+@pytest.mark.parametrize("element", space.ELEMENTS)
 def test_tangent_at_edges_and_vertices(element, law, rng):
     """Where the facets of a valley shadow each other, its edge or vertex is closest: exact there, without a couple."""
     features = set()
@@ -96,8 +96,8 @@ def test_tangent_at_edges_and_vertices(element, law, rng):
     assert 0 in features and len(features) >= 3
 
 
-@pytest.mark.parametrize("quadrature", ["nodal", 2, "segments"])
-@pytest.mark.parametrize("element", ["P1", "Q1", "Q2"])
+@pytest.mark.parametrize(("element", "quadrature"), [
+    *((element, rule) for element in ("P1", "Q1", "Q2") for rule in ("nodal", 2, "segments")), ("P2", 2), ("S2", 2)])
 def test_frame_indifference(element, quadrature, rng):
     """All turned by 120 degrees in steps with a stored state of friction: forces turn, tractions stay."""
     basis, pair, x, state = rough(element, quadrature, LAWS["slip"], rng)
@@ -115,12 +115,12 @@ def test_frame_indifference(element, quadrature, rng):
         state = answer.state
 
 
-@pytest.mark.parametrize("element", ["P1", "Q1", "P2", "Q2"])
+@pytest.mark.parametrize("element", space.ELEMENTS)
 def test_friction_on_a_circle(element):
     """A block driven on a circle across facets: friction lags behind the tractrix of its elastic slip.
 
     ``d alpha / ds = 1 / rho - sin(alpha) / l`` with the elastic slip l = mu p / eps_T; at 200 steps the lag is off by
-    0.05 degrees at most, and falls with the step.
+    0.0502 degrees, the same on all elements, and falls with the step.
     """
     mu, pressed, penalty, length = 0.3, 1e-3, 1e4, 0.15
     rho, line = length / 0.3, np.linspace(-2, 2, 9)
@@ -150,7 +150,7 @@ def test_friction_on_a_circle(element):
     above, below = (1 + q) / k, (1 - q) / k
     w = below / above * np.exp(-2 * q)
     exact = np.degrees(2 * np.arctan((below - w * above) / (1 - w)))
-    assert exact == pytest.approx(14.9503, abs=1e-4) and abs(lag - exact) < 0.055
+    assert exact == pytest.approx(14.9503, abs=1e-4) and abs(lag - exact) < 0.0505
     assert len(facets) >= 4
     # all points have slid the same way: to where the block is
     np.testing.assert_allclose(state.slip.T, state.slip[:, :1].T + 0 * state.slip.T, atol=1e-12)
