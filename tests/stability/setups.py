@@ -11,6 +11,8 @@ import skfem_contact as sc
 
 #: The order of the residual that is left: far below the tolerances of the tests.
 EXACT = sc.Newton(tolerance=1e-11, max_iterations=40)
+#: What is called after every analysis with all that it was given, and its result: nothing, unless a test asks for it.
+afterwards: list = []
 #: Elements along the lower and the upper block, by the number of dimensions.
 _ELEMENTS = {2: (4, 5), 3: (2, 3)}
 
@@ -89,4 +91,8 @@ def along_and_up(forms: dict, stage) -> tuple[float, float]:
 
 def run(forms: dict, stages, fixed, **options):
     """An analysis without a progress bar, to small residuals."""
-    return sc.run(forms, stages, fixed, **{"newton": EXACT, "progress": False, **options})
+    options = {"newton": EXACT, **options}
+    result = sc.run(forms, stages, fixed, **options, progress=False)
+    for look in afterwards:
+        look(forms, stages, fixed, options, result)
+    return result
