@@ -49,8 +49,8 @@ def grid(element: str, x: ndarray, y: ndarray) -> Mesh:
 
 
 def traction(basis: Basis, facets: str, force) -> ndarray:
-    """Load vector of a uniform traction (2,) on a boundary."""
-    form = LinearForm(lambda v, w: force[0] * v[0] + force[1] * v[1])
+    """Load vector of a uniform traction (dim,) on a boundary."""
+    form = LinearForm(lambda v, w: sum(f * v[k] for k, f in enumerate(force)))
     return form.assemble(FacetBasis(basis.mesh, basis.elem, facets=facets))
 
 
@@ -120,9 +120,9 @@ def facing(slave: Mesh, master: Mesh, element: str = "Q1") -> Basis:
 
 
 def unknowns_of(basis: Basis, body: str) -> ndarray:
-    """The unknowns of a subdomain, (n, 2): one row a node."""
+    """The unknowns of a subdomain, (n, dim): one row a node."""
     dofs = np.unique(basis.element_dofs[:, basis.mesh.subdomains[body]])
-    return dofs.reshape(-1, 2)
+    return dofs.reshape(-1, basis.mesh.dim())
 
 
 def unknowns_at(basis: Basis, body: str, point: tuple[float, float]) -> ndarray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -11,6 +12,8 @@ from skfem import (
     ElementHex1,
     ElementHex2,
     ElementHexS2,
+    ElementQuad1,
+    ElementQuad2,
     ElementTetP1,
     ElementTetP2,
     ElementVector,
@@ -77,3 +80,71 @@ def turned(basis: Basis, rotation: ndarray, x: ndarray) -> ndarray:
     """Displacements that turn everything, displaced by x already, about the origin."""
     places = basis.doflocs[:, ::3].T + x.reshape(-1, 3)
     return (places @ rotation.T - basis.doflocs[:, ::3].T).ravel()
+
+
+# -- plane cases as slices: one element thick, held in their plane -------------------------------------------------
+
+
+def sliced(mesh: Mesh, thickness: float = 0.3) -> MeshHex:
+    """A mesh of quadrilaterals as one layer of hexahedra; boundaries and subdomains keep their names."""
+    n = mesh.p.shape[1]
+    p = np.hstack([np.vstack((mesh.p, np.full((1, n), z))) for z in (0.0, thickness)])
+    base, order = mesh.t, [(0, 0), (1, 0), (3, 0), (0, 1), (2, 0), (1, 1), (3, 1), (2, 1)]
+    solid = MeshHex(p, np.array([base[corner] + level * n for corner, level in order]))
+    ends = {frozenset(f): k for k, f in enumerate(solid.facets.T.tolist())}
+    names = {name: [ends[frozenset((a, b, a + n, b + n))] for a, b in mesh.facets[:, facets].T.tolist()]
+             for name, facets in mesh.boundaries.items()}
+    solid = solid.with_boundaries({name: np.array(facets) for name, facets in names.items()})
+    return solid.with_subdomains(mesh.subdomains) if mesh.subdomains else solid
+
+
+#: Elements of a slice of others, and the shares of a load that its layers of nodes take.
+_TWINS = {ElementQuad1: (ElementHex1, [1, 1]), ElementQuad2: (ElementHex2, [1, 4, 1])}
+
+
+class Slice:
+    """An analysis of quadrilaterals in plane strain, with contact, once more as a slice one element thick.
+
+    Contact has the penalties that the plane has: elements are as stiff in both, but sizes of facets differ.
+    """
+
+    def __init__(self, forms: dict[str, sc.Form], thickness: float = 0.3) -> None:
+        plane = next(form.basis for form in forms.values() if isinstance(form, sc.SolidForm))
+        element, weights = _TWINS[type(plane.elem.elem)]
+        points = round(np.sqrt(plane.dx.shape[1]))
+        self.basis = Basis(sliced(plane.mesh, thickness), ElementVector(element()), intorder=2 * points - 1)
+        # nodes of an element follow each other alike in all: those of one tell
+        dofs, flat = self.basis.element_dofs, plane.element_dofs
+        at, below = self.basis.doflocs[:2, dofs[:, 0]], plane.doflocs[:, flat[:, 0]]
+        same = np.isclose(at[:, :, None], below[:, None]).all(axis=0) & (dofs[:, :1] % 3 == flat[:, 0] % 2)
+        self.twin = np.full(self.basis.N, -1)
+        self.twin[dofs[same.any(axis=1)]] = flat[same.argmax(axis=1)[same.any(axis=1)]]
+        level = np.unique(self.basis.doflocs[2].round(9), return_inverse=True)[1]
+        self.share = thickness * np.array(weights)[level] / sum(weights)
+        self.forms = {name: self._form(form) for name, form in sc.choose_penalties(forms).items()}
+
+    def _form(self, form: sc.Form) -> sc.Form:
+        if isinstance(form, sc.SolidForm):
+            names = self.basis.mesh.subdomains or {}
+            given = form.materials if set(form.materials) <= set(names) else form.regions[0].material
+            return sc.SolidForm(self.basis, given, sc.b_bar if form.strain is sc.b_bar else sc.three_dimensional)
+        pair = sc.ContactPair(self.basis, form.slave.name, form.facets.name, form.law, form.quadrature,
+                              enforcement=form.enforcement, initial=form.initial, share=form.share)
+        return pair.with_penalty(*form.penalty, stiffness=form.stiffness)
+
+    def lifted(self, plane: ndarray | None) -> ndarray | None:
+        """Displacements in space of those in the plane."""
+        return None if plane is None else np.where(self.twin >= 0, np.asarray(plane)[self.twin], 0.0)
+
+    def run(self, stages: Sequence[sc.Stage], fixed: ndarray, **options) -> sc.Result:
+        """The analysis of the slice."""
+        stages = [replace(stage, load=self.share * self.lifted(stage.load), prescribed=self.lifted(stage.prescribed))
+                  for stage in stages]
+        fixed = np.flatnonzero(np.isin(self.twin, fixed) | (self.twin < 0))
+        return sc.run(self.forms, stages, fixed, progress=False, **options)
+
+    def compare(self, plane: sc.Result, solid: sc.Result, error: float) -> None:
+        """Displacements of all stages are those of the plane, but for a share of the largest."""
+        largest = max(np.abs(stage.x).max() for stage in plane)
+        for one, other in zip(plane, solid, strict=True):
+            np.testing.assert_allclose(other.x, self.lifted(one.x), rtol=0, atol=error * largest, err_msg=one.name)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -9,7 +10,7 @@ import pytest
 import space
 from helpers import grid
 from scipy.spatial.transform import Rotation
-from skfem import Basis, ElementHex1, ElementQuad1, ElementVector, MeshHex
+from skfem import Basis, ElementQuad1, ElementVector
 
 import skfem_contact as sc
 
@@ -62,6 +63,8 @@ def test_tangent(element, quadrature, law, rng):
             assert 2 in out.state.status
         assert tangent_error(pair, x, state, rng) < EXACT
         assert np.abs(space.resultant(basis, x, out.force)).max() < 1e-13 * np.abs(out.force).sum()
+        report, on_slave = sc.contact_report(pair, x, out.state), -out.force[pair.slave.dofs].sum(axis=0)
+        np.testing.assert_allclose(report.force, on_slave, atol=1e-12 * np.abs(out.force).sum())
 
 
 def valley(element: str) -> Basis:
@@ -75,7 +78,7 @@ def valley(element: str) -> Basis:
 
 
 @pytest.mark.parametrize("law", LAWS)
-@pytest.mark.parametrize("element", ["P1", "Q1", "P2"])
+@pytest.mark.parametrize("element", space.ELEMENTS)
 def test_tangent_at_edges_and_vertices(element, law, rng):
     """Where the facets of a valley shadow each other, its edge or vertex is closest: exact there, without a couple."""
     features = set()
@@ -95,8 +98,8 @@ def test_tangent_at_edges_and_vertices(element, law, rng):
     assert 0 in features and len(features) >= 3
 
 
-@pytest.mark.parametrize("quadrature", ["nodal", 2, "segments"])
-@pytest.mark.parametrize("element", ["P1", "Q1", "Q2"])
+@pytest.mark.parametrize(("element", "quadrature"), [
+    *((element, rule) for element in ("P1", "Q1", "Q2") for rule in ("nodal", 2, "segments")), ("P2", 2), ("S2", 2)])
 def test_frame_indifference(element, quadrature, rng):
     """All turned by 120 degrees in steps with a stored state of friction: forces turn, tractions stay."""
     basis, pair, x, state = rough(element, quadrature, LAWS["slip"], rng)
@@ -114,12 +117,12 @@ def test_frame_indifference(element, quadrature, rng):
         state = answer.state
 
 
-@pytest.mark.parametrize("element", ["P1", "Q1", "P2", "Q2"])
+@pytest.mark.parametrize("element", space.ELEMENTS)
 def test_friction_on_a_circle(element):
     """A block driven on a circle across facets: friction lags behind the tractrix of its elastic slip.
 
     ``d alpha / ds = 1 / rho - sin(alpha) / l`` with the elastic slip l = mu p / eps_T; at 200 steps the lag is off by
-    0.05 degrees at most, and falls with the step.
+    0.0502 degrees, the same on all elements, and falls with the step.
     """
     mu, pressed, penalty, length = 0.3, 1e-3, 1e4, 0.15
     rho, line = length / 0.3, np.linspace(-2, 2, 9)
@@ -149,7 +152,7 @@ def test_friction_on_a_circle(element):
     above, below = (1 + q) / k, (1 - q) / k
     w = below / above * np.exp(-2 * q)
     exact = np.degrees(2 * np.arctan((below - w * above) / (1 - w)))
-    assert exact == pytest.approx(14.9503, abs=1e-4) and abs(lag - exact) < 0.055
+    assert exact == pytest.approx(14.9503, abs=1e-4) and abs(lag - exact) < 0.0505
     assert len(facets) >= 4
     # all points have slid the same way: to where the block is
     np.testing.assert_allclose(state.slip.T, state.slip[:, :1].T + 0 * state.slip.T, atol=1e-12)
@@ -186,20 +189,48 @@ def test_patch(element, quadrature, bound, swapped):
     assert stress.mean() == pytest.approx(-1 / (1 + 1e3 / 5e4 / 2), rel=1e-4)  # two blocks and the penalty in series
 
 
+def box_in_pit(element: str, quadrature, law) -> tuple[Basis, sc.ContactPair]:
+    """A box in a pit that it fills: the slave are its bottom and its sides."""
+    line, finer = np.array([-1.5, -0.5, 0.0, 0.5, 1.5]), np.linspace(-0.5, 0.5, 4)
+    ground = space.block(element, line, line, [-2.0, -1.0, 0.0])
+    x, y, z = ground.p[:, ground.t].mean(axis=1)
+    ground = ground.remove_elements(np.flatnonzero((abs(x) < 0.5) & (abs(y) < 0.5) & (z > -1)))
+    ground = ground.with_boundaries({"pit": lambda p: (np.abs(p[:2]) < 0.51).all(axis=0) & (p[2] > -1.5) & (p[2] < 0),
+                                     "low": lambda p: np.isclose(p[2], -2)})
+    box = space.block(element, finer, finer, np.linspace(-1.0, 0.5, 4))
+    box = box.with_boundaries({"skin": lambda p: p[2] < 0.49})
+    basis = space.vector_basis(sc.join_bodies({"ground": ground, "box": box}), element, intorder=2)
+    return basis, sc.ContactPair(basis, "box:skin", "ground:pit", law, quadrature, penalty=(1e4, 7e3))
+
+
+@pytest.mark.parametrize("law", [sc.Coulomb(0.3), sc.Coulomb(0.3, adhesion=0.5, tension=1.0), sc.Tied()],
+                         ids=["friction", "bond", "tied"])
+@pytest.mark.parametrize("element", ["P1", "Q1"])
+def test_slave_that_goes_round_corners(element, law, rng):
+    """A box in a pit: every facet has a tangent to count from, walls do not face the floor, nothing goes round corners.
+
+    Gauss points and pieces differ by their quadrature: 1 %; nodes by up to 14 %.
+    """
+    forces = {}
+    for quadrature in ("nodal", 2, "segments"):
+        basis, pair = box_in_pit(element, quadrature, law)
+        forms = {"bodies": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.2), sc.three_dimensional), "joint": pair}
+        low, top = basis.get_dofs("ground:low").all(), basis.get_dofs("box:top").all()
+        x = basis.zeros()
+        x[top.reshape(-1, 3)] = (1e-3, 5e-4, -2e-3)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", sc.AnalysisWarning)  # the penalty gives way by some per cent
+            step = sc.run(forms, [sc.Stage("press", basis.zeros(), x)], np.union1d(low, top), progress=False)[-1]
+        forces[quadrature] = step.reactions()[low].reshape(-1, 3).sum(axis=0)
+        if quadrature == 2 and law.bonds:  # nodes sit at joints, and some of many points on the edge of the cone
+            x = step.x + 1e-4 * rng.standard_normal(basis.N)
+            assert tangent_error(pair, x, step.states["joint"], rng) < EXACT
+    largest = np.abs(forces[2]).max()
+    np.testing.assert_allclose(forces["segments"], forces[2], atol=0.01 * largest)
+    np.testing.assert_allclose(forces["nodal"], forces[2], atol=0.15 * largest)
+
+
 # -- slices of plane cases: one element thick, held in their plane -------------------------------------------------
-
-
-def sliced(mesh, thickness: float = 0.3) -> MeshHex:
-    """A mesh of quadrilaterals as one layer of hexahedra; boundaries keep their names."""
-    n = mesh.p.shape[1]
-    p = np.hstack([np.vstack((mesh.p, np.full((1, n), z))) for z in (0.0, thickness)])
-    base, order = mesh.t, [(0, 0), (1, 0), (3, 0), (0, 1), (2, 0), (1, 1), (3, 1), (2, 1)]
-    solid = MeshHex(p, np.array([base[corner] + level * n for corner, level in order]))
-    ends = {frozenset(f): k for k, f in enumerate(solid.facets.T.tolist())}
-    names = {name: [ends[frozenset((a, b, a + n, b + n))] for a, b in mesh.facets[:, facets].T.tolist()]
-             for name, facets in mesh.boundaries.items()}
-    return solid.with_boundaries({name: np.array(facets) for name, facets in names.items()}) \
-        .with_subdomains(mesh.subdomains)
 
 
 @pytest.mark.parametrize("law", [sc.Coulomb(0.3), sc.Coulomb(0.2, adhesion=0.5, tension=0.5), sc.Tied()],
@@ -217,40 +248,60 @@ def test_slice_of_a_plane_case(quadrature, enforcement, error, law):
     x = np.linspace(0, 1, 5)
     lower = grid("Q1", np.linspace(-0.5, 1.6, 8), [-0.5, -0.2, 0.0])
     upper = grid("Q1", x, [0.0, 0.2, 0.5])
-    plane = sc.join_bodies({"lower": lower, "upper": upper})
-    results = []
-    for mesh in (plane, sliced(plane)):
-        dim = mesh.dim()
-        basis = Basis(mesh, ElementVector(ElementQuad1() if dim == 2 else ElementHex1()), intorder=2)
-        kinematics = sc.plane_strain if dim == 2 else sc.three_dimensional
-        joint = sc.ContactPair(basis, "upper:bottom", "lower:top", law, quadrature, enforcement=enforcement)
-        forms = {"blocks": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3), kinematics),
-                 "joint": joint.with_penalty(2e4, 1e4, stiffness=2e3)}
-        dofs = basis.nodal_dofs
-        bottom, top = (np.flatnonzero(np.isclose(mesh.p[1], y)) for y in (-0.5, 0.5))
-        fixed = np.unique(np.concatenate([dofs[:, bottom].ravel(), dofs[:2, top].ravel(), dofs[2:].ravel()]))
-        stages = []
-        for name, (along, up) in {"press": (0.0, -3e-3), "drag": (0.4, -3e-3), "back": (0.3, -2e-3), "lift": (0.3, 0.02)
-                                  }.items():
-            values = basis.zeros()
-            values[dofs[0, top]], values[dofs[1, top]] = (0.0 if law.bonds else along), up
-            stages.append(sc.Stage(name, basis.zeros(), values, increments=2))
-        result = sc.run(forms, stages, fixed, newton=sc.Newton(1e-12), progress=False)
-        results.append((mesh, dofs, result))
-    (mesh, dofs, flat), (_, thick, solid) = results
-    n = mesh.p.shape[1]
-    for one, other in zip(flat, solid, strict=True):
-        u, both = one.x[dofs], other.x[thick]
-        scale = np.abs(u).max()
-        for side in (both[:2, :n], both[:2, n:]):
-            np.testing.assert_allclose(side, u, rtol=0, atol=error * scale)
+    mesh = sc.join_bodies({"lower": lower, "upper": upper})
+    basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+    joint = sc.ContactPair(basis, "upper:bottom", "lower:top", law, quadrature, enforcement=enforcement)
+    forms = {"blocks": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3), sc.plane_strain),
+             "joint": joint.with_penalty(2e4, 1e4, stiffness=2e3)}
+    fixed, stages = basis.get_dofs({"lower:bottom", "upper:top"}).all(), []
+    for name, (along, up) in {"press": (0.0, -3e-3), "drag": (0.4, -3e-3), "back": (0.3, -2e-3), "lift": (0.3, 0.02)
+                              }.items():
+        values, top = basis.zeros(), basis.get_dofs("upper:top")
+        values[top.all("u^1")], values[top.all("u^2")] = (0.0 if law.bonds else along), up
+        stages.append(sc.Stage(name, basis.zeros(), values, increments=2))
+    result = sc.run(forms, stages, fixed, newton=sc.Newton(1e-12), progress=False)
+    again = space.Slice(forms)
+    again.compare(result, again.run(stages, fixed, newton=sc.Newton(1e-12)), error)
 
 
-@pytest.mark.parametrize("element", ["P2", "S2"])
-def test_multipliers_need_areas(element):
-    """Corners of facets of six nodes have no area, and those of eight a negative one: refused."""
-    basis = space.facing(element, np.random.default_rng(1))
-    for quadrature in ("nodal", 3, "segments"):
-        with pytest.raises(ValueError, match=r"not for facets of [68] nodes, as 'upper:bottom'"):
+def test_multipliers_need_areas():
+    """Corners of facets of eight nodes have a negative area: refused."""
+    basis = space.facing("S2", np.random.default_rng(1))
+    for quadrature in (3, "segments"):
+        with pytest.raises(ValueError, match=r"not for facets of eight nodes, as 'upper:bottom'.* take ElementHex2"):
             sc.ContactPair(basis, "upper:bottom", "lower:top", sc.Coulomb(), quadrature,
                            enforcement=sc.AugmentedLagrangian())
+
+
+def test_multipliers_on_six_nodes():
+    """Corners of facets of six nodes have no area: their multipliers follow from the others, and the patch test holds.
+
+    No penalty is left in the mean but for the method's tolerance.
+    """
+    for swapped in (False, True):
+        stress = patch("P2", "segments", swapped, enforcement=sc.AugmentedLagrangian())
+        assert np.abs(stress / stress.mean() - 1).max() < 1e-10
+        assert stress.mean() == pytest.approx(-1.0, abs=1e-4)
+
+
+@pytest.mark.parametrize(("quadrature", "error"), [("nodal", 0.07), (3, 0.4)])
+def test_sphere_on_six_nodes(quadrature, error):
+    """Facets that are closed in part: Hertz's pressure of the force that is found, at 3 nodes in the half-width.
+
+    The elements at the edge of the contact see a mean of what jumps there: 0.26 by the penalty method at Gauss points.
+    """
+    along, radius = np.array([0.0, 0.2, 0.4, 0.6, 0.8, 1.2, 2.0]), 4.0
+    basis = space.vector_basis(space.block("P2", along, along, [-2.0, -1.0, -0.5, -0.2, 0.0]), "P2")
+    forms = {"block": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3), sc.three_dimensional),
+             "joint": sc.ContactPair(basis, "top", sc.rigid_sphere((0, 0, radius), radius), sc.Coulomb(), quadrature,
+                                     enforcement=sc.AugmentedLagrangian())}
+    low, x = basis.get_dofs("bottom").all("u^3"), basis.zeros()
+    x[low] = 0.06
+    fixed = np.concatenate((basis.get_dofs("bottom").all(), basis.get_dofs("left").all("u^1"),
+                            basis.get_dofs("front").all("u^2")))
+    step = sc.run(forms, [sc.Stage("press", basis.zeros(), x)], fixed, progress=False)[-1]
+    force, joint = 4 * step.reactions()[low].sum(), step.tractions("joint")
+    a = (0.75 * force * radius * 0.91 / 1e3) ** (1 / 3)
+    exact = 1.5 * force / np.pi / a**2 * np.sqrt(np.maximum(0, 1 - (joint.x**2 + joint.y**2) / a**2))
+    assert np.sqrt(joint.weight @ (joint.pressure - exact) ** 2 / (joint.weight @ exact**2)) < error
+    assert force == pytest.approx(55.14, rel=0.005)  # 27-node hexahedra on the same lines

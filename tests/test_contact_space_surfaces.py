@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import space
-from skfem import Basis, ElementHex1, ElementTetP1, ElementVector, MeshHex, MeshTet
+from skfem import Basis, ElementTetP1, ElementVector, ElementWedge1, MeshHex, MeshTet, MeshWedge1
 
 import skfem_contact as sc
 from skfem_contact.contact.clipping import piecewise
@@ -204,11 +204,58 @@ def test_bad_surfaces_in_space():
         sc.rigid_plane((0, np.nan, 0), (0, 0, 1), 1.0)
     with pytest.raises(ValueError, match="must have a length"):
         sc.rigid_cylinder((0, 0, 1), (0, 0, 1), 1.0)
-    # two cubes that share an edge: four of their facets meet there
-    cube = MeshHex()
-    both = sc.join_bodies({"a": cube, "b": cube.translated((1.0, 1.0, 0.0))})
+
+
+def skin(mesh: MeshHex | MeshTet, facets=None) -> Surface:
+    """The whole boundary of a mesh, or some facets."""
+    mesh = mesh.with_boundaries({"skin": mesh.boundary_facets() if facets is None else facets})
+    return sc.rigid_surface(mesh, "skin")
+
+
+def cubes(*corners) -> MeshHex:
+    """Unit cubes that share the nodes in one place."""
+    both = sc.join_bodies({str(at): MeshHex().translated(at) for at in corners})
     p, number = np.unique(both.p.round(9), axis=1, return_inverse=True)
-    mesh = MeshHex(p, number.ravel()[both.t])
-    mesh = mesh.with_boundaries({"skin": mesh.boundary_facets()})
-    with pytest.raises(ValueError, match="boundary 'skin' is no surface"):
-        Surface.from_boundary(Basis(mesh, ElementVector(ElementHex1())), "skin")
+    return MeshHex(p, number.ravel()[both.t])
+
+
+def prisms() -> Basis:
+    return Basis(MeshWedge1(), ElementVector(ElementWedge1()), intorder=2)
+
+
+def collapsed(kind: str) -> Surface:
+    """A facet without area: a triangle with its corners on a line, and a quadrilateral in one place."""
+    if kind == "triangle":
+        p = np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 1.0]]).T
+        return skin(MeshTet(p, np.array([[0, 1, 2, 3]]).T), lambda x: x[2] < 0.1)
+    mesh = MeshHex().refined(1)
+    p, right = mesh.p.copy(), np.isclose(mesh.p[2], 1) & (mesh.p[0] > 0.4)
+    p[:, right] = [[1.0], [0.0], [1.0]]
+    return skin(MeshHex(p, mesh.t), lambda x: x[2] > 0.95)
+
+
+#: What is no surface of a contact pair in space, and what is said of it.
+NO_SURFACE = {
+    "an edge of four facets": (lambda: skin(cubes((0, 0, 0), (1, 1, 0))), "'skin' is no surface: an edge belongs to"),
+    "a pinched corner": (lambda: skin(cubes((0, 0, 0), (1, 1, 1))), "'skin' is no surface: parts .* at 1 nodes"),
+    "a chequerboard": (lambda: skin(cubes((0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 0)), lambda x: np.isclose(x[2], 1)
+                                    & ((x[0] - 1) * (x[1] - 1) > 0)), "parts of it meet only at a corner"),
+    "mixed facets": (lambda: sc.ContactPair(prisms(), "top", "bottom", sc.Coulomb()),
+                     "unsupported element .*Wedge.*supported are"),
+    "mixed bodies": (lambda: sc.join_bodies({"a": MeshTet(), "b": MeshHex()}), "different types cannot be joined"),
+    "a slave that is master": (lambda: sc.ContactPair(space.facing("Q1", np.random.default_rng(1)), "lower:top",
+                                                      "lower:top", sc.Coulomb()), "share nodes"),
+    "a slave beside its master": (lambda: sc.ContactPair(space.facing("P2", np.random.default_rng(1)), "lower:top",
+                                                         "lower:left", sc.Coulomb()), "share nodes"),
+    "a flat triangle": (lambda: collapsed("triangle"), r"'skin': facets without area at \[\[1"),
+    "a flat quadrilateral": (lambda: collapsed("quadrilateral"), r"'skin': facets without area at \[\[1"),
+}  # fmt: skip
+
+
+@pytest.mark.filterwarnings("ignore:.*(divide|invalid value):RuntimeWarning")  # scikit-fem's, of flat elements
+@pytest.mark.parametrize("name", NO_SURFACE)
+def test_what_is_no_surface(name):
+    """One clear error, before anything is computed."""
+    mistake, message = NO_SURFACE[name]
+    with pytest.raises(ValueError, match=message):
+        mistake()

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import space
 from helpers import grid, traction, unknowns_of, vector_basis
 from skfem import FacetBasis, LinearForm, MeshQuad
 
@@ -425,3 +426,26 @@ def test_nodes_at_joints_are_told(n: int) -> None:
     for rule in ({"quadrature": "nodal", "smoothing": 0.1, "initial": "adjusted"}, {}, {"enforcement": AUGMENTED}):
         _, torque, told = fitted(n, n, **rule)
         assert abs(torque) < 1e-10 and "torque" not in told  # round-off
+
+
+def fitted_in_space(disc: int, ring: int, *rule, **options) -> str:
+    """What is told of a slice of the ring on the disc."""
+    a, b, c, pressure = 0.3, 1.0, 1.5, 10.0
+    mesh = sc.join_bodies({"disc": space.sliced(annulus(a, b, disc, 2)), "ring": space.sliced(annulus(b, c, ring, 2))})
+    basis = space.vector_basis(mesh, "Q1", intorder=2)
+    forms = {"bodies": sc.SolidForm(basis, sc.LinearElastic(E=1e6, nu=0.25), sc.three_dimensional),
+             "joint": sc.ContactPair(basis, "ring:inner", "disc:outer", sc.Coulomb(), *rule, **options)}
+    load = LinearForm(lambda v, w: -pressure * (w.x[0] * v[0] + w.x[1] * v[1]) / np.hypot(w.x[0], w.x[1]))
+    load = load.assemble(FacetBasis(mesh, basis.elem, facets="ring:outer", intorder=4))
+    held = [basis.nodal_dofs[component, np.hypot(mesh.p[0] - x, mesh.p[1] - y) < 1e-9]
+            for r in (a, c) for x, y, component in ((r, 0, 1), (0, r, 0), (-r, 0, 1))]  # fmt: skip
+    return told_of(forms, sc.Stage("press", load), np.concatenate((basis.nodal_dofs[2], *held)))[1]
+
+
+def test_facets_in_space_are_told_of() -> None:
+    """[X] In space as in the plane: facets that overlap, and nodes at joints, which belong to one of two facets."""
+    assert "do not match overlap" in fitted_in_space(64, 50, 2)
+    assert "overlap" not in fitted_in_space(64, 50, 2, initial="adjusted")
+    told = fitted_in_space(40, 40, "nodal")
+    assert f"{np.sin(np.pi / 40):.1%} of their pressure acts along the surface" in told and "smoothing" not in told
+    assert "torque" not in fitted_in_space(40, 40)

@@ -69,3 +69,29 @@ def ground_under_disc(m: int, size: float, growth: float, width: float) -> MeshH
     points, quads = disc(m, 1.0, np.append(1.0 - inside, 0.0)[::-1])
     more, others = rings(m, 1.0 + away)
     return layers((np.concatenate((points, more)), np.concatenate((quads, others + len(points)))), -away[::-1])
+
+
+def short_pile_in_ground(m: int, first: float, growth: float, length: float, levels: int, width: float = 3.0
+                         ) -> MeshHex:
+    """Half of a pile of diameter 1 and of the ground around and below it, on the side y > 0: ``pile``, ``soil``.
+
+    The pile is a pipe of long facets that touch the nodes of the ground along their middles: there the ground slides
+    around it as around a circle. Elements grow away from the shaft, and from its tip down.
+    """
+    steps = np.append(0.0, np.cumsum(first * growth ** np.arange(99)))
+    away = steps[: np.searchsorted(steps, width - 0.5) + 1]
+    below = -length - 2.0 * away[2.0 * away < width]
+    along = -length * np.linspace(1, 0, levels + 1)
+    quarter = layers(rings(m, 0.5 + away), np.append(below[:0:-1], along)) \
+        + layers(disc(m, 0.5, np.array([0.0, 1.0])), below[::-1])
+    soil = quarter + quarter.mirrored((1, 0, 0))
+    faces = {"shaft": lambda x: np.isclose(np.hypot(*x[:2]), 0.5, rtol=0.05) & (x[2] > -length) & (x[2] < -1e-9),
+             "far": lambda x: (np.hypot(*x[:2]) > 0.95 * (0.5 + away[-1])) | np.isclose(x[2], below[-1]),
+             "symmetry": lambda x: np.isclose(x[1], 0.0)}
+    half = 0.25 * np.pi / m / 2
+    angle = np.concatenate(([0.0], np.arange(half, np.pi, 2 * half), [np.pi]))
+    rim = np.where((angle == 0.0) | (angle == np.pi), 0.5, 0.5 / np.cos(half))
+    ring = rim[:, None] * np.stack((np.cos(angle), np.sin(angle)), axis=1)
+    pipe = layers((np.concatenate((0.7 * ring, ring)), _quads(2, len(angle))), np.array([-length, 0.2]))
+    return sc.join_bodies({"soil": soil.with_boundaries(faces),
+                           "pile": pipe.with_boundaries({"shaft": lambda x: np.hypot(*x[:2]) > 0.47})})

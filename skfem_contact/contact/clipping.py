@@ -20,6 +20,8 @@ from .search import _NEWTON_STEPS
 _SLIVER = 1e-9
 #: Corners that lie deeper than a facet's size behind the plane, or as far before it, do not face it.
 _FACING = 1.0
+#: ... nor do facets whose normals are less opposed than this: the walls of a corner, which strains tilt a little.
+_OPPOSED = 0.2
 _LAST_STEP = 1e-9  # of Newton's method: the error is its square
 
 
@@ -35,10 +37,11 @@ def piecewise(slave: Surface, slave_nodes: ndarray, master: Surface, master_node
     """
     own, facing = _pairs(slave, slave_nodes, master, master_nodes)
     centre, axes = _mean_planes(_corners(slave, slave_nodes))
+    behind = _mean_planes(_corners(master, master_nodes))[1][:, 2]
     flat = _in_plane(_corners(slave, slave_nodes)[own], centre[own], axes[own])
     other = _in_plane(_corners(master, master_nodes)[facing][:, ::-1], centre[own], axes[own])
     reach = _FACING * slave.size[own]
-    near = (np.abs(other[:, :, 2]).min(axis=1) < reach) & (_area(other[:, :, :2]) > 0.0)
+    near = (np.abs(other[:, :, 2]).min(axis=1) < reach) & (dot(axes[own, 2], behind[facing]) < -_OPPOSED)
     own, facing, flat, other = own[near], facing[near], flat[near, :, :2], other[near, :, :2]
     polygon, corners = _clipped(other, flat)
     piece, triangles = _fans(polygon, corners)

@@ -163,10 +163,11 @@ def _on_facets(pair: ContactPair, state: ContactState, meshed: ndarray) -> Itera
                      'that was found: initial="adjusted" lets them touch, matching nodes or curves do not overlap')
     nodal = points.nodes.shape[1] == 1
     if nodal and (sideways := float(force @ _slope_at_joints(pair, state) / force.sum())) > _SIDEWAYS:
+        smooth = ', or smoothing=0.1 and initial="adjusted",' if pair.slave.dim == 2 else ""
         yield Remark("joints", sideways,
                      f"nodes of '{pair.slave.name}' face joints of '{pair.facets.name}' and belong to the facet "
                      f"before: {sideways:.1%} of their pressure acts along the surface, as a torque if it is round; "
-                     'quadrature="segments", or smoothing=0.1 and initial="adjusted", avoids that')
+                     f'quadrature="segments"{smooth} avoids that')
 
 
 def _within_facets(slave: Surface, points: SlavePoints, values: ndarray) -> ndarray:
@@ -182,14 +183,11 @@ def _within_facets(slave: Surface, points: SlavePoints, values: ndarray) -> ndar
 
 
 def _slope_at_joints(pair: ContactPair, state: ContactState) -> ndarray:
-    """Sine of half the angle by which the master in the plane turns where points face its joints, else zero, (n,)."""
+    """Sine of half the angle by which the master turns where points face its joints, else zero, (n,)."""
     master, sine = pair.master, np.zeros(len(state.gap))
-    if master.dim == 3:
-        return sine
-    xi = state.position[0]
-    at = np.flatnonzero((state.facet >= 0) & (np.abs(xi) > 1.0 - 2.0 * _AT_JOINT))
-    here, there = normals_at_joint(master, master.nodes, state.facet[at], (xi[at] > 0).astype(int))
-    sine[at] = 0.5 * np.linalg.norm(here - there, axis=1)
+    at, side = np.nonzero((state.facet >= 0)[:, None] & (master.shape.beyond(state.position.T) > -2.0 * _AT_JOINT))
+    here, there = normals_at_joint(master, master.nodes, state.facet[at], side)
+    np.maximum.at(sine, at, 0.5 * np.linalg.norm(here - there, axis=1))
     return sine
 
 

@@ -26,7 +26,7 @@ from numpy import ndarray
 
 from ..surfaces.material_points import MaterialPoints
 from ..surfaces.surface import Place, Surface
-from ..surfaces.vectors import frame, inverse, lift, outer, products, spread
+from ..surfaces.vectors import askew, frame, inverse, lift, outer, products, spread
 from .joints import Joints
 from .quadrature import SlavePoints
 from .search import Projection
@@ -114,6 +114,9 @@ def variations(points: SlavePoints, slave: Surface, master: Surface, projection:
         delta[:, :N.shape[1]] = points.along
 
     n, a = place.normal, place.x[1]
+    if slave.dim == 3:
+        given, direction = direction, askew(direction, n)
+        delta[(direction != given).any(axis=1)] = 0.0  # an axis does not turn
     e = frame(n, direction)
     m, h = products(a, a), np.einsum("nc,nabc->nab", n, place.x[2])
     operator = inverse(m - g[:, None, None] * h)

@@ -53,7 +53,7 @@ class SlavePoints:
         place = surface.at(facet, xi, surface.nodes)
         area = np.linalg.norm(across(place.x[1]), axis=1) * (place.x[0][:, 0] if surface.axisymmetric else 1.0)
         return cls(facet, xi, surface.facets[facet], place.shapes[0], area * weight, surface.size[facet],
-                   _along(surface, place))
+                   _along(surface, facet, place))
 
     def take(self, chosen: ndarray) -> SlavePoints:
         """Some of the points, given by their numbers."""
@@ -73,12 +73,12 @@ class SlavePoints:
         return np.asarray(np.einsum("nk,nk...->n...", self.values, nodal[self.nodes]))
 
 
-def _along(surface: Surface, place: Place) -> ndarray:
-    """Factors of the facets' nodes in the surface's direction at places of the undeformed surface, (n, k)."""
+def _along(surface: Surface, facet: ndarray, place: Place) -> ndarray:
+    """Factors of the facets' nodes in the surface's directions at places of the undeformed surface, (n, k)."""
     if surface.dim == 2:
         return np.zeros(place.shapes[0].shape)
     a = place.x[1]
-    contravariant = solve(products(a, a), a @ surface.direction)
+    contravariant = solve(products(a, a), np.einsum("nac,nc->na", a, surface.directions[facet]))
     return np.asarray(np.einsum("na,nak->nk", contravariant, place.shapes[1]))
 
 
@@ -109,7 +109,7 @@ def nodal(surface: Surface) -> SlavePoints:
     place = surface.shape.nodes[local]
     order = np.argsort(facet + 0.5 * place[:, 0]) if surface.dim == 2 else np.arange(len(weight))
     order = order[weight[order] > 0.0]
-    along = _along(surface, surface.at(facet, place, surface.nodes))
+    along = _along(surface, facet, surface.at(facet, place, surface.nodes))
     return SlavePoints(facet[order], place[order], order[:, None], np.ones((len(order), 1)), weight[order], size[order],
                        along[order])
 

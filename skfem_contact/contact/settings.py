@@ -11,8 +11,9 @@ from .augmented import AugmentedLagrangian
 from .clearance import Fit
 from .laws import InterfaceLaw
 
-#: Nodes of facets in space some of which have no area, or a negative one: nothing holds a multiplier there.
-_WITHOUT_AREA = (6, 8)
+#: Nodes of facets whose corners have negative areas: where a facet is closed in part, multipliers there double the
+#: pressure at the edge of the contact, of a sphere on a block with 4 elements in its half-width.
+_NEGATIVE = 8
 #: Round-off of the axis, as a share of a facet.
 _ON_AXIS = 1e-9
 
@@ -38,9 +39,10 @@ def check_settings(slave: Surface, quadrature: Any, enforcement: Any, initial: A
         raise ValueError(f"share must lie in (0, 1], not {share!r}")
     if not isinstance(enforcement, AugmentedLagrangian | None):
         raise ValueError(f"enforcement must be None or AugmentedLagrangian(), not {enforcement!r}")
-    if enforcement is not None and (nodes := slave.facets.shape[1]) in _WITHOUT_AREA:
-        raise ValueError(f"the augmented method is not for facets of {nodes} nodes, as '{slave.name}' has them: the "
-                         "corners have no area for their multipliers; take the penalty method, or linear elements")
+    if enforcement is not None and slave.facets.shape[1] == _NEGATIVE:
+        raise ValueError(f"the augmented method is not for facets of eight nodes, as '{slave.name}' has them: the "
+                         "corners have negative areas for their multipliers; take ElementHex2 or ElementHex1, or the "
+                         "penalty method")
 
 
 def check_law(law: Any, n_nodes: int) -> None:

@@ -96,7 +96,14 @@ def nearest(slave: Surface, old: SlavePoints, new: SlavePoints) -> ndarray:
     if slave.dim == 2:
         before, after = along_chain(slave, old, new)
         return np.asarray(np.abs(after[:, None] - before).argmin(axis=1))
-    return np.asarray(cKDTree(old.positions(slave.nodes)).query(new.positions(slave.nodes))[1])
+    before, after = (_places_and_normals(slave, points) for points in (old, new))
+    return np.asarray(cKDTree(before).query(after)[1])
+
+
+def _places_and_normals(slave: Surface, points: SlavePoints) -> ndarray:
+    """Where points of a slave in space lie, and which way they look: not round a corner, (n, 6)."""
+    normal = slave.at(points.facet, points.xi, slave.nodes).normal
+    return np.hstack((points.positions(slave.nodes), slave.spacing * normal))
 
 
 def along_chain(slave: Surface, *points: SlavePoints) -> list[ndarray]:

@@ -218,7 +218,7 @@ def rigid_surface(mesh: Mesh, boundary: str, name: str | None = None) -> Surface
     """
     look_up(boundary, mesh.boundaries or {}, "boundary")
     element = ElementTetP1() if isinstance(mesh, MeshTet) else ElementHex1()
-    found = Surface.from_boundary(Basis(mesh, ElementVector(element)), boundary)
+    found = Surface.from_boundary(Basis(mesh, ElementVector(element), intorder=1), boundary)
     return Surface.of(name or boundary, np.full(found.dofs.shape, -1), found.nodes, found.facets, found.shape,
                       found.neighbours)
 

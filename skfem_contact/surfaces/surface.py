@@ -22,6 +22,8 @@ from .vectors import across, unit
 #: A surface goes on beyond its rim for this share of its last facet: a slave corner that starts flush with
 #: the master's end must not lose contact to the lateral strain of the bodies.
 EXTENSION = 0.05
+#: Square of the cosine of the angle to a normal from which on an axis is no direction along a facet.
+_NORMAL = 0.8
 
 
 class Place(NamedTuple):
@@ -167,11 +169,15 @@ class Surface:
         return np.asarray(self.nodes.mean(axis=0))
 
     @cached_property
-    def direction(self) -> ndarray:
-        """The axis that lies most nearly along the surface, (dim,): tangents are counted from there in space."""
+    def directions(self) -> ndarray:
+        """Axes from which the facets' tangents are counted in space, (n_facets, dim).
+
+        It is the one that lies most nearly along the surface; facets that it is normal to have another one.
+        """
         m = len(self.facets)
-        normal = self.at(np.arange(m), np.tile(self.shape.centre, (m, 1)), self.nodes).normal
-        return np.eye(self.dim)[np.argmin(np.round(self.area @ normal**2 / self.area.sum(), 6))]
+        squares = self.at(np.arange(m), np.tile(self.shape.centre, (m, 1)), self.nodes).normal**2
+        axis = np.argmin(np.round(self.area @ squares / self.area.sum(), 6))
+        return np.eye(self.dim)[np.where(squares[:, axis] > _NORMAL, np.argmin(np.round(squares, 6), axis=1), axis)]
 
     @cached_property
     def at_rim(self) -> ndarray:

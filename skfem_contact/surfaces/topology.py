@@ -3,6 +3,8 @@ from __future__ import annotations
 
 import numpy as np
 from numpy import ndarray
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
 
 
 def ordered(ends: ndarray, name: str) -> ndarray:
@@ -46,7 +48,8 @@ def adjacent(corners: ndarray, name: str) -> ndarray:
     Raises
     ------
     ValueError
-        A side belongs to more than two facets, or neighbours have different outward sides.
+        A side belongs to more than two facets, neighbours have different outward sides, or parts in space meet only
+        at a corner.
     """
     m, n = corners.shape
     if n == 2:  # in the plane, the sides are the ends: one facet ends where the other begins
@@ -64,7 +67,22 @@ def adjacent(corners: ndarray, name: str) -> ndarray:
     begins[first] = owner[: len(first)]
     beyond = begins[last]
     if n > 2:
+        if len(pinched := _pinched(corners, beyond.reshape(m, n))):
+            raise ValueError(f"boundary '{name}' is no surface: parts of it meet only at a corner, at {len(pinched)} "
+                             "nodes; give each part a boundary of its own")
         return beyond.reshape(m, n)
     ends = np.full(number.max() + 1, -1)
     ends[last] = owner[len(first):]
     return np.column_stack((ends[first], beyond))
+
+
+def _pinched(corners: ndarray, neighbours: ndarray) -> ndarray:
+    """Nodes whose facets do not all follow each other around them."""
+    m, n = corners.shape
+    facet, side = np.nonzero(neighbours >= 0)
+    beyond = neighbours[facet, side]
+    there = np.argmax(corners[beyond] == corners[facet, side][:, None], axis=1)
+    same = coo_matrix((np.ones(len(facet)), (facet * n + side, beyond * n + there)), shape=(m * n, m * n))
+    _, fan = connected_components(same, directed=False)
+    node, fans = np.unique(corners.ravel()[np.unique(fan, return_index=True)[1]], return_counts=True)
+    return np.asarray(node[fans > 1])

@@ -4,6 +4,9 @@ from __future__ import annotations
 import numpy as np
 from numpy import ndarray
 
+#: Sine of the angle to a normal below which a direction is normal.
+_NORMAL = 1e-3
+
 
 def unit(vectors: ndarray) -> ndarray:
     """Vectors, (..., dim), of length one."""
@@ -27,10 +30,20 @@ def across(tangents: ndarray) -> ndarray:
     return np.cross(tangents[:, 0], tangents[:, 1])
 
 
+def askew(direction: ndarray, normal: ndarray) -> ndarray:
+    """Directions, (n, 3); where they are normal, as of a side on a floor, the axis that is least so."""
+    aside = np.real(direction - dot(direction, normal)[:, None] * normal)
+    lost = np.einsum("nc,nc->n", aside, aside) <= _NORMAL**2 * np.einsum("nc,nc->n", direction.real, direction.real)
+    if not lost.any():
+        return direction
+    return np.where(lost[:, None], np.eye(3)[np.argmin(np.abs(normal.real).round(6), axis=1)], direction)
+
+
 def frame(normal: ndarray, direction: ndarray) -> ndarray:
     """Orthonormal tangents, (n, dim - 1, dim): in space one along a direction, (n, 3), and the one across it."""
     if normal.shape[1] == 2:
         return np.asarray((normal[:, ::-1] * (1.0, -1.0))[:, None])
+    direction = askew(direction, normal)
     first = unit(direction - dot(direction, normal)[:, None] * normal)
     return np.stack((first, np.cross(normal, first)), axis=1)
 

@@ -144,24 +144,47 @@ def complementarity(scene: Scene, model: Model, stage: sc.StageResult, before: s
 def closest(scene: Scene, model: Model, stage: sc.StageResult, before: sc.StageResult | None) -> Errors:
     """Gaps of closed points are distances from the displaced master, by trying every facet."""
     for name, pair in _pairs(stage):
-        if scene.dim == 3 or scene.smoothing is not None or scene.element in ("Q2", "P2"):
+        if scene.smoothing is not None or scene.element in ("Q2", "P2"):
             continue
+        if scene.dim == 3 and scene.quadrature == "segments":
+            continue  # points on pieces stay on the facet that their piece faces
         state, x = stage.states[name], stage.x
         points = pair.points(state).positions(pair.slave.positions(x))
-        a, b = (pair.facets.positions(x)[pair.facets.facets[:, i]] for i in (0, 1))
-        along = b - a
-        share = np.einsum("nfc,fc->nf", points[:, None] - a, along) / (along**2).sum(axis=1)
-        nearest, beyond = (_distance(points, a, along, share, by) for by in (0.0, _BEYOND))
+        corners = pair.facets.positions(x)[pair.facets.facets]
+        distance = _distance if scene.dim == 2 else _distance_in_space
+        nearest, beyond = (distance(points, corners, by) for by in (0.0, _BEYOND))
         gap, closed = np.abs(state.gap), state.status != sc.Status.OPEN
         error = np.maximum(gap - nearest, beyond - gap)[closed].max(initial=0.0)
         # at joints that turn by less than a degree it keeps its facet though the next one is nearer, by this
         yield error / pair.facets.size.max(), 0.01 * np.sin(np.radians(1.0))
 
 
-def _distance(points: ndarray, a: ndarray, along: ndarray, share: ndarray, beyond: float) -> ndarray:
+def _distance(points: ndarray, corners: ndarray, beyond: float) -> ndarray:
     """Distance from the nearest facet, each longer by a share of it at both ends."""
+    a, along = corners[:, 0], corners[:, 1] - corners[:, 0]
+    share = np.einsum("nfc,fc->nf", points[:, None] - a, along) / (along**2).sum(axis=1)
     foot = a + np.clip(share, -beyond, 1.0 + beyond)[..., None] * along
     return np.linalg.norm(points[:, None] - foot, axis=2).min(axis=1)
+
+
+def _distance_in_space(points: ndarray, corners: ndarray, beyond: float) -> ndarray:
+    """The same of triangles and bilinear facets: places around the best one so far are tried, ever closer to it."""
+    step = np.stack(np.meshgrid(*[np.arange(-2.0, 3.0)] * 2), axis=-1).reshape(-1, 2) / 4
+    best, size = np.full((len(points), len(corners), 2), 1 / 3 if corners.shape[1] == 3 else 0.5), 1.0
+    for _ in range(40):
+        u = np.clip(best[:, :, None] + size * step, -beyond, 1.0 + beyond)
+        if corners.shape[1] == 3:  # back onto the third side
+            over = np.maximum(u.sum(axis=-1, keepdims=True) - 1.0 - beyond, 0.0)
+            u = np.clip(u - 0.5 * over, -beyond, 1.0 + beyond)
+            shapes = np.stack((1 - u.sum(axis=-1), u[..., 0], u[..., 1]), axis=-1)
+        else:
+            low, high = 1 - u, u
+            shapes = np.stack((low[..., 0] * low[..., 1], high[..., 0] * low[..., 1], high[..., 0] * high[..., 1],
+                               low[..., 0] * high[..., 1]), axis=-1)
+        distance = np.linalg.norm(points[:, None, None] - np.einsum("nfsk,fkc->nfsc", shapes, corners), axis=-1)
+        at = distance.argmin(axis=-1)[..., None, None]
+        best, size = np.take_along_axis(u, at, axis=2)[:, :, 0], 0.6 * size
+    return distance.min(axis=(1, 2))
 
 
 def yielding(scene: Scene, model: Model, stage: sc.StageResult, before: sc.StageResult | None) -> Errors:

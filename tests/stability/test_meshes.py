@@ -7,9 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import space
 from helpers import distorted, grid, traction, vector_basis
-from setups import blocks, displaced, force_on, in_contact, run
-from skfem import MeshQuad
+from setups import blocks, displaced, force_on, guided, held, in_contact, loaded, run, vector
+from skfem import MeshHex, MeshQuad
 
 import skfem_contact as sc
 from skfem_contact.contact.neighbours import neighbours
@@ -18,17 +19,19 @@ from skfem_contact.contact.search import project
 QUADRATURES = ["nodal", 2, "segments"]
 
 
-@pytest.mark.parametrize("quadrature", QUADRATURES)
-@pytest.mark.parametrize("sizes", [(2, 40), (40, 2), (1, 50), (100, 2)], ids=str)
-def test_sizes_across_the_interface(sizes, quadrature):
+@pytest.mark.parametrize(("dim", "sizes", "quadrature"), [
+    *((2, sizes, rule) for sizes in [(2, 40), (40, 2), (1, 50), (100, 2)] for rule in QUADRATURES),
+    (3, (1, 20), "nodal"), (3, (1, 20), 2), (3, (20, 1), 2), (3, (20, 1), "segments"),
+], ids=str)  # fmt: skip
+def test_sizes_across_the_interface(dim, sizes, quadrature):
     """[X] Case S7: elements 20 and 50 times larger on either side: resultant and its lever are those of the load."""
-    basis = blocks(*sizes, overhang=0.0)
+    basis = blocks(*sizes, overhang=0.0, dim=dim)
     forms = in_contact(basis, sc.Coulomb(0.3), quadrature)
-    load = traction(basis, "upper:top", (0.5, -5.0))
+    load = loaded(basis, "upper:top", (0.5, -5.0))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", sc.AnalysisWarning)  # the small segments are shorter than the penetration
-        stage = run(forms, [sc.Stage("press", load)], basis.get_dofs("lower:bottom").all())["press"]
-    np.testing.assert_allclose(force_on(forms, stage), [-0.5, 5.0], atol=1e-8)
+        stage = run(forms, [sc.Stage("press", load)], held(basis, "lower:bottom"))["press"]
+    np.testing.assert_allclose(force_on(forms, stage), vector(basis, [-0.5, 5.0]), atol=1e-8)
     joint = sc.tractions(forms["joint"], stage.states["joint"])
     force = joint.weight * joint.pressure
     # T acts at the height 1 above the interface; the settlement shifts the levers by some per cent
@@ -56,24 +59,24 @@ def test_edge_under_one_element():
     assert ends[0.6] < 0.6
 
 
-@pytest.mark.parametrize("sizes", [(2, 40), (40, 2), (1, 50), (50, 1)], ids=str)
-def test_patch_test_at_any_ratio(sizes):
+@pytest.mark.parametrize(("dim", "sizes"), [(2, (2, 40)), (2, (40, 2)), (2, (1, 50)), (2, (50, 1)), (3, (1, 20)),
+                                            (3, (20, 1))], ids=str)  # fmt: skip
+def test_patch_test_at_any_ratio(dim, sizes):
     """[X] Cases A9, S7: integration over common segments passes the patch test from 1:50 to 50:1."""
-    basis = blocks(*sizes, overhang=0.0)
+    basis = blocks(*sizes, overhang=0.0, dim=dim)
     forms = in_contact(basis, sc.Coulomb(), "segments", nu=0.0, penalty=1e5)
-    guided = basis.get_dofs({"lower:left", "upper:left"}).all("u^1")
-    fixed = np.union1d(guided, basis.get_dofs("lower:bottom").all())
-    stage = run(forms, [sc.Stage("press", traction(basis, "upper:top", (0.0, -5.0)))], fixed)["press"]
+    fixed = guided(basis, "lower:bottom")
+    stage = run(forms, [sc.Stage("press", loaded(basis, "upper:top", (0.0, -5.0)))], fixed)["press"]
     stress = stage.states["blocks"].stress
-    np.testing.assert_allclose(stress[1], -5, rtol=1e-8)
-    assert np.abs(stress[[0, 2, 3]]).max() < 1e-7
+    np.testing.assert_allclose(stress[dim - 1], -5, rtol=1e-8)
+    assert np.abs(np.delete(stress, dim - 1, axis=0)).max() < 1e-7
 
 
 @pytest.mark.parametrize("quadrature", QUADRATURES)
-@pytest.mark.parametrize("element", ["Q1", "P1", "Q2"])
-def test_distorted_elements(element, quadrature, rng):
+@pytest.mark.parametrize(("dim", "element"), [(2, "Q1"), (2, "P1"), (2, "Q2"), (3, "Q1"), (3, "P1"), (3, "Q2")])
+def test_distorted_elements(dim, element, quadrature, rng):
     """[X] Case S8: nodes moved at random by a quarter of the size, interface included: forces balance."""
-    basis = blocks(element=element, mapped=lambda mesh: _jagged(mesh, rng))
+    basis = blocks(element=element, mapped=lambda mesh: _jagged(mesh, rng), dim=dim)
     forms = in_contact(basis, sc.Coulomb(0.5), quadrature)
     fixed = basis.get_dofs({"lower:bottom", "upper:top"}).all()
     target = displaced(basis, "upper:top", (0.01, -0.05))
@@ -83,18 +86,19 @@ def test_distorted_elements(element, quadrature, rng):
     upper, lower = force_on(forms, stage), force_on(forms, stage, "lower")
     np.testing.assert_allclose(upper, -lower, atol=1e-10 * np.abs(upper).max())
     internal = forms["blocks"].assemble(stage.x, stage.states["blocks"]).force
-    reaction = internal[basis.get_dofs("upper:top").all()].reshape(-1, 2).sum(axis=0)
-    np.testing.assert_allclose(reaction, -upper, atol=1e-8 * np.abs(upper).max())
-    assert upper[1] > 0
+    reaction = internal[basis.get_dofs("upper:top").all()].reshape(-1, dim).sum(axis=0)
+    # evaluated again, the elastic slip on curved facets in space is the same to second order
+    np.testing.assert_allclose(reaction, -upper, atol=(1e-8 if dim == 2 else 1e-6) * np.abs(upper).max())
+    assert upper[-1] > 0
 
 
 def _jagged(mesh, rng):
     """Inner nodes moved in both directions, those of the interface by a few per cent of their height."""
     moved = distorted(mesh, rng, 0.05).doflocs
     inner = ((mesh.p > mesh.p.min(axis=1)[:, None]) & (mesh.p < mesh.p.max(axis=1)[:, None])).all(axis=0)
-    interface = np.abs(mesh.p[1]) < 1e-9
+    interface = np.abs(mesh.p[-1]) < 1e-9
     p = np.where(inner, moved, mesh.p)
-    p[1, interface] = 0.2 * moved[1, interface]
+    p[-1, interface] = 0.2 * moved[-1, interface]
     return replace(mesh, doflocs=p)
 
 
@@ -137,15 +141,23 @@ def test_nodes_at_joints(quadrature, shift):
     assert forces[1][1] == pytest.approx(forces[0][1], rel=1e-4)
 
 
+def corners(dim: int, overlap: float, along_edges: bool):
+    """Blocks that overlap by a corner or, in space, along an edge."""
+    low, high = np.linspace(-1, 0, 5 if dim == 2 else 3), np.linspace(-overlap, 1 - overlap, 6 if dim == 2 else 4)
+    if dim == 2:
+        meshes = {"lower": grid("Q1", low, low), "upper": grid("Q1", high, np.linspace(0, 1, 5))}
+        return vector_basis(sc.join_bodies(meshes), "Q1", intorder=2)
+    other = high - 0.5 if along_edges else high
+    meshes = {"lower": space.block("Q1", low, low, low), "upper": space.block("Q1", high, other, [0.0, 0.5, 1.0])}
+    return space.vector_basis(sc.join_bodies(meshes), "Q1", intorder=2)
+
+
 @pytest.mark.parametrize("quadrature", QUADRATURES)
 @pytest.mark.parametrize("overlap", [0.0, 1e-12, 0.05, 0.3])
-def test_corner_on_corner(overlap, quadrature):
+@pytest.mark.parametrize(("dim", "along_edges"), [(2, False), (3, True), (3, False)], ids=["plane", "edges", "corners"])
+def test_corner_on_corner(dim, along_edges, overlap, quadrature):
     """[X] Case S12: blocks that meet at a corner, or by a part of an element: the force is finite and balances."""
-    meshes = {
-        "lower": grid("Q1", np.linspace(-1, 0, 5), np.linspace(-1, 0, 5)),
-        "upper": grid("Q1", np.linspace(-overlap, 1 - overlap, 6), np.linspace(0, 1, 5)),
-    }
-    basis = vector_basis(sc.join_bodies(meshes), "Q1", intorder=2)
+    basis = corners(dim, overlap, along_edges)
     forms = in_contact(basis, quadrature=quadrature)
     fixed = basis.get_dofs({"lower:bottom", "upper:top"}).all()
     target = displaced(basis, "upper:top", (0.0, -0.005))
@@ -155,31 +167,34 @@ def test_corner_on_corner(overlap, quadrature):
     upper = force_on(forms, stage)
     np.testing.assert_allclose(upper, -force_on(forms, stage, "lower"), atol=1e-12)
     # two columns of unit width in series would carry 1e3 * 0.005 / 2 = 2.5, and the corner less than these
-    assert 0.0 <= upper[1] < 2.5
+    assert 0.0 <= upper[-1] < 2.5
     if overlap == 0.3:
-        assert upper[1] > 0.3
+        assert upper[-1] > (0.3 if dim == 2 else 0.1 if along_edges else 0.05)
 
 
+@pytest.mark.parametrize("dim", [2, 3])
 @pytest.mark.parametrize("quadrature", [1, "nodal"])
-def test_one_segment(quadrature):
-    """[X] A slave of one element, with one Gauss point or with its two nodes, carries its load."""
-    basis = blocks(1, 1)
+def test_one_segment(quadrature, dim):
+    """[X] A slave of one element, with one Gauss point or with its two or four nodes, carries its load."""
+    basis = blocks(1, 1, dim=dim)
     forms = in_contact(basis, quadrature=quadrature)
-    fixed = np.union1d(basis.get_dofs("lower:bottom").all(), basis.get_dofs("upper:left").all("u^1"))
-    stage = run(forms, [sc.Stage("press", traction(basis, "upper:top", (0.0, -5.0)))], fixed)["press"]
-    assert force_on(forms, stage)[1] == pytest.approx(5.0, rel=1e-8)
-    assert len(stage.states["joint"].gap) == (1 if quadrature == 1 else 2)
+    fixed = np.union1d(held(basis, "lower:bottom"), basis.get_dofs("upper:left").all("u^1"))
+    if dim == 3:
+        fixed = np.union1d(fixed, basis.get_dofs("upper:front").all("u^2"))
+    stage = run(forms, [sc.Stage("press", loaded(basis, "upper:top", (0.0, -5.0)))], fixed)["press"]
+    assert force_on(forms, stage)[-1] == pytest.approx(5.0, rel=1e-8)
+    assert len(stage.states["joint"].gap) == (1 if quadrature == 1 else 2 ** (dim - 1))
 
 
-def test_one_point_carries_a_body():
+@pytest.mark.parametrize("dim", [2, 3])
+def test_one_point_carries_a_body(dim):
     """[X] One Gauss point under a block that is guided upright: the pressure is the load over the length."""
-    basis = blocks(1, 1)
+    basis = blocks(1, 1, overhang=0.0, dim=dim)
     forms = in_contact(basis, sc.Coulomb(), 1)
-    guided = basis.get_dofs({"upper:left", "upper:right"}).all("u^1")
-    level = basis.get_dofs("upper:top").all("u^2")
+    level = basis.get_dofs("upper:top").all(f"u^{dim}")
     target = basis.zeros()
     target[level] = -0.01
-    fixed = np.concatenate((basis.get_dofs("lower:bottom").all(), guided, level))
+    fixed = np.union1d(guided(basis, "lower:bottom"), level)
     stage = run(forms, [sc.Stage("press", basis.zeros(), target)], fixed)["press"]
     internal = forms["blocks"].assemble(stage.x, stage.states["blocks"]).force
     assert -stage.states["joint"].traction[0][0] == pytest.approx(-internal[level].sum(), rel=1e-9)
@@ -201,6 +216,22 @@ def test_five_thousand_points():
     weight = forms["joint"].points(stage.states["joint"]).weight
     assert (weight * normal).sum() == pytest.approx(-50)
     np.testing.assert_allclose(normal[5:-5], -5, rtol=0.3)  # each second node faces the middle of a segment
+
+
+@pytest.mark.parametrize("n", [14, 141])
+def test_search_in_space(n):
+    """[X] Case S20: 200 and 20,000 points over a wavy surface: a few facets for each, and Gauss points as well."""
+    line = np.linspace(0, 10, n + 1)
+    mesh = MeshHex.init_tensor(line, line, np.array([-1.0, 0.0])).with_boundaries({"top": lambda x: x[2] > -0.1})
+    x, y, z = mesh.p
+    surface = sc.rigid_surface(replace(mesh, doflocs=np.stack((x, y, z + 0.1 * np.sin(x) * np.cos(y)))), "top")
+    at = np.stack(np.meshgrid(line[:-1], line[:-1]), axis=-1).reshape(-1, 2) + 5.0 / n
+    points = np.column_stack((at, 0.1 * np.sin(at[:, 0]) * np.cos(at[:, 1]) + 0.1 / n))
+    near, _ = neighbours(surface, surface.nodes, points)
+    assert len(near.point) <= 20 * n**2
+    some = np.arange(n**2) % 10 == 0
+    found = project(surface, surface.nodes, points, np.full(n**2, 1.0), among=near.of(some)).found
+    assert np.array_equal(found, some)
 
 
 def test_search_grows_like_the_number_of_segments():

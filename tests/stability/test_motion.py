@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from helpers import arcs, body_along, facing, grid, moved_rigidly, traction, unknowns_of, vector_basis
-from setups import blocks, displaced, force_on, in_contact, run
+from setups import along_and_up, blocks, displaced, force_on, guided, in_contact, run
 
 import skfem_contact as sc
 from skfem_contact.contact.recovery.easing import Easing
@@ -49,15 +49,15 @@ def dissipation(forms, result):
     return way * np.array([state.traction[1] for state in states[1:]])
 
 
-@pytest.mark.parametrize("quadrature", QUADRATURES)
-def test_off_the_edge_and_back(quadrature):
+@pytest.mark.parametrize(("dim", "quadrature"), [*((2, rule) for rule in QUADRATURES), (3, "nodal"), (3, 2)])
+def test_off_the_edge_and_back(dim, quadrature):
     """[X] Cases S13, D6: slid off the end of the base and back: nothing holds it there, and it is held again."""
-    basis = blocks(n_lower=6, overhang=0.25)
+    basis = blocks(n_lower={2: 6, 3: 3}[dim], overhang=0.25, dim=dim)
     forms = in_contact(basis, sc.Coulomb(0.2), quadrature)
     fixed = basis.get_dofs({"lower:bottom", "upper:top"}).all()
     way = np.concatenate((np.linspace(0, 1.5, 11), np.linspace(1.5, 0, 11)[1:]))
     result = quiet(forms, along(basis, [(u, -0.003) for u in way]), fixed)
-    forces = np.array([force_on(forms, stage) for stage in result])
+    forces = np.array([along_and_up(forms, stage) for stage in result])
     beyond = way > 1.25 + 0.05
     assert not forces[beyond].any()
     assert (forces[~beyond, 1] >= 0).all()
@@ -69,18 +69,18 @@ def test_off_the_edge_and_back(quadrature):
     assert (np.diff(leaving[way[:11] > 0.3]) <= 1e-9).all()
 
 
-@pytest.mark.parametrize("quadrature", QUADRATURES)
-def test_fast_reversal(quadrature):
+@pytest.mark.parametrize(("dim", "quadrature"), [*((2, rule) for rule in QUADRATURES), (3, "nodal"), (3, 2)])
+def test_fast_reversal(dim, quadrature):
     """[X] To and fro over more than an element in each step: mu N against each way, and no energy gained."""
-    basis = blocks(n_lower=7)
+    basis = blocks(n_lower={2: 7, 3: 3}[dim], dim=dim)
     forms = in_contact(basis, sc.Coulomb(0.3), quadrature)
     fixed = basis.get_dofs({"lower:bottom", "upper:top"}).all()
     result = quiet(forms, along(basis, [(0.0, -0.005), *[((-1) ** k * 0.25, -0.005) for k in range(6)]]), fixed)
     for k, stage in enumerate(list(result)[1:]):
-        x, y = force_on(forms, stage)
+        x, y = along_and_up(forms, stage)
         assert x * (-1) ** k < 0  # against the motion
         assert abs(x) == pytest.approx(0.3 * y, rel=0.02)
-    if quadrature != "segments":  # whose points are others in every step
+    if quadrature != "segments" and dim == 2:  # whose points are others in every step
         assert dissipation(forms, result).min() >= -1e-12
 
 
@@ -125,18 +125,18 @@ def test_stress_free_carousel():
     np.testing.assert_allclose(out.force, turned, atol=1e-9)
 
 
+@pytest.mark.parametrize("dim", [2, 3])
 @pytest.mark.parametrize("share", [1e-3, 0.1, 0.5, 0.6])
 @pytest.mark.parametrize("quadrature", QUADRATURES)
-def test_overlap(share, quadrature):
+def test_overlap(share, quadrature, dim):
     """[X] Case S11: two guided columns that overlap by up to 60 % of an element; sudden and ramped are the same."""
     forces = []
     for initial in ("as meshed", "ramped"):
-        basis = blocks(overhang=0.0, gap=-share * 0.2)
+        basis = blocks(overhang=0.0, gap=-share * 0.2, dim=dim)
         forms = in_contact(basis, sc.Coulomb(), quadrature, nu=0.0, penalty=1e5, initial=initial)
-        guided = basis.get_dofs({"lower:left", "lower:right", "upper:left", "upper:right"}).all("u^1")
-        fixed = np.union1d(guided, basis.get_dofs({"lower:bottom", "upper:top"}).all())
+        fixed = guided(basis, "lower:bottom", "upper:top")
         stage = quiet(forms, [sc.Stage("fit", basis.zeros())], fixed)["fit"]
-        forces.append(force_on(forms, stage)[1])
+        forces.append(force_on(forms, stage)[-1])
     # an interference in series with two columns of modulus 1e3 and height 1, and the penalty
     exact = share * 0.2 / (2 / 1e3 + 1 / 1e5)
     rel = 1e-6 if quadrature == "segments" else 0.02  # the pressure of the others is not uniform

@@ -8,8 +8,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers import traction, unknowns_of
-from setups import blocks, displaced, force_on, in_contact, run
+from helpers import unknowns_of
+from setups import along_and_up, blocks, displaced, force_on, guided, held, in_contact, loaded, run
 
 import skfem_contact as sc
 from skfem_contact.contact.recovery.easing import Easing
@@ -20,12 +20,11 @@ QUADRATURES = ["nodal", 2, "segments"]
 RATIOS = [1e-3, 1e-1, 1.0, 1e2, 1e4, 1e6]
 
 
-def column(quadrature, ratio: float, **options):
+def column(quadrature, ratio: float, dim: int = 2, **options):
     """Two columns of one width, guided at their sides and pressed together by 0.01; penalty and force."""
-    basis = blocks(overhang=0.0, n_lower=4, n_upper=5)
+    basis = blocks(overhang=0.0, dim=dim)
     forms = in_contact(basis, sc.Coulomb(), quadrature, nu=0.0, penalty=ratio * 1e3 / 0.2, **options)
-    guided = basis.get_dofs({"lower:left", "lower:right", "upper:left", "upper:right"}).all("u^1")
-    fixed = np.union1d(guided, basis.get_dofs({"lower:bottom", "upper:top"}).all())
+    fixed = guided(basis, "lower:bottom", "upper:top")
     target = displaced(basis, "upper:top", (0.0, -0.01))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", sc.AnalysisWarning)  # soft penalties are told, which is tested elsewhere
@@ -33,23 +32,25 @@ def column(quadrature, ratio: float, **options):
     return forms, stage
 
 
+@pytest.mark.parametrize("dim", [2, 3])
 @pytest.mark.parametrize("ratio", RATIOS)
-def test_columns_and_penalty_in_series(ratio):
+def test_columns_and_penalty_in_series(ratio, dim):
     """[X] Cases A1, S1: the force is that of three springs in series, for penalties of 1e-3 to 1e6 times E/h."""
-    forms, stage = column("segments", ratio)
+    forms, stage = column("segments", ratio, dim)
     exact = 0.01 / (1 / 1e3 + 1 / 1e3 + 1 / (ratio * 1e3 / 0.2))
     # what is left of digits: the gap, 1e-16 of lengths of order one, over the penetration, 5 over the penalty
-    assert force_on(forms, stage)[1] == pytest.approx(exact, rel=1e-9 + 1e-15 * ratio * 1e3)
+    assert force_on(forms, stage)[-1] == pytest.approx(exact, rel=1e-9 + 1e-15 * ratio * 1e3)
     assert len(stage.iterations) == 1 and stage.iterations[0] <= 5
 
 
+@pytest.mark.parametrize("dim", [2, 3])
 @pytest.mark.parametrize("quadrature", QUADRATURES)
-def test_augmented_result_does_not_depend_on_the_penalty(quadrature):
+def test_augmented_result_does_not_depend_on_the_penalty(quadrature, dim):
     """[X] From any start the force comes within the method's tolerance of the exact one, 5."""
     for ratio in RATIOS:
-        forms, stage = column(quadrature, ratio, enforcement=sc.AugmentedLagrangian())
+        forms, stage = column(quadrature, ratio, dim, enforcement=sc.AugmentedLagrangian())
         # nodes of one column against facets of another carry a uniform pressure to some per cent only
-        assert force_on(forms, stage)[1] == pytest.approx(5.0, rel=1e-3 if quadrature == "segments" else 0.02)
+        assert force_on(forms, stage)[-1] == pytest.approx(5.0, rel=1e-3 if quadrature == "segments" else 0.02)
 
 
 def test_stick_that_cycles(caplog):
@@ -71,11 +72,11 @@ def test_stick_that_cycles(caplog):
     np.testing.assert_allclose(forces, forces[-1], rtol=0.1 / 1e3 * 3)
 
 
-@pytest.mark.parametrize("quadrature", QUADRATURES)
+@pytest.mark.parametrize(("dim", "quadrature"), [*((2, rule) for rule in QUADRATURES), (3, 2)])
 @pytest.mark.parametrize("ratio", [1e-3, 1e-1, 1.0, 1e2, 1e4, 1e6])
-def test_tangential_penalty(ratio, quadrature):
+def test_tangential_penalty(ratio, dim, quadrature):
     """[X] Case S2: from 1e-3 to 1e6 times the normal one, the block slides at T = mu N; no increment is cut."""
-    basis = blocks()
+    basis = blocks(dim=dim)
     forms = in_contact(basis, quadrature=quadrature)
     normal = sc.choose_penalties(forms)["joint"].penalty[0]
     forms["joint"] = forms["joint"].with_penalty(normal, ratio * normal)
@@ -86,7 +87,7 @@ def test_tangential_penalty(ratio, quadrature):
     result = run(forms, stages, fixed, newton=sc.Newton(max_iterations=40))
     assert [len(stage.iterations) for stage in result] == [1, 1, 1]
     stage = result[-1]
-    x, y = force_on(forms, stage)
+    x, y = along_and_up(forms, stage)
     joint = stage.states["joint"]
     assert -x / y == pytest.approx(0.3, rel=0.01)  # the surface is bent a little
     assert (joint.status[joint.status != sc.Status.OPEN] == sc.Status.SLIP).all()
@@ -122,20 +123,21 @@ def test_soft_stick_repeats_the_tractions(rng):
     np.testing.assert_array_equal(last.assemble(x, accepted).force, hard.force)
 
 
+@pytest.mark.parametrize("dim", [2, 3])
 @pytest.mark.parametrize("quadrature", QUADRATURES)
 @pytest.mark.parametrize("E", [(1e3, 1e9), (1e9, 1e3)], ids=["hard on soft", "soft on hard"])
-def test_stiffness_contrast(E, quadrature):
+def test_stiffness_contrast(E, quadrature, dim):
     """[X] A million times stiffer is rigid: the soft body carries the load, the hard one moves as a whole."""
-    basis = blocks()
+    basis = blocks(dim=dim)
     forms = in_contact(basis, quadrature=quadrature, E=E)
-    load = traction(basis, "upper:top", (0.0, -5.0))
-    stage = run(forms, [sc.Stage("press", load)], basis.get_dofs("lower:bottom").all())["press"]
-    np.testing.assert_allclose(force_on(forms, stage), [0, 5], atol=1e-8)
-    y = stage.x[basis.get_dofs("upper:bottom").all("u^2")]
+    load = loaded(basis, "upper:top", (0.0, -5.0))
+    stage = run(forms, [sc.Stage("press", load)], held(basis, "lower:bottom"))["press"]
+    np.testing.assert_allclose(along_and_up(forms, stage), [0, 5], atol=1e-8)
+    y = stage.x[basis.get_dofs("upper:bottom").all(f"u^{dim}")]
     if E[1] > E[0]:
         assert np.ptp(y) < 1e-4 * np.abs(y).max()
     else:  # nothing but the penalty yields under the soft block
-        bottom = stage.x[basis.get_dofs("lower:top").all("u^2")]
+        bottom = stage.x[basis.get_dofs("lower:top").all(f"u^{dim}")]
         assert np.abs(bottom).max() < 1e-7
 
 
@@ -179,15 +181,14 @@ def test_limits_of_friction():
     assert np.abs(none - tied).max() > 1e-4
 
 
-@pytest.mark.parametrize("stress", [1.0, 1e6], ids=["MPa", "Pa"])
-@pytest.mark.parametrize("length", [1.0, 1e3], ids=["m", "mm"])
-def test_units_of_a_body_that_contact_alone_holds(stress, length):
+@pytest.mark.parametrize(("dim", "stress", "length"), [(2, 1.0, 1e3), (2, 1e6, 1.0), (2, 1e6, 1e3), (3, 1e6, 1e3)])
+def test_units_of_a_body_that_contact_alone_holds(dim, stress, length):
     """[X] Case S3: the start-up with springs too has no absolute measure; 1e-8 in other units."""
     results = []
     for s, m in ((1.0, 1.0), (stress, length)):
-        basis = blocks(gap=0.3, mapped=lambda mesh, m=m: mesh.scaled(m))
+        basis = blocks(gap=0.3, mapped=lambda mesh, m=m: mesh.scaled(m), dim=dim)
         forms = in_contact(basis, quadrature=2, E=(s * 1e3, s * 1e3))
-        load = traction(basis, "upper:top", (0.3 * s, -5.0 * s))
+        load = loaded(basis, "upper:top", (0.3 * s, -5.0 * s))
         stage = run(forms, [sc.Stage("press", load)], basis.get_dofs("lower:bottom").all())["press"]
         results.append((stage.x / m, stage.states["joint"].traction[0] / s, stage.states["joint"].status))
     np.testing.assert_allclose(results[1][0], results[0][0], atol=1e-8 * np.abs(results[0][0]).max())

@@ -8,32 +8,33 @@ import warnings
 import numpy as np
 import pytest
 from helpers import body_along, grid, traction, unknowns_of, vector_basis
-from setups import blocks, displaced, force_on, in_contact, run
+from setups import along_and_up, blocks, displaced, force_on, held, in_contact, loaded, run, vector
 
 import skfem_contact as sc
 
 H = 0.2  # size of the upper block's elements
 
 
-@pytest.mark.parametrize("gap", [1e-6, 1e-3, 0.5, 10.0])
+@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize("gap", [1e-6, 0.5, 10.0])
 @pytest.mark.parametrize("quadrature", ["nodal", 2, "segments"])
-def test_block_held_by_contact_alone(gap, quadrature, caplog):
+def test_block_held_by_contact_alone(gap, quadrature, dim, caplog):
     """[X] Case S10: a gap of up to ten elements closes; the block then stands as one that touched from the start."""
     results = []
     for initial in (gap * H, 0.0):
-        basis = blocks(gap=initial)
+        basis = blocks(gap=initial, dim=dim)
         forms = in_contact(basis, quadrature=quadrature)
-        load = traction(basis, "upper:top", (0.0, -5.0))
+        load = loaded(basis, "upper:top", (0.0, -5.0))
         caplog.clear()
         with caplog.at_level(logging.INFO, logger="skfem_contact"):
-            stage = run(forms, [sc.Stage("press", load)], basis.get_dofs("lower:bottom").all())["press"]
+            stage = run(forms, [sc.Stage("press", load)], held(basis, "lower:bottom"))["press"]
         assert ("stabilisation by soft springs" in caplog.text) == (initial > 0)
-        np.testing.assert_allclose(force_on(forms, stage), [0, 5], atol=1e-9)
+        np.testing.assert_allclose(force_on(forms, stage), vector(basis, [0, 5]), atol=1e-9)
         results.append((basis, stage))
     (_, far), (basis, near) = results
     dofs = unknowns_of(basis, "upper")
     # nodes of the slave lie at joints of the master; to which side of one a node falls depends on the way there
-    np.testing.assert_allclose(far.x[dofs] + [0, gap * H], near.x[dofs], atol=2e-5)
+    np.testing.assert_allclose(far.x[dofs] + vector(basis, [0, gap * H]), near.x[dofs], atol=2e-5)
     if quadrature != "segments":  # whose cuts may differ
         np.testing.assert_allclose(far.states["joint"].traction[0], near.states["joint"].traction[0], rtol=5e-3)
 
@@ -96,9 +97,20 @@ def test_ring_falls_into_a_groove():
 @pytest.mark.filterwarnings("ignore:.*no slave point found")
 def test_what_contact_cannot_hold(gap, law, pull):
     """[X] No equilibrium is a clear error, not a result that springs have made up."""
-    basis = blocks(gap=gap)
+    cannot_hold(gap, law, pull, 2)
+
+
+@pytest.mark.parametrize("pull", [(0.0, -5.0), (0.0, 5.0)], ids=["nothing holds it sideways", "pulled off"])
+def test_what_contact_cannot_hold_in_space(pull):
+    """[X] The same in space."""
+    cannot_hold(0.0, sc.Coulomb(), pull, 3)
+
+
+def cannot_hold(gap, law, pull, dim):
+    """An analysis that fails, and says so."""
+    basis = blocks(gap=gap, dim=dim)
     forms = in_contact(basis, law)
-    load = traction(basis, "upper:top", pull)
+    load = loaded(basis, "upper:top", pull)
     with pytest.raises(sc.NotConverged, match=r"singular|collapse|no equilibrium") as error:
         # no more iterations than any that succeeds needs: the increment is cut ten times
         run(forms, [sc.Stage("press", load)], basis.get_dofs("lower:bottom").all(), newton=sc.Newton(max_iterations=8))
@@ -143,25 +155,27 @@ def test_bodies_do_not_fly_through_each_other():
     assert 150 < force_on(forms, result)[1] < 600
 
 
-def test_slave_that_is_deep_in_the_master_is_told():
+@pytest.mark.parametrize(("dim", "n"), [(2, 6), (3, 16)])
+def test_slave_that_is_deep_in_the_master_is_told(dim, n):
     """[X] An overlap of three elements at the start is no contact, and no secret."""
-    basis = blocks(gap=-0.6)
+    basis = blocks(gap=-0.6, n_lower={2: 4, 3: 4}[dim], dim=dim)
     forms = in_contact(basis)
     fixed = basis.get_dofs({"lower:bottom", "upper:top"}).all()
-    with pytest.warns(sc.AnalysisWarning, match=r"6 of 6 points of 'upper:bottom' lie deeper .* up to 0.6"):
-        result = run(forms, [sc.Stage("rest", traction(basis, "upper:left", (1.0, 0.0)))], fixed)["rest"]
+    with pytest.warns(sc.AnalysisWarning, match=rf"{n} of {n} points of 'upper:bottom' lie deeper .* up to 0.6"):
+        result = run(forms, [sc.Stage("rest", loaded(basis, "upper:left", (1.0, 0.0)))], fixed)["rest"]
     assert (result.states["joint"].status == sc.Status.OPEN).all()
 
 
+@pytest.mark.parametrize("dim", [2, 3])
 @pytest.mark.parametrize("gap", [0.02, 7.0])
-def test_contact_that_is_empty_is_told(gap):
+def test_contact_that_is_empty_is_told(gap, dim):
     """[X] Case S16: a pair that nothing touches says how far it is, and where."""
-    basis = blocks(gap=gap)
+    basis = blocks(gap=gap, dim=dim)
     forms = in_contact(basis)
     fixed = basis.get_dofs({"lower:bottom", "upper:top"}).all()
     told = rf"no slave point found a master within reach: gap is {gap:g} between 'upper:bottom' .*, smallest at \(\d"
     with pytest.warns(sc.AnalysisWarning, match=told):
-        run(forms, [sc.Stage("pull", traction(basis, "upper:left", (1e-3, 0.0)))], fixed)
+        run(forms, [sc.Stage("pull", loaded(basis, "upper:left", (1e-3, 0.0)))], fixed)
 
 
 def test_contact_with_nothing_opposite_is_told():
@@ -182,17 +196,18 @@ def test_a_body_that_falls_beside_its_support_is_told_why():
         run(in_contact(basis), [sc.Stage("fall", traction(basis, "upper:top", (0.0, -1.0)))], fixed)
 
 
+@pytest.mark.parametrize("dim", [2, 3])
 @pytest.mark.parametrize("quadrature", ["nodal", 2, "segments"])
-def test_opens_completely_and_closes_again(quadrature):
+def test_opens_completely_and_closes_again(quadrature, dim):
     """[X] Case S15: lifted off and set down at another place: no force between, and no memory of friction."""
-    basis = blocks(n_lower=7)
+    basis = blocks(n_lower={2: 7, 3: 3}[dim], dim=dim)
     forms = in_contact(basis, quadrature=quadrature)
     fixed = basis.get_dofs({"lower:bottom", "upper:top"}).all()
     path = [(0.0, -0.01), (0.1, -0.01), (0.1, 0.02), (0.02, 0.02), (0.02, -0.01)]
     stages = [sc.Stage(str(k), basis.zeros(), displaced(basis, "upper:top", at)) for k, at in enumerate(path)]
     with pytest.warns(sc.AnalysisWarning, match="no slave point found a master"):
         result = run(forms, stages, fixed)
-    forces = np.array([force_on(forms, stage) for stage in result])
+    forces = np.array([along_and_up(forms, stage) for stage in result])
     assert forces[1, 0] == pytest.approx(-0.3 * forces[1, 1], rel=1e-2)  # slides; the surface is bent a little
     for k in (2, 3):
         assert not forces[k].any() and np.abs(result[k].states["blocks"].stress).max() < 1e-9
