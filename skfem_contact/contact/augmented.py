@@ -25,6 +25,9 @@ _SOFTEST = 0.1
 #: Share of the largest entry that is added to the products of the shape functions: fewer points than nodes, as two on
 #: a quadratic facet, leave combinations of multipliers that nothing tells, and that are kept.
 _INDIFFERENT = 1e-10
+#: Share of the largest traction below which the mean at a node is none: beside a corner, where the halves of an open
+#: element cancel, the last bits would decide.
+_ROUND_OFF = 1e-12
 #: A correction that has not become less by this factor so many times in a row will not do so.
 _PROGRESS, _PATIENCE = 0.7, 2
 
@@ -151,7 +154,8 @@ class AugmentedLagrangian:
         """Improved multipliers, what that corrects over the penalties, and the error of the tractions."""
         pressure = found.traction[0]
         largest = pressure.max(initial=0.0)  # a mean of tractions is no larger; zero where nothing pulls
-        closed = before[0] + _excess(points, pressure, before[0]) < largest
+        none = largest - _ROUND_OFF * np.abs(pressure).max(initial=0.0)
+        closed = before[0] + _excess(points, pressure, before[0]) < none
         after = np.stack([_improved(points, traction, multiplier, closed & moving)
                           for traction, multiplier, moving in zip(found.traction, before, moves, strict=True)])
         after[0] = np.minimum(after[0], largest)
