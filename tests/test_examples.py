@@ -18,7 +18,7 @@ ROOT = Path(__file__).parents[1]
 CHAPTERS = ("1_first_steps", "1_short_scripts", "2_contact", "3_geotechnics")
 SCRIPTS = [path for chapter in CHAPTERS for path in sorted((ROOT / "examples" / chapter).glob("plot_*.py"))]
 #: Those of more than 20 s; where the gallery is built as well, it runs them and their checks.
-LONG = {"plot_published_slopes", "plot_bounds_pile", "plot_embankment", "plot_drawdown"}
+LONG = {"plot_published_slopes", "plot_bounds_pile", "plot_embankment", "plot_drawdown", "plot_excavation_below_water"}
 KEYS = {"method", "n", "unknowns", "error", "cpu_s", "iterations"}
 
 

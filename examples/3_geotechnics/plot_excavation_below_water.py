@@ -413,6 +413,8 @@ rows.append(
     {
         "method": "bounds, psi = phi",
         "n": proven.mesh.nelements,
+        "unknowns": proven.history[-1].unknowns,
+        "iterations": sum(mesh.iterations for mesh in proven.history),
         "lower": round(proven.lower, 4),
         "upper": round(proven.upper, 4),
         "davis": round(davis, 4),

@@ -67,6 +67,9 @@ class SeepageFace(Form):
         self._conductance = _OPEN * water.porous.conductance[self._at - water.first]
         self._duration = 0.0
 
+    def __repr__(self) -> str:
+        return f"<SeepageFace {len(self._at)} nodes>"
+
     def over(self, duration: float) -> SeepageFace:
         """The form of a step in time."""
         new = copy(self)
