@@ -300,8 +300,8 @@ class RigidFooting(MatrixForm):
         others = null_space(modes.T)
         first = after.fields[-1].end if after is not None and after.fields else int(basis.N)
         size = first + others.shape[1]
-        at = [indices.ravel() for indices in np.broadcast_arrays(self._dofs[:, None], np.arange(first, size))]
-        ties = coo_matrix((others.ravel(), at), shape=(size, size)).tocsr()
+        rows, columns = np.broadcast_arrays(self._dofs[:, None], np.arange(first, size))
+        ties = coo_matrix((others.ravel(), (rows.ravel(), columns.ravel())), shape=(size, size)).tocsr()
         super().__init__(ties + ties.T)
         self.fields = (Field("force of a rigid footing", self._places[:, :others.shape[1]], first, moves=False),)
 
@@ -314,6 +314,18 @@ class RigidFooting(MatrixForm):
         new = copy(self)
         new.fields = (replace(self.fields[0], scale=float(max(stiffness))),)
         return new
+
+    def assemble(self, x: ndarray, state: ndarray) -> Response:
+        """Forces of the multipliers, and motions that are none of a rigid body: small beside those that add up."""
+        answer, first = super().assemble(x, state), self.fields[0].first
+        answer.measure = answer.force.copy()
+        answer.measure[first:] = (abs(self.elastic_stiffness) @ abs(x - state))[first:]
+        return answer
+
+    def moved_back(self, x: ndarray, state: ndarray) -> ndarray:
+        """Displacements from which motions count, once these count from x on; forces stay."""
+        moved, first = super().moved_back(x, state), self.fields[0].first
+        return np.append(moved[:first], state[first:])
 
     def load(self, force: ArrayLike, at: ArrayLike) -> ndarray:
         """Load vector, (N,), of a force, (dim,), at a place of the footing, (dim,), on its line or beside it."""

@@ -14,14 +14,14 @@ E, NU, FORCE, LEVER = 1e4, 0.49, 100.0, 0.3
 
 def ground(n: int, size: float) -> MeshQuad:
     """A half-plane of some size below a footing from -1 to 1, finest at its edges."""
-    half = np.concatenate((1 - graded(1.0, n, 2.0)[::-1], 1 + graded(size - 1, n, 4.0)[1:]))
-    mesh = MeshQuad.init_tensor(np.concatenate((-half[:0:-1], half)), -graded(size, 2 * n, 5.0)[::-1])
+    half = np.concatenate((1 - graded(1.0, n, 4.0)[::-1], 1 + graded(size - 1, n, 6.0)[1:]))
+    mesh = MeshQuad.init_tensor(np.concatenate((-half[:0:-1], half)), -graded(size, 2 * n, 7.0)[::-1])
     return mesh.with_boundaries({"footing": lambda p: (p[1] > -1e-9) & (abs(p[0]) < 1 + 1e-9)})
 
 
 @pytest.fixture(scope="module", params=[True, False], ids=["turns", "guided"])
 def elastic(request):
-    basis = Basis(ground(8, 30.0), ElementVector(ElementQuad2()), intorder=4)
+    basis = Basis(ground(8, 20.0), ElementVector(ElementQuad2()), intorder=4)
     footing = sc.RigidFooting(basis, "footing", rotates=request.param)
     forms = {"ground": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=NU)), "footing": footing}
     load = footing.load((0.0, -FORCE), at=(LEVER, 0.0))
@@ -33,7 +33,7 @@ def test_rotation_of_a_rigid_strip_on_the_half_plane(elastic):
     turns, _, footing, stage = elastic
     left, right = (footing.motion(stage.x, (x, 0.0))[1] for x in (-1.0, 1.0))
     exact = -4 * (1 - NU**2) * FORCE * LEVER / (np.pi * E) if turns else 0.0
-    assert (right - left) / 2 == pytest.approx(exact, rel=0.03, abs=1e-12)  # the mesh, and its end at 30 b
+    assert (right - left) / 2 == pytest.approx(exact, rel=0.03, abs=1e-12)  # the mesh, and its end at 20 b
 
 
 def test_it_stays_rigid_and_in_balance(elastic):
@@ -52,7 +52,7 @@ def test_it_stays_rigid_and_in_balance(elastic):
 
 
 def test_collapse_under_a_load_with_a_lever():
-    """[X] (2 + pi) c in the middle; [X] above Meyerhof's effective width; [B] below a circle's moment, 0.69 c B^2."""
+    """[X] (2 + pi) c in the middle; [B] above Meyerhof's effective width, without tension; [X] a circle's 0.69 c B^2."""
     c, width = 10.0, 2.0
     half = np.concatenate((1 - graded(1.0, 5, 2.0)[::-1], 1 + graded(3.0, 6, 3.0)[1:]))
     mesh = MeshQuad.init_tensor(np.concatenate((-half[:0:-1], half)), -graded(3.0, 9, 3.0)[::-1])
@@ -70,7 +70,19 @@ def test_collapse_under_a_load_with_a_lever():
     central, inside, moment = capacity(at(0.0)), capacity(at(0.25 * width)), capacity(at(1.0) - at(0.0))
     assert 1.0 < central / ((2 + np.pi) * c * width) < 1.04  # from above, with quadratic triangles of this size
     assert inside > 0.5 * (2 + np.pi) * c * width
-    assert 1.0 < moment / (0.6895 * c * width**2) < 1.06  # that circle is the exact mechanism but for its ends
+    assert 1.0 < moment / (0.6895 * c * width**2) < 1.08  # likewise, of first order at the edges
+
+
+def test_displacements_are_counted_anew(elastic):
+    """[X] The same load once more on the footing that has been reset: the same motion, and no jump in between."""
+    _, basis, footing, stage = elastic
+    forms = {"ground": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=NU)), "footing": footing}
+    reset = sc.reset_displacements(forms, sc.Result((stage,)))
+    stages = [sc.Stage("still", stage.load), sc.Stage("twice", 2.0 * stage.load)]
+    still, twice = list(sc.run(forms, stages, sc.rollers(basis), start=reset))[-2:]
+    size = np.abs(stage.x[:basis.N]).max()
+    assert np.abs(still.x[:basis.N]).max() < 1e-7 * size
+    assert np.abs(twice.x - stage.x)[:basis.N].max() < 1e-7 * size
 
 
 def test_a_cap_in_space():
