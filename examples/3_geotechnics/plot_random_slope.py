@@ -7,7 +7,7 @@ The slope of Griffiths and Fenton (2004): 1 to 2, firm ground as deep below the 
 lognormal with a mean of :math:`0.25 \gamma H` and a coefficient of variation of 0.5.
 
 A factor of safety of each sample is not asked for, only whether it stands: ``sc.stands`` answers by one equilibrium or
-one collapse, in a tenth of the time. A run that finds neither is not taken for a collapse; it is decided by the curve
+one collapse, in a fifth of the time. A run that finds neither is not taken for a collapse; it is decided by the curve
 of the load.
 
 D. V. Griffiths, G. A. Fenton, J. Geotech. Geoenviron. Eng. 130 (2004) 507-518. The mesh and the random field are in
@@ -107,8 +107,8 @@ plot.mechanism(clay, found)
 #     with LocalCluster(threads_per_worker=1) as cluster, Client(cluster) as client:    # Dask
 #         rows = client.gather(client.map(sample, range(500)))
 #
-# below ``if __name__ == "__main__":``, with ``OMP_NUM_THREADS=1``. With ``--full`` Dask runs 500 samples, and one of its
-# workers is killed on the way: another one takes its place and its samples, and no row is missing.
+# below ``if __name__ == "__main__":``, with ``OMP_NUM_THREADS=1``. With ``--full`` Dask runs 500 samples, and one of
+# its workers is killed on the way: another one takes its place and its samples, and no row is missing.
 
 if full:
     program = subprocess.run([sys.executable, random_slope.__file__, "--samples", str(samples)], check=True,
@@ -132,8 +132,8 @@ ax.set(xlabel="samples", ylabel="probability of collapse", xlim=(1, len(failed))
 ax.legend(frameon=False)
 
 # %%
-# Strength that varies quickly averages out along any surface of rupture, and with a factor of 1.47 for its mean the slope
-# stands nearly always. Where the factor for the mean is below 1, it is the other way round.
+# Strength that varies quickly averages out along any surface of rupture, and with a factor of 1.47 for its mean the
+# slope stands nearly always. Where the factor for the mean is below 1, it is the other way round.
 
 assert abs(factor / 1.47 - 1.0) < 0.005
 assert abs(below(1.47) - 0.28) < 0.01
