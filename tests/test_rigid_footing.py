@@ -52,7 +52,7 @@ def test_it_stays_rigid_and_in_balance(elastic):
 
 
 def test_collapse_under_a_load_with_a_lever():
-    """[X] (2 + pi) c in the middle; [B] above Meyerhof's effective width, without tension; [X] a circle's 0.69 c B^2."""
+    """[X] (2 + pi) c in the middle; [B] above Meyerhof's effective width; [X] a circle's 0.69 c B^2."""
     c, width = 10.0, 2.0
     half = np.concatenate((1 - graded(1.0, 5, 2.0)[::-1], 1 + graded(3.0, 6, 3.0)[1:]))
     mesh = MeshQuad.init_tensor(np.concatenate((-half[:0:-1], half)), -graded(3.0, 9, 3.0)[::-1])
