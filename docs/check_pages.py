@@ -77,7 +77,7 @@ def visit(driver, address: str, picture: Callable[[str], Path | None]) -> dict[s
                                {"width": width, "height": 1000, "deviceScaleFactor": 1, "mobile": False})  # fmt: skip
         driver.execute_cdp_cmd("Emulation.setEmulatedMedia",
                                {"features": [{"name": "prefers-color-scheme", "value": scheme}]})  # fmt: skip
-        name = f"{size}-{scheme}"
+        name = f"{size}, {scheme}"
         found[name] = driver.execute_script(ASK)
         found[name]["console"] = [entry["message"] for entry in driver.get_log("browser") if entry["level"] == "SEVERE"]
         if (file := picture(name)) is not None:
@@ -127,7 +127,7 @@ def main() -> int:
     for page in (page for page in pages if arguments.only in page):
 
         def picture(name: str, page: str = page) -> Path | None:
-            return arguments.out and arguments.out / name / (page.replace("/", "_") + ".png")
+            return arguments.out and arguments.out / name.replace(", ", "-") / (page.replace("/", "_") + ".png")
 
         for name, found in visit(driver, urljoin(host, page), picture).items():
             wrong += [f"{page} ({name}): {text}" for text in complaints(found, host)]
