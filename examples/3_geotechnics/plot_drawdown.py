@@ -140,7 +140,7 @@ plt.show()
 
 down = sc.Stage("down", weight + on_surface(0.7 * HEIGHT) + in_pores)
 result = sc.run(quick, [down], fixed, start=start, progress=False)
-plot.contour(quick, result["down"], "pore", mesh=False)
+plot.contour(quick, result["down"], "pore", mesh=False, levels=5)
 
 # %%
 # With time
