@@ -299,7 +299,7 @@ class RigidFooting(MatrixForm):
         modes = self._at(self._places[:, 0])[0]
         others = null_space(modes.T)
         first = after.fields[-1].end if after is not None and after.fields else int(basis.N)
-        size = first + others.shape[1]
+        self._displacements, size = int(basis.N), first + others.shape[1]
         rows, columns = np.broadcast_arrays(self._dofs[:, None], np.arange(first, size))
         ties = coo_matrix((others.ravel(), (rows.ravel(), columns.ravel())), shape=(size, size)).tocsr()
         super().__init__(ties + ties.T)
@@ -329,7 +329,7 @@ class RigidFooting(MatrixForm):
 
     def load(self, force: ArrayLike, at: ArrayLike) -> ndarray:
         """Load vector, (N,), of a force, (dim,), at a place of the footing, (dim,), on its line or beside it."""
-        load = np.zeros(self.size)
+        load = np.zeros(self._displacements)
         load[self._dofs] = self._spread(at) @ finite(force, "force")
         return load
 

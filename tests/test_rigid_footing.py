@@ -95,6 +95,26 @@ def test_a_cap_in_space():
     assert cap.motion(x, at) == pytest.approx((0.0, 0.01, 0.0), abs=1e-9)
 
 
+def test_two_footings_one_after_the_other():
+    """[X] Two footings on one body, the unknowns of the second behind those of the first: both stay straight."""
+    mesh = MeshQuad.init_tensor(np.linspace(0, 8, 17), np.linspace(0, 2, 5)).with_boundaries({
+        "left": lambda p: (p[1] > 2 - 1e-9) & (abs(p[0] - 2) < 1 + 1e-9),
+        "right": lambda p: (p[1] > 2 - 1e-9) & (abs(p[0] - 6) < 1 + 1e-9)})
+    basis = Basis(mesh, ElementVector(ElementQuad2()), intorder=4)
+    left = sc.RigidFooting(basis, "left")
+    right = sc.RigidFooting(basis, "right", after=left)
+    forms = {"soil": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3)), "left": left, "right": right}
+    load = left.load((0.0, -10.0), at=(2.3, 2.0)) + right.load((0.0, -10.0), at=(5.7, 2.0))
+    stage = sc.run(forms, [sc.Stage("load", load)], sc.rollers(basis))["load"]
+    sunk = []
+    for name, footing in (("left", left), ("right", right)):
+        down = basis.get_dofs(name).all("u^2")
+        x = basis.doflocs[0, down]
+        assert np.abs(stage.x[down] - np.polyval(np.polyfit(x, stage.x[down], 1), x)).max() < 1e-10 * np.ptp(stage.x)
+        sunk.append([footing.motion(stage.x, (at, 2.0))[1] for at in ((1.0, 3.0) if name == "left" else (7.0, 5.0))])
+    assert sunk[0] == pytest.approx(sunk[1], rel=1e-6)  # mirror images
+
+
 def test_bad_input():
     basis = Basis(MeshQuad().with_defaults(), ElementVector(ElementQuad2()), intorder=4)
     with pytest.raises(ValueError, match=r"no boundary 'tip'; existing: bottom"):
