@@ -24,14 +24,14 @@ from time import process_time
 import matplotlib.pyplot as plt
 import numpy as np
 import random_slope
-from random_slope import cov, height, log_mean, log_std, mean, model, sample, stands, strength
+from random_slope import log_mean, log_std, mean, model, sample, stands, strength
 from scipy.stats import norm
 
 import skfem_contact as sc
 import skfem_contact.plot as plot
 
 full = "--full" in sys.argv
-n, length = 5, 0.5 * height
+n, length = 5, 0.5 * random_slope.height
 samples, strata = (500, 200) if full else (50, 40)
 plot.set_units("kN", "m")
 begin = process_time()
@@ -84,7 +84,7 @@ assert found.multiplier < 1.0 + 0.01
 
 fig, ax = plt.subplots(figsize=(7.5, 3.4), layout="constrained")
 x, y = basis.mesh.p
-colors = ax.tripcolor(x, y, basis.mesh.t.T, c / (random_slope.unit_weight * height), cmap="YlGnBu")
+colors = ax.tripcolor(x, y, basis.mesh.t.T, 0.25 * c / mean, cmap="YlGnBu")
 ax.set(aspect="equal", xlabel="x [m]", ylabel="y [m]", title=f"Strength of sample {fallen}")
 fig.colorbar(colors, label=r"$c_u / \gamma H$", shrink=0.8)
 
@@ -142,7 +142,7 @@ assert estimate[-1] + 3.0 * error[-1] < infinite
 cpu = process_time() - begin
 print(json.dumps({"case": "random_slope", "rows": [
     {"method": "uniform", "n": n, "unknowns": int(basis.N), "error": abs(factor / 1.47 - 1.0), "cpu_s": None,
-     "iterations": 0, "factor": factor, "cov": cov, "collapse": infinite, "exact": float(below(1.47))},
+     "iterations": 0, "factor": factor, "cov": random_slope.cov, "collapse": infinite, "exact": float(below(1.47))},
     {"method": "random field", "n": n, "unknowns": int(basis.N), "error": None, "cpu_s": cpu, "iterations": 0,
      "samples": len(failed), "collapse": float(estimate[-1]), "standard_error": float(error[-1]),
      **(dask if full else {})}]}))  # fmt: skip
