@@ -1,8 +1,8 @@
 """Open every page of the built site in headless Chromium, and say what a reader would stumble over.
 
 ``python docs/check_pages.py docs/_build/html --out screenshots`` needs Chromium, its driver and selenium. Each page is
-opened at 1,400 and 400 pixels, light and dark. What fails: pages wider than their window, requests to other machines,
-links that lead nowhere, pictures that are missing, errors in the console. Screenshots are kept.
+opened once and looked at with 1,400 and 400 pixels, light and dark. What fails: pages wider than their window, requests
+to other machines, links that lead nowhere, pictures that are missing, errors in the console. Screenshots are kept.
 """
 
 from __future__ import annotations
@@ -12,8 +12,10 @@ import json
 import shutil
 import sys
 import threading
+from collections.abc import Callable
 from functools import partial
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from itertools import product
 from pathlib import Path
 from urllib.parse import unquote, urldefrag, urljoin, urlparse
 
@@ -54,33 +56,33 @@ def serve(site: Path) -> str:
     return f"http://127.0.0.1:{server.server_port}/"
 
 
-def browser(width: int):
+def browser():
     """Chromium without a window that keeps a log of its console."""
     from selenium import webdriver
 
     options = webdriver.ChromeOptions()
     options.binary_location = shutil.which("chromium") or shutil.which("google-chrome") or ""
-    for argument in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--hide-scrollbars",
-                     f"--window-size={width},1000"):  # fmt: skip
+    for argument in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--hide-scrollbars"):
         options.add_argument(argument)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    service = webdriver.ChromeService(shutil.which("chromedriver"))
-    driver = webdriver.Chrome(options=options, service=service)
-    driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
-                           {"width": width, "height": 1000, "deviceScaleFactor": 1, "mobile": False})  # fmt: skip
-    return driver
+    return webdriver.Chrome(options=options, service=webdriver.ChromeService(shutil.which("chromedriver")))
 
 
-def visit(driver, address: str, scheme: str, picture: Path | None) -> dict:
-    """Open a page and ask it."""
-    driver.execute_cdp_cmd("Emulation.setEmulatedMedia",
-                           {"features": [{"name": "prefers-color-scheme", "value": scheme}]})  # fmt: skip
+def visit(driver, address: str, picture: Callable[[str], Path | None]) -> dict[str, dict]:
+    """Open a page once, and ask it in every size and scheme."""
     driver.get(address)
-    found = driver.execute_script(ASK)
-    found["console"] = [entry["message"] for entry in driver.get_log("browser") if entry["level"] == "SEVERE"]
-    if picture is not None:
-        picture.parent.mkdir(parents=True, exist_ok=True)
-        driver.save_screenshot(str(picture))
+    found = {}
+    for (size, width), scheme in product(SIZES.items(), SCHEMES):
+        driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
+                               {"width": width, "height": 1000, "deviceScaleFactor": 1, "mobile": False})  # fmt: skip
+        driver.execute_cdp_cmd("Emulation.setEmulatedMedia",
+                               {"features": [{"name": "prefers-color-scheme", "value": scheme}]})  # fmt: skip
+        name = f"{size}, {scheme}"
+        found[name] = driver.execute_script(ASK)
+        found[name]["console"] = [entry["message"] for entry in driver.get_log("browser") if entry["level"] == "SEVERE"]
+        if (file := picture(name)) is not None:
+            file.parent.mkdir(parents=True, exist_ok=True)
+            driver.save_screenshot(str(file))
     return found
 
 
@@ -121,15 +123,16 @@ def main() -> int:
     wrong: list[str] = []
     links: dict[str, list[str]] = {}
     ids: dict[str, set[str]] = {}
-    for size, width in SIZES.items():
-        driver = browser(width)
-        for scheme in SCHEMES:
-            for page in (p for p in pages if arguments.only in p):
-                picture = arguments.out and arguments.out / f"{size}-{scheme}" / (page.replace("/", "_") + ".png")
-                found = visit(driver, urljoin(host, page), scheme, picture)
-                wrong += [f"{page} ({size}, {scheme}): {text}" for text in complaints(found, host)]
-                links[page], ids[page] = found["links"], set(found["ids"])
-        driver.quit()
+    driver = browser()
+    for page in (page for page in pages if arguments.only in page):
+
+        def picture(name: str, page: str = page) -> Path | None:
+            return arguments.out and arguments.out / name.replace(", ", "-") / (page.replace("/", "_") + ".png")
+
+        for name, found in visit(driver, urljoin(host, page), picture).items():
+            wrong += [f"{page} ({name}): {text}" for text in complaints(found, host)]
+            links[page], ids[page] = found["links"], set(found["ids"])
+    driver.quit()
     wrong += broken_links(links, ids, host, site)
     print("\n".join(wrong))
     print(json.dumps({"pages": len(links), "wrong": len(wrong)}))

@@ -2,6 +2,7 @@
 
 from .collapse.limit_load import limit_load
 from .collapse.result import CollapseResult
+from .collapse.stands import stands
 from .collapse.strength import strength_reduction
 from .contact import (
     AugmentedLagrangian,
@@ -24,7 +25,7 @@ from .contact.laws import Coulomb, InterfaceLaw, Status, Tied
 from .errors import AnalysisWarning, Failure, NoEquilibrium, NotConverged
 from .forms import Form, Response
 from .limit_analysis import Bounds, bounds
-from .links import Bar, BarState, MatrixForm, Spring
+from .links import Bar, BarState, MatrixForm, RigidFooting, Spring
 from .loads import hydrostatic, traction, water_load, weight
 from .materials import DruckerPrager, HardeningMohrCoulomb, LinearElastic, MohrCoulomb, Tresca, Undrained, VonMises
 from .materials.reduction import reduced_strength
@@ -95,6 +96,7 @@ __all__ = [
     "Ramp",
     "Response",
     "Result",
+    "RigidFooting",
     "SectionForces",
     "Sections",
     "Seepage",
@@ -155,6 +157,7 @@ __all__ = [
     "run",
     "section_forces",
     "seepage",
+    "stands",
     "strength_reduction",
     "three_dimensional",
     "to_frame",

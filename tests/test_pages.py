@@ -54,6 +54,14 @@ def test_readers_see_neither_checks_nor_figures():
     assert untouched == [PAGE]
 
 
+def test_warnings_lose_the_path_of_the_machine():
+    """What was warned stays, where in the builder's folders does not."""
+    source = [" .. code-block:: none\n\n    /home/a/plot_b.py:65: AnalysisWarning: the joint is soft\n"
+              "      result = sc.run(forms)\n    the table\n"]  # fmt: skip
+    gallery_output.for_readers(None, "gallery/b", source)
+    assert source[0].endswith("none\n\n    AnalysisWarning: the joint is soft\n    the table\n")
+
+
 def test_code_fits_the_page():
     long = f"found = strength_reduction(forms, fixed, load, {', '.join(f'option_{i}={i}' for i in range(8))})"
     assert max(map(len, gallery_output.narrow(long).split("\n"))) <= gallery_output.WIDTH

@@ -173,3 +173,37 @@ def test_tension_points():
     form = sc.SolidForm(basis, sc.MohrCoulomb(E=1e4, nu=0.3, c=10.0, phi=30.0, tension=2.0))
     state = form.assemble(1e-2 * basis.doflocs[0] * (np.arange(basis.N) % 2 == 0), form.initial_state()).state
     assert (point_status(form, state) == PointStatus.TENSION).all()
+
+
+def test_slice_in_space_is_the_plane():
+    """[N] A layer of hexahedra held across has the stresses of its plane section, away from the clamp."""
+    x, y = np.linspace(0, 3, 10), np.linspace(0, 1, 7)
+    fields = []
+    for mesh in (MeshQuad.init_tensor(x, y), MeshHex.init_tensor(x, y, np.linspace(0, 0.2, 2))):
+        dim = mesh.dim()
+        mesh = mesh.with_boundaries({"end": lambda p: p[0] > 3 - 1e-9, "clamp": lambda p: p[0] < 1e-9})
+        basis = Basis(mesh, ElementVector(ElementQuad1() if dim == 2 else ElementHex1()), intorder=2)
+        forms = {"beam": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3), strain=sc.b_bar)}
+        across = np.arange(2, basis.N if dim == 3 else 0, 3)
+        fixed = np.union1d(basis.get_dofs("clamp").all(), across)
+        load = sc.traction(basis, "end", (0.0, -1.0, 0.0)[:dim])
+        stage = sc.run(forms, [sc.Stage("load", load)], fixed, progress=False)["load"]
+        chosen = np.flatnonzero((mesh.p[0] > 0.6) & ((dim == 2) | (mesh.p[-1] < 0.1)))
+        chosen = chosen[np.lexsort(mesh.p[:2, chosen].round(9))]
+        fields.append([sc.nodal_field(forms, stage, name)[chosen] for name in ("sxx", "syy", "sxy")])
+    for plane, slice_ in zip(*fields, strict=True):
+        assert np.abs(slice_ - plane).max() < 0.02 * max(np.abs(plane).max(), 1.0)
+
+
+def test_frames_have_pore_pressures_where_there_are_any():
+    """Those of undrained ground are a column of the frame; where nothing is undrained there is none."""
+    pytest.importorskip("pandas")
+    basis, _ = two_layers()
+    soil = sc.LinearElastic(E=1e3, nu=0.2)
+    for material, there in ((soil, False), (sc.Undrained(soil, nu_u=0.49), True)):
+        forms = {"soil": sc.SolidForm(basis, material)}
+        stage = sc.run(forms, [sc.Stage("load", sc.weight(basis, 10.0))], sc.rollers(basis), progress=False)["load"]
+        frame = sc.to_frame(forms, stage)
+        assert ("pore" in frame.columns) == there
+        if there:
+            np.testing.assert_allclose(frame["pore"], sc.nodal_field(forms, stage, "pore"))

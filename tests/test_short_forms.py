@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from helpers import grid, resultant, vector_basis
-from skfem import Basis, ElementHex1, ElementVector, MeshHex
+from skfem import Basis, ElementHex1, ElementQuad1, ElementVector, MeshHex, MeshQuad
 
 import skfem_contact as sc
 
@@ -48,3 +48,18 @@ def test_wrong_forces_are_refused(force, message):
         sc.traction(basis, "top", force)
     with pytest.raises(ValueError, match="no boundary 'roof'; existing: bottom, left, right, top"):
         sc.traction(basis, "roof", (0.0, 1.0))
+
+
+def test_interference_is_a_number():
+    """[X] Two bars between walls, a number too long for them: E d / (h1 + h2), which stays."""
+    lower = MeshQuad.init_tensor(np.linspace(0, 1, 4), np.linspace(0, 1, 3)).with_defaults()
+    upper = MeshQuad.init_tensor(np.linspace(0, 1, 6), np.linspace(1, 3, 4)).with_defaults()
+    basis = Basis(sc.join_bodies({"lower": lower, "upper": upper}), ElementVector(ElementQuad1()), intorder=2)
+    pair = sc.ContactPair(basis, "upper:bottom", "lower:top", sc.Coulomb(), initial=0.003, penalty=1e8)
+    forms = {"bars": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.0)), "fit": pair}
+    fixed = np.hstack([basis.get_dofs(side).all() for side in ("lower:bottom", "upper:top")])
+    still = [sc.Stage(name, basis.zeros()) for name in ("fit", "still")]
+    for stage in sc.run(forms, still, fixed):
+        assert stage.tractions("fit").pressure == pytest.approx(10.0, rel=1e-3)  # the penalty gives way by 1e-7
+    with pytest.raises(ValueError, match="positive interference"):
+        sc.ContactPair(basis, "upper:bottom", "lower:top", sc.Coulomb(), initial=-0.003)

@@ -1,7 +1,7 @@
 """What readers of the gallery do not see: checks, the time that is taken, and the figures that are for programs.
 
 Sources and downloads keep them; pages lose statements that only check or collect, and the last line that a script
-prints. What is left is laid out for the width of a page.
+prints; warnings lose the path of the machine that built them. What is left is laid out for the width of a page.
 """
 
 from __future__ import annotations
@@ -22,6 +22,8 @@ SILENT = re.compile(r"^ ?\.\. rst-class:: sphx-glr-script-out\n\n ?\.\. code-blo
 NOTHING = re.compile(
     r"^(Figures|Checks)\n-+\n\s*\n(?=(?:\.\. GENERATED.*\n\s*)*\.\. rst-class:: sphx-glr-timing)", re.MULTILINE)
 FIGURES = re.compile(r'^ +\{"case": .*\}$\n?', re.MULTILINE)
+#: A warning with the path and the line of code of its place.
+WARNING = re.compile(r"^( *)\S+\.py:\d+: (\w*Warning: .*)\n\1  .*\n", re.MULTILINE)
 #: Statements that collect figures, by their beginning.
 COLLECTS = re.compile(
     r"(rows\b|(begin|cpu\w*|cpu, \w+) = |print\(json\.dumps|import json$|from time import process_time$)")
@@ -68,7 +70,7 @@ def for_readers(app, name: str, source: list[str]) -> None:
         code = narrow(without_checks(textwrap.dedent(match.group(1))))
         return f".. code-block:: Python\n\n{textwrap.indent(code, '    ')}\n\n\n" if code.strip() else "\n"
 
-    text = CODE.sub(shown, FIGURES.sub("", source[0]))
+    text = CODE.sub(shown, WARNING.sub(r"\1\2\n", FIGURES.sub("", source[0])))
     source[0] = NOTHING.sub("", SILENT.sub("", text))
 
 

@@ -1,4 +1,7 @@
-"""Code spans of public names become links to the reference: ``sc.run``, ``ContactPair``, ``plot.contour(...)``."""
+"""Code spans of public names become links: ``sc.run``, ``ContactPair``, ``plot.contour(...)``; ``Basis`` to scikit-fem.
+
+Pages of other projects stand in a table here: the build asks no other machine for an inventory.
+"""
 
 from __future__ import annotations
 
@@ -15,6 +18,19 @@ import skfem_contact.plot as plot
 SPAN = re.compile(r"(?:(sc|skfem_contact|plot|skfem_contact\.plot)\.)?([A-Za-z_]\w*)(\(.*\)|=)?$", re.DOTALL)
 #: Names that are words of their own: they link only where a module or a call stands with them.
 WORDS = {"run", "weight", "bodies", "traction", "tractions", "reactions", "contour", "stages", "history", "mechanism"}
+
+_SKFEM = "https://scikit-fem.readthedocs.io/en/latest/api.html#skfem."
+#: Names of other projects, by how they are written here.
+ELSEWHERE = {
+    **{name: f"{_SKFEM}assembly.{name}" for name in ("Basis", "BilinearForm", "CellBasis", "FacetBasis", "LinearForm")},
+    **{name: f"{_SKFEM}mesh.{name}" for name in ("Mesh", "MeshHex", "MeshQuad", "MeshTet", "MeshTri")},
+    **{name: f"{_SKFEM}utils.{name}" for name in ("condense", "enforce", "solve")},
+    "ElementVector": f"{_SKFEM}element.ElementVector",
+    "LinearForm.assemble": f"{_SKFEM}assembly.LinearForm.assemble",
+    "skfem.Mesh.load": f"{_SKFEM}mesh.Mesh.load",
+    "csr_matrix": "https://docs.scipy.org/doc/scipy/reference/generated/scipy.sparse.csr_matrix.html",
+    "numpy.bincount": "https://numpy.org/doc/stable/reference/generated/numpy.bincount.html",
+}
 
 
 def target(text: str) -> str | None:
@@ -41,15 +57,17 @@ class LinkNames(SphinxPostTransform):
         """Do it on one page."""
         inside = (nodes.reference, pending_xref, nodes.title)
         for literal in list(self.document.findall(nodes.literal)):
-            name = target(literal.astext())
+            text = literal.astext()
+            name = target(text)
             parents, node = [], literal.parent
             while node is not None:
                 parents.append(node)
                 node = node.parent
-            if name is None or any(isinstance(parent, inside) for parent in parents):
+            if not (name or text in ELSEWHERE) or any(isinstance(parent, inside) for parent in parents):
                 continue
-            link = pending_xref("", refdomain="py", reftype="obj", reftarget=name, refexplicit=True, refwarn=False,
-                                refdoc=self.env.docname)  # fmt: skip
+            link = nodes.reference("", "", refuri=ELSEWHERE[text]) if name is None else pending_xref(
+                "", refdomain="py", reftype="obj", reftarget=name, refexplicit=True, refwarn=False,
+                refdoc=self.env.docname)  # fmt: skip
             literal.replace_self(link)
             link.append(literal)
 

@@ -3,8 +3,8 @@ A press fit in millimetres and newtons
 ======================================
 
 A hollow shaft of steel is pressed into a ring of bronze; it is 0.04 mm larger than the hole in radius. A quarter is
-computed, with curved elements of second order. The meshes overlap by the interference, and ``initial="ramped"``
-resolves it. Lamé's formula for two thick rings gives the pressure.
+computed, with curved elements of second order. The meshes fit, and the interference is a number of the contact pair.
+Lamé's formula for two thick rings gives the pressure.
 """
 
 import numpy as np
@@ -28,11 +28,11 @@ def quarter_ring(inner, outer, n):
     return MeshQuad2(np.stack((r * np.cos(angle), r * np.sin(angle))), second.t).with_boundaries(sides)
 
 
-mesh = sc.join_bodies({"shaft": quarter_ring(a, b + interference, 12), "ring": quarter_ring(b, c, 16)})
+mesh = sc.join_bodies({"shaft": quarter_ring(a, b, 12), "ring": quarter_ring(b, c, 16)})
 basis = Basis(mesh, ElementVector(ElementQuad2()), intorder=4)
 forms = {
     "bodies": sc.SolidForm(basis, {"shaft": steel, "ring": bronze}),
-    "fit": sc.ContactPair(basis, "ring:inner", "shaft:outer", sc.Coulomb(), quadrature=3, initial="ramped"),
+    "fit": sc.ContactPair(basis, "ring:inner", "shaft:outer", sc.Coulomb(), quadrature=3, initial=interference),
 }
 x, y = basis.doflocs
 number = np.arange(basis.N)

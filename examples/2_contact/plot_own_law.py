@@ -153,7 +153,7 @@ for law in (Dilatant(mu=0.5, psi=10.0), Cohesive(strength=2.0, energy=2e-3)):
 #
 # .. math:: p = \frac{p_0 + k\, s \tan\psi}{1 + k\, \mu \tan\psi / \epsilon} .
 
-E, H, p0, mu, psi, eps = 1e4, 0.5, 20.0, 0.6, 8.0, 1e6
+E, H, p0, mu, psi, eps = 1e4, 0.5, 20.0, 0.6, 8.0, 5e6
 rise = np.tan(np.radians(psi))
 
 block = MeshQuad.init_tensor(np.linspace(0, 1, 9), np.linspace(0, H, 5)).with_defaults()

@@ -94,7 +94,8 @@ stages = [stage(step) for step in range(len(path))]
 runs = {}
 for quadrature in ("nodal", 2):
     begin = process_time()
-    joint = sc.ContactPair(basis, "block:bottom", "base:top", sc.Coulomb(mu=mu), quadrature=quadrature)
+    joint = sc.ContactPair(basis, "block:bottom", "base:top", sc.Coulomb(mu=mu), quadrature=quadrature,
+                          penalty=1e7)
     result = sc.run({"bodies": bodies, "joint": joint}, stages, fixed=fixed)
     runs[quadrature] = joint, result, process_time() - begin
 

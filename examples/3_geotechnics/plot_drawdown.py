@@ -22,6 +22,8 @@ from skfem import Basis, ElementTriP2, ElementVector, FacetBasis, LinearForm, Me
 import skfem_contact as sc
 import skfem_contact.plot as plot
 
+plot.set_units("kN", "m")
+
 HEIGHT, RUN, CREST, GAMMA, WATER, PHI = 10.0, 20.0, 12.0, 20.0, 9.81, 20.0
 K = 1e-4  # permeability, m/day
 COHESION = 0.05 * GAMMA * HEIGHT
@@ -140,7 +142,7 @@ plt.show()
 
 down = sc.Stage("down", weight + on_surface(0.7 * HEIGHT) + in_pores)
 result = sc.run(quick, [down], fixed, start=start, progress=False)
-plot.contour(quick, result["down"], "pore", mesh=False)
+plot.contour(quick, result["down"], "pore", mesh=False, levels=5)
 
 # %%
 # With time

@@ -21,6 +21,8 @@ from skfem import Basis, ElementTriP2, ElementVector, MeshTri
 import skfem_contact as sc
 import skfem_contact.plot as plot
 
+plot.set_units("kN", "m")
+
 DEPTH, LIFT, LIFTS, CREST, SLOPE, WIDTH = 6.0, 1.0, 3, 4.0, 2.0, 24.0
 GAMMA_CLAY, GAMMA_FILL = 7.0, 19.0  # of the clay under water, of the fill, kN/m³
 PHI = 24.0

@@ -94,7 +94,7 @@ def degree(T):
 
 
 times = np.geomspace(1e-3, 1.0, 32)
-figure, axes = plt.subplots(2, 2, figsize=(11, 7.5), layout="constrained")
+figure, ax = plt.subplots(figsize=(6, 3.6), layout="constrained")
 for method, (kind, element, order) in ELEMENTS.items():
     began = time.process_time()
     mesh = kind.init_tensor(np.array([0.0, 0.1]), 1 - np.linspace(1, 0, 21) ** 1.8).with_defaults()
@@ -108,9 +108,10 @@ for method, (kind, element, order) in ELEMENTS.items():
     lost = abs(water.inflow(last, "top") / water.volume(last) - 1)
     row("Terzaghi", method, 20, stages, began, np.abs(U - degree(times)).max(), steps, water_lost=lost)
     assert rows[-1]["error"] < 0.002 and len(steps) <= 40 and lost < 1e-8
-    axes[0, 0].semilogx(times, U, "o", ms=3, label=method)
-axes[0, 0].semilogx(times, degree(times), color="0.4", zorder=0, label="exact")
-axes[0, 0].set(title="Terzaghi", xlabel="T", ylabel="degree of consolidation")
+    ax.semilogx(times, U, "o", ms=3, label=method)
+ax.semilogx(times, degree(times), color="0.4", zorder=0, label="exact")
+ax.set(title="Terzaghi", xlabel="T", ylabel="degree of consolidation")
+ax.legend(frameon=False)
 
 # %%
 # The same layer cut in two at half its height by a joint that is open to water. Contact there carries the effective
@@ -162,6 +163,7 @@ def plate(basis):
 
 
 times = np.sort(np.append(np.geomspace(2e-3, 1.0, 40), 0.072))
+figure, ax = plt.subplots(figsize=(6, 3.6), layout="constrained")
 for method, n in (("P2-P1", 20), ("Q2-Q1", 20)) + ((("P2-P1", 40),) if FULL else ()):
     began = time.process_time()
     kind, element, order = ELEMENTS[method]
@@ -174,9 +176,10 @@ for method, n in (("P2-P1", 20), ("Q2-Q1", 20)) + ((("P2-P1", 40),) if FULL else
     exact = mandel(times, 0.2)
     row("Mandel", method, n, stages, began, abs(p.max() / exact.max() - 1), steps, peak=round(p.max(), 5))
     assert rows[-1]["error"] < 2e-3 and abs(exact.max() - 1.1069) < 1e-4
-    axes[0, 1].semilogx(times, p, "o", ms=3, label=method)
-axes[0, 1].semilogx(times, exact, color="0.4", zorder=0, label="exact")
-axes[0, 1].set(title="Mandel", xlabel="T", ylabel="pressure in the middle")
+    ax.semilogx(times, p, "o", ms=3, label=method)
+ax.semilogx(times, exact, color="0.4", zorder=0, label="exact")
+ax.set(title="Mandel", xlabel="T", ylabel="pressure in the middle")
+ax.legend(frameon=False)
 
 # %%
 # Cryer's sphere
@@ -206,6 +209,7 @@ def ball(n):
 
 
 times = np.geomspace(5e-3, 0.3, 40)
+figure, ax = plt.subplots(figsize=(6, 3.6), layout="constrained")
 for n in (4, 5):
     began = time.process_time()
     basis = Basis(ball(n), ElementVector(ElementTriP2()), intorder=4)
@@ -216,9 +220,10 @@ for n in (4, 5):
     p, exact = np.array([water.pressure(stage.x)[centre] / Q for stage in stages]), cryer(times, 0.25)
     row("Cryer", "P2-P1", 2**n, stages, began, abs(p.max() / exact.max() - 1), steps, peak=round(p.max(), 5))
     assert rows[-1]["error"] < (2e-3 if n == 5 else 4e-3) and abs(exact.max() - 1.3075) < 1e-3
-axes[1, 0].semilogx(times, p, "o", ms=3, label="P2-P1")
-axes[1, 0].semilogx(times, exact, color="0.4", zorder=0, label="exact")
-axes[1, 0].set(title="Cryer", xlabel="T", ylabel="pressure at the centre")
+ax.semilogx(times, p, "o", ms=3, label="P2-P1")
+ax.semilogx(times, exact, color="0.4", zorder=0, label="exact")
+ax.set(title="Cryer", xlabel="T", ylabel="pressure at the centre")
+ax.legend(frameon=False)
 
 # %%
 # A strip on a layer
@@ -239,6 +244,7 @@ def strip(n):
 
 
 times = np.geomspace(0.01, 10.0, 19)
+figure, ax = plt.subplots(figsize=(6, 3.6), layout="constrained")
 for n in (4, 8) if FULL else (4,):
     began = time.process_time()
     basis = Basis(strip(n), ElementVector(ElementTriP2()), intorder=4)
@@ -250,11 +256,10 @@ for n in (4, 8) if FULL else (4,):
     row("strip", "P2-P1", n, stages, began, np.abs(errors).max(), steps)
     assert rows[-1]["error"] < (3e-3 if n == 4 else 1e-3)
     print("  ", ", ".join(f"T = {T:g}: {error:+.3%}" for T, error in zip(EXACT, errors, strict=True)))
-axes[1, 1].semilogx(times, w, "o", ms=3, label="P2-P1")
-axes[1, 1].semilogx(list(EXACT), list(EXACT.values()), "x", color="0.2", label="exact")
-axes[1, 1].set(title="strip on a layer", xlabel="T", ylabel="G w / q a")
-for ax in axes.ravel():
-    ax.legend(frameon=False)
+ax.semilogx(times, w, "o", ms=3, label="P2-P1")
+ax.semilogx(list(EXACT), list(EXACT.values()), "x", color="0.2", label="exact")
+ax.set(title="strip on a layer", xlabel="T", ylabel="G w / q a")
+ax.legend(frameon=False)
 plt.show()
 
 # %%

@@ -91,10 +91,15 @@ for row in rows:
 # The flow net
 # ------------
 
-figure, (net, work) = plt.subplots(1, 2, figsize=(13, 4), width_ratios=(2.2, 1), layout="constrained")
+figure, net = plt.subplots(figsize=(9, 4), layout="constrained")
 plot.flow_diagram(flows[34], ax=net)
 net.plot([0, 0], [-0.5, 0.05], color="black", linewidth=3)
 net.set(xlim=(-1.5, 1.5), xlabel="x / T", ylabel="y / T", title="head over h")
+
+# %%
+# How discharge and exit gradient converge:
+
+figure, work = plt.subplots(figsize=(6, 4), layout="constrained")
 work.loglog([r["unknowns"] for r in rows[:len(SIZES)]], errors, "o-", label="discharge")
 work.loglog([r["unknowns"] for r in rows[:len(SIZES)]], [r["gradient error"] for r in rows[:len(SIZES)]], "s-",
             label="exit gradient")

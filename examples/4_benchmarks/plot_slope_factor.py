@@ -184,21 +184,22 @@ if PEERS:
 # shear strain the slip surface.
 
 best = results[20.0, "continuation", len(meshes) - 1]
-figure, axes = plt.subplots(1, 3, figsize=(15, 4))
+figure, axes = plt.subplot_mosaic([["slip", "slip"], ["curve", "work"]], figsize=(9, 7), layout="constrained")
 for (psi, method, _), result in results.items():
     if method == "continuation":
-        axes[0].plot(result.curve[:, 0], result.curve[:, 1], ".-", label=f"psi = {psi:g}, {len(result.x)} unknowns")
-axes[0].axhspan(*BRACKET, color="0.8", label="limit analysis")
-axes[0].set(xlabel="work of the weight (kNm/m)", ylabel="factor", xscale="symlog")
-axes[0].legend(fontsize="small")
-axes[1].tripcolor(*meshes[-1].p, meshes[-1].t.T, best.bands["soil"].mean(axis=1), cmap="magma_r")
-axes[1].set(aspect="equal", title="shear strain of the mechanism")
+        work, factor, _ = result.curve.T
+        axes["curve"].plot(work, factor, ".-", label=f"psi = {psi:g}, {len(result.x)} unknowns")
+axes["curve"].axhspan(*BRACKET, color="0.8", label="limit analysis")
+axes["curve"].set(xlabel="work of the weight (kNm/m)", ylabel="factor", xscale="symlog")
+axes["curve"].legend(fontsize="small")
+axes["slip"].tripcolor(*meshes[-1].p, meshes[-1].t.T, best.bands["soil"].mean(axis=1), cmap="magma_r")
+axes["slip"].set(aspect="equal", title="shear strain of the mechanism")
 for psi, marker in ((20.0, "o"), (0.0, "s")):
     done = [r for r in rows if r["psi"] == psi and r["method"].startswith("P2, continuation, flow given")]
-    axes[2].loglog([r["cpu_s"] for r in done], [abs(r["error"]) for r in done], marker + "-", label=f"psi = {psi:g}")
-axes[2].set(xlabel="cpu time (s)", ylabel="difference from 1.380", title="work and precision")
-axes[2].legend()
-figure.tight_layout()
+    cost, error = [r["cpu_s"] for r in done], [abs(r["error"]) for r in done]
+    axes["work"].loglog(cost, error, marker + "-", label=f"psi = {psi:g}")
+axes["work"].set(xlabel="cpu time (s)", ylabel="difference from 1.380", title="work and precision")
+axes["work"].legend()
 plt.show()
 
 print(json.dumps({"case": "slope_factor", "rows": rows}))

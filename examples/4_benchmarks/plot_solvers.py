@@ -233,22 +233,23 @@ for case in SPACE:
         if unknowns == 100_000 and pyamg is not None:
             assert spent["multigrid", case, len(b)] < 0.25 * spent["SuperLU", case, len(b)], case
 
-fig, axes = plt.subplots(1, 3, figsize=(13, 4), layout="constrained")
+fig, axes = plt.subplot_mosaic([["time", "entries"], ["space", "space"]], figsize=(9, 7), layout="constrained")
 for case, color in zip(CASES, ("#1f4e8c", "#d55e00", "#e69f00", "#009e73")):
-    for ax, quantity in zip(axes, ("cpu_s", "factor_entries")):
+    for ax, quantity in ((axes["time"], "cpu_s"), (axes["entries"], "factor_entries")):
         own = [row for row in rows if (row["case"], row["solver"]) == (case, "default")]
         ax.semilogx([row["unknowns"] for row in own], [gain(row, quantity) for row in own], "o-", color=color,
                     label=case)  # fmt: skip
-for ax, title in zip(axes, ("time of splu / time of the default", "entries of splu / entries of the default")):
+for ax, title in ((axes["time"], "time of splu / time of the default"),
+                  (axes["entries"], "entries of splu / entries of the default")):
     ax.set(xlabel="unknowns", title=title, ylim=(0, None))
     ax.axhline(1.0, color="#999999", linewidth=0.8)
-axes[0].legend(frameon=False)
+axes["time"].legend(frameon=False)
 for method, color in zip(IN_SPACE, ("#1f4e8c", "#d55e00", "#009e73")):
     for case, style in zip(SPACE, ("o-", "s--")):
         points = [(n, cost) for (name, of, n), cost in spent.items() if (name, of) == (method, case)]
-        axes[2].loglog(*zip(*points), style, color=color, label=f"{method}, {case}")
-axes[2].set(xlabel="unknowns", title="time in space [s]")
-axes[2].legend(frameon=False, fontsize="small")
+        axes["space"].loglog(*zip(*points), style, color=color, label=f"{method}, {case}")
+axes["space"].set(xlabel="unknowns", title="time in space [s]")
+axes["space"].legend(frameon=False)
 plt.show()
 
 # %%

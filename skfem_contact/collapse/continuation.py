@@ -18,12 +18,14 @@ import numpy as np
 from numpy import ndarray
 
 from ..errors import NoEquilibrium, NotConverged
+from ..forms import Form
 from ..nonlinear.evaluation import Evaluation
 from ..nonlinear.line_search import Search
 from ..nonlinear.newton import Newton, iterate
 from ..nonlinear.system import System
 from ..solvers.direct import SingularSystem
 from ..stages.result import Result, StageResult
+from ..stages.setup import build_system, check_load, left_by
 from .result import Stop, no_collapse_below
 
 #: Relative step of the difference quotient by the parameter.
@@ -137,6 +139,16 @@ def starting_point(system: System, last: StageResult | None) -> tuple[System, Po
     held = {name: form.first_geometry(x, states[name]) for name, form in system.forms.items()}
     forms, states = ({name: pair[i] for name, pair in held.items()} for i in (0, 1))
     return system.with_forms(forms), Point(x, states, 0.0)
+
+
+def loaded_start(forms: Mapping[str, Form], fixed: ndarray, load: ndarray | None, start: Result | StageResult | None,
+                 solver: Any) -> tuple[System, Point, ndarray]:
+    """System, starting point and load, by default that of the stage from which a search starts."""
+    last = last_stage(start)
+    if load is None and last is None:
+        raise ValueError("there is no load: give `load`, or a `start` that carries one")
+    whole, origin = starting_point(build_system(*left_by(last, forms, fixed), solver=solver), last)
+    return whole, origin, check_load(load if last is None or load is not None else last.load, whole.unknowns)
 
 
 def remainder(points: list[Point] | tuple[Point, ...]) -> float:

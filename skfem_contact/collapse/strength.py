@@ -19,9 +19,8 @@ from ..nonlinear.system import System
 from ..progress import progress_bar
 from ..solvers.threads import single_threaded
 from ..stages.result import Result, StageResult
-from ..stages.setup import build_system, check_load, left_by
 from ..targets import reduced_parts
-from .continuation import Point, as_collapse, follow, last_stage, starting_point
+from .continuation import Point, as_collapse, follow, loaded_start
 from .history import SearchLog
 from .result import FACTOR, CollapseResult, Found, Stop, conclude, no_collapse_below
 
@@ -175,11 +174,7 @@ def strength_reduction(forms: Mapping[str, Form], fixed: ndarray, load: ndarray 
     check_reduction(1.0, flow)
     if not tol > 0 or not step > 0 or not highest > 1:
         raise ValueError(f"tol and step must be positive and highest above 1, not {tol!r}, {step!r} and {highest!r}")
-    last = last_stage(start)
-    if load is None and last is None:
-        raise ValueError("there is no load: give `load`, or a `start` that carries one")
-    whole, origin = starting_point(build_system(*left_by(last, forms, fixed), solver=solver), last)
-    load = check_load(load if last is None or load is not None else last.load, whole.unknowns)
+    whole, origin, load = loaded_start(forms, fixed, load, start, solver)
     branch = _Strength(whole, load, reduced_parts(whole.forms, reduce, exclude), flow)
     free = flow == "given" and any(dilates_less(material) for material in branch.materials)
     newton = newton or Newton(tolerance=(_LOOSE if free else _BALANCE) * tol, max_iterations=30)

@@ -6,8 +6,8 @@ from typing import Literal
 import numpy as np
 from numpy import ndarray
 
-#: What becomes of gaps and overlaps.
-Fit = Literal["as meshed", "adjusted", "ramped"]
+#: What becomes of gaps and overlaps; a number: an interference, whatever is meshed.
+Fit = Literal["as meshed", "adjusted", "ramped"] | float
 
 #: Gaps of the mesh below this share of the slave segment are round-off: such bodies touch.
 TOUCHING = 1e-8
@@ -33,9 +33,9 @@ def touching(gap: ndarray, meshed: ndarray, size: ndarray, fit: Fit, bonded: boo
     with np.errstate(invalid="ignore"):  # nothing near, neither now nor in the mesh: inf - inf
         # a change of more than this is no displacement: other surfaces have come to face each other
         moved = np.where(np.abs(gap - meshed) <= 0.5 * size, gap - meshed, 0.0)
-    if fit == "ramped":
+    ramped = fit == "ramped" or not isinstance(fit, str)
+    if ramped:
         moved = np.zeros_like(gap)
     nothing = (_ADJUSTED if bonded or fit == "adjusted" else TOUCHING) * size
     offset = np.where(np.abs(gap - moved) <= nothing, gap, moved)
-    return np.minimum(gap, offset) if fit == "ramped" else offset
-
+    return np.minimum(gap, offset) if ramped else offset

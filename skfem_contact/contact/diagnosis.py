@@ -34,6 +34,8 @@ _SIDEWAYS, _AT_JOINT = 1e-3, 0.01
 ROUND_OFF = 8 * np.finfo(float).eps
 #: Round-off of the shear of sticking points, as a share of the largest traction, that is remarked on.
 _LOST = 1e-3
+#: Tractions below this share of what round-off may leave are none: a broken bond, contact that carries nothing.
+_NONE = 0.1
 
 
 def penetration(points: SlavePoints, state: ContactState) -> float:
@@ -98,7 +100,7 @@ def _on_enforcement(pair: ContactPair, x: ndarray, state: ContactState, meshed: 
                      "elements, a harder penalty or AugmentedLagrangian() take that away")
     lost = penalties[1] * ROUND_OFF * float(np.abs(master.nodes - slave.nodes.mean(axis=0)).max())
     largest = float(np.abs(state.traction).max(initial=0.0))
-    if 0.0 < largest < lost / _LOST and (state.status == Status.STICK).any():
+    if _NONE * lost < largest < lost / _LOST and (state.status == Status.STICK).any():
         yield Remark("round-off", lost / largest,
                      f"round-off of the slip makes up to {lost / largest:.1%} of the largest traction: the tangential "
                      f"penalty, {penalties[1]:.3g}, is too hard")

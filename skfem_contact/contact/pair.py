@@ -65,7 +65,7 @@ class ContactPair(Answers):
         ``None``: penalty; or :class:`AugmentedLagrangian`, whose result does not depend on the penalty.
     initial
         ``"as meshed"``: gaps and overlaps count; ``"adjusted"``: what lies within half a segment touches exactly;
-        ``"ramped"``: overlaps are resolved in steps (interference fits).
+        ``"ramped"``: overlaps are resolved in steps; a number: an interference of bodies meshed to fit, in steps, too.
     share
         Share of the contact work, 1/2 for each of two pairs with the roles swapped (:func:`two_pass`).
     tangent
@@ -100,8 +100,8 @@ class ContactPair(Answers):
                  quadrature: Literal["nodal", "segments"] | int = "segments",
                  penalty: float | tuple[float, float] | None = None,
                  smoothing: float | None = None, enforcement: AugmentedLagrangian | None = None,
-                 initial: Fit = "as meshed", share: float = 1.0,
-                 tangent: Literal["exact", "primary"] = "exact", axisymmetric: bool = False) -> None:
+                 initial: Fit = "as meshed", share: float = 1.0, tangent: Literal["exact", "primary"] = "exact",
+                 axisymmetric: bool = False) -> None:
         check_basis(basis)
         self.slave = replace(Surface.from_boundary(basis, slave), axisymmetric=axisymmetric)
         self.facets = master if isinstance(master, Surface) else Surface.from_boundary(basis, master)

@@ -85,16 +85,19 @@ def region_fields(forms: Mapping[str, Any], step: StageResult, quantity: str, si
     """The field of every region of all solids that are there, values (1, n_nodes); arguments of :func:`nodal_field`."""
     found = solids_there(forms, step)
     what = look_up(quantity, quantities(found), "field")
-    undrained = any(soil_of(m) is not m for form in (*found.values(), *solids(forms).values())
-                    for m in form.materials.values())
-    flowing = any(isinstance(form, PoreWater) for form in forms.values())
-    if quantity == "pore" and water is None and not undrained and not flowing:
+    if quantity == "pore" and water is None and not has_excess(forms, found):
         raise ValueError("pore pressure where there is no PoreWater and no ground is Undrained: give water=, a Seepage "
                          "or a function of places such as hydrostatic(level)")
     fields: list[RegionField] = []
     for name, form in found.items():
         fields += _of_form(form, step, name, quantity, what, since, water)
     return fields
+
+
+def has_excess(forms: Mapping[str, Any], there: Mapping[str, SolidForm]) -> bool:
+    """Whether excess pore pressures are computed: water flows, or some ground is or was undrained."""
+    grounds = [material for form in (*there.values(), *solids(forms).values()) for material in form.materials.values()]
+    return any(isinstance(form, PoreWater) for form in forms.values()) or any(soil_of(m) is not m for m in grounds)
 
 
 def quantities(forms: Mapping[str, SolidForm], water: Water | None = None) -> dict[str, Quantity]:

@@ -9,7 +9,7 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 
 from ..stages.result import Result, StageResult
-from .fields import nodal_field, quantities, solids_there
+from .fields import has_excess, nodal_field, quantities, solids_there
 from .grids import grid_of
 
 
@@ -150,6 +150,7 @@ def to_frame(forms: Mapping[str, Any], step: StageResult) -> Any:
     basis = next(iter(found.values())).basis
     dim = basis.mesh.dim()
     places = dict(zip("xyz", basis.doflocs[:, 0::dim]))
-    fields = {name: nodal_field(forms, step, name) for name in quantities(found) if name != "pore"}
+    names = [name for name in quantities(found) if name != "pore" or has_excess(forms, found)]
+    fields = {name: nodal_field(forms, step, name) for name in names}
     frame = pandas.DataFrame(places | fields, index=pandas.RangeIndex(basis.N // dim, name="node"))
     return frame[np.isfinite(frame["u"])]

@@ -202,7 +202,7 @@ def _sources(form: SolidForm, field: RegionField, vertex: ndarray, incidence: cs
     best = np.zeros(len(field.nodes))
     np.maximum.at(best, near.row, score[near.col])
     own = np.zeros(len(field.nodes), bool)
-    own[vertex[inside]] = True
+    own[vertex] = score == best[vertex]
     chosen = np.where(own[near.row], near.row == vertex[near.col], score[near.col] == best[near.row])
     rows, columns = near.row[chosen], near.col[chosen]
     return coo_matrix((1.0 / np.bincount(rows)[rows], (rows, columns)), shape=near.shape).tocsr()

@@ -1,4 +1,4 @@
-"""Interference fits: bodies that overlap as meshed begin to push each other apart little by little."""
+"""Interference fits: bodies that overlap begin to push each other apart little by little."""
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
@@ -22,15 +22,18 @@ _LEFT = 0.5
 
 @dataclass(frozen=True, eq=False)
 class Interference(Recovery):
-    """Overlaps as meshed of which a part counts as touching still; of the last member none.
+    """Overlaps of which a part counts as touching still; of the last member none.
 
     Parameters
     ----------
     offset
         Gap that counts as touching, (n_points,).
+    wanted
+        What it is to become: zero for overlaps as meshed, or the interference that is asked for.
     """
 
     offset: ndarray
+    wanted: float
 
     @classmethod
     def begin(cls, pair: ContactPair, accepted: ContactState, failure: Failure | None) -> Interference | None:
@@ -39,8 +42,9 @@ class Interference(Recovery):
         There is nothing to do where it is not to be resolved in steps, or has been: closed points carry tractions then.
         """
         untouched = (accepted.status != Status.OPEN).any() and not accepted.traction.any()
-        wanted = failure is None and pair.initial == "ramped" and untouched and accepted.offset.any()
-        return cls(accepted.offset) if wanted else None
+        wanted = 0.0 if isinstance(pair.initial, str) else pair.initial
+        ramped = (wanted > 0.0 or pair.initial == "ramped") and (accepted.offset != wanted).any()
+        return cls(accepted.offset, wanted) if failure is None and untouched and ramped else None
 
     def seen(self, state: ContactState, law: InterfaceLaw) -> ContactState:
         """With what is left of the offset."""
@@ -48,7 +52,8 @@ class Interference(Recovery):
 
     def proceed(self, pair: ContactPair, accepted: ContactState, found: ContactState) -> Interference:
         """Half of the overlap is left, and none of what is small."""
-        if not self.offset.any():
+        left = _LEFT * (self.offset - self.wanted)
+        if not left.any():
             return self
-        left = _LEFT * self.offset
-        return Interference(np.where(np.abs(left) < PENETRATION * pair.points(accepted).size, 0.0, left))
+        left[np.abs(left) < PENETRATION * pair.points(accepted).size] = 0.0
+        return replace(self, offset=self.wanted + left)
