@@ -12,8 +12,8 @@ from ..surfaces.material_points import MaterialPoints
 class ContactState:
     """State of a contact pair with ``n`` points; the plane has ``dim = 2``.
 
-    In space slips and shear tractions have two components: one along the slave's ``direction``, as its material carries
-    it along, and one to the left of that, seen from the slave's side.
+    In space slips and shear tractions have two components: one along the slave's ``directions``, as its material
+    carries them along, and one to the left of that, seen from the slave's side.
 
     Attributes
     ----------

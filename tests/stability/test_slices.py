@@ -17,14 +17,14 @@ import test_startup as startup
 
 #: Functions of plane tests, and what they are asked for.
 CASES = [
-    *((penalties.test_tangential_penalty, given) for given in ((1.0, 2, "nodal"), (1e4, 2, 2))),
+    *((penalties.test_tangential_penalty, given) for given in ((1.0, 2, "nodal"), (1e2, 2, 2))),
     *((penalties.test_friction, (mu, rule)) for mu in (0.3, 2.0) for rule in ("nodal", 2)),
     *((penalties.test_stiffness_contrast, ((1e3, 1e9), rule, 2)) for rule in ("nodal", 2, "segments")),
     (penalties.test_limits_of_friction, ()),
-    *((motion.test_off_the_edge_and_back, (2, rule)) for rule in ("nodal", 2)),
-    *((motion.test_fast_reversal, (2, rule)) for rule in ("nodal", 2)),
+    (motion.test_off_the_edge_and_back, (2, 2)),
+    (motion.test_fast_reversal, (2, "nodal")),
     *((motion.test_overlap, (0.5, rule, 2)) for rule in ("nodal", 2, "segments")),
-    *((motion.test_deep_overlap_on_the_way, (rule,)) for rule in ("nodal", 2)),
+    (motion.test_deep_overlap_on_the_way, ("nodal",)),
     (motion.test_dissipation_over_facets, ()),
     (meshes.test_sizes_across_the_interface, (2, (40, 2), "nodal")),
     *((meshes.test_sizes_across_the_interface, (2, (2, 40), rule)) for rule in ("nodal", 2)),
