@@ -172,16 +172,21 @@ class DirectSolver:
         return FreeBlock(self._free[self._engine.order(graph, self._locations[:, self._free])])
 
 
+def fastest_engine() -> str:
+    """Name of the fastest engine that is installed."""
+    try:
+        Pardiso()
+    except ImportError:
+        return "superlu"
+    return "pardiso"
+
+
 def _engine(name: str | None) -> Engine:
     """The engine of that name, or the fastest that is installed."""
-    if name is not None:
-        if name not in ENGINES:
-            raise ValueError(f"there is no engine {name!r}; there are {', '.join(ENGINES)}")
-        return ENGINES[name]()
-    try:
-        return Pardiso()
-    except ImportError:
-        return SuperLU()
+    name = name or fastest_engine()
+    if name not in ENGINES:
+        raise ValueError(f"there is no engine {name!r}; there are {', '.join(ENGINES)}")
+    return ENGINES[name]()
 
 
 class _Factor:
