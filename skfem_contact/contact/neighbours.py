@@ -26,16 +26,19 @@ class Neighbours(NamedTuple):
         The pairs, ordered.
     clearance
         No part of the surface, beyond its rim included, is nearer to the point than this, (n_points,).
+    outside
+        Whether the point is known to lie outside the body, (n_points,).
     """
 
     point: ndarray
     facet: ndarray
     clearance: ndarray
+    outside: ndarray
 
     def of(self, chosen: ndarray) -> Neighbours:
         """Those of the points that a mask, (n_points,), chooses."""
         kept = chosen[self.point]
-        return Neighbours(self.point[kept], self.facet[kept], self.clearance)
+        return self._replace(point=self.point[kept], facet=self.facet[kept])
 
 
 class NeighbourList:
@@ -58,19 +61,38 @@ class NeighbourList:
     """
 
     def __init__(self, surface: Surface) -> None:
-        self._surface = surface
+        self._surface, self._moved = surface, 0.0
         self._list: tuple[Neighbours, float, ndarray, ndarray] | None = None
 
     def at(self, nodes: ndarray, points: ndarray) -> Neighbours:
         """Neighbours where the nodes of the surface and the points are now."""
         if self._list is not None and len(points) == len(self._list[3]):
             found, lasts, *places = self._list
-            moved = _relative_motion(nodes - places[0], points - places[1])
-            if moved <= lasts:
-                return found._replace(clearance=found.clearance - moved)
+            self._moved = _relative_motion(nodes - places[0], points - places[1])
+            if self._moved <= lasts:
+                return found._replace(clearance=found.clearance - self._moved)
         found, lasts = neighbours(self._surface, nodes, points, _SLACK)
-        self._list = found, lasts, nodes, points
+        self._list, self._moved = (found, lasts, nodes, points), 0.0
         return found
+
+    def learn(self, chosen: ndarray, distance: ndarray, outside: ndarray) -> None:
+        """Remember how far points are that have been projected where they are now.
+
+        Points that have come no farther than that have not passed the surface: who was outside still is.
+
+        Parameters
+        ----------
+        chosen
+            A mask, (n_points,).
+        distance, outside
+            Distances of all points from the surface, and whether they lie outside the body; those of the others are
+            not looked at.
+        """
+        assert self._list is not None
+        known, at = self._list[0], np.flatnonzero(chosen)
+        there = distance[at] - self._moved
+        known.clearance[at] = np.maximum(known.clearance[at], there)
+        known.outside[at] |= outside[at] & (there > 0.0)
 
 
 def _relative_motion(nodes: ndarray, points: ndarray) -> float:
@@ -105,7 +127,7 @@ def neighbours(surface: Surface, nodes: ndarray, points: ndarray, slack: float =
     point, neighbour = np.divmod(np.unique(row * m + facet[sample]), m)
     last = length[surface.at_rim.any(axis=1)].max(initial=0.0)
     beyond = surface.extension * stretch.max() * (last + spacing)
-    return Neighbours(point, neighbour, distance - margin.max() - beyond), motion
+    return Neighbours(point, neighbour, distance - margin.max() - beyond, np.zeros(len(points), bool)), motion
 
 
 def _longest_side(surface: Surface) -> ndarray:

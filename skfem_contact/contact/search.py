@@ -42,6 +42,8 @@ class Projection(NamedTuple):
         What the closest point lies on: 0 the facet; the number of its side, from 1, or one more than there are sides
         for a corner, where there is no orthogonal projection on either facet.  The ends of facets in the plane are
         sides.
+    distance
+        From the surface, no matter on which facet a point is to stay, (n,); inf where nothing is near.
     """
 
     found: ndarray
@@ -49,6 +51,7 @@ class Projection(NamedTuple):
     xi: ndarray
     gap: ndarray
     feature: ndarray
+    distance: ndarray
 
     def take(self, chosen: ndarray) -> Projection:
         """Some of the points."""
@@ -87,8 +90,8 @@ def project(surface: Surface, nodes: ndarray, points: ndarray, depth: ndarray,
     """
     n = len(points)
     result = Projection(np.zeros(n, bool), np.zeros(n, int), np.zeros((n, surface.dim - 1)), np.full(n, np.inf),
-                        np.zeros(n, int))
-    row, facet, _ = among or neighbours(surface, nodes, points)[0]
+                        np.zeros(n, int), np.full(n, np.inf))
+    row, facet, *_ = among or neighbours(surface, nodes, points)[0]
     accepted = np.full(n, -1) if previous is None else previous
     held = np.zeros(n, bool) if frozen is None else frozen
     flat = _Flat.of(surface, nodes)
@@ -102,6 +105,7 @@ def project(surface: Surface, nodes: ndarray, points: ndarray, depth: ndarray,
     xi, feature, off = _on_facets(surface, nodes, points[row], facet, foot, beyond, stays)
     offset = points[row] - surface.at(facet, xi, nodes, 0).x[0]
     distance = np.sqrt(dot(offset, offset))
+    np.minimum.at(result.distance, row, distance)
     best = _first_minimum(row, distance - _preferred(surface, facet, beyond, feature > 0, stays) * surface.size[facet])
     # what is closest decides: off the rim, or too deep, there is no contact with anything farther
     best = best[~off[best]]
