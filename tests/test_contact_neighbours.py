@@ -64,7 +64,7 @@ def test_a_segment_that_is_torn_leaves_the_others_their_neighbours(element: str,
     torn[len(torn) // 2] += (0.0, 40.0)
     found = NeighbourList(surface).at(torn, points)
     n, m = len(points), len(surface.facets)
-    everything = Neighbours(np.repeat(np.arange(n), m), np.tile(np.arange(m), n), np.zeros(n))
+    everything = Neighbours(np.repeat(np.arange(n), m), np.tile(np.arange(m), n), np.zeros(n), np.zeros(n, bool))
     one = project(surface, torn, points, np.full(n, np.inf), among=found)
     other = project(surface, torn, points, np.full(n, np.inf), among=everything)
     np.testing.assert_allclose(one.gap, other.gap, rtol=0, atol=1e-11)  # what polishing leaves
