@@ -61,7 +61,7 @@ def iterations(monkeypatch):
 
     def counted(self, *args):
         x = solve(self, *args)
-        counts.append(self._last)
+        counts.append(self.last)
         return x
 
     monkeypatch.setattr(multigrid._Levels, "solve", counted)
@@ -372,3 +372,20 @@ def test_worn_levels_are_made_anew(levels):
     expected = DirectSolver(basis.doflocs, free_of(basis, fixed), "superlu").factor(K)(b)
     np.testing.assert_allclose(x, expected, atol=SAME * np.abs(expected).max())
     assert len(levels) == 2
+
+
+@needs_pyamg
+def test_another_library_as_given_solver():
+    """[N] `solver=` takes any function (A, b) -> x: pyamg's own solver, as PETSc's would be, solves contact in space."""
+    from pyamg import smoothed_aggregation_solver
+
+    def solve(A, b):
+        return smoothed_aggregation_solver(A).solve(b, tol=1e-10, maxiter=500, accel="cg")
+
+    forms, basis, fixed = cubes(3)
+    x = basis.zeros()
+    x[basis.get_dofs("upper:top").all("u^3")] = -1e-2
+    stage = sc.Stage("pressed", basis.zeros(), prescribed=x)
+    given, direct = (sc.run(forms, [stage], fixed, solver=solver)[-1] for solver in (solve, "superlu"))
+    assert given.iterations == direct.iterations
+    np.testing.assert_allclose(given.x, direct.x, atol=SAME * np.abs(direct.x).max())

@@ -82,6 +82,11 @@ class AmgSolver:
         self._most = MOST if most is None else most
         logger.info("linear solver: %s", self.name)
 
+    @property
+    def iterations(self) -> int:
+        """Number of iterations of the last solution."""
+        return 0 if self._levels is None else self._levels.last
+
     def factor(self, K: csr_matrix, symmetric: bool = False) -> Solve:
         """Prepare the solution of K[free, free] x[free] = b[free] for any b (N,).
 
@@ -175,12 +180,12 @@ class _Levels:
 
     def __init__(self, finest: bsr_matrix, cycle: LinearOperator) -> None:
         self.finest, self._cycle = finest, cycle
-        self._first, self._last = 0, 0
+        self._first, self.last = 0, 0
 
     @property
     def worn(self) -> bool:
         """Whether new levels would pay: the last solution took many more iterations than the first."""
-        return self._last > self._first + KEPT
+        return self.last > self._first + KEPT
 
     def solve(self, A: bsr_matrix, interface: _Interface, b: ndarray, symmetric: bool, most: int) -> ndarray:
         """Solution of A x = b."""
@@ -197,8 +202,7 @@ class _Levels:
                 x, count = interface.balanced(x + step, b), count + taken
                 residual = b - A @ x
                 error = float(np.linalg.norm(residual)) / size
-        logger.debug("multigrid: %d iterations", count)
-        self._last, self._first = count, self._first or count
+        self.last, self._first = count, self._first or count
         if not error <= (WRONG if count < most else REFINE):
             raise NotConverged(f"algebraic multigrid does not converge, its relative residual is {error:.1e} after "
                                f"{count} iterations: bodies may be loose, very thin or nearly incompressible; direct "

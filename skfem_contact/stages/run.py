@@ -48,7 +48,7 @@ def run(forms: Mapping[str, Any], stages: Sequence[Stage], fixed: ndarray,
         Settings of Newton's method.
     solver
         A scikit-fem linear solver ``(A, b) -> x``, or ``"amg"``, algebraic multigrid by pyamg. By default a direct
-        solver with an ordering of its own; for large elastic bodies in space multigrid, where pyamg is installed.
+        solver with an ordering of its own; for large bodies in space multigrid where it is faster and installed.
     progress
         Show a progress bar; by default where the output is a terminal.
 
