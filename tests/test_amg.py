@@ -376,7 +376,7 @@ def test_worn_levels_are_made_anew(levels):
 
 @needs_pyamg
 def test_another_library_as_given_solver():
-    """[N] `solver=` takes any function (A, b) -> x: pyamg's own solver, as PETSc's would be, solves contact in space."""
+    """[N] `solver=` takes any function (A, b) -> x: pyamg's own, as PETSc's would be, solves contact in space."""
     from pyamg import smoothed_aggregation_solver
 
     def solve(A, b):

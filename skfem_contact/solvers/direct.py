@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
+from functools import lru_cache
 from typing import Protocol
 
 import numpy as np
@@ -285,9 +286,12 @@ class _Factor:
         return _floating(self._order[np.abs(motion) > MOVES], len(motion))
 
 
+@lru_cache(1)
 def _any_motion(n: int) -> ndarray:
     """A start of the iteration that takes part in every motion, and is the same in every run."""
-    return np.random.default_rng(0).standard_normal(n)
+    motion = np.random.default_rng(0).standard_normal(n)
+    motion.flags.writeable = False
+    return motion
 
 
 def _floating(unknowns: ndarray, n: int) -> SingularSystem:

@@ -20,7 +20,7 @@ from ..remarks import Remarks
 from ..solvers.threads import single_threaded
 from .activation import Phase, among, begin, check_start, goes_on_otherwise, plan
 from .result import Result, StageResult
-from .setup import build_system
+from .setup import system_of
 from .stage import Stage
 from .supports import as_unknowns
 
@@ -99,7 +99,7 @@ def run(forms: Mapping[str, Any], stages: Sequence[Stage], fixed: ndarray,
                 x, states, released = begin(phase, last)
                 last = replace(last, x=x, states=states)
             if phase.changed or stage is stages[0]:
-                system = build_system(phase.forms, phase.fixed, phase.unknowns, solver)
+                system = system_of(phase.forms, phase.fixed, phase.unknowns, solver)
                 predictor = Predictor(system.fixed)
                 predictor.accept(last.x, last.load, last.time)
             remarks.add(stage.name, "the stage", phase.remarks)
