@@ -45,6 +45,10 @@ class Neighbours(NamedTuple):
         kept = chosen[self.point]
         return self._replace(point=self.point[kept], facet=self.facet[kept])
 
+    def within(self, gap: ndarray, depth: ndarray) -> ndarray:
+        """Points that may be as near as a gap, those that may lie inside as deep as a depth; inf for those of any."""
+        return np.asarray(self.clearance <= np.where(self.outside & (depth < np.inf), gap, np.maximum(depth, gap)))
+
 
 class NeighbourList:
     """Neighbours of some points that are searched anew only after motion that could matter (L. Verlet, 1967).
@@ -80,7 +84,7 @@ class NeighbourList:
         self._list, self._moved = (found, lasts, nodes, points), 0.0
         return found
 
-    def learn(self, chosen: ndarray, distance: ndarray, outside: ndarray) -> None:
+    def learn(self, chosen: ndarray, distance: ndarray, gap: ndarray) -> None:
         """Remember how far points are that have been projected where they are now.
 
         Points that have come no farther than that have not passed the surface: who was outside still is.
@@ -89,15 +93,14 @@ class NeighbourList:
         ----------
         chosen
             A mask, (n_points,).
-        distance, outside
-            Distances of all points from the surface, and whether they lie outside the body; those of the others are
-            not looked at.
+        distance, gap
+            Of all points; those of the others are not looked at.
         """
         assert self._list is not None
         known, at = self._list[0], np.flatnonzero(chosen)
         there = distance[at] - self._moved
         known.clearance[at] = np.maximum(known.clearance[at], there)
-        known.outside[at] |= outside[at] & (there > 0.0)
+        known.outside[at] |= (gap[at] > 0.0) & (gap[at] < np.inf) & (there > 0.0)
 
 
 def _relative_motion(nodes: ndarray, points: ndarray) -> float:

@@ -205,19 +205,17 @@ class ContactPair(Answers):
         bonded = state.status != int(Status.OPEN)
         around = self._neighbours.at(nodes, positions)
         exact = ROUND_OFF * float(np.abs(nodes).max())
-        reach = np.where(around.outside & (depth < np.inf), closing + exact, np.maximum(depth, closing))
-        near = bonded | (around.clearance <= reach)  # the others need not be projected
+        near = bonded | around.within(closing + exact, depth)  # the others need not be projected
 
         def projected(chosen: ndarray) -> Projection:
             return self._sampling.project(points, nodes, positions, depth, state.facet, lock and lock.points,
                                           around.of(chosen))
 
         found = projected(near)
-        self._neighbours.learn(near, found.distance, found.found & (found.gap > 0.0))
+        self._neighbours.learn(near, found.distance, found.gap)
         gap = found.gap - closing
         gap = np.where(np.abs(gap) <= exact, 0.0, gap)
         at = np.flatnonzero(found.found & law.take(points).reaches(gap, state.internal, bonded))
-
         closing_points = points.take(at)
         kinematics = variations(closing_points, self.slave, self.master, found.take(at), slave, nodes,
                                 state.stick.take(at))
