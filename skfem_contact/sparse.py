@@ -61,12 +61,29 @@ class Gathering:
         return with_data(self._pattern, data)
 
     def _find(self, dofs: ndarray) -> None:
-        rows, columns = np.broadcast_arrays(dofs[:, :, None], dofs[:, None, :])
-        self._dofs, self._moving = dofs, (rows >= 0) & (columns >= 0)
-        row = rows[self._moving].astype(np.int64)  # scikit-fem counts in 32 bits, too few for the product
-        entries, self._slots = np.unique(row * self._n + columns[self._moving], return_inverse=True)
+        """Places of the entries: looked for once for all points on the same unknowns, such as those of one facet."""
+        self._dofs = dofs
+        alike, number = _unique_rows(dofs)
+        rows, columns = np.broadcast_arrays(alike[:, :, None], alike[:, None, :])
+        moving = (rows >= 0) & (columns >= 0)
+        row = rows[moving].astype(np.int64)  # scikit-fem counts in 32 bits, too few for the product
+        entries, places = np.unique(row * self._n + columns[moving], return_inverse=True)
+        slots = np.zeros(moving.shape, places.dtype)
+        slots[moving] = places
+        self._moving = moving[number]
+        self._slots = slots[number][self._moving]
         row, column = np.divmod(entries, self._n)
         self._pattern = csr_matrix((np.ones(len(row)), (row, column)), shape=(self._n, self._n))
+
+
+def _unique_rows(numbers: ndarray) -> tuple[ndarray, ndarray]:
+    """Rows that differ, and which of them each row is."""
+    order = np.lexsort(numbers.T)
+    new = np.ones(len(order), bool)
+    new[1:] = (numbers[order[1:]] != numbers[order[:-1]]).any(axis=1)
+    number = np.empty(len(order), int)
+    number[order] = np.cumsum(new) - 1
+    return numbers[order[new]], number
 
 
 class FreeBlock:

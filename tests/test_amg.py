@@ -8,12 +8,16 @@ from importlib.util import find_spec
 
 import numpy as np
 import pytest
+from scipy.sparse import csr_matrix
+from scipy.sparse.linalg import eigsh
 from skfem import Basis, ElementHex1, ElementQuad1, ElementTetP2, ElementVector, MeshHex, MeshQuad, MeshTet
 
 import skfem_contact as sc
 from skfem_contact.solvers import choice, multigrid
 from skfem_contact.solvers.choice import as_solver
 from skfem_contact.solvers.direct import DirectSolver, SingularSystem
+from skfem_contact.solvers.multigrid import AmgSolver
+from skfem_contact.solvers.schur import SchurSolver
 from skfem_contact.unknowns import rigid_modes
 
 needs_pyamg = pytest.mark.skipif(find_spec("pyamg") is None, reason="pyamg is not installed")
@@ -53,32 +57,23 @@ def blocks(n: int = 12, mu: float = 0.3):
 def iterations(monkeypatch):
     """Numbers of iterations of all solutions."""
     counts = []
-    solve = multigrid._Iteration.__call__
+    solve = multigrid._Levels.solve
 
-    def counted(self, b):
-        taken = []
-        levels, self._levels = self._levels, _Counting(self._levels, taken)
-        try:
-            return solve(self, b)
-        finally:
-            self._levels = levels
-            counts.append(sum(taken))
+    def counted(self, *args):
+        x = solve(self, *args)
+        counts.append(self.last)
+        return x
 
-    monkeypatch.setattr(multigrid._Iteration, "__call__", counted)
+    monkeypatch.setattr(multigrid._Levels, "solve", counted)
     return counts
 
 
-class _Counting:
-    """Levels that count the iterations of their solutions."""
-
-    def __init__(self, levels, taken):
-        self._levels, self._taken = levels, taken
-
-    def solve(self, b, **options):
-        residuals = []
-        x = self._levels.solve(b, residuals=residuals, **options)
-        self._taken.append(len(residuals) - 1)
-        return x
+@pytest.fixture
+def levels(monkeypatch):
+    """Numbers of unknowns on the finest level whenever levels are made."""
+    made, built = [], AmgSolver._built
+    monkeypatch.setattr(AmgSolver, "_built", lambda self, A: made.append(A.shape[0]) or built(self, A))
+    return made
 
 
 # -- agreement ------------------------------------------------------------------------------------------------------
@@ -174,17 +169,21 @@ def test_same_twice_and_random_numbers_of_the_user_stay():
 
 
 @needs_pyamg
-def test_levels_are_kept_for_the_same_matrix(monkeypatch):
-    """[X] New values or another symmetry make new levels, a copy does not."""
-    basis, forms, fixed = cantilever(2)
-    K, free = forms["beam"].elastic_stiffness, free_of(basis, fixed)
+def test_levels_are_kept_while_they_serve(levels, iterations):
+    """[X] New values alone make no new levels; contact that closes does, once solutions take many more iterations."""
+    basis, forms, fixed = cantilever(3)
+    K, free, b = forms["beam"].elastic_stiffness, free_of(basis, fixed), sc.weight(basis, 1.0)
     solver = as_solver("amg", basis.doflocs, free)
-    made = []
-    prepared = solver._prepared
-    monkeypatch.setattr(solver, "_prepared", lambda A, symmetric: made.append(symmetric) or prepared(A, symmetric))
     for matrix, symmetric in ((K, True), (K.copy(), True), (2.0 * K, True), (2.0 * K, False)):
-        solver.factor(matrix, symmetric)
-    assert made == [True, True, False]
+        solver.factor(matrix, symmetric)(b)
+    assert len(levels) == 1
+    other = np.flatnonzero(basis.doflocs[0] > 1.0)
+    spring = csr_matrix((np.full(len(other), 1e6), (other, other)), shape=K.shape)  # a hundred times as stiff
+    for matrix in (K + spring, K + spring, K + spring):
+        solver.factor(matrix, True)(b)
+    first, worn, new = iterations[0], iterations[4], iterations[6]
+    assert len(levels) == 2
+    assert worn > first + multigrid.KEPT > new
 
 
 def test_rigid_modes_meet_no_resistance():
@@ -259,22 +258,36 @@ def chosen(forms, basis, fixed, solver=None):
 
 @needs_pyamg
 def test_choice(monkeypatch, caplog):
-    """Multigrid is for large elastic bodies in space alone, and what solves is told."""
+    """Multigrid is for large bodies in space alone, by what is installed beside it, and what solves is told."""
     basis, forms, fixed = cantilever(3)
-    soil = cantilever(3, material=sc.MohrCoulomb(E=1e4, nu=0.3, c=20.0, phi=30.0, psi=30.0))[1]
+    soil = cantilever(3, material=sc.MohrCoulomb(E=1e4, nu=0.3, c=20.0, phi=30.0, psi=0.0))[1]
     assert isinstance(chosen(forms, basis, fixed), DirectSolver)  # small
-    monkeypatch.setattr(multigrid, "LARGE", 200)
+    monkeypatch.setattr(multigrid, "PER_ITERATION", {"pardiso": 1, "superlu": 1})
     with caplog.at_level(logging.INFO, logger="skfem_contact"):
         assert isinstance(chosen(forms, basis, fixed), multigrid.AmgOrDirect)
     assert [r.getMessage() for r in caplog.records] == ["linear solver: algebraic multigrid (pyamg)"]
     assert isinstance(chosen(forms, basis, fixed, "superlu"), DirectSolver)  # as it was told
-    assert isinstance(chosen(soil, basis, fixed), DirectSolver)  # it may yield
+    assert isinstance(chosen(soil, basis, fixed), multigrid.AmgOrDirect)  # it may yield, and has no symmetric tangent
     plane, _, held = blocks()
-    flat = plane["blocks"].basis
-    assert not isinstance(chosen(plane, flat, held), multigrid.AmgOrDirect)
-    assert isinstance(chosen({"blocks": plane["blocks"]}, flat, held), DirectSolver)
-    monkeypatch.setitem(sys.modules, "pyamg", None)
-    assert isinstance(chosen(forms, basis, fixed), DirectSolver)
+    assert not isinstance(chosen(plane, plane["blocks"].basis, held)._solver, multigrid.AmgOrDirect)
+    monkeypatch.setitem(multigrid.PER_ITERATION, "superlu", 20)
+    monkeypatch.setattr(choice, "fastest_engine", lambda: "superlu")
+    assert isinstance(chosen(forms, basis, fixed), DirectSolver)  # less than 20 iterations would pay
+    monkeypatch.setitem(multigrid.PER_ITERATION, "superlu", 1)
+    monkeypatch.setattr(multigrid, "find_spec", lambda name: None)
+    assert isinstance(chosen(forms, basis, fixed), DirectSolver)  # no pyamg
+
+
+@needs_pyamg
+def test_choice_of_bodies_in_contact(monkeypatch):
+    """Elastic ones in contact are factored once, but very large ones."""
+    forms, basis, fixed = cubes()
+    monkeypatch.setattr(multigrid, "PER_ITERATION", {"pardiso": 1, "superlu": 1})
+    kept = chosen(forms, basis, fixed)
+    assert isinstance(kept, SchurSolver)
+    assert isinstance(kept._solver, multigrid.AmgOrDirect)
+    monkeypatch.setattr(choice, "FACTORED_ONCE", 100)
+    assert isinstance(chosen(forms, basis, fixed), multigrid.AmgOrDirect)
 
 
 @needs_pyamg
@@ -283,11 +296,96 @@ def test_direct_solver_takes_over(monkeypatch, caplog):
     basis, forms, fixed = cantilever(3)
     stages = [sc.Stage(name, sc.weight(basis, gamma)) for name, gamma in (("one", 10.0), ("two", 20.0))]
     expected = sc.run(forms, stages, fixed)
-    monkeypatch.setattr(multigrid, "LARGE", 200)
-    monkeypatch.setattr(multigrid, "MOST", 1)
+    monkeypatch.setattr(multigrid, "PER_ITERATION", {"pardiso": 200, "superlu": 200})  # two iterations would pay
+    monkeypatch.setattr(multigrid, "FEWEST", 1)
     with caplog.at_level(logging.INFO, logger="skfem_contact"):
         result = sc.run(forms, stages, fixed)
     np.testing.assert_array_equal(result[-1].x, expected[-1].x)
     told = [r.getMessage() for r in caplog.records]
     assert sum("multigrid does not converge" in line for line in told) == 1
     assert sum(line.startswith("linear solver:") for line in told) == 2
+
+
+# -- contact in space -----------------------------------------------------------------------------------------------
+
+
+def cubes(n: int = 5, mu: float = 0.0, ratio: float = 10.0):
+    """A cube on another one of a coarser mesh, held at bottom and top, with a penalty of so many times E/h."""
+    def cube(m, low):
+        mesh = MeshHex.init_tensor(*2 * [np.linspace(0, 1, m + 1)], np.linspace(low, low + 1, m + 1))
+        return mesh.with_boundaries({"bottom": lambda x: x[2] == low, "top": lambda x: x[2] == low + 1})
+
+    basis = Basis(sc.join_bodies({"lower": cube(n - 1, 0), "upper": cube(n, 1)}), ElementVector(ElementHex1()),
+                  intorder=2)  # fmt: skip
+    pair = sc.ContactPair(basis, "upper:bottom", "lower:top", sc.Coulomb(mu=mu), 2, penalty=ratio * 1e4 * n)
+    forms = {"cubes": sc.SolidForm(basis, ELASTIC, sc.three_dimensional), "joint": pair}
+    return forms, basis, basis.get_dofs({"lower:bottom", "upper:top"}).all()
+
+
+def pressed(forms, basis, sideways: float = 0.0):
+    """Tangent of the upper cube in the lower one, displaced sideways."""
+    upper, x = basis.get_dofs(elements="upper"), basis.zeros()
+    x[upper.all("u^3")], x[upper.all("u^1")] = -1e-6, sideways
+    return sum(form.assemble(x, form.initial_state()).stiffness for form in forms.values())
+
+
+@needs_pyamg
+@pytest.mark.parametrize("mu, sideways", [(0.0, 0.0), (10.0, 1e-7), (0.3, 1e-5)], ids=["closed", "stick", "slip"])
+def test_contact_costs_few_iterations(mu, sideways, iterations, rng):
+    """[N] From the softest penalty to one a thousand times as hard, and against the bodies alone."""
+    forms, basis, fixed = cubes()
+    free, b = free_of(basis, fixed), rng.standard_normal(basis.N)
+    AmgSolver(basis.doflocs, free).factor(forms["cubes"].elastic_stiffness, symmetric=True)(b)
+    for ratio in (1.0, 30.0, 1000.0):
+        forms = cubes(mu=mu, ratio=ratio)[0]
+        K = pressed(forms, basis, sideways)
+        solver = AmgSolver(basis.doflocs, free, forms["joint"].changing)
+        x = solver.factor(K, symmetric=mu == 0.0)(b)
+        expected = DirectSolver(basis.doflocs, free, "superlu").factor(K)(b)
+        np.testing.assert_allclose(x, expected, atol=10 * SAME * np.abs(expected).max())  # hard penalties cost digits
+    alone, *together = iterations
+    assert max(together) <= 1.2 * min(together) + 1  # of so few, one is a tenth
+    assert max(together) <= (1.2 if mu == 10.0 else 1.6) * alone  # blocks that slide on each other are less stiff
+
+
+@needs_pyamg
+def test_indefinite_tangent(iterations, rng):
+    """[N] Surfaces pressed far into each other have a tangent that is not definite: FGMRES takes over."""
+    forms, basis, fixed = cubes(ratio=100.0)
+    K, free, b = pressed(forms, basis), free_of(basis, fixed), rng.standard_normal(basis.N)
+    inside = basis.get_dofs(elements="upper").all("u^3")
+    K = K - csr_matrix((np.full(len(inside), 160.0), (inside, inside)), shape=K.shape)
+    assert eigsh(K[free][:, free], 1, which="SA")[0][0] < 0.0
+    x = AmgSolver(basis.doflocs, free, forms["joint"].changing).factor(K, symmetric=True)(b)
+    expected = DirectSolver(basis.doflocs, free, "superlu").factor(K)(b)
+    np.testing.assert_allclose(x, expected, atol=10 * SAME * np.abs(expected).max())  # its condition is worse
+
+
+@needs_pyamg
+def test_worn_levels_are_made_anew(levels):
+    """Where levels of another tangent lead nowhere, new ones do."""
+    forms, basis, fixed = cubes()
+    K, b = pressed(forms, basis), sc.weight(basis, 20.0)
+    solver = AmgSolver(basis.doflocs, free_of(basis, fixed), most=40)
+    solver.factor(forms["cubes"].elastic_stiffness, symmetric=True)(b)
+    x = solver.factor(K, symmetric=True)(b)
+    expected = DirectSolver(basis.doflocs, free_of(basis, fixed), "superlu").factor(K)(b)
+    np.testing.assert_allclose(x, expected, atol=SAME * np.abs(expected).max())
+    assert len(levels) == 2
+
+
+@needs_pyamg
+def test_another_library_as_given_solver():
+    """[N] `solver=` takes any function (A, b) -> x: pyamg's own, as PETSc's would be, solves contact in space."""
+    from pyamg import smoothed_aggregation_solver
+
+    def solve(A, b):
+        return smoothed_aggregation_solver(A).solve(b, tol=1e-10, maxiter=500, accel="cg")
+
+    forms, basis, fixed = cubes(3)
+    x = basis.zeros()
+    x[basis.get_dofs("upper:top").all("u^3")] = -1e-2
+    stage = sc.Stage("pressed", basis.zeros(), prescribed=x)
+    given, direct = (sc.run(forms, [stage], fixed, solver=solver)[-1] for solver in (solve, "superlu"))
+    assert given.iterations == direct.iterations
+    np.testing.assert_allclose(given.x, direct.x, atol=SAME * np.abs(direct.x).max())

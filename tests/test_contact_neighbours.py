@@ -64,7 +64,7 @@ def test_a_segment_that_is_torn_leaves_the_others_their_neighbours(element: str,
     torn[len(torn) // 2] += (0.0, 40.0)
     found = NeighbourList(surface).at(torn, points)
     n, m = len(points), len(surface.facets)
-    everything = Neighbours(np.repeat(np.arange(n), m), np.tile(np.arange(m), n), np.zeros(n))
+    everything = Neighbours(np.repeat(np.arange(n), m), np.tile(np.arange(m), n), np.zeros(n), np.zeros(n, bool))
     one = project(surface, torn, points, np.full(n, np.inf), among=found)
     other = project(surface, torn, points, np.full(n, np.inf), among=everything)
     np.testing.assert_allclose(one.gap, other.gap, rtol=0, atol=1e-11)  # what polishing leaves
@@ -80,3 +80,18 @@ def test_points_without_neighbours_are_not_projected() -> None:
         where = project(line, line.nodes, points, np.ones(2), among=found.of(np.array(chosen)))
         assert where.found.tolist() == chosen
         assert np.isinf(where.gap).tolist() == [not c for c in chosen]
+
+
+def test_points_known_to_lie_outside() -> None:
+    """What has been projected outside is not near until it could have come near; what is inside always is."""
+    line = sc.rigid_line((0.0, 0.0), (1.0, 0.0))
+    around, points = NeighbourList(line), np.array([[0.25, 0.05], [0.75, -0.05], [0.5, 0.05]])
+    gap, depth = np.zeros(3), np.full(3, 0.1)
+    assert around.at(line.nodes, points).within(gap, depth).all()  # nothing is known yet
+    found = project(line, line.nodes, points, np.full(3, np.inf))
+    around.learn(np.array([True, True, False]), found.distance, found.gap)
+    assert around.at(line.nodes, points).within(gap, depth).tolist() == [False, True, True]
+    assert around.at(line.nodes, points).within(gap, np.full(3, np.inf)).all()  # a law that reaches any distance
+    down = points - np.array([[0.04 * y] for y in (1.0, 0.0, 0.0)]) * (0.0, 1.0)
+    assert not around.at(line.nodes, down).within(gap, depth)[0]
+    assert around.at(line.nodes, points - [0.0, 0.06]).within(gap, depth).all()

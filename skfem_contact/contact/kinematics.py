@@ -19,7 +19,7 @@ motion relative to a frame that turns with the facet.
 """
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy import ndarray
@@ -30,6 +30,9 @@ from ..surfaces.vectors import askew, frame, inverse, lift, outer, products, spr
 from .joints import Joints
 from .quadrature import SlavePoints
 from .search import Projection
+
+#: Order of the products of three arrays, which einsum would look for in every call.
+_FROM_BEHIND: Any = ["einsum_path", (1, 2), (0, 1)]
 
 
 class Kinematics(NamedTuple):
@@ -225,7 +228,7 @@ def _tangential_part(kinematics: Kinematics, t: ndarray) -> ndarray:
     by_frame = np.einsum("nc,nacm->nam", t, da)
     if (spin := _spin(on, n, frame(n, on.direction), dn)) is not None:
         by_frame += np.einsum("nac,nc->na", a, np.cross(n, t))[:, :, None] * spin[:, None]
-    p = np.einsum("nab,nbc,nc->na", on.operator, a, t, optimize=True)  # contravariant, for the operator m - g h
+    p = np.einsum("nab,nbc,nc->na", on.operator, a, t, optimize=_FROM_BEHIND)  # contravariant, for the operator m - g h
     P, dP = np.einsum("na,nac->nc", p, a), np.einsum("na,nacm->ncm", p, da)
     beta, rho2p = np.einsum("na,nak->nk", p, on.beta), np.einsum("na,nabc->nbc", p, rho2)
     gamma = np.zeros_like(on.beta)
@@ -233,7 +236,7 @@ def _tangential_part(kinematics: Kinematics, t: ndarray) -> ndarray:
     bent = lift(gamma, n[:, None])
     K = (outer(lift(beta[:, None], n[:, None])[:, 0], kinematics.work[:, 0]) + spread(on.alpha, dP)
          + g * spread(beta, dn) + (g * bent - lift(on.beta, P[:, None])).transpose(0, 2, 1) @ Xi)
-    rho3 = np.einsum("na,nabcd,nd->nbc", p, on.place.x[3], n, optimize=True)
+    rho3 = np.einsum("na,nabcd,nd->nbc", p, on.place.x[3], n, optimize=_FROM_BEHIND)
     d_operator = (np.einsum("nacm,nc->nam", da, P) + np.einsum("ncm,nac->nam", dP, a)
                   - np.einsum("na,nab->nb", p, on.curvature)[:, :, None] * kinematics.work[:, :1]
                   - g * (rho2p @ dn + bent + rho3 @ Xi))

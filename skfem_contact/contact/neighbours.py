@@ -1,7 +1,7 @@
 """Which facets of a surface may be the closest to a point: found once, and kept while little moves."""
 from __future__ import annotations
 
-from itertools import product
+from itertools import chain, product
 from typing import NamedTuple
 
 import numpy as np
@@ -10,11 +10,16 @@ from scipy.spatial import cKDTree
 
 from ..surfaces.shape import Shape
 from ..surfaces.surface import Surface
+from ..surfaces.vectors import across, dot, inverse, products, unit
 
 #: Motion, as a share of the spacing of the samples, for which a list of neighbours lasts.
 _SLACK = 0.25
 #: Samples a side of a typical facet, in the plane and in space: half as many would make 3 times as many candidates.
 _SAMPLES = {2: 1, 3: 2}
+_AT_ONCE = 10_000  # points whose samples are in memory, some hundred each
+#: Share of a facet's size by which a point that is frozen on it may be beyond it.
+FROZEN = 0.25
+ON_FACET = 1e-9  # round-off of xi at a joint
 
 
 class Neighbours(NamedTuple):
@@ -26,16 +31,23 @@ class Neighbours(NamedTuple):
         The pairs, ordered.
     clearance
         No part of the surface, beyond its rim included, is nearer to the point than this, (n_points,).
+    outside
+        Whether the point is known to lie outside the body, (n_points,).
     """
 
     point: ndarray
     facet: ndarray
     clearance: ndarray
+    outside: ndarray
 
     def of(self, chosen: ndarray) -> Neighbours:
         """Those of the points that a mask, (n_points,), chooses."""
         kept = chosen[self.point]
-        return Neighbours(self.point[kept], self.facet[kept], self.clearance)
+        return self._replace(point=self.point[kept], facet=self.facet[kept])
+
+    def within(self, gap: ndarray, depth: ndarray) -> ndarray:
+        """Points that may be as near as a gap, those that may lie inside as deep as a depth; inf for those of any."""
+        return np.asarray(self.clearance <= np.where(self.outside & (depth < np.inf), gap, np.maximum(depth, gap)))
 
 
 class NeighbourList:
@@ -58,19 +70,37 @@ class NeighbourList:
     """
 
     def __init__(self, surface: Surface) -> None:
-        self._surface = surface
+        self._surface, self._moved = surface, 0.0
         self._list: tuple[Neighbours, float, ndarray, ndarray] | None = None
 
     def at(self, nodes: ndarray, points: ndarray) -> Neighbours:
         """Neighbours where the nodes of the surface and the points are now."""
         if self._list is not None and len(points) == len(self._list[3]):
             found, lasts, *places = self._list
-            moved = _relative_motion(nodes - places[0], points - places[1])
-            if moved <= lasts:
-                return found._replace(clearance=found.clearance - moved)
+            self._moved = _relative_motion(nodes - places[0], points - places[1])
+            if self._moved <= lasts:
+                return found._replace(clearance=found.clearance - self._moved)
         found, lasts = neighbours(self._surface, nodes, points, _SLACK)
-        self._list = found, lasts, nodes, points
+        self._list, self._moved = (found, lasts, nodes, points), 0.0
         return found
+
+    def learn(self, chosen: ndarray, distance: ndarray, gap: ndarray) -> None:
+        """Remember how far points are that have been projected where they are now.
+
+        Points that have come no farther than that have not passed the surface: who was outside still is.
+
+        Parameters
+        ----------
+        chosen
+            A mask, (n_points,).
+        distance, gap
+            Of all points; those of the others are not looked at.
+        """
+        assert self._list is not None
+        known, at = self._list[0], np.flatnonzero(chosen)
+        there = distance[at] - self._moved
+        known.clearance[at] = np.maximum(known.clearance[at], there)
+        known.outside[at] |= (gap[at] > 0.0) & (gap[at] < np.inf) & (there > 0.0)
 
 
 def _relative_motion(nodes: ndarray, points: ndarray) -> float:
@@ -102,10 +132,66 @@ def neighbours(surface: Surface, nodes: ndarray, points: ndarray, slack: float =
     stretch = np.maximum(1.0, gap / spacing)
     margin, motion = 0.75 * np.sqrt(surface.dim - 1) * spacing * stretch, slack * spacing
     row, sample, distance = _nearest(samples, points, margin[facet] + 2.0 * motion)
-    point, neighbour = np.divmod(np.unique(row * m + facet[sample]), m)
+    pair = row * m + facet[sample]
+    pair = pair[np.diff(pair, prepend=-1) != 0]  # samples of a facet follow each other
+    point, neighbour = np.divmod(np.unique(pair), m)
+    if surface.dim == 3:
+        flat = Flat.of(surface, nodes)
+        foot = flat.foot(surface.shape, neighbour, points[point])
+        kept = promising(surface, nodes, flat, points[point], point, neighbour, foot,
+                         2.0 * motion + FROZEN * surface.size[neighbour])
+        point, neighbour = point[kept], neighbour[kept]
     last = length[surface.at_rim.any(axis=1)].max(initial=0.0)
     beyond = surface.extension * stretch.max() * (last + spacing)
-    return Neighbours(point, neighbour, distance - margin.max() - beyond), motion
+    return Neighbours(point, neighbour, distance - margin.max() - beyond, np.zeros(len(points), bool)), motion
+
+
+class Flat(NamedTuple):
+    """Facets as seen from their centres: places (m, dim), tangents (m, dim - 1, dim) and their inverse metric."""
+
+    centre: ndarray
+    tangents: ndarray
+    inverse: ndarray
+
+    @classmethod
+    def of(cls, surface: Surface, nodes: ndarray) -> Flat:
+        """Those of a surface whose nodes lie there."""
+        shape, places = surface.shape, nodes[surface.facets]
+        m = len(places)
+        facet = np.arange(m) if len(shape.coefficients) > 1 else np.zeros(1, int)
+        M = shape.at(facet, np.tile(shape.centre, (len(facet), 1)), 1)
+        tangents = np.broadcast_to(M[1], (m, *M[1].shape[1:])) @ places
+        return cls(np.einsum("nk,nkc->nc", np.broadcast_to(M[0], (m, M[0].shape[1])), places), tangents,
+                   inverse(products(tangents, tangents)))
+
+    def foot(self, shape: Shape, facet: ndarray, points: ndarray) -> ndarray:
+        """Local coordinates of the orthogonal projections, (n, dim - 1): exact where the facets are affine."""
+        along = (self.tangents[facet] @ (points - self.centre[facet])[:, :, None])
+        return np.asarray(shape.centre + (self.inverse[facet] @ along)[:, :, 0])
+
+
+def promising(surface: Surface, nodes: ndarray, flat: Flat, points: ndarray, row: ndarray, facet: ndarray,
+              foot: ndarray, slack: ndarray | float = 0.0) -> ndarray:
+    """Which pairs (point, facet) in space may be the closest, as far as flat facets tell.
+
+    No facet with the distance of its flat image, less the largest distance between the two and a slack, beyond that of
+    some place on another one is the closest.
+    """
+    shape = surface.shape
+    places = flat.centre[:, None] + (shape.nodes - shape.centre) @ flat.tangents
+    bulge = np.sqrt(((places - nodes[surface.facets]) ** 2).sum(axis=2).max(axis=1))
+    reach = 2.0 * surface.extension * surface.at_rim
+    slope = np.sqrt(np.einsum("sa,nab,sb->ns", shape.outward, flat.inverse, shape.outward, optimize=True))
+    aside = ((shape.beyond(foot) - reach[facet]) / slope[facet]).max(axis=1)
+    height = dot(points - flat.centre[facet], unit(across(flat.tangents))[facet])
+    least = np.sqrt(height**2 + np.maximum(aside, 0.0) ** 2) - 2.0 * bulge[facet] - slack
+    inside = np.clip(foot, shape.corners.min(axis=0), shape.corners.max(axis=0))
+    if shape.triangular:
+        inside /= np.maximum(inside.sum(axis=1), 1.0)[:, None]
+    x = surface.at(facet, inside, nodes, 0).x[0]
+    most = np.full(row.max(initial=-1) + 1, np.inf)
+    np.minimum.at(most, row, np.sqrt(dot(points - x, points - x)))
+    return np.asarray(least <= most[row] * (1.0 + ON_FACET) + ON_FACET * surface.size[facet])
 
 
 def _longest_side(surface: Surface) -> ndarray:
@@ -139,16 +225,18 @@ def _lattice(shape: Shape, n: int) -> tuple[ndarray, ndarray]:
 
 
 def _nearest(samples: ndarray, points: ndarray, margin: ndarray) -> tuple[ndarray, ndarray, ndarray]:
-    """Pairs (point, sample) of all samples at most their margin farther away than the nearest one, and its distance."""
-    tree, k, largest = cKDTree(samples), 4, margin.max()
-    left, nearest, pairs = np.arange(len(points)), np.zeros(len(points)), []
-    while len(left):
-        k = min(2 * k, len(samples))
-        distance, sample = (np.reshape(found, (len(left), k)) for found in tree.query(points[left], k))
-        nearest[left] = distance[:, 0]
-        done = (distance[:, -1] > distance[:, 0] + largest) | (k == len(samples))
-        near = done[:, None] & (distance <= distance[:, :1] + margin[sample])
-        pairs.append((left[np.nonzero(near)[0]], sample[near]))
-        left = left[~done]
+    """Pairs (point, sample) of all samples at most their margin farther away than the nearest one, and its distance.
+
+    They are ordered by points and samples.
+    """
+    tree, pairs = cKDTree(samples), []
+    nearest = np.asarray(tree.query(points)[0])
+    for some in np.array_split(np.arange(len(points)), len(points) // _AT_ONCE + 1):
+        around = tree.query_ball_point(points[some], nearest[some] + margin.max(), return_sorted=True)
+        row = np.repeat(some, [len(one) for one in around])
+        sample = np.fromiter(chain.from_iterable(around), int, len(row))
+        offset = points[row] - samples[sample]
+        near = np.sqrt(dot(offset, offset)) <= nearest[row] + margin[sample]
+        pairs.append((row[near], sample[near]))
     rows, found = (np.concatenate(part) for part in zip(*pairs, strict=True))
     return rows, found, nearest

@@ -204,18 +204,18 @@ class ContactPair(Answers):
         closing = state.offset - points.at(state.multiplier[0]) / penalties[0]
         bonded = state.status != int(Status.OPEN)
         around = self._neighbours.at(nodes, positions)
-        near = bonded | (around.clearance <= np.maximum(depth, closing))  # the others need not be projected
+        exact = ROUND_OFF * float(np.abs(nodes).max())
+        near = bonded | around.within(closing + exact, depth)  # the others need not be projected
 
         def projected(chosen: ndarray) -> Projection:
             return self._sampling.project(points, nodes, positions, depth, state.facet, lock and lock.points,
                                           around.of(chosen))
 
         found = projected(near)
+        self._neighbours.learn(near, found.distance, found.gap)
         gap = found.gap - closing
-        exact = ROUND_OFF * float(np.abs(nodes).max())
         gap = np.where(np.abs(gap) <= exact, 0.0, gap)
         at = np.flatnonzero(found.found & law.take(points).reaches(gap, state.internal, bonded))
-
         closing_points = points.take(at)
         kinematics = variations(closing_points, self.slave, self.master, found.take(at), slave, nodes,
                                 state.stick.take(at))

@@ -8,20 +8,17 @@ import numpy as np
 from numpy import ndarray
 
 from ..surfaces.material_points import MaterialPoints
-from ..surfaces.shape import Shape
 from ..surfaces.surface import Surface
-from ..surfaces.vectors import across, determinant, dot, inverse, products, solve, unit
-from .neighbours import Neighbours, neighbours
+from ..surfaces.vectors import determinant, dot, products, solve
+from .neighbours import FROZEN, ON_FACET, Flat, Neighbours, neighbours, promising
 from .sides import normals_at_joint, on_ends, on_sides, side_of_joint
 
 #: Hysteresis: at a joint that turns by less than a degree, a point leaves the facet that it had in the accepted
-#: state only beyond this share of its size, lest nodes that face each other chatter between two facets.
+#: state only beyond this share of its size, lest nodes that face each other chatter between two facets; one that is
+#: frozen, whatever the angle, beyond the share FROZEN.
 HYSTERESIS = 0.01
-#: ... and one that is frozen, whatever the angle, beyond this share.
-FROZEN = 0.25
 _STRAIGHT = np.cos(np.deg2rad(1.0))
 _SMOOTH = 1e-12  # sine of the angle at a joint without one
-_ON_FACET = 1e-9  # round-off of xi at a joint
 _NEWTON_STEPS = 25
 _ROUND_OFF = 16 * np.finfo(float).eps  # ... of xi where the coordinates are as large as the facet
 _BEYOND = 0.3  # share of its width by which a curved facet is followed beyond its sides: farther than locked points go
@@ -42,6 +39,8 @@ class Projection(NamedTuple):
         What the closest point lies on: 0 the facet; the number of its side, from 1, or one more than there are sides
         for a corner, where there is no orthogonal projection on either facet.  The ends of facets in the plane are
         sides.
+    distance
+        From the surface, no matter on which facet a point is to stay, (n,); inf where nothing is near.
     """
 
     found: ndarray
@@ -49,6 +48,7 @@ class Projection(NamedTuple):
     xi: ndarray
     gap: ndarray
     feature: ndarray
+    distance: ndarray
 
     def take(self, chosen: ndarray) -> Projection:
         """Some of the points."""
@@ -87,14 +87,14 @@ def project(surface: Surface, nodes: ndarray, points: ndarray, depth: ndarray,
     """
     n = len(points)
     result = Projection(np.zeros(n, bool), np.zeros(n, int), np.zeros((n, surface.dim - 1)), np.full(n, np.inf),
-                        np.zeros(n, int))
-    row, facet, _ = among or neighbours(surface, nodes, points)[0]
+                        np.zeros(n, int), np.full(n, np.inf))
+    row, facet, *_ = among or neighbours(surface, nodes, points)[0]
     accepted = np.full(n, -1) if previous is None else previous
     held = np.zeros(n, bool) if frozen is None else frozen
-    flat = _Flat.of(surface, nodes)
+    flat = Flat.of(surface, nodes)
     foot = flat.foot(surface.shape, facet, points[row])
     if surface.dim == 3:
-        kept = _promising(surface, nodes, flat, points[row], row, facet, foot) | (facet == accepted[row])
+        kept = promising(surface, nodes, flat, points[row], row, facet, foot) | (facet == accepted[row])
         row, facet, foot = row[kept], facet[kept], foot[kept]
     foot = _foot(surface, nodes, points[row], facet, foot)
     beyond = surface.shape.beyond(foot)
@@ -102,6 +102,7 @@ def project(surface: Surface, nodes: ndarray, points: ndarray, depth: ndarray,
     xi, feature, off = _on_facets(surface, nodes, points[row], facet, foot, beyond, stays)
     offset = points[row] - surface.at(facet, xi, nodes, 0).x[0]
     distance = np.sqrt(dot(offset, offset))
+    np.minimum.at(result.distance, row, distance)
     best = _first_minimum(row, distance - _preferred(surface, facet, beyond, feature > 0, stays) * surface.size[facet])
     # what is closest decides: off the rim, or too deep, there is no contact with anything farther
     best = best[~off[best]]
@@ -120,53 +121,6 @@ def merged(near: ndarray, found: Projection, projected: Callable[[ndarray], Proj
         return found
     return Projection(*(np.where(near.reshape(-1, *(1,) * (a.ndim - 1)), a, b)
                         for a, b in zip(found, projected(~near), strict=True)))
-
-
-class _Flat(NamedTuple):
-    """Facets as seen from their centres: places (m, dim), tangents (m, dim - 1, dim) and their inverse metric."""
-
-    centre: ndarray
-    tangents: ndarray
-    inverse: ndarray
-
-    @classmethod
-    def of(cls, surface: Surface, nodes: ndarray) -> _Flat:
-        shape, places = surface.shape, nodes[surface.facets]
-        m = len(places)
-        facet = np.arange(m) if len(shape.coefficients) > 1 else np.zeros(1, int)
-        M = shape.at(facet, np.tile(shape.centre, (len(facet), 1)), 1)
-        tangents = np.broadcast_to(M[1], (m, *M[1].shape[1:])) @ places
-        return cls(np.einsum("nk,nkc->nc", np.broadcast_to(M[0], (m, M[0].shape[1])), places), tangents,
-                   inverse(products(tangents, tangents)))
-
-    def foot(self, shape: Shape, facet: ndarray, points: ndarray) -> ndarray:
-        """Local coordinates of the orthogonal projections, (n, dim - 1): exact where the facets are affine."""
-        along = (self.tangents[facet] @ (points - self.centre[facet])[:, :, None])
-        return np.asarray(shape.centre + (self.inverse[facet] @ along)[:, :, 0])
-
-
-def _promising(surface: Surface, nodes: ndarray, flat: _Flat, points: ndarray, row: ndarray, facet: ndarray,
-               foot: ndarray) -> ndarray:
-    """Which pairs (point, facet) may be the closest, as far as flat facets tell.
-
-    No facet with the distance of its flat image, less the largest distance between the two, beyond that of some place
-    on another one is the closest.
-    """
-    shape = surface.shape
-    places = flat.centre[:, None] + (shape.nodes - shape.centre) @ flat.tangents
-    bulge = np.sqrt(((places - nodes[surface.facets]) ** 2).sum(axis=2).max(axis=1))
-    reach = 2.0 * surface.extension * surface.at_rim
-    slope = np.sqrt(np.einsum("sa,nab,sb->ns", shape.outward, flat.inverse, shape.outward, optimize=True))
-    aside = ((shape.beyond(foot) - reach[facet]) / slope[facet]).max(axis=1)
-    height = dot(points - flat.centre[facet], unit(across(flat.tangents))[facet])
-    least = np.sqrt(height**2 + np.maximum(aside, 0.0) ** 2) - 2.0 * bulge[facet]
-    inside = np.clip(foot, shape.corners.min(axis=0), shape.corners.max(axis=0))
-    if shape.triangular:
-        inside /= np.maximum(inside.sum(axis=1), 1.0)[:, None]
-    x = surface.at(facet, inside, nodes, 0).x[0]
-    most = np.full(row.max(initial=-1) + 1, np.inf)
-    np.minimum.at(most, row, np.sqrt(dot(points - x, points - x)))
-    return np.asarray(least <= most[row] * (1.0 + _ON_FACET) + _ON_FACET * surface.size[facet])
 
 
 def _foot(surface: Surface, nodes: ndarray, points: ndarray, facet: ndarray, xi: ndarray) -> ndarray:
@@ -204,7 +158,7 @@ def _on_facets(surface: Surface, nodes: ndarray, points: ndarray, facet: ndarray
                stays: ndarray) -> tuple[ndarray, ndarray, ndarray]:
     """Closest points on candidates: feet, or places on the sides beyond which they lie; as :func:`on_sides`."""
     rim = surface.at_rim[facet]
-    limit = np.where(rim, 2.0 * surface.extension, np.maximum(2.0 * stays, _ON_FACET))
+    limit = np.where(rim, 2.0 * surface.extension, np.maximum(2.0 * stays, ON_FACET))
     xi, feature, off = foot.copy(), np.zeros(len(facet), int), np.zeros(len(facet), bool)
     out = np.flatnonzero(np.any(beyond > limit, axis=1))
     on_them = on_ends if surface.dim == 2 else on_sides
@@ -241,8 +195,8 @@ def _preferred(surface: Surface, facet: ndarray, beyond: ndarray, outside: ndarr
 
     Neither round-off nor the order of the search decides at a joint: the facet before it does.
     """
-    tied = (np.abs(beyond) <= _ON_FACET) | (outside[:, None] & (beyond > 0))
-    ties = np.where(tied, _ON_FACET * _rank(surface, facet), 0.0).max(axis=1)
+    tied = (np.abs(beyond) <= ON_FACET) | (outside[:, None] & (beyond > 0))
+    ties = np.where(tied, ON_FACET * _rank(surface, facet), 0.0).max(axis=1)
     return np.where(outside, ties, np.maximum(stays.max(axis=1), ties))
 
 

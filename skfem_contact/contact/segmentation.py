@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy import ndarray
@@ -57,13 +57,23 @@ class Sampling:
 
     def points(self, cuts: ndarray) -> SlavePoints:
         """The points between cuts."""
-        if self.rule == "segments" and self.slave.dim == 3:
-            facet, xi, weight, facing = np.split(cuts, [1, 3, 4], axis=1)
-            points = SlavePoints.on(self.slave, facet[:, 0].astype(int), xi, weight[:, 0])
-            return replace(points, facing=facing[:, 0].astype(int))
-        if self.rule == "segments":
+        if self.rule != "segments":
+            return self._everywhere
+        if self._last[0] is not cuts:
+            self._last[:] = cuts, self._between(cuts)
+        return self._last[1]
+
+    def _between(self, cuts: ndarray) -> SlavePoints:
+        if self.slave.dim == 2:
             return between(self.slave, cuts, self.slave.facets.shape[1] + 1)
-        return self._everywhere
+        facet, xi, weight, facing = np.split(cuts, [1, 3, 4], axis=1)
+        points = SlavePoints.on(self.slave, facet[:, 0].astype(int), xi, weight[:, 0])
+        return replace(points, facing=facing[:, 0].astype(int))
+
+    @cached_property
+    def _last(self) -> list[Any]:
+        """Cuts that were asked for last, and their points."""
+        return [None, None]
 
     @cached_property
     def _everywhere(self) -> SlavePoints:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
+from functools import lru_cache
 from typing import Protocol
 
 import numpy as np
@@ -172,16 +173,21 @@ class DirectSolver:
         return FreeBlock(self._free[self._engine.order(graph, self._locations[:, self._free])])
 
 
+def fastest_engine() -> str:
+    """Name of the fastest engine that is installed."""
+    try:
+        Pardiso()
+    except ImportError:
+        return "superlu"
+    return "pardiso"
+
+
 def _engine(name: str | None) -> Engine:
     """The engine of that name, or the fastest that is installed."""
-    if name is not None:
-        if name not in ENGINES:
-            raise ValueError(f"there is no engine {name!r}; there are {', '.join(ENGINES)}")
-        return ENGINES[name]()
-    try:
-        return Pardiso()
-    except ImportError:
-        return SuperLU()
+    name = name or fastest_engine()
+    if name not in ENGINES:
+        raise ValueError(f"there is no engine {name!r}; there are {', '.join(ENGINES)}")
+    return ENGINES[name]()
 
 
 class _Factor:
@@ -280,9 +286,12 @@ class _Factor:
         return _floating(self._order[np.abs(motion) > MOVES], len(motion))
 
 
+@lru_cache(1)
 def _any_motion(n: int) -> ndarray:
     """A start of the iteration that takes part in every motion, and is the same in every run."""
-    return np.random.default_rng(0).standard_normal(n)
+    motion = np.random.default_rng(0).standard_normal(n)
+    motion.flags.writeable = False
+    return motion
 
 
 def _floating(unknowns: ndarray, n: int) -> SingularSystem:

@@ -20,7 +20,7 @@ from ..remarks import Remarks
 from ..solvers.threads import single_threaded
 from .activation import Phase, among, begin, check_start, goes_on_otherwise, plan
 from .result import Result, StageResult
-from .setup import build_system
+from .setup import system_of
 from .stage import Stage
 from .supports import as_unknowns
 
@@ -48,7 +48,7 @@ def run(forms: Mapping[str, Any], stages: Sequence[Stage], fixed: ndarray,
         Settings of Newton's method.
     solver
         A scikit-fem linear solver ``(A, b) -> x``, or ``"amg"``, algebraic multigrid by pyamg. By default a direct
-        solver with an ordering of its own; for large elastic bodies in space multigrid, where pyamg is installed.
+        solver with an ordering of its own; for large bodies in space multigrid where it is faster and installed.
     progress
         Show a progress bar; by default where the output is a terminal.
 
@@ -99,7 +99,7 @@ def run(forms: Mapping[str, Any], stages: Sequence[Stage], fixed: ndarray,
                 x, states, released = begin(phase, last)
                 last = replace(last, x=x, states=states)
             if phase.changed or stage is stages[0]:
-                system = build_system(phase.forms, phase.fixed, phase.unknowns, solver)
+                system = system_of(phase.forms, phase.fixed, phase.unknowns, solver)
                 predictor = Predictor(system.fixed)
                 predictor.accept(last.x, last.load, last.time)
             remarks.add(stage.name, "the stage", phase.remarks)

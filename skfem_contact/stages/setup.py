@@ -40,7 +40,12 @@ def build_system(forms: Mapping[str, Any], fixed: ndarray, unknowns: Unknowns | 
     given, fixed = as_forms(forms), as_unknowns(fixed)
     unknowns = unknowns or all_unknowns(given)
     check_supports(given, fixed, unknowns)
-    there = choose_penalties(given)
+    return system_of(given, fixed, unknowns, solver)
+
+
+def system_of(forms: Mapping[str, Form], fixed: ndarray, unknowns: Unknowns, solver: Any) -> System:
+    """The system of forms and supports that have been checked."""
+    there = choose_penalties(forms)
     free = np.setdiff1d(np.arange(unknowns.size), fixed)
     return System(there, unknowns, fixed, linear_solver(there, solver, unknowns.places, free))
 
