@@ -167,7 +167,7 @@ def rough_pair(
 
 def slipped(state: sc.ContactState, amount: float, rng: np.random.Generator) -> sc.ContactState:
     """The state with its stick points moved at random, by about an amount where facets have the length one."""
-    return replace(state, stick_position=state.stick_position + 2 * amount * rng.standard_normal(state.slip.shape))
+    return replace(state, stick_point=state.stick_point + 2 * amount * rng.standard_normal(state.slip.shape))
 
 
 def arcs(pair: sc.ContactPair, points: MaterialPoints) -> ndarray:

@@ -198,7 +198,7 @@ def test_objectivity(element, quadrature, degrees, rng):
     expected = (out.force.reshape(-1, 2) @ rotation(degrees).T).ravel()
     # coordinates of size 5 lose a digit
     np.testing.assert_allclose(turned.force, expected, atol=1e-11 * np.abs(expected).max())
-    for name in ("gap", "slip", "traction", "stick_position", "position"):
+    for name in ("gap", "slip", "traction", "stick_point", "position"):
         old, new = getattr(out.state, name), getattr(turned.state, name)
         np.testing.assert_allclose(new, old, atol=1e-12 * max(1.0, np.nanmax(np.abs(old[np.isfinite(old)]))))
     assert np.array_equal(out.state.status, turned.state.status)

@@ -30,7 +30,7 @@ def rough(element, quadrature, law, rng, **options):
     x = 0.004 * rng.standard_normal(basis.N)
     x[space.unknowns_of(basis, "upper")] += [0.0, 0.0, -0.12]
     state = pair.assemble(x, pair.initial_state()).state
-    state = replace(state, stick_position=state.stick_position + 0.05 * rng.standard_normal(state.stick_position.shape))
+    state = replace(state, stick_point=state.stick_point + 0.05 * rng.standard_normal(state.stick_point.shape))
     x[space.unknowns_of(basis, "upper")] += [0.01, -0.007, -0.005]
     return basis, pair, x, state
 
@@ -87,7 +87,7 @@ def test_tangent_at_edges_and_vertices(element, law, rng):
         pair = sc.ContactPair(basis, "upper:bottom", "lower:top", LAWS[law], 2, penalty=(1e3, 7e2), initial="as meshed")
         x = 0.004 * rng.standard_normal(basis.N)
         state = pair.initial_state()
-        state = replace(state, stick_position=state.stick_position + 0.05 * rng.standard_normal((2, len(state.gap))),
+        state = replace(state, stick_point=state.stick_point + 0.05 * rng.standard_normal((2, len(state.gap))),
                         status=np.ones_like(state.status))
         slave, nodes = pair._places(x)
         found = pair._project(pair.points(state), nodes, pair.points(state).positions(slave))

@@ -91,7 +91,7 @@ def test_at_a_concave_vertex(element, quadrature, law, rng):
 def test_vertex_on_a_stretched_master(rng):
     """[X] Sticking at a vertex of a stretched master: its slip grows with the metric, xi stays."""
     basis, pair, x, state = notch("Q1", "nodal", LAWS["stick"], rng)
-    state = replace(state, stick_position=state.stick_position - 0.4)
+    state = replace(state, stick_point=state.stick_point - 0.4)
     x = x + 0.1 * (basis.doflocs * (np.arange(basis.N) % 2 == [[0], [1]])).sum(axis=0)
     assert (closest(pair, state, x).vertex & (closest(pair, state, x).gap < 0)).any()
     assert_exact(pair, state, x, rng.standard_normal((10, len(x))))

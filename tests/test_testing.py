@@ -233,7 +233,7 @@ class WrongForm:
         if self.fault == "tangent":
             return sc.Response(out.force, lambda: out.state, lambda: 1.001 * out.stiffness)
         if self.fault == "state":
-            away = replace(out.state, stick_position=out.state.stick_position + 1.0)
+            away = replace(out.state, stick_point=out.state.stick_point + 1.0)
             return sc.Response(out.force, lambda: away, lambda: out.stiffness)
         if self.fault == "springs":
             springs = 1e3 * identity(len(x), format="csr")

@@ -103,7 +103,7 @@ class FirstGeometry(Form):
         facet, xi = found.closest
         own = {field.name: getattr(state, field.name) for field in fields(ContactState)}
         elastic = np.where(state.status == Status.OPEN, 0.0, state.moved - state.origin)
-        own |= {"facet": facet, "position": xi.T, "stick_facet": facet, "stick_position": xi.T}
+        own |= {"facet": facet, "position": xi.T, "stick_facet": facet, "stick_point": xi.T}
         return self.pair, self.pair.with_elastic_slip(ContactState(**own), elastic)
 
     def reduced(self, factor: float, flow: str, names: Collection[str]) -> FirstGeometry:

@@ -177,7 +177,7 @@ class ContactPair(Answers):
         if self.enforcement is not None and self.penalty is not None and self.stiffness is not None:
             factor = self.enforcement.start(self.penalty, self.stiffness)
         return ContactState(facet=closest.facet, position=closest.xi.T, stick_facet=closest.facet,
-                            stick_position=closest.xi.T, gap=found.gap, slip=np.zeros((dim - 1, n)),
+                            stick_point=closest.xi.T, gap=found.gap, slip=np.zeros((dim - 1, n)),
                             traction=np.zeros((dim, n)), status=status,
                             internal=np.zeros((self.law.n_internal, n)), multiplier=np.zeros((dim, nodal)),
                             penalty_factor=factor, offset=offset, cuts=cuts)

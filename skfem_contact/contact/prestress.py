@@ -107,7 +107,7 @@ class TractionOperator:
             tractions = tractions - nodal @ shapes.T
         by_gap, by_slip = pair.penalties(state)
         offset = np.where(state.status != Status.OPEN, state.gap - tractions[0] / by_gap, state.offset)
-        at, stick = self._at, MaterialPoints(state.stick_facet.copy(), state.stick_position.T.copy())
+        at, stick = self._at, MaterialPoints(state.stick_facet.copy(), state.stick_point.T.copy())
         nodes = pair._places(self._x)[1]
         stick.facet[at], stick.xi[at] = behind(pair.master, nodes, self._frame.tangents, self._frame.closest,
                                                tractions[1:, at].T / by_slip)

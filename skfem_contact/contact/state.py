@@ -20,7 +20,7 @@ class ContactState:
     facet, position
         Facet of the master with the closest point, (n,), -1 where there is none, and local coordinates there,
         (dim - 1, n).
-    stick_facet, stick_position
+    stick_facet, stick_point
         Material point of the master to which each point sticks, likewise; -1 where it has no counterpart.
     gap
         Normal gap, (n,); negative: penetration, inf: nothing opposite.
@@ -46,7 +46,7 @@ class ContactState:
     facet: ndarray
     position: ndarray
     stick_facet: ndarray
-    stick_position: ndarray
+    stick_point: ndarray
     gap: ndarray
     slip: ndarray
     traction: ndarray
@@ -65,8 +65,8 @@ class ContactState:
     @property
     def stick(self) -> MaterialPoints:
         """Stick points on the master."""
-        return MaterialPoints(self.stick_facet, self.stick_position.T)
+        return MaterialPoints(self.stick_facet, self.stick_point.T)
 
     def with_stick(self, stick: MaterialPoints) -> ContactState:
         """The state with other stick points."""
-        return replace(self, stick_facet=stick.facet, stick_position=stick.xi.T)
+        return replace(self, stick_facet=stick.facet, stick_point=stick.xi.T)

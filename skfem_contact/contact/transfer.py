@@ -40,7 +40,7 @@ def follow(seen: ContactState, found: Projection, at: ndarray, update: Update, s
     facet, xi, status = closest.facet.copy(), closest.xi.copy(), np.full(len(found.gap), int(Status.OPEN))
     facet[at], xi[at] = stick
     traction[:, at], status[at], internal[:, at] = update.traction, update.status, update.internal
-    return replace(seen, facet=closest.facet, position=closest.xi.T, stick_facet=facet, stick_position=xi.T,
+    return replace(seen, facet=closest.facet, position=closest.xi.T, stick_facet=facet, stick_point=xi.T,
                    gap=found.gap, slip=np.where(status == Status.OPEN, 0.0, slip), traction=traction, status=status,
                    internal=internal)
 
@@ -141,5 +141,5 @@ def transferred(state: ContactState, slave: Surface, slave_nodes: ndarray, maste
     closest = shifted(master, nodes, state.closest.take(at), motion)
     state = replace(state, facet=closest.facet, position=closest.xi.T, gap=state.gap[at], status=state.status[at],
                     internal=state.internal[:, at], slip=slip, traction=traction, offset=offset,
-                    stick_facet=closest.facet, stick_position=closest.xi.T)
+                    stick_facet=closest.facet, stick_point=closest.xi.T)
     return with_elastic_slip(new, slave, master, state, elastic)

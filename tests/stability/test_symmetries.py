@@ -149,7 +149,7 @@ def test_two_runs(dim, quadrature):
         basis = blocks(n_lower={2: 7, 3: 3}[dim], dim=dim)
         results.append(dragged(in_contact(basis, quadrature=quadrature), basis)[-1])
     assert np.array_equal(results[0].x, results[1].x)
-    one, other = (stage.states["joint"].stick_position for stage in results)
+    one, other = (stage.states["joint"].stick_point for stage in results)
     assert np.array_equal(one, other, equal_nan=True)
 
 
@@ -164,6 +164,6 @@ def test_interrupted(quadrature, dim):
     continued = dragged(forms, basis, PATH[2:], start=half)
     assert [stage.name for stage in continued] == ["0", "1", "2"]
     np.testing.assert_allclose(continued[-1].x, whole[-1].x, atol=1e-14)
-    for name in ("stick_position", "traction", "status"):
+    for name in ("stick_point", "traction", "status"):
         one, other = (getattr(result[-1].states["joint"], name) for result in (continued, whole))
         np.testing.assert_allclose(one, other, rtol=1e-10, atol=1e-13 if dim == 2 else 1e-11)  # tractions of 8
