@@ -203,7 +203,7 @@ def _main() -> None:
     iterations = []
 
     class Analysis(StructuralMechanicsAnalysis):  # type: ignore[misc]
-        def FinalizeSolutionStep(self) -> None:  # noqa: N802
+        def FinalizeSolutionStep(self) -> None:
             super().FinalizeSolutionStep()
             iterations.append(self._GetSolver().GetComputingModelPart().ProcessInfo[kratos.NL_ITERATION_NUMBER])
 
