@@ -145,7 +145,7 @@ def test_cone():
 
 
 def test_torsion_with_slip():
-    """[X] Lubkin's torque where half of the radius sticks; friction comes after the pressing, by a change of the law."""
+    """[X] Lubkin's torque where half of the radius sticks; friction comes after the pressing."""
     block, radius, mu = round_block(6, turned=True), 100.0, 0.3
     force = 4 / 3 * MODULUS / radius
     twist = half_space.lubkin_twist(0.5, mu * force, 1.0, SHEAR_MODULUS)
