@@ -39,11 +39,9 @@ class Run(NamedTuple):
 
 def available() -> list[str]:
     """Names of the peers that are there."""
-    found = {"CalculiX": shutil.which("ccx") is not None}
-    try:
-        found["Kratos"] = bool(importlib.util.find_spec("KratosMultiphysics.ContactStructuralMechanicsApplication"))
-    except ModuleNotFoundError:
-        found["Kratos"] = False
+    kratos = importlib.util.find_spec("KratosMultiphysics")  # to import it would print
+    folder = Path(kratos.origin).parent / "ContactStructuralMechanicsApplication" if kratos and kratos.origin else None
+    found = {"CalculiX": shutil.which("ccx") is not None, "Kratos": folder is not None and folder.is_dir()}
     return [name for name, there in found.items() if there]
 
 

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import half_space
 import numpy as np
@@ -56,7 +57,7 @@ class Problem:
     pressed: ndarray
     symmetries: int = 2
 
-    @property
+    @cached_property
     def solid(self) -> sc.SolidForm:
         """Both blocks."""
         return sc.SolidForm(self.basis, sc.LinearElastic(E=YOUNG, nu=POISSON), sc.three_dimensional)
@@ -165,43 +166,41 @@ class Nodes:
 
     Attributes
     ----------
-    basis
-        Of the blocks.
-    r
-        Distances from the axis, (n,).
+    basis, dofs
+        Of the blocks, and the unknowns of the nodes, (n, 3).
     force
         Nodal forces on the face, (n, 3).
-    area
-        What belongs to the nodes: integrals of their shape functions, projected onto the plane z = 0.
     """
 
     basis: Basis
-    r: ndarray
+    dofs: ndarray
     force: ndarray
-    area: ndarray
 
     @classmethod
     def of(cls, problem: Problem, x: ndarray) -> Nodes:
         """At displacements."""
-        basis = problem.basis
-        dofs = np.unique(basis.get_dofs("upper:bottom").all()).reshape(-1, 3)
-        force = (problem.solid.elastic_stiffness @ x)[dofs]
-        return cls(basis, np.hypot(*basis.doflocs[:2, dofs[:, 0]]), force, _loads(basis)[dofs[:, 2]])
+        dofs = np.unique(problem.basis.get_dofs("upper:bottom").all()).reshape(-1, 3)
+        return cls(problem.basis, dofs, (problem.solid.elastic_stiffness @ x)[dofs])
+
+    @property
+    def r(self) -> ndarray:
+        """Distances from the axis, (n,)."""
+        return np.hypot(*self.basis.doflocs[:2, self.dofs[:, 0]])
+
+    @cached_property
+    def area(self) -> ndarray:
+        """What belongs to the nodes: integrals of their shape functions, projected onto the plane z = 0."""
+        return self.exact(np.ones_like)
 
     def exact(self, traction: Callable[[ndarray], ndarray]) -> ndarray:
         """Forces of a traction, a function of r: what each node has to carry of it."""
-        dofs = np.unique(self.basis.get_dofs("upper:bottom").all()).reshape(-1, 3)
-        return _loads(self.basis, traction)[dofs[:, 2]]
+        surface = FacetBasis(self.basis.mesh, self.basis.elem, facets="upper:bottom", intorder=16)
+        form = LinearForm(lambda v, w: v[2] * np.abs(w.n[2]) * traction(np.hypot(*w.x[:2])))
+        return form.assemble(surface)[self.dofs[:, 2]]
 
     def norm(self, force: ndarray) -> float:
         """Of the tractions that nodal forces stand for, over the face."""
         return float(np.sqrt((force**2 / self.area).sum()))
-
-
-def _loads(basis: Basis, traction: Callable[[ndarray], ndarray] = np.ones_like) -> ndarray:
-    """Nodal forces of a traction on the paraboloid's face."""
-    surface = FacetBasis(basis.mesh, basis.elem, facets="upper:bottom", intorder=16)
-    return LinearForm(lambda v, w: v[2] * np.abs(w.n[2]) * traction(np.hypot(*w.x[:2]))).assemble(surface)
 
 
 @dataclass(frozen=True)
