@@ -59,6 +59,15 @@ def report(row, **errors):
     print(f"{row['method']:18} {row['unknowns']:6} unknowns {row['cpu_s']:6.1f} s:  {listed}")
 
 
+def drawn_beside(place, pressure, line, exact, title, along, **limits):
+    """Pressures at the nodes beside the exact ones."""
+    _, ax = plt.subplots(figsize=(6.4, 3.6), layout="constrained")
+    ax.plot(place, pressure, ".", ms=4, label="nodal forces over areas")
+    ax.plot(line, exact, "k", lw=1, label="exact")
+    ax.set(title=title, xlabel=along, ylabel="pressure", **limits)
+    ax.legend(frameon=False)
+
+
 # %%
 # A flat punch
 # ------------
@@ -87,12 +96,9 @@ beside = np.argmin(np.abs(r - 2.0))
 report(row, depth=depth / exact_depth - 1, pressure=(found.pressure[half] / pressure).mean() - 1,
        surface=settled[beside] / exact_surface[beside] - 1)  # fmt: skip
 
-fig, axes = plt.subplots(1, 3, figsize=(11, 3.6), layout="constrained")
 line = np.linspace(0, 0.999, 400)
 _, pressure, _ = half_space.flat_punch(line, exact_depth, 1.0, MODULUS)
-axes[0].plot(found.r, found.pressure, ".", ms=3)
-axes[0].plot(line, pressure, "k", lw=1)
-axes[0].set(title="flat punch", xlabel="r / a", ylabel="pressure", ylim=(0, 40))
+drawn_beside(found.r, found.pressure, line, pressure, "flat punch", "r / a", ylim=(0, 40))
 
 # %%
 # How the ground settles, thirty times enlarged, and its vertical stress.
@@ -125,10 +131,9 @@ by_moment = np.sqrt(3 * found.normal @ found.r**2 / force)
 report(row, depth=depth / exact_depth - 1, radius=by_moment / a - 1,
        pressure=(found.pressure[half] / pressure).mean() - 1)  # fmt: skip
 
-axes[1].plot(found.r, found.pressure, ".", ms=3)
 line = np.linspace(0.005, 1.3, 400)
-axes[1].plot(line, half_space.cone(line, a, slope, MODULUS)[2], "k", lw=1)
-axes[1].set(title="cone", xlabel="r / a", ylim=(0, 50))
+exact = half_space.cone(line, a, slope, MODULUS)[2]
+drawn_beside(found.r, found.pressure, line, exact, "cone", "r / a", ylim=(0, 50))
 
 # %%
 # Crossed cylinders
@@ -173,11 +178,11 @@ long, short = (np.sqrt(5 * found.normal @ c**2 / force) for c in found.places)
 report(row, depth=depth / exact_depth - 1, a=long / a - 1, b=short / b - 1,
        peak=found.pressure[found.circle(0.0)].mean() / peak - 1)  # fmt: skip
 
-axes[2].plot(np.hypot(found.places[0] / a, found.places[1] / b), found.pressure, ".", ms=3)
 line = np.linspace(0, 1.3, 400)
-axes[2].plot(line, peak * half_space.dome(line, 1.0), "k", lw=1)
-axes[2].set(title="crossed cylinders", xlabel=r"$(x^2/a^2 + y^2/b^2)^{1/2}$")
-plt.show()
+out = np.hypot(found.places[0] / a, found.places[1] / b)
+exact = peak * half_space.dome(line, 1.0)
+drawn_beside(out, found.pressure, line, exact, "crossed cylinders",
+             r"$(x^2/a^2 + y^2/b^2)^{1/2}$")  # fmt: skip
 
 # %%
 # The elliptic contact from above: pressure at the nodes and Hertz's ellipse.
