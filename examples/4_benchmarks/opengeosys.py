@@ -6,8 +6,6 @@ as a linear problem needs.
 
 from __future__ import annotations
 
-import os
-import subprocess
 import sys
 import tempfile
 import xml.etree.ElementTree as ET
@@ -18,9 +16,8 @@ from pathlib import Path
 import meshio
 import numpy as np
 from numpy import ndarray
+from one_program import timed
 from skfem import CellBasis
-
-TIMEOUT = 600  # seconds
 
 
 @dataclass(frozen=True)
@@ -64,14 +61,10 @@ def consolidate(layer: Layer, steps: Sequence[float], counts: Sequence[int]) -> 
         folder = Path(name)
         _write_meshes(layer, folder)
         ET.ElementTree(_project(layer, steps, counts)).write(folder / "job.prj")
-        begin = os.times()
-        done = subprocess.run([_program(), "-o", ".", "-l", "error", "job.prj"], cwd=folder, capture_output=True,
-                              env={**os.environ, "OMP_NUM_THREADS": "1"}, text=True, timeout=TIMEOUT, check=False)
-        end = os.times()
+        done, cpu = timed([_program(), "-o", ".", "-l", "error", "job.prj"], folder)
         if done.returncode:
             raise RuntimeError(f"OpenGeoSys failed: {(done.stdout + done.stderr)[:500]}")
         found = [meshio.read(folder / f"job_{k}.vtu").point_data for k in np.cumsum(counts)[1:]]
-    cpu = end.children_user + end.children_system - begin.children_user - begin.children_system
     vertices = layer.basis.mesh.p.shape[1]
     return [np.append(data["displacement"][:, :2], data["pressure"].ravel()[:vertices]) for data in found], cpu
 

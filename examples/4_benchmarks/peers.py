@@ -6,10 +6,8 @@ nodes do not move across the plane: the same displacements with three times the 
 
 from __future__ import annotations
 
-import os
 import re
 import shutil
-import subprocess
 import tempfile
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -18,12 +16,12 @@ from pathlib import Path
 import numpy as np
 from contact_problems import LOWER, NU, UPPER, E, Problem
 from numpy import ndarray
+from one_program import timed
 
 import skfem_contact as sc
 
 SURFACE_TO_SURFACE, NODE_TO_SURFACE = "SURFACE TO SURFACE", "NODE TO SURFACE"
 PENALTY = 50 * E  # CalculiX's manual: 5 to 50 times E
-TIMEOUT = 600  # seconds
 
 
 @dataclass(frozen=True)
@@ -72,15 +70,9 @@ def calculix(problem: Problem, stages: Sequence[sc.Stage], mu: float, method: st
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         (folder / "job.inp").write_text("\n".join(_deck(problem, stages, mu, method)) + "\n")
-        begin = os.times()
-        environment = {**os.environ, "OMP_NUM_THREADS": "1"}
-        done = subprocess.run(
-            ["ccx", "job"], cwd=folder, env=environment, capture_output=True, text=True, timeout=TIMEOUT, check=False
-        )
-        end = os.times()
+        done, cpu = timed(["ccx", "job"], folder)
         good = "Job finished" in done.stdout and "*ERROR" not in done.stdout
         printed = (folder / "job.dat").read_text().split("displacements")[1:] if good else ()
-    cpu = end.children_user + end.children_system - begin.children_user - begin.children_system
     steps = tuple(_displacements(problem, table) for table in printed)
     return Run(steps, cpu, len(re.findall(r"^ *iteration +\d+", done.stdout, re.MULTILINE)))
 

@@ -8,10 +8,8 @@ from __future__ import annotations
 
 import importlib.util
 import json
-import os
 import re
 import shutil
-import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator
@@ -20,9 +18,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy import ndarray
+from one_program import timed
 from space_problems import MASTER, POISSON, SLAVE, YOUNG, Problem
 
-STEPS, TIMEOUT = 4, 900  # seconds
+STEPS = 4
 #: From scikit-fem's numbers of the nodes of a brick to those around its bottom and its top.
 AROUND = [0, 3, 6, 2, 1, 5, 7, 4]
 #: CalculiX's numbers of the faces of a brick by their nodes there.
@@ -56,23 +55,14 @@ def _bricks(problem: Problem) -> ndarray:
     return problem.basis.mesh.t.T[:, AROUND]
 
 
-def _command(command: list[str], folder: Path) -> tuple[str, float]:
-    """What a program prints, and its process time."""
-    begin, environment = os.times(), {**os.environ, "OMP_NUM_THREADS": "1"}
-    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=TIMEOUT,
-                          check=False)
-    end = os.times()
-    return done.stdout, end.children_user + end.children_system - begin.children_user - begin.children_system
-
-
 # -- CalculiX -----------------------------------------------------------------------------------------------
 
 
 def _calculix(problem: Problem, folder: Path) -> Run:
     (folder / "job.inp").write_text("\n".join(_deck(problem)) + "\n")
-    printed, cpu = _command(["ccx", "job"], folder)
-    iterations = len(re.findall(r"^ *iteration +\d+", printed, re.MULTILINE))
-    if "Job finished" not in printed or "*ERROR" in printed:
+    done, cpu = timed(["ccx", "job"], folder)
+    iterations = len(re.findall(r"^ *iteration +\d+", done.stdout, re.MULTILINE))
+    if "Job finished" not in done.stdout or "*ERROR" in done.stdout:
         return Run(None, cpu, iterations)
     table = (line.split() for line in (folder / "job.dat").read_text().split("displacements")[-1].splitlines())
     rows = np.array([row for row in table if len(row) == 4], dtype=float)
@@ -116,7 +106,7 @@ def _kratos(problem: Problem, folder: Path) -> Run:
     (folder / "model.mdpa").write_text("\n".join(_model(problem)) + "\n")
     (folder / "materials.json").write_text(json.dumps({"properties": [_elastic(body) for body in ("Lower", "Upper")]}))
     (folder / "parameters.json").write_text(json.dumps(_parameters(problem)))
-    _command([sys.executable, str(Path(__file__).resolve())], folder)
+    timed([sys.executable, str(Path(__file__).resolve())], folder)
     try:
         found = np.load(folder / "found.npz")
     except FileNotFoundError:
