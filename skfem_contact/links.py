@@ -14,7 +14,7 @@ from skfem import CellBasis
 
 from .errors import check_basis, facets_of, finite, is_number
 from .forms import Form, Response
-from .unknowns import Field, rigid_modes, unknowns_at
+from .unknowns import Field, first_behind, rigid_modes, unknowns_at
 
 
 class MatrixForm(Form):
@@ -298,7 +298,7 @@ class RigidFooting(MatrixForm):
         self._places, self._modes = basis.doflocs[:, self._dofs], None if rotates else basis.mesh.dim()
         modes = self._at(self._places[:, 0])[0]
         others = null_space(modes.T)
-        first = after.fields[-1].end if after is not None and after.fields else int(basis.N)
+        first = first_behind(basis, after)
         self._displacements, size = int(basis.N), first + others.shape[1]
         rows, columns = np.broadcast_arrays(self._dofs[:, None], np.arange(first, size))
         ties = coo_matrix((others.ravel(), (rows.ravel(), columns.ravel())), shape=(size, size)).tocsr()

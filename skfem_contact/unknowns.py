@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy import ndarray
@@ -15,6 +15,9 @@ from scipy.spatial import cKDTree
 from skfem import CellBasis, Element, ElementHex1, ElementQuad1, ElementTetP1, ElementTriP1, Mesh
 
 from .errors import finite, look_up, place
+
+if TYPE_CHECKING:
+    from .forms import Form
 
 #: Linear elements by the numbers of dimensions and of corners.
 _LINEAR = {(2, 3): ElementTriP1, (2, 4): ElementQuad1, (3, 4): ElementTetP1, (3, 8): ElementHex1}
@@ -130,6 +133,11 @@ def nodes(basis: CellBasis) -> ndarray:
 def elements_of(basis: CellBasis) -> ndarray:
     """Numbers in the mesh of the elements of a basis, whole or restricted, (n_elements,)."""
     return np.arange(basis.mesh.nelements) if basis.tind is None else np.asarray(basis.tind)
+
+
+def first_behind(basis: CellBasis, after: Form | None) -> int:
+    """Number of the first unknown behind the displacements, or behind those that another form brings."""
+    return int(basis.N) if after is None or not after.fields else after.fields[-1].end
 
 
 def linear_element(mesh: Mesh) -> Element:

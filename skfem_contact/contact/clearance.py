@@ -7,7 +7,8 @@ import numpy as np
 from numpy import ndarray
 
 #: What becomes of gaps and overlaps; a number: an interference, whatever is meshed.
-Fit = Literal["as meshed", "adjusted", "ramped"] | float
+NamedFit = Literal["as meshed", "adjusted", "ramped"]
+Fit = NamedFit | float
 
 #: Gaps of the mesh below this share of the slave segment are round-off: such bodies touch.
 TOUCHING = 1e-8

@@ -133,10 +133,7 @@ def _gives_way(weight: ndarray, traction: ndarray, penalty: float, way: ndarray,
 def _moved_apart(pair: ContactPair, x: ndarray, state: ContactState) -> ndarray:
     """Distance by which the displacements have moved points and their closest points apart, (n,)."""
     (slave, master), (slave_0, master_0) = pair._places(x), pair._places(np.zeros(pair.size))
-    points, closest, found = pair.points(state), state.closest, state.facet >= 0
-    apart = points.positions(slave - slave_0)
-    N = pair.master.shape.at(closest.facet[found], closest.xi[found], 0)[0]
-    apart[found] -= np.einsum("nk,nkc->nc", N, (master - master_0)[pair.master.facets[closest.facet[found]]])
+    apart = pair.points(state).positions(slave - slave_0) - state.closest.places(pair.master, master - master_0)
     return np.asarray(np.linalg.norm(apart, axis=1))
 
 

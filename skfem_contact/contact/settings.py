@@ -1,13 +1,14 @@
 """Settings of a contact pair are looked at before anything is computed."""
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
 from ..errors import is_number
 from ..surfaces.surface import Surface
 from .augmented import AugmentedLagrangian
+from .clearance import NamedFit
 from .laws import InterfaceLaw
 
 #: Nodes of facets whose corners have negative areas: where a facet is closed in part, multipliers there double the
@@ -34,7 +35,7 @@ def check_settings(slave: Surface, quadrature: Any, enforcement: Any, initial: A
         _one_of("quadrature", quadrature, ("nodal", "segments"), " or a positive number of Gauss points")
     _one_of("tangent", tangent, ("exact", "primary"))
     if not is_number(initial, 0.0, np.inf):
-        _one_of("initial", initial, ("as meshed", "adjusted", "ramped"), " or a positive interference")
+        _one_of("initial", initial, get_args(NamedFit), " or a positive interference")
     if not (share == 1.0 or is_number(share, 0.0, 1.0)):
         raise ValueError(f"share must lie in (0, 1], not {share!r}")
     if not isinstance(enforcement, AugmentedLagrangian | None):

@@ -205,10 +205,11 @@ def gravity_state(forms: Mapping[str, Form], load: ndarray, fixed: ndarray,
     >>> bool(np.allclose(stress[0], .5 * stress[1])), bool(start["initial"].x.any())
     (True, False)
     """
-    wet, fixed = as_forms(forms), _held(as_forms(forms), load, fixed)
-    forms = _without_water(wet)
+    wet = as_forms(forms)
+    fixed, forms = _held(wet, load, fixed), _without_water(wet)
     n = all_unknowns(forms).size
-    stages, fixed = [Stage(name, np.asarray(load)[:n], increments=increments)], fixed[fixed < n]
+    load, fixed = np.asarray(load)[:n], fixed[fixed < n]
+    stages = [Stage(name, load, increments=increments)]
     if K0 is None:
         return _with_water(wet, reset_displacements(forms, run(forms, stages, fixed, progress=False)))
     forms = choose_penalties(forms)  # the same for elastic ground

@@ -16,7 +16,7 @@ from ..forms import Form, Response
 from ..remarks import Remark
 from ..sparse import with_data
 from ..strain import StrainOperator, plane_strain
-from ..unknowns import Field, elements_of, nodes
+from ..unknowns import Field, elements_of, first_behind, nodes
 from .drainage import drainage_remarks
 from .permeability import Permeability, permeability_tensors, regions
 from .pore_state import PoreState
@@ -126,7 +126,7 @@ class PoreWater(Form):
         self.porous = Porous.of(basis, strain, self.mobility, joints)
         self.unit_weight, self._time_error = unit_weight, time_error
         self.nodes, self.joins = (np.arange(basis.N), basis.doflocs), np.zeros(0, int)
-        self.first = after.fields[-1].end if after is not None and after.fields else int(basis.N)
+        self.first = first_behind(basis, after)
         self._places = np.asarray(basis.mesh.p)[:, :self.porous.pressures.N]
         self.size = self.first + self._places.shape[1]
         self.carries = self.first + np.unique(self.porous.pressures.element_dofs)
@@ -264,6 +264,11 @@ class PoreWater(Form):
         """Less what flows, on the same pattern."""
         return self.porous.symmetric(self.first, 0.0 * self.porous.coupling, -self.porous.flow, -1.0)
 
+    @cached_property
+    def _gross(self) -> csr_matrix:
+        """Sizes of what flows."""
+        return abs(self._passing)
+
     def check_stage(self, fixed: ndarray, held: ndarray, duration: float) -> Iterator[Remark]:
         """Drainage and the time that it takes; see :func:`~skfem_contact.water.drainage.drainage_remarks`."""
         return drainage_remarks(self, fixed, held, duration)
@@ -272,9 +277,9 @@ class PoreWater(Form):
         """The form of a step in time."""
         if not duration > 0.0:
             return self
+        kept, passing, _ = self._kept, self._passing, self._gross  # found once: the forms of all steps have them
         new = copy(self)
-        new._duration = duration
-        new._step = with_data(self._kept, self._kept.data + duration * self._passing.data)
+        new._duration, new._step = duration, with_data(kept, kept.data + duration * passing.data)
         return new
 
     def initial_state(self, x: ndarray | None = None) -> PoreState:
@@ -296,7 +301,7 @@ class PoreWater(Form):
         kept, flow = self._kept @ x, self._duration * (self._passing @ x)
         force = kept + flow
         force[first:] += state.stored
-        measure = _FLOWING * self._duration * (abs(self._passing) @ np.abs(x))
+        measure = _FLOWING * self._duration * (self._gross @ np.abs(x))
         measure[:first] = kept[:first]
         measure[first:] += np.abs(kept[first:] + state.stored)
         pressure = x[first:]
