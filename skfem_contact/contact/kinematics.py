@@ -19,20 +19,19 @@ motion relative to a frame that turns with the facet.
 """
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy import ndarray
 
 from ..surfaces.material_points import MaterialPoints
 from ..surfaces.surface import Place, Surface
-from ..surfaces.vectors import askew, frame, inverse, lift, outer, products, spread
+from ..surfaces.vectors import askew, dot, frame, inverse, lift, outer, products, spread
 from .joints import Joints
 from .quadrature import SlavePoints
 from .search import Projection
-
-#: Order of the products of three arrays, which einsum would look for in every call.
-_FROM_BEHIND: Any = ["einsum_path", (1, 2), (0, 1)]
 
 
 class Kinematics(NamedTuple):
@@ -62,11 +61,12 @@ class Kinematics(NamedTuple):
     joints: Joints | None
 
 
-class _OnFacets(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class _OnFacets:
     """What the second variations need; ``alpha`` (n, nodes) acts as r - rho, ``beta`` as a, ``sigma`` as r - x_s.
 
     ``delta`` acts as the direction from which tangents are counted.  The columns ``own`` are those of the closest
-    facet's nodes; ``operator`` is the inverse of m - g h.
+    facet's nodes; ``normal`` is the facet's, ``turning`` is ``n . da|_xi``, ``operator`` the inverse of m - g h.
     """
 
     place: Place
@@ -76,12 +76,36 @@ class _OnFacets(NamedTuple):
     sigma: ndarray
     gap: ndarray
     from_stick: ndarray
+    normal: ndarray
+    turning: ndarray
     metric: ndarray
     curvature: ndarray
     operator: ndarray
     Xi: ndarray
     direction: ndarray
     delta: ndarray
+
+    @property
+    def curved(self) -> bool:
+        """Whether the facets have second derivatives at all."""
+        return len(self.place.x) > 2
+
+    @cached_property
+    def turns(self) -> ndarray:
+        """``n . da``: rates at which the normal turns towards the tangents, (n, dim - 1, m)."""
+        return self.turning + self.curvature @ self.Xi if self.curved else self.turning
+
+    @cached_property
+    def normal_motion(self) -> ndarray:
+        """``dn`` of the normal at the closest point, (n, dim, m)."""
+        return np.asarray(-self.place.x[1].transpose(0, 2, 1) @ (inverse(self.metric) @ self.turns))
+
+    @cached_property
+    def tangent_motion(self) -> ndarray:
+        """``da`` of the facet's tangents, the motion of the closest point included, (n, dim - 1, dim, m)."""
+        n, dim = self.from_stick.shape
+        fixed = (self.beta[:, :, None, :, None] * np.eye(dim)[:, None]).reshape(n, dim - 1, dim, -1)
+        return fixed + np.einsum("nabc,nbm->nacm", self.place.x[2], self.Xi) if self.curved else fixed
 
 
 def variations(points: SlavePoints, slave: Surface, master: Surface, projection: Projection, slave_nodes: ndarray,
@@ -100,7 +124,8 @@ def variations(points: SlavePoints, slave: Surface, master: Surface, projection:
         Their stick points.
     """
     facet, xi, g, r = projection.facet, projection.xi, projection.gap, points.positions(slave_nodes)
-    place, N, direction = master.at(facet, xi, nodes, 3), points.values, points.direction(slave, slave_nodes)
+    place = master.at(facet, xi, nodes, 1 if master.shape.affine else 3)
+    N, direction = points.values, points.direction(slave, slave_nodes)
     held, weights, others = _stick_weights(master, facet, stick)
     dofs = [slave.dofs[points.nodes], master.dofs[master.facets[facet]], *(
         np.where((block < 0)[:, :, None], -1, master.dofs[block]) for block in others)]
@@ -121,13 +146,14 @@ def variations(points: SlavePoints, slave: Surface, master: Surface, projection:
         given, direction = direction, askew(direction, n)
         delta[(direction != given).any(axis=1)] = 0.0  # an axis does not turn
     e = frame(n, direction)
-    m, h = products(a, a), np.einsum("nc,nabc->nab", n, place.x[2])
+    m, turning = products(a, a), lift(beta, n[:, None])
+    h = np.zeros_like(m) if master.shape.affine else np.einsum("nc,nabc->nab", n, place.x[2])
     operator = inverse(m - g[:, None, None] * h)
-    Xi = operator @ (lift(alpha[:, None], a) + g[:, None, None] * lift(beta, n[:, None]))
+    Xi = operator @ (lift(alpha[:, None], a) + g[:, None, None] * turning)
     G, T = lift(alpha[:, None], n[:, None])[:, 0], products(e, a) @ Xi
     own = slice(N.shape[1], N.shape[1] + M[0].shape[1])
     offset = way + np.where(stuck, r - place.x[0], 0.0)
-    facets = _OnFacets(place, own, alpha, beta, sigma, g, offset, m, h, operator, Xi, direction, delta)
+    facets = _OnFacets(place, own, alpha, beta, sigma, g, offset, n, turning, m, h, operator, Xi, direction, delta)
     joints = None
     if (v := np.flatnonzero(projection.feature)).size:
         joints = Joints(v, master, facet[v], xi[v], _free(master, projection.feature[v]), g[v], r[v],
@@ -169,9 +195,8 @@ def _from_stick(master: Surface, nodes: ndarray, facet: ndarray, place: Place, h
 def slip_gradient(kinematics: Kinematics) -> ndarray:
     """Derivatives of the slips, d slip / d u, (n, dim - 1, m)."""
     on, n, e = kinematics.facets, kinematics.normal, kinematics.tangents
-    dn = _normal_motion(on)
-    S = lift(on.sigma[:, None], e) - np.einsum("nc,nc->n", on.from_stick, n)[:, None, None] * (e @ dn)
-    if (spin := _spin(on, n, e, dn)) is not None:
+    S = lift(on.sigma[:, None], e) - dot(on.from_stick, n)[:, None, None] * (e @ on.normal_motion)
+    if (spin := _spin(on, n, e)) is not None:
         s = kinematics.slip
         S += np.stack((s[:, 1], -s[:, 0]), axis=1)[:, :, None] * spin[:, None]
     if kinematics.joints is not None:
@@ -206,11 +231,9 @@ def geometric_tangent(kinematics: Kinematics, traction: ndarray) -> ndarray:
     :math:`m - g h` that the paper drops.
     """
     on, tension = kinematics.facets, traction[0][:, None, None]
-    Xi, g, turns, bn = on.Xi, on.gap[:, None, None], _turns(on), lift(on.beta, on.place.normal[:, None])
-    half = bn.transpose(0, 2, 1) @ Xi
-    K = -(half + half.transpose(0, 2, 1) + Xi.transpose(0, 2, 1) @ on.curvature @ Xi)
-    K += g * (turns.transpose(0, 2, 1) @ (inverse(on.metric) @ turns))
-    K *= tension
+    dn, back = on.normal_motion, on.Xi.transpose(0, 2, 1)
+    K = tension * (on.gap[:, None, None] * (dn.transpose(0, 2, 1) @ dn)
+                   - on.turning.transpose(0, 2, 1) @ on.Xi - back @ on.turns)
     if traction[1:].any():
         K += _tangential_part(kinematics, np.einsum("in,nic->nc", traction[1:], kinematics.tangents))
     if kinematics.joints is not None:
@@ -222,49 +245,37 @@ def geometric_tangent(kinematics: Kinematics, traction: ndarray) -> ndarray:
 def _tangential_part(kinematics: Kinematics, t: ndarray) -> ndarray:
     """``d((t . a) Xi)/du`` for tangential tractions t, (n, dim), that are constant in the frame, (n, m, m)."""
     on = kinematics.facets
-    a, rho2, n, g, Xi = on.place.x[1], on.place.x[2], on.place.normal, on.gap[:, None, None], on.Xi
-    da = _tangent_motion(on)
-    dn = _normal_motion(on)
-    by_frame = np.einsum("nc,nacm->nam", t, da)
-    if (spin := _spin(on, n, frame(n, on.direction), dn)) is not None:
-        by_frame += np.einsum("nac,nc->na", a, np.cross(n, t))[:, :, None] * spin[:, None]
-    p = np.einsum("nab,nbc,nc->na", on.operator, a, t, optimize=_FROM_BEHIND)  # contravariant, for the operator m - g h
+    a, n, g, dn, da = on.place.x[1], on.normal, on.gap[:, None, None], on.normal_motion, on.tangent_motion
+    p = np.einsum("nab,nb->na", on.operator, np.einsum("nac,nc->na", a, t))  # contravariant, for the operator m - g h
     P, dP = np.einsum("na,nac->nc", p, a), np.einsum("na,nacm->ncm", p, da)
-    beta, rho2p = np.einsum("na,nak->nk", p, on.beta), np.einsum("na,nabc->nbc", p, rho2)
+    beta = np.einsum("na,nak->nk", p, on.beta)
+    K = (outer(lift(beta[:, None], n[:, None])[:, 0], kinematics.work[:, 0]) + spread(on.alpha, dP)
+         + g * spread(beta, dn) - lift(on.beta, P[:, None]).transpose(0, 2, 1) @ on.Xi)
+    by_frame = np.einsum("nc,nacm->nam", t - P, da) - a @ dP
+    if (spin := _spin(on, n, frame(n, on.direction))) is not None:
+        by_frame += np.einsum("nac,nc->na", a, np.cross(n, t))[:, :, None] * spin[:, None]
+    if on.curved:
+        bent, by_curvature = _bending(on, p, kinematics.work[:, :1])
+        K += g * bent.transpose(0, 2, 1) @ on.Xi
+        by_frame += by_curvature
+    return K + on.Xi.transpose(0, 2, 1) @ by_frame
+
+
+def _bending(on: _OnFacets, p: ndarray, G: ndarray) -> tuple[ndarray, ndarray]:
+    """What second and third derivatives add to that: ``n . d(p . rho_,ab)|_xi`` and less of ``d(m - g h) p``."""
+    n, g, (_, _, rho2, rho3) = on.normal, on.gap[:, None, None], on.place.x
     gamma = np.zeros_like(on.beta)
     gamma[:, :, on.own] = np.einsum("na,nabk->nbk", p, on.place.shapes[2])
     bent = lift(gamma, n[:, None])
-    K = (outer(lift(beta[:, None], n[:, None])[:, 0], kinematics.work[:, 0]) + spread(on.alpha, dP)
-         + g * spread(beta, dn) + (g * bent - lift(on.beta, P[:, None])).transpose(0, 2, 1) @ Xi)
-    rho3 = np.einsum("na,nabcd,nd->nbc", p, on.place.x[3], n, optimize=_FROM_BEHIND)
-    d_operator = (np.einsum("nacm,nc->nam", da, P) + np.einsum("ncm,nac->nam", dP, a)
-                  - np.einsum("na,nab->nb", p, on.curvature)[:, :, None] * kinematics.work[:, :1]
-                  - g * (rho2p @ dn + bent + rho3 @ Xi))
-    return K + Xi.transpose(0, 2, 1) @ (by_frame - d_operator)
+    along, further = (np.einsum("na,nabc->nbc", p, x) for x in (rho2, np.einsum("nabcd,nd->nabc", rho3, n)))
+    return bent, (np.einsum("na,nab->nb", p, on.curvature)[:, :, None] * G
+                  + g * (along @ on.normal_motion + bent + further @ on.Xi))
 
 
-def _turns(on: _OnFacets) -> ndarray:
-    """``n . da``: rates at which the normal turns towards the tangents, (n, dim - 1, m)."""
-    return lift(on.beta, on.place.normal[:, None]) + on.curvature @ on.Xi
-
-
-def _normal_motion(on: _OnFacets) -> ndarray:
-    """``dn`` of the normal at the closest point, (n, dim, m)."""
-    return np.asarray(-on.place.x[1].transpose(0, 2, 1) @ (inverse(on.metric) @ _turns(on)))
-
-
-def _tangent_motion(on: _OnFacets) -> ndarray:
-    """``da`` of the tangents of the closest facet, the motion of the closest point included, (n, dim - 1, dim, m)."""
-    n, dim = len(on.gap), on.from_stick.shape[1]
-    fixed = (on.beta[:, :, None, :, None] * np.eye(dim)[:, None]).reshape(
-        n, dim - 1, dim, dim * on.beta.shape[2])
-    return np.asarray(fixed + np.einsum("nabc,nbm->nacm", on.place.x[2], on.Xi))
-
-
-def _spin(on: _OnFacets, n: ndarray, e: ndarray, dn: ndarray) -> ndarray | None:
+def _spin(on: _OnFacets, n: ndarray, e: ndarray) -> ndarray | None:
     """Rate at which the frame turns about the normal, (n, m); in the plane there is no such motion."""
     if e.shape[1] == 1:
         return None
-    aside, across = np.einsum("nc,nc->n", on.direction, n), e[:, 1:]
-    rate = lift(on.delta[:, None], across)[:, 0] - aside[:, None] * (across @ dn)[:, 0]
-    return np.asarray(rate / np.einsum("nc,nc->n", on.direction, e[:, 0])[:, None])
+    across = e[:, 1:]
+    rate = lift(on.delta[:, None], across)[:, 0] - dot(on.direction, n)[:, None] * (across @ on.normal_motion)[:, 0]
+    return np.asarray(rate / dot(on.direction, e[:, 0])[:, None])
