@@ -12,6 +12,7 @@ from skfem import Basis, ElementQuad2, ElementVector, MeshQuad, MeshQuad2
 
 import skfem_contact as sc
 from skfem_contact.contact.quadrature import between, gauss, nodal
+from skfem_contact.contact.neighbours import NeighbourList
 from skfem_contact.contact.search import project
 from skfem_contact.contact.segmentation import common_cuts
 from skfem_contact.surfaces.chain import Chain
@@ -405,7 +406,7 @@ def test_cuts_by_both_meshes():
     line = np.stack((np.array([0.0, 0.7, 1.4, 2.6, 3.0]), np.zeros(5)), axis=1)
     roof = np.stack((np.array([2.5, 1.5, 0.5]), np.zeros(3)), axis=1)
     slave, master = sc.rigid_polyline(roof), sc.rigid_polyline(line)
-    cuts = common_cuts(slave, slave.nodes, master, master.nodes)
+    cuts = common_cuts(slave, slave.nodes, master, master.nodes, NeighbourList(slave))
     # the slave runs from 2.5 to 0.5: 1.4 is 1.1 along, 0.7 is 1.8 along
     np.testing.assert_allclose(cuts, [0, 1, 1.1, 1.8, 2], atol=1e-14)
 

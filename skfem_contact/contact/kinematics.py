@@ -174,8 +174,8 @@ def _stick_weights(master: Surface, facet: ndarray, stick: MaterialPoints
                    ) -> tuple[ndarray, list[ndarray], list[ndarray]]:
     """Facets of the stick points; shape functions of the closest facets' nodes there, and of other facets' if any."""
     held = stick.facet
-    weights = np.where((held >= 0)[:, None], master.shape.at(held, np.nan_to_num(stick.xi), 0)[0], 0.0)
-    elsewhere = ((held >= 0) & (held != facet))[:, None]
+    weights = np.where(stick.exist[:, None], master.shape.at(held, stick.known, 0)[0], 0.0)
+    elsewhere = (stick.exist & (held != facet))[:, None]
     if not elsewhere.any():
         return held, [weights], []
     return held, [np.where(elsewhere, 0.0, weights), np.where(elsewhere, weights, 0.0)], [

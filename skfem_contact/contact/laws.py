@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from enum import IntEnum
 from typing import NamedTuple
 
@@ -91,8 +91,7 @@ class InterfaceLaw:
 
     def take(self, points: SlavePoints) -> InterfaceLaw:
         """The law at points of the slave: parameters that are arrays are interpolated there."""
-        values = {f.name: getattr(self, f.name) for f in fields(self)}  # type: ignore[arg-type]  # of a dataclass
-        arrays = {name: points.at(value) for name, value in values.items() if isinstance(value, ndarray)}
+        arrays = {name: points.at(value) for name, value in vars(self).items() if isinstance(value, ndarray)}
         return replace(self, **arrays) if arrays else self  # type: ignore[type-var]
 
     def reaches(self, gap: ndarray, internal: ndarray, closed: ndarray) -> ndarray:
@@ -210,29 +209,30 @@ class Coulomb(InterfaceLaw):
 
     def update(self, jump: ndarray, internal: ndarray, penalty: tuple[float, float]) -> Update:
         """Return mapping of the shear traction onto the cone (eqs 8 to 10); arguments as of a law."""
-        gap, slip = jump[0], jump[1:]
-        by_gap, by_slip = (np.broadcast_to(np.asarray(value, float), gap.shape) for value in penalty)
-        normal = by_gap * gap  # eq. 4
+        gap, slip, (by_gap, by_slip) = jump[0], jump[1:], penalty
+        normal, pulls = by_gap * gap, gap > 0.0  # eq. 4
         whole = internal[0] == 0.0
-        opens = (gap > 0.0) & ~(whole & (normal <= self.tension))
-        limit = np.where(whole, self.adhesion, 0.0) + self.mu * np.maximum(-normal, 0.0)
+        opens = pulls & ~(whole & (normal <= self.tension))
+        adhesion = np.where(whole, self.adhesion, 0.0)
+        limit = adhesion + self.mu * np.maximum(-normal, 0.0)
         trial = by_slip * slip  # eq. 8
         size = np.linalg.norm(trial, axis=0)
-        direction = trial / np.where(size > 0.0, size, 1.0)
+        length = np.where(size > 0.0, size, 1.0)
+        direction = trial / length
         # a point that slid to the cone lies on it up to round-off, and sticks until it is dragged further
-        stick = (size <= (1.0 + _ON_CONE) * limit) & (np.where(whole, self.adhesion, 0.0) + self.mu > 0.0)
+        stick = (size <= (1.0 + _ON_CONE) * limit) & (adhesion + self.mu > 0.0)
         shear = np.where(stick, trial, direction * limit)  # eq. 9
 
         tangent = np.zeros((len(jump), *jump.shape))
         tangent[0, 0] = by_gap
-        tangent[1:, 0] = np.where(stick | (gap > 0.0), 0.0, -direction * self.mu * by_gap)
+        tangent[1:, 0] = np.where(stick | pulls, 0.0, -direction * self.mu * by_gap)
         along = np.eye(len(slip))[..., None]
-        returned = limit * by_slip / np.where(size > 0.0, size, 1.0)  # the radial return turns with the slip
+        returned = limit * by_slip / length  # the radial return turns with the slip
         tangent[1:, 1:] = np.where(stick, by_slip * along, returned * (along - direction[:, None] * direction))
-        tangent[:, :, opens] = 0.0
         traction = np.where(opens, 0.0, np.concatenate((normal[None], shear)))
         status = np.where(opens, int(Status.OPEN), np.where(stick, int(Status.STICK), int(Status.SLIP)))
-        return Update(traction, np.where(opens, 1.0, internal), tangent, traction[1:] / by_slip, status)  # eq. 10
+        return Update(traction, np.where(opens, 1.0, internal), np.where(opens, 0.0, tangent),
+                      traction[1:] / by_slip, status)  # eq. 10
 
     def debonded(self, internal: ndarray) -> ndarray:
         """The bond is broken."""
@@ -262,8 +262,7 @@ class Tied(InterfaceLaw):
 
     def update(self, jump: ndarray, internal: ndarray, penalty: tuple[float, float]) -> Update:
         """Linear springs in all directions; arguments as of a law."""
-        by_gap, by_slip = (np.broadcast_to(np.asarray(value, float), jump[0].shape) for value in penalty)
-        stiffness = np.concatenate((by_gap[None], np.broadcast_to(by_slip, jump[1:].shape)))
-        tangent = np.zeros((len(jump), *jump.shape))
+        stiffness, tangent = np.ones_like(jump), np.zeros((len(jump), *jump.shape))
+        stiffness[0], stiffness[1:] = penalty
         tangent[np.arange(len(jump)), np.arange(len(jump))] = stiffness
         return Update(stiffness * jump, internal, tangent, jump[1:].copy(), np.full(jump.shape[1], int(Status.STICK)))

@@ -106,7 +106,7 @@ class NeighbourList:
 def _relative_motion(nodes: ndarray, points: ndarray) -> float:
     """By how much distances may have changed with these motions; a common translation changes none."""
     common = nodes.mean(axis=0)
-    return sum(float(np.sqrt(((motion - common) ** 2).sum(axis=1).max())) for motion in (nodes, points))
+    return sum(float(np.sqrt(dot(motion - common, motion - common).max())) for motion in (nodes, points))
 
 
 def neighbours(surface: Surface, nodes: ndarray, points: ndarray, slack: float = 0.0) -> tuple[Neighbours, float]:
@@ -156,13 +156,9 @@ class Flat(NamedTuple):
     @classmethod
     def of(cls, surface: Surface, nodes: ndarray) -> Flat:
         """Those of a surface whose nodes lie there."""
-        shape, places = surface.shape, nodes[surface.facets]
-        m = len(places)
-        facet = np.arange(m) if len(shape.coefficients) > 1 else np.zeros(1, int)
-        M = shape.at(facet, np.tile(shape.centre, (len(facet), 1)), 1)
-        tangents = np.broadcast_to(M[1], (m, *M[1].shape[1:])) @ places
-        return cls(np.einsum("nk,nkc->nc", np.broadcast_to(M[0], (m, M[0].shape[1])), places), tangents,
-                   inverse(products(tangents, tangents)))
+        places, (values, slopes) = nodes[surface.facets], surface.shape.at_centre
+        tangents = slopes @ places
+        return cls(np.einsum("nk,nkc->nc", values, places), tangents, inverse(products(tangents, tangents)))
 
     def foot(self, shape: Shape, facet: ndarray, points: ndarray) -> ndarray:
         """Local coordinates of the orthogonal projections, (n, dim - 1): exact where the facets are affine."""

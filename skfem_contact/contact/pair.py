@@ -257,7 +257,8 @@ class ContactPair(Answers):
 
     def _project(self, points: SlavePoints, nodes: ndarray, positions: ndarray,
                  previous: ndarray | None = None) -> Projection:
-        return self._sampling.project(points, nodes, positions, self.depth(points), previous)
+        return self._sampling.project(points, nodes, positions, self.depth(points), previous,
+                                      among=self._neighbours.at(nodes, positions))
 
     def _candidate(self, accepted: ContactState, seen: ContactState, found: Projection, at: ndarray, update: Update,
                    stick: MaterialPoints) -> ContactState:

@@ -1,7 +1,7 @@
 """Quadrature on the slave surface: every contact discretisation is points, weights and shape functions."""
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 from numpy import ndarray
@@ -57,8 +57,7 @@ class SlavePoints:
 
     def take(self, chosen: ndarray) -> SlavePoints:
         """Some of the points, given by their numbers."""
-        parts = [getattr(self, one.name) for one in fields(self)]
-        return SlavePoints(*(None if part is None else part[chosen] for part in parts))  # type: ignore[arg-type]
+        return SlavePoints(**{name: None if part is None else part[chosen] for name, part in vars(self).items()})
 
     def positions(self, nodes: ndarray) -> ndarray:
         """Coordinates of the points, (n, dim), from those of the slave nodes."""
@@ -66,6 +65,8 @@ class SlavePoints:
 
     def direction(self, slave: Surface, nodes: ndarray) -> ndarray:
         """The slave's direction as its material carries it along, (n, dim); nothing in the plane."""
+        if slave.dim == 2:
+            return np.zeros((len(self.facet), 2))
         return np.asarray(np.einsum("nk,nkc->nc", self.along, nodes[slave.facets[self.facet]]))
 
     def at(self, nodal: ndarray) -> ndarray:

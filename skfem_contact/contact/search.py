@@ -9,7 +9,7 @@ from numpy import ndarray
 
 from ..surfaces.material_points import MaterialPoints
 from ..surfaces.surface import Surface
-from ..surfaces.vectors import determinant, dot, products, solve
+from ..surfaces.vectors import across, determinant, dot, products, solve
 from .neighbours import FROZEN, ON_FACET, Flat, Neighbours, neighbours, promising
 from .sides import normals_at_joint, on_ends, on_sides, side_of_joint
 
@@ -91,16 +91,17 @@ def project(surface: Surface, nodes: ndarray, points: ndarray, depth: ndarray,
     row, facet, *_ = among or neighbours(surface, nodes, points)[0]
     accepted = np.full(n, -1) if previous is None else previous
     held = np.zeros(n, bool) if frozen is None else frozen
-    flat = Flat.of(surface, nodes)
-    foot = flat.foot(surface.shape, facet, points[row])
+    flat, r = Flat.of(surface, nodes), points[row]
+    foot = flat.foot(surface.shape, facet, r)
     if surface.dim == 3:
-        kept = promising(surface, nodes, flat, points[row], row, facet, foot) | (facet == accepted[row])
-        row, facet, foot = row[kept], facet[kept], foot[kept]
-    foot = _foot(surface, nodes, points[row], facet, foot)
+        kept = promising(surface, nodes, flat, r, row, facet, foot) | (facet == accepted[row])
+        row, facet, foot, r = row[kept], facet[kept], foot[kept], r[kept]
+    foot = _foot(surface, nodes, r, facet, foot)
     beyond = surface.shape.beyond(foot)
     stays = _stays(surface, nodes, facet, beyond, facet == accepted[row], held[row])
-    xi, feature, off = _on_facets(surface, nodes, points[row], facet, foot, beyond, stays)
-    offset = points[row] - surface.at(facet, xi, nodes, 0).x[0]
+    xi, feature, off = _on_facets(surface, nodes, r, facet, foot, beyond, stays)
+    place = surface.at(facet, xi, nodes)
+    offset = r - place.x[0]
     distance = np.sqrt(dot(offset, offset))
     np.minimum.at(result.distance, row, distance)
     best = _first_minimum(row, distance - _preferred(surface, facet, beyond, feature > 0, stays) * surface.size[facet])
@@ -108,7 +109,7 @@ def project(surface: Surface, nodes: ndarray, points: ndarray, depth: ndarray,
     best = best[~off[best]]
     at = row[best]
     result.facet[at], result.xi[at] = facet[best], xi[best]
-    above = _above(surface, nodes, facet[best], feature[best], xi[best], offset[best])
+    above = _above(surface, nodes, facet[best], feature[best], xi[best], across(place.x[1][best]), offset[best])
     result.gap[at] = np.where(above, distance[best], -distance[best])
     result.feature[at] = feature[best]
     result.found[at] = (result.gap[at] >= -depth[at]) & ~(held & (accepted == -1))[at]
@@ -160,17 +161,16 @@ def _on_facets(surface: Surface, nodes: ndarray, points: ndarray, facet: ndarray
     rim = surface.at_rim[facet]
     limit = np.where(rim, 2.0 * surface.extension, np.maximum(2.0 * stays, ON_FACET))
     xi, feature, off = foot.copy(), np.zeros(len(facet), int), np.zeros(len(facet), bool)
-    out = np.flatnonzero(np.any(beyond > limit, axis=1))
+    out = np.flatnonzero((beyond > limit).any(axis=1))
     on_them = on_ends if surface.dim == 2 else on_sides
     reach = np.where(rim, 2.0 * surface.extension, 0.0)
     xi[out], feature[out], off[out] = on_them(surface, nodes, points[out], facet[out], beyond[out], reach[out])
     return xi, feature, off
 
 
-def _above(surface: Surface, nodes: ndarray, facet: ndarray, feature: ndarray, xi: ndarray, offset: ndarray
-           ) -> ndarray:
-    """Whether points lie outside the body, seen from their closest points."""
-    normal = surface.at(facet, xi, nodes).normal
+def _above(surface: Surface, nodes: ndarray, facet: ndarray, feature: ndarray, xi: ndarray, normal: ndarray,
+           offset: ndarray) -> ndarray:
+    """Whether points lie outside the body, seen from their closest points with the facet's normal there."""
     if (bent := np.flatnonzero(feature)).size:  # all facets there tell what is outside
         normal[bent] = side_of_joint(surface, nodes, facet[bent], feature[bent], xi[bent])
     return np.asarray(dot(normal, offset) >= 0)
@@ -196,15 +196,8 @@ def _preferred(surface: Surface, facet: ndarray, beyond: ndarray, outside: ndarr
     Neither round-off nor the order of the search decides at a joint: the facet before it does.
     """
     tied = (np.abs(beyond) <= ON_FACET) | (outside[:, None] & (beyond > 0))
-    ties = np.where(tied, ON_FACET * _rank(surface, facet), 0.0).max(axis=1)
-    return np.where(outside, ties, np.maximum(stays.max(axis=1), ties))
-
-
-def _rank(surface: Surface, facet: ndarray) -> ndarray:
-    """Which of the facets at a side a point there belongs to, by side: the one before, or the one of lower number."""
-    if surface.dim == 2:
-        return np.broadcast_to([0.0, 1.0], (len(facet), 2))
-    return np.repeat(1.0 - facet[:, None] / len(surface.facets), surface.neighbours.shape[1], axis=1)
+    ties = np.where(tied, ON_FACET * surface.rank[facet], 0.0)
+    return np.asarray(np.where(outside[:, None], ties, np.maximum(stays, ties)).max(axis=1))
 
 
 def _first_minimum(row: ndarray, value: ndarray) -> ndarray:

@@ -10,7 +10,7 @@ from numpy import ndarray
 
 from ..surfaces.surface import Surface
 from .clipping import piecewise
-from .neighbours import Neighbours
+from .neighbours import NeighbourList, Neighbours
 from .quadrature import SlavePoints, between, gauss, nodal
 from .search import Projection, project
 from .state import ContactState
@@ -45,8 +45,9 @@ class Sampling:
         """Cuts where the nodes of the surfaces lie now; none unless the rule is ``"segments"``."""
         if self.rule != "segments":
             return np.zeros(0)
-        cut = common_cuts if self.slave.dim == 2 else piecewise
-        return cut(self.slave, slave, self.master, master)
+        if self.slave.dim == 3:
+            return piecewise(self.slave, slave, self.master, master)
+        return common_cuts(self.slave, slave, self.master, master, self._facing)
 
     def fits(self, cuts: ndarray) -> bool:
         """Whether cuts are some of this slave."""
@@ -69,6 +70,11 @@ class Sampling:
         facet, xi, weight, facing = np.split(cuts, [1, 3, 4], axis=1)
         points = SlavePoints.on(self.slave, facet[:, 0].astype(int), xi, weight[:, 0])
         return replace(points, facing=facing[:, 0].astype(int))
+
+    @cached_property
+    def _facing(self) -> NeighbourList:
+        """Facets of the slave that ends of the master's may face."""
+        return NeighbourList(self.slave)
 
     @cached_property
     def _last(self) -> list[Any]:
@@ -111,7 +117,8 @@ class Sampling:
         return replace(transferred(state, self.slave, slave, self.master, master, old, new), cuts=cuts)
 
 
-def common_cuts(slave: Surface, slave_nodes: ndarray, master: Surface, master_nodes: ndarray) -> ndarray:
+def common_cuts(slave: Surface, slave_nodes: ndarray, master: Surface, master_nodes: ndarray, facing: NeighbourList
+                ) -> ndarray:
     """Chain coordinates at which the slave is cut: by its own segments' ends and by those of the master.
 
     Between the cuts gap and shape functions are smooth on both sides, so that Gauss points on the pieces integrate
@@ -122,7 +129,7 @@ def common_cuts(slave: Surface, slave_nodes: ndarray, master: Surface, master_no
     if not master.closed:
         ends = np.concatenate((ends, master.at(np.array([m - 1]), np.ones((1, 1)), master_nodes, 0).x[0]))
     near = np.full(len(ends), slave.spacing)
-    found = project(slave, slave_nodes, ends, near)
+    found = project(slave, slave_nodes, ends, near, among=facing.at(slave_nodes, ends))
     hit = found.found & ~found.vertex & (np.abs(found.xi[:, 0]) < 1.0) & (found.gap < near)
     inner = found.facet[hit] + 0.5 * (1.0 + found.xi[hit, 0])
     cuts = np.unique(np.concatenate((np.arange(len(slave.facets) + 1.0), inner)))

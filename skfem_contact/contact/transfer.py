@@ -57,7 +57,7 @@ def dragged(kinematics: Kinematics, master: Surface, nodes: ndarray, stick: Mate
 def tangents_at(points: SlavePoints, slave: Surface, slave_nodes: ndarray, master: Surface, nodes: ndarray,
                 closest: MaterialPoints) -> ndarray:
     """Unit tangents of the master at material points, (n, dim - 1, dim), counted as those of slips are."""
-    normal = master.at(closest.facet, np.nan_to_num(closest.xi), nodes).normal
+    normal = master.at(closest.facet, closest.known, nodes).normal
     return frame(normal, points.direction(slave, slave_nodes))
 
 

@@ -29,13 +29,18 @@ class MaterialPoints(NamedTuple):
         """Which of them are on the surface at all, (n,)."""
         return np.asarray(self.facet >= 0)
 
+    @property
+    def known(self) -> ndarray:
+        """Local coordinates, zero of those that are none."""
+        return np.where(self.exist[:, None], self.xi, 0.0)
+
     def take(self, chosen: ndarray) -> MaterialPoints:
         """Some of the points."""
         return MaterialPoints(self.facet[chosen], self.xi[chosen])
 
     def places(self, surface: Surface, nodes: ndarray) -> ndarray:
         """Where they are, (n, dim); of no meaning for those that are none."""
-        return surface.at(self.facet, np.nan_to_num(self.xi), nodes, 0).x[0]
+        return surface.at(self.facet, self.known, nodes, 0).x[0]
 
 
 def apart(surface: Surface, nodes: ndarray, tangents: ndarray, point: MaterialPoints, origin: MaterialPoints
@@ -47,7 +52,7 @@ def apart(surface: Surface, nodes: ndarray, tangents: ndarray, point: MaterialPo
 
 def behind(surface: Surface, nodes: ndarray, tangents: ndarray, point: MaterialPoints, way: ndarray) -> MaterialPoints:
     """Material points of the same facets from which it is a given way, (n, dim - 1), to these along unit tangents."""
-    xi, start = np.nan_to_num(point.xi), point.places(surface, nodes)
+    xi, start = point.known, point.places(surface, nodes)
     for _ in range(_NEWTON_STEPS):
         place = surface.at(point.facet, xi, nodes)
         missing = np.einsum("nic,nc->ni", tangents, start - place.x[0]) - way
@@ -60,5 +65,5 @@ def behind(surface: Surface, nodes: ndarray, tangents: ndarray, point: MaterialP
 
 def shifted(surface: Surface, nodes: ndarray, points: MaterialPoints, motion: ndarray) -> MaterialPoints:
     """The points moved on along the surface, (n, dim), to the first order."""
-    a = surface.at(points.facet, np.nan_to_num(points.xi), nodes).x[1]
+    a = surface.at(points.facet, points.known, nodes).x[1]
     return MaterialPoints(points.facet, points.xi + solve(products(a, a), np.einsum("nac,nc->na", a, motion)))

@@ -105,6 +105,12 @@ class Shape:
         """Local coordinates of the centre."""
         return np.asarray(self.corners.mean(axis=0))
 
+    @cached_property
+    def at_centre(self) -> list[ndarray]:
+        """Values, (1 or n_facets, k), and first derivatives, (1 or n_facets, dim - 1, k), there."""
+        facet = np.arange(len(self.coefficients))
+        return self.at(facet, np.tile(self.centre, (len(facet), 1)), 1)
+
     # -- sides: the two ends of a line, the edges of a facet in space ---------------------------------------
 
     @cached_property
@@ -129,8 +135,12 @@ class Shape:
 
     def beyond(self, xi: ndarray) -> ndarray:
         """How far points lie beyond the sides, (n, n_sides): from -2 at the far end to 0 at the side."""
-        start = self.corners[self.side_corners[:, 0]]
-        return np.asarray(xi @ self.outward.T - np.einsum("sc,sc->s", self.outward, start))
+        return np.asarray(xi @ self.outward.T - self._level)
+
+    @cached_property
+    def _level(self) -> ndarray:
+        """Product of the sides' normals with places on them, (n_sides,)."""
+        return np.einsum("sc,sc->s", self.outward, self.corners[self.side_corners[:, 0]])
 
     # -- values -------------------------------------------------------------------------------------------
 

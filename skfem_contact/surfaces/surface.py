@@ -184,6 +184,16 @@ class Surface:
         """Sides of the facets without a neighbour, (n_facets, n_sides)."""
         return self.neighbours < 0
 
+    @cached_property
+    def rank(self) -> ndarray:
+        """Which of the facets at a side a point there belongs to, (n_facets, n_sides): the one of the largest.
+
+        In the plane it is the one before, in space the one of the lowest number.
+        """
+        if self.dim == 2:
+            return np.tile([0.0, 1.0], (len(self.facets), 1))
+        return np.repeat(1.0 - np.arange(len(self.facets))[:, None] / len(self.facets), self.neighbours.shape[1], axis=1)
+
     def facing(self, slave: Surface) -> Surface:
         """The surface as a slave meets it: off its rim it goes on for a share of the slave's facets, if smaller.
 
@@ -196,7 +206,7 @@ class Surface:
 
     def positions(self, x: ndarray, origin: ndarray | float = 0.0) -> ndarray:
         """Current coordinates of the nodes at the displacements x, seen from an origin, (n_nodes, dim)."""
-        return np.asarray(self.nodes - origin + np.where(self.dofs >= 0, x[self.dofs], 0.0))
+        return np.asarray(self.nodes - origin + np.where(self.dofs >= 0, x.take(self.dofs), 0.0))
 
     def at(self, facet: ndarray, xi: ndarray, nodes: ndarray, derivatives: int = 1) -> Place:
         """Points given by facet, (n,), and local coordinates, (n, dim - 1), where the nodes are now."""
