@@ -216,7 +216,7 @@ class Coulomb(InterfaceLaw):
         adhesion = np.where(whole, self.adhesion, 0.0)
         limit = adhesion + self.mu * np.maximum(-normal, 0.0)
         trial = by_slip * slip  # eq. 8
-        size = np.linalg.norm(trial, axis=0)
+        size = np.sqrt((trial * trial).sum(axis=0))
         length = np.where(size > 0.0, size, 1.0)
         direction = trial / length
         # a point that slid to the cone lies on it up to round-off, and sticks until it is dragged further

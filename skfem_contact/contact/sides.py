@@ -105,5 +105,6 @@ def normals_at_joint(surface: Surface, nodes: ndarray, facet: ndarray, side: nda
     neighbour = surface.neighbours[facet, side]
     other = 1 - side if surface.dim == 2 else np.argmax(surface.neighbours[neighbour] == facet[:, None], axis=1)
     neighbour, other = np.where(neighbour < 0, facet, neighbour), np.where(neighbour < 0, side, other)
-    middle = shape.corners[shape.side_corners[:, 0]] + 0.5 * shape.along
-    return (surface.at(facet, middle[side], nodes).normal, surface.at(neighbour, middle[other], nodes).normal)
+    middle = shape.side_middles[np.concatenate((side, other))]
+    normal = surface.at(np.concatenate((facet, neighbour)), middle, nodes).normal
+    return normal[:len(facet)], normal[len(facet):]

@@ -126,6 +126,11 @@ class Shape:
         return np.asarray(end - start)
 
     @cached_property
+    def side_middles(self) -> ndarray:
+        """Local coordinates of the middles of the sides, (n_sides, dim - 1)."""
+        return np.asarray(self.corners[self.side_corners[:, 0]] + 0.5 * self.along)
+
+    @cached_property
     def outward(self) -> ndarray:
         """Normals c of the sides with c . (xi - corner) = 2 a full width beyond the side, (n_sides, dim - 1)."""
         normal = self.corners - self.centre if self.dim == 1 else np.column_stack((self.along[:, 1], -self.along[:, 0]))
@@ -155,8 +160,8 @@ class Shape:
             Highest derivative that is asked for.
         """
         monomials = np.ones((len(xi), len(self.exponents)), xi.dtype)
-        for axis, columns in self._factors:
-            monomials[:, columns] *= xi[:, axis:axis + 1]
+        for monomial, lower, axis in self._factors:
+            np.multiply(monomials[:, lower], xi[:, axis], out=monomials[:, monomial])
         result = []
         for order, coefficients in enumerate(self._derivatives[: derivatives + 1]):
             if len(coefficients) == 1:
@@ -167,10 +172,14 @@ class Shape:
         return result
 
     @cached_property
-    def _factors(self) -> list[tuple[int, ndarray]]:
-        """Local coordinates and the monomials that they multiply, once for each power."""
-        return [(axis, np.flatnonzero(self.exponents[:, axis] >= power))
-                for axis in range(self.dim) for power in range(1, int(self.exponents.max()) + 1)]
+    def _factors(self) -> list[tuple[int, int, int]]:
+        """Monomials, but for 1, each with the lower one and the local coordinate that it is the product of."""
+        number = {tuple(powers): n for n, powers in enumerate(self.exponents.tolist())}
+        result = []
+        for powers in sorted(number, key=sum)[1:]:
+            axis = max(i for i in range(self.dim) if powers[i])
+            result.append((number[powers], number[(*powers[:axis], powers[axis] - 1, *powers[axis + 1:])], axis))
+        return result
 
     @cached_property
     def _derivatives(self) -> list[ndarray]:
