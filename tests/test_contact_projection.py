@@ -11,8 +11,8 @@ from scipy.optimize import minimize_scalar
 from skfem import Basis, ElementQuad2, ElementVector, MeshQuad, MeshQuad2
 
 import skfem_contact as sc
-from skfem_contact.contact.quadrature import between, gauss, nodal
 from skfem_contact.contact.neighbours import NeighbourList
+from skfem_contact.contact.quadrature import between, gauss, nodal
 from skfem_contact.contact.search import project
 from skfem_contact.contact.segmentation import common_cuts
 from skfem_contact.surfaces.chain import Chain

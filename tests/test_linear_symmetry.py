@@ -7,8 +7,8 @@ import pytest
 from helpers import grid, rough_pair, vector_basis
 
 import skfem_contact as sc
-from skfem_contact.contact.recovery.easing import Easing
-from skfem_contact.contact.recovery.stabilisation import Stabilisation
+from skfem_contact.contact.recovery.family import Easing
+from skfem_contact.contact.recovery.start import Stabilisation
 from skfem_contact.forms import are_symmetric
 from skfem_contact.nonlinear.system import System
 

@@ -24,8 +24,9 @@ from .kinematics import Kinematics, tangents, variations
 from .laws import InterfaceLaw, Status, Update
 from .neighbours import NeighbourList
 from .quadrature import SlavePoints
-from .recovery.easing import Easing
-from .recovery.facet_lock import FacetLock
+from .recovery import FAMILIES
+from .recovery.chatter import FacetLock
+from .recovery.family import Easing
 from .search import Projection, merged
 from .segmentation import RECUTS, Sampling
 from .settings import check_law, check_settings, check_surfaces
@@ -240,7 +241,7 @@ class ContactPair(Answers):
         if missing:
             rows = np.pad(state.internal, ((0, max(missing, 0)), (0, 0)))
             state = replace(state, internal=rows[:self.law.n_internal])
-        return self.easing.seen(state, self.law)
+        return self.easing.seen(state)
 
     def penalties(self, state: ContactState) -> tuple[float, float]:
         """Normal and tangential penalty in a state."""
@@ -326,7 +327,7 @@ class ContactPair(Answers):
             How Newton's method failed; None before the first attempt.
         """
         new = copy(self)
-        new.easing = self.easing.begin(self, accepted, failure)
+        new.easing = self.easing.begun(FAMILIES, self, accepted, failure)
         return self if new.easing is self.easing else new
 
     @property

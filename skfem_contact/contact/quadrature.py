@@ -35,7 +35,7 @@ class SlavePoints:
         Factors of the facet's nodes in the direction from which tangents are counted in space, (n, k); see
         :meth:`direction`.
     facing
-        Facets of the master that pieces of facets in space face, (n,), -1 for none; None for other points.
+        Facets of the master that pieces of facets in space face, (n,); -1 for none, and for other points.
     """
 
     facet: ndarray
@@ -45,7 +45,7 @@ class SlavePoints:
     weight: ndarray
     size: ndarray
     along: ndarray
-    facing: ndarray | None = None
+    facing: ndarray
 
     @classmethod
     def on(cls, surface: Surface, facet: ndarray, xi: ndarray, weight: ndarray) -> SlavePoints:
@@ -53,11 +53,11 @@ class SlavePoints:
         place = surface.at(facet, xi, surface.nodes)
         area = np.linalg.norm(across(place.x[1]), axis=1) * (place.x[0][:, 0] if surface.axisymmetric else 1.0)
         return cls(facet, xi, surface.facets[facet], place.shapes[0], area * weight, surface.size[facet],
-                   _along(surface, facet, place))
+                   _along(surface, facet, place), np.full(len(facet), -1))
 
     def take(self, chosen: ndarray) -> SlavePoints:
         """Some of the points, given by their numbers."""
-        return SlavePoints(**{name: None if part is None else part[chosen] for name, part in vars(self).items()})
+        return SlavePoints(**{name: part[chosen] for name, part in vars(self).items()})
 
     def positions(self, nodes: ndarray) -> ndarray:
         """Coordinates of the points, (n, dim), from those of the slave nodes."""
@@ -112,7 +112,7 @@ def nodal(surface: Surface) -> SlavePoints:
     order = order[weight[order] > 0.0]
     along = _along(surface, facet, surface.at(facet, place, surface.nodes))
     return SlavePoints(facet[order], place[order], order[:, None], np.ones((len(order), 1)), weight[order], size[order],
-                       along[order])
+                       along[order], np.full(len(order), -1))
 
 
 def gauss(slave: Surface, master: Surface, n: int) -> SlavePoints:

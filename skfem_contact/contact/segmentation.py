@@ -89,8 +89,7 @@ class Sampling:
                 previous: ndarray | None = None, locked: ndarray | None = None, among: Neighbours | None = None
                 ) -> Projection:
         """Closest points of the points; those on pieces in space stay on the facet that their piece faces."""
-        if points.facing is not None:
-            faces = points.facing >= 0
+        if (faces := points.facing >= 0).any():
             before = np.full(len(faces), -1) if previous is None else previous
             previous = np.where(faces, points.facing, before)
             locked = faces if locked is None else faces | locked

@@ -192,7 +192,8 @@ class Surface:
         """
         if self.dim == 2:
             return np.tile([0.0, 1.0], (len(self.facets), 1))
-        return np.repeat(1.0 - np.arange(len(self.facets))[:, None] / len(self.facets), self.neighbours.shape[1], axis=1)
+        m, sides = self.neighbours.shape
+        return np.repeat(1.0 - np.arange(m)[:, None] / m, sides, axis=1)
 
     def facing(self, slave: Surface) -> Surface:
         """The surface as a slave meets it: off its rim it goes on for a share of the slave's facets, if smaller.

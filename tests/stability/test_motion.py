@@ -13,8 +13,8 @@ from helpers import arcs, body_along, facing, grid, moved_rigidly, traction, unk
 from setups import along_and_up, blocks, displaced, force_on, guided, in_contact, run
 
 import skfem_contact as sc
-from skfem_contact.contact.recovery.easing import Easing
-from skfem_contact.contact.recovery.facet_lock import FacetLock
+from skfem_contact.contact.recovery.chatter import FacetLock
+from skfem_contact.contact.recovery.family import Easing
 from skfem_contact.contact.search import project
 from skfem_contact.errors import Failure
 from skfem_contact.nonlinear.increment import check

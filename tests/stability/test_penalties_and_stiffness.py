@@ -12,8 +12,8 @@ from helpers import unknowns_of
 from setups import along_and_up, blocks, displaced, force_on, guided, held, in_contact, loaded, run
 
 import skfem_contact as sc
-from skfem_contact.contact.recovery.easing import Easing
-from skfem_contact.contact.recovery.soft_stick import SoftStick
+from skfem_contact.contact.recovery.chatter import SoftStick
+from skfem_contact.contact.recovery.family import Easing
 from skfem_contact.errors import Failure
 
 QUADRATURES = ["nodal", 2, "segments"]

@@ -1,4 +1,4 @@
-"""Start-up of bodies that nothing but contact holds: soft springs until it is closed."""
+"""Bodies that do not hold each other as they are given: loose ones, and ones that overlap."""
 from __future__ import annotations
 
 import logging
@@ -9,6 +9,7 @@ import numpy as np
 from numpy import ndarray
 
 from ...errors import Failure
+from ..diagnosis import PENETRATION
 from ..laws import InterfaceLaw, Status, Update
 from ..quadrature import SlavePoints
 from ..state import ContactState
@@ -26,17 +27,13 @@ _FIRST, _LAST = 1e-4, 1e-6
 _FALL = 0.1
 #: Springs that exert less than this share of the contact force need not be taken away little by little.
 _NEGLIGIBLE = 1e-3
+#: Share of the overlap that is left from one member to the next.
+_LEFT = 0.5
 
 
 @dataclass(frozen=True)
 class Stabilisation(Recovery):
-    """Springs that become softer from solution to solution.
-
-    Parameters
-    ----------
-    share
-        Stiffness of the springs as a share of the penalty.
-    """
+    """Soft springs until contact is closed, for bodies that nothing else holds; softer from solution to solution."""
 
     share: float = _FIRST
 
@@ -105,10 +102,44 @@ class Stabilised(InterfaceLaw):
         springs[0] = np.where(is_open, self.share * penalty[0], 0.0)
         tangent = np.where(is_open, 0.0, law.tangent)
         tangent[np.arange(len(jump)), np.arange(len(jump))] += springs
-        return Update(
-            traction=np.where(is_open, 0.0, law.traction) + springs * jump,
-            internal=law.internal,
-            tangent=tangent,
-            elastic_slip=np.where(is_open, 0.0, law.elastic_slip),
-            status=np.where(is_open, int(Status.OPEN), law.status),
-        )
+        return Update(np.where(is_open, 0.0, law.traction) + springs * jump, law.internal, tangent,
+                      np.where(is_open, 0.0, law.elastic_slip), np.where(is_open, int(Status.OPEN), law.status))
+
+
+@dataclass(frozen=True, eq=False)
+class Interference(Recovery):
+    """Overlaps that are resolved in steps: a part of them counts as touching still, and of the last member none.
+
+    Parameters
+    ----------
+    offset
+        Gap that counts as touching, (n_points,).
+    wanted
+        What it is to become: zero for overlaps as meshed, or the interference that is asked for.
+    """
+
+    offset: ndarray
+    wanted: float
+
+    @classmethod
+    def begin(cls, pair: ContactPair, accepted: ContactState, failure: Failure | None) -> Interference | None:
+        """All of the overlap touches.
+
+        There is nothing to do where it is not to be resolved in steps, or has been: closed points carry tractions then.
+        """
+        untouched = (accepted.status != Status.OPEN).any() and not accepted.traction.any()
+        wanted = 0.0 if isinstance(pair.initial, str) else pair.initial
+        ramped = (wanted > 0.0 or pair.initial == "ramped") and (accepted.offset != wanted).any()
+        return cls(accepted.offset, wanted) if failure is None and untouched and ramped else None
+
+    def seen(self, state: ContactState) -> ContactState:
+        """With what is left of the offset."""
+        return replace(state, offset=self.offset)
+
+    def proceed(self, pair: ContactPair, accepted: ContactState, found: ContactState) -> Interference:
+        """Half of the overlap is left, and none of what is small."""
+        left = _LEFT * (self.offset - self.wanted)
+        if not left.any():
+            return self
+        left[np.abs(left) < PENETRATION * pair.points(accepted).size] = 0.0
+        return replace(self, offset=self.wanted + left)
