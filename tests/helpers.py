@@ -25,8 +25,7 @@ from skfem import (
 
 import skfem_contact as sc
 from skfem_contact.contact.search import Projection, project
-from skfem_contact.surfaces.chain import Chain
-from skfem_contact.surfaces.material_points import MaterialPoints
+from skfem_contact.surfaces.material_points import MaterialPoints, along_chain
 
 #: Every supported element with a mesh that it lives on.
 ELEMENTS = {
@@ -172,12 +171,13 @@ def slipped(state: sc.ContactState, amount: float, rng: np.random.Generator) -> 
 
 def arcs(pair: sc.ContactPair, points: MaterialPoints) -> ndarray:
     """Arc positions of material points of a pair's master in the plane, NaN of those that are none."""
-    return np.where(points.exist, Chain.of(pair.master).arc(*points), np.nan)
+    return np.where(points.exist, along_chain(pair.master, *points), np.nan)
 
 
 def sticking_at(pair: sc.ContactPair, state: sc.ContactState, arc: ndarray) -> sc.ContactState:
     """The state with stick points at arc positions of a master with straight facets."""
-    start, length = Chain.of(pair.master).start, pair.master.area
+    length = pair.master.area
+    start = np.concatenate(([0.0], np.cumsum(length)[:-1]))
     facet = np.clip(np.searchsorted(start, arc, side="right") - 1, 0, len(start) - 1)
     return state.with_stick(MaterialPoints(facet, (2 * (arc - start[facet]) / length[facet] - 1)[:, None]))
 

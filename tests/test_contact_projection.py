@@ -15,7 +15,7 @@ from skfem_contact.contact.neighbours import NeighbourList
 from skfem_contact.contact.quadrature import between, gauss, nodal
 from skfem_contact.contact.search import project
 from skfem_contact.contact.segmentation import common_cuts
-from skfem_contact.surfaces.chain import Chain
+from skfem_contact.surfaces.material_points import along_chain
 from skfem_contact.surfaces.smoothing import smoothed
 from skfem_contact.surfaces.surface import EXTENSION
 
@@ -261,7 +261,7 @@ def test_smoothing_keeps_a_straight_chain(alpha):
     points = np.stack((t, 0.5 * t + 0.2), axis=1)
     a, b = found(line, points), found(curve, points)
     np.testing.assert_allclose(a.gap, b.gap, atol=1e-14)
-    np.testing.assert_allclose(Chain.of(line).arc(a.facet, a.xi), Chain.of(curve).arc(b.facet, b.xi), atol=1e-13)
+    np.testing.assert_allclose(along_chain(line, a.facet, a.xi), along_chain(curve, b.facet, b.xi), atol=1e-13)
 
 
 def test_far_points_face_the_surface_without_touching_it():
@@ -360,7 +360,8 @@ def test_chain_runs_with_the_body_on_its_right(element, clockwise, rng):
     np.testing.assert_allclose(ends[:, 0], line[:-1], atol=1e-15)
     np.testing.assert_allclose(ends[:, 1], line[1:], atol=1e-15)
     np.testing.assert_allclose(surface.area, np.linalg.norm(np.diff(line, axis=0), axis=1), rtol=1e-14)
-    np.testing.assert_allclose(Chain.of(surface).start, np.concatenate(([0], np.cumsum(surface.area)[:-1])), rtol=1e-14)
+    starts = along_chain(surface, np.arange(6), np.full((6, 1), -1.0))
+    np.testing.assert_allclose(starts, np.concatenate(([0], np.cumsum(surface.area)[:-1])), atol=1e-14)
     x = rng.standard_normal(2 * len(surface.dofs) + 2 * mesh.nelements + surface.dofs.max() + 2)
     np.testing.assert_array_equal(surface.positions(x), surface.nodes + x[surface.dofs])
 
@@ -375,7 +376,7 @@ def test_weights_of_the_points(element):
     for n in (0, 1, 2, 3, 5):
         points = gauss(surface, surface, n) if n else nodal(surface)
         assert points.weight.sum() == pytest.approx(2.0, rel=1e-14)
-        place, along = points.positions(surface.nodes), Chain.of(surface).arc(points.facet, points.xi)
+        place, along = points.positions(surface.nodes), along_chain(surface, points.facet, points.xi)
         np.testing.assert_allclose(place[:, 0], along, atol=1e-14)
         assert (np.diff(along) > 0).all()
         # the nodal rule is the trapezoidal one, or Simpson's
@@ -386,7 +387,7 @@ def test_weights_of_the_points(element):
             assert (points.weight * along**k).sum() == pytest.approx(2 ** (k + 1) / (k + 1), rel=1e-13)
     cuts = np.array([0, 0.25, 1, 1.5, 1.9, 2, 3, 4])
     points = between(surface, cuts, 2)
-    along = Chain.of(surface).arc(points.facet, points.xi)
+    along = along_chain(surface, points.facet, points.xi)
     assert len(points.weight) == 14
     assert (points.weight * along**3).sum() == pytest.approx(4.0, rel=1e-13)
 

@@ -89,8 +89,7 @@ def test_tangent_at_edges_and_vertices(element, law, rng):
         state = pair.initial_state()
         state = replace(state, stick_point=state.stick_point + 0.05 * rng.standard_normal((2, len(state.gap))),
                         status=np.ones_like(state.status))
-        slave, nodes = pair._places(x)
-        found = pair._project(pair.points(state), nodes, pair.points(state).positions(slave))
+        found = pair.interface.closest(x, state.cuts)
         features |= set(found.feature[found.gap < 0].tolist())
         out = pair.assemble(x, state)
         assert tangent_error(pair, x, state, rng) < 10 * EXACT  # 1/g^2 of the third derivative

@@ -31,7 +31,7 @@ from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
 
 import skfem_contact as sc
 import skfem_contact.plot as plot
-from skfem_contact.surfaces.chain import Chain
+from skfem_contact.surfaces.material_points import along_chain
 
 mu, radius, pressed, stroke, E = 0.3, 6.0, 0.02, 1.2, 1.0
 
@@ -129,7 +129,7 @@ def stored(solid, result):
 def dissipated(pair, result):
     """Energy that every point dissipates in every step after the first, (n_steps - 1, n_points)."""
     states = [step.states["joint"] for step in result]
-    dragged = np.diff([Chain.of(pair.master).arc(*state.stick) for state in states], axis=0)
+    dragged = np.diff([along_chain(pair.master, *state.stick) for state in states], axis=0)
     return dragged * [state.traction[1] for state in states[1:]] * sc.tractions(pair, states[0]).weight
 
 

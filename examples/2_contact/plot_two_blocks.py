@@ -27,7 +27,7 @@ from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
 
 import skfem_contact as sc
 import skfem_contact.plot as plot
-from skfem_contact.surfaces.chain import Chain
+from skfem_contact.surfaces.material_points import along_chain
 
 mu, pressed, stroke = 0.3, 0.005, 0.6
 
@@ -82,7 +82,7 @@ def work_on_block(force):
 def dissipation(joint, result):
     """Energy that every point of the joint dissipates in every step but the first, (n_steps - 1, n_points)."""
     states = [step.states["joint"] for step in result]
-    dragged = np.diff([Chain.of(joint.master).arc(*state.stick) for state in states], axis=0)
+    dragged = np.diff([along_chain(joint.master, *state.stick) for state in states], axis=0)
     return dragged * [state.traction[1] for state in states[1:]] * sc.tractions(joint, states[0]).weight
 
 

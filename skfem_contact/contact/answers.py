@@ -105,7 +105,7 @@ class Answers(Form):
     def fits(self, state: ContactState) -> bool:
         """Whether a state has the points of this pair; internal variables may be those of another law."""
         if self.quadrature == "segments":
-            return self._pair.fits_cuts(state.cuts)
+            return self._pair.interface.fits(state.cuts)
         initial = arrays_of(self.initial_state())
         return all(np.shape(values) == np.shape(initial[name]) for name, values in arrays_of(state).items()
                    if name != "internal")

@@ -52,7 +52,9 @@ def passed_through(depth: ndarray, accepted: ContactState, candidate: ContactSta
 
 def remarks(pair: ContactPair, x: ndarray, state: ContactState) -> Iterator[Remark]:
     """Remarks on a state: penalty, multipliers, round-off, facets, lost bonds, points that lie too deep, no contact."""
-    meshed = _meshed_gap(pair, state) if state.traction[0].any() else state.gap  # without tractions nobody asks
+    meshed = state.gap
+    if state.traction[0].any():  # else nobody asks
+        meshed = pair.interface.closest(None, state.cuts).gap
     yield from _on_enforcement(pair, x, state, meshed)
     yield from _on_facets(pair, state, meshed)
     slave, master, points = pair.slave, pair.master, pair.points(state)
@@ -61,7 +63,7 @@ def remarks(pair: ContactPair, x: ndarray, state: ContactState) -> Iterator[Rema
         yield Remark("bond", lost_bond.sum(),
                      f"points {np.flatnonzero(lost_bond)} of '{slave.name}' opened with their bond and closed without "
                      "it: they have lost it, adhesion and tension, for good")
-    deep = state.gap < -pair.depth(points)
+    deep = state.gap < -pair.interface.depth(points)
     if deep.any():
         yield Remark("too deep", -state.gap.min(),
                      f"{deep.sum()} of {len(deep)} points of '{slave.name}' lie deeper in "
@@ -132,16 +134,9 @@ def _gives_way(weight: ndarray, traction: ndarray, penalty: float, way: ndarray,
 
 def _moved_apart(pair: ContactPair, x: ndarray, state: ContactState) -> ndarray:
     """Distance by which the displacements have moved points and their closest points apart, (n,)."""
-    (slave, master), (slave_0, master_0) = pair._places(x), pair._places(np.zeros(pair.size))
+    (slave, master), (slave_0, master_0) = pair.interface.places(x), pair.interface.places(None)
     apart = pair.points(state).positions(slave - slave_0) - state.closest.places(pair.master, master - master_0)
     return np.asarray(np.linalg.norm(apart, axis=1))
-
-
-def _meshed_gap(pair: ContactPair, state: ContactState) -> ndarray:
-    """Gaps of the undeformed bodies at a state's points, (n,); inf where nothing is near."""
-    points = pair.points(state)
-    slave, master = pair._places(np.zeros(pair.size))
-    return pair._project(points, master, points.positions(slave)).gap
 
 
 def _on_facets(pair: ContactPair, state: ContactState, meshed: ndarray) -> Iterator[Remark]:
@@ -151,7 +146,7 @@ def _on_facets(pair: ContactPair, state: ContactState, meshed: ndarray) -> Itera
     if not force.any():
         return
     overlap = np.maximum(state.offset - meshed, 0.0)
-    overlap[(overlap > pair.depth(points)) | (overlap < TOUCHING * points.size)] = 0.0
+    overlap[(overlap > pair.interface.depth(points)) | (overlap < TOUCHING * points.size)] = 0.0
     penalty = pair.penalties(state)[0]
     in_series = 1.0 / (1.0 / penalty + 1.0 / (pair.stiffness or penalty))
     carried = in_series * float(_within_facets(pair.slave, points, overlap) @ pair.slave.area) / float(force.sum())

@@ -21,7 +21,6 @@ from numpy import ndarray
 from scipy.sparse import csr_matrix
 
 from ..forms import Form, Response
-from .kinematics import variations
 from .laws import Status
 from .state import ContactState
 
@@ -63,12 +62,10 @@ class FirstGeometry(Form):
     def __init__(self, pair: ContactPair, x: ndarray, state: ContactState) -> None:
         self.pair, self.size, self.strengths = pair, pair.size, pair.strengths
         self.joins, self.changing = pair.joins, pair.changing
-        slave, nodes = pair._places(x)
         self._points = points = pair.points(state)
-        found = pair._project(points, nodes, points.positions(slave), state.facet)
+        found = pair.interface.closest(x, state.cuts, state.facet)
         self._at = at = np.flatnonzero(found.found)
-        near = points.take(at)
-        seen = variations(near, pair.slave, pair.master, found.take(at), slave, nodes, state.stick.take(at))
+        near, seen = points.take(at), pair.interface.variations(x, state, found, at)
         self._dofs, self._work = seen.dofs, seen.work
         penalties = pair.penalties(state)
         closing = state.offset - points.at(state.multiplier[0]) / penalties[0]
@@ -98,13 +95,11 @@ class FirstGeometry(Form):
 
     def released(self, x: ndarray, state: HeldState) -> tuple[ContactPair, ContactState]:
         """The pair that follows the bodies, and the state that it has there: with the same tractions."""
-        slave, nodes = self.pair._places(x)
-        found = self.pair._project(self._points, nodes, self._points.positions(slave))
-        facet, xi = found.closest
+        facet, xi = self.pair.interface.closest(x, state.cuts).closest
         own = {field.name: getattr(state, field.name) for field in fields(ContactState)}
         elastic = np.where(state.status == Status.OPEN, 0.0, state.moved - state.origin)
         own |= {"facet": facet, "position": xi.T, "stick_facet": facet, "stick_point": xi.T}
-        return self.pair, self.pair.with_elastic_slip(ContactState(**own), elastic)
+        return self.pair, self.pair.interface.with_elastic_slip(ContactState(**own), elastic)
 
     def reduced(self, factor: float, flow: str, names: Collection[str]) -> FirstGeometry:
         """The same contact with the strength of its law divided by a factor."""

@@ -26,12 +26,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy import ndarray
 
-from ..surfaces.material_points import MaterialPoints
+from ..surfaces.material_points import MaterialPoints, behind
 from ..surfaces.surface import Place, Surface
 from ..surfaces.vectors import askew, dot, frame, inverse, lift, outer, products, spread
 from .joints import Joints
 from .quadrature import SlavePoints
 from .search import Projection
+
+#: Round-off of an elastic slip, as a share of it.
+_SAME_SLIP = 1e-9
 
 
 class Kinematics(NamedTuple):
@@ -131,16 +134,13 @@ def variations(points: SlavePoints, slave: Surface, master: Surface, projection:
         np.where((block < 0)[:, :, None], -1, master.dofs[block]) for block in others)]
     stuck = (held >= 0)[:, None]
     way = _from_stick(master, nodes, facet, place, held, weights)
-    M, rest = place.shapes, [np.zeros_like(M) for M in weights[1:]]
-    alpha = np.concatenate((N, -M[0], *rest), axis=1)
-    before = np.zeros((*M[1].shape[:2], N.shape[1]))
-    beta = np.concatenate((before, M[1], *(0 * M[1] for _ in rest)), axis=2)
+    M, own = place.shapes, slice(N.shape[1], N.shape[1] + place.shapes[0].shape[1])
     sigma = np.concatenate((np.where(stuck, N, 0.0), *(-w for w in weights)), axis=1)
-
+    alpha, beta = np.zeros(sigma.shape), np.zeros((*M[1].shape[:2], sigma.shape[1]))
+    alpha[:, :N.shape[1]], alpha[:, own], beta[:, :, own] = N, -M[0], M[1]
     delta = np.zeros_like(alpha)
     if N.shape == points.along.shape:  # a node alone does not turn the direction of its facet
         delta[:, :N.shape[1]] = points.along
-
     n, a = place.normal, place.x[1]
     if slave.dim == 3:
         given, direction = direction, askew(direction, n)
@@ -151,7 +151,6 @@ def variations(points: SlavePoints, slave: Surface, master: Surface, projection:
     operator = inverse(m - g[:, None, None] * h)
     Xi = operator @ (lift(alpha[:, None], a) + g[:, None, None] * turning)
     G, T = lift(alpha[:, None], n[:, None])[:, 0], products(e, a) @ Xi
-    own = slice(N.shape[1], N.shape[1] + M[0].shape[1])
     offset = way + np.where(stuck, r - place.x[0], 0.0)
     facets = _OnFacets(place, own, alpha, beta, sigma, g, offset, n, turning, m, h, operator, Xi, direction, delta)
     joints = None
@@ -190,6 +189,15 @@ def _from_stick(master: Surface, nodes: ndarray, facet: ndarray, place: Place, h
     for others in weights[1:]:
         way -= np.einsum("nk,nkc->nc", others, nodes[master.facets[held]])
     return np.asarray(way)
+
+
+def dragged(kinematics: Kinematics, master: Surface, nodes: ndarray, stick: MaterialPoints, elastic: ndarray
+            ) -> MaterialPoints:
+    """Stick points after a step: those that slide drag them behind by their elastic slip, (dim - 1, n) (eq. 10)."""
+    left = np.abs(elastic.T - kinematics.slip).max(axis=1)
+    stays = stick.exist & (left <= _SAME_SLIP * np.abs(elastic).max(axis=0))
+    after = behind(master, nodes, kinematics.tangents, kinematics.closest, elastic.T)
+    return MaterialPoints(np.where(stays, stick.facet, after.facet), np.where(stays[:, None], stick.xi, after.xi))
 
 
 def slip_gradient(kinematics: Kinematics) -> ndarray:

@@ -13,25 +13,21 @@ from skfem import CellBasis
 from ..errors import Failure, IncrementTooLarge, check_basis, check_size, is_number
 from ..forms import Response
 from ..sparse import Gathering
-from ..surfaces.material_points import MaterialPoints
 from ..surfaces.smoothing import smoothed
 from ..surfaces.surface import Surface
 from .answers import Answers
 from .augmented import AugmentedLagrangian, Progress
 from .clearance import Fit, touching
 from .diagnosis import ROUND_OFF, passed_through
-from .kinematics import Kinematics, tangents, variations
+from .interface import RECUTS, Interface
+from .kinematics import Kinematics, dragged, tangents, variations
 from .laws import InterfaceLaw, Status, Update
-from .neighbours import NeighbourList
 from .quadrature import SlavePoints
 from .recovery import FAMILIES
 from .recovery.chatter import FacetLock
 from .recovery.family import Easing
-from .search import Projection, merged
-from .segmentation import RECUTS, Sampling
 from .settings import check_law, check_settings, check_surfaces
 from .state import ContactState
-from .transfer import dragged, elastic_slip, follow, nearest, slid, with_elastic_slip
 
 #: Largest tractions in the damped tangent's geometric part, over those at which the surfaces give way by a segment.
 _LARGEST_TRACTION = 0.1
@@ -111,8 +107,7 @@ class ContactPair(Answers):
         check_settings(self.slave, quadrature, enforcement, initial, share, tangent)
         check_law(law, len(self.slave.nodes))
         self.law, self.quadrature, self.tangent, self.axisymmetric = law, quadrature, tangent, axisymmetric
-        self._sampling = Sampling(self.slave, self.master, quadrature)
-        self._neighbours, self._gathering = NeighbourList(self.master), Gathering(basis.N)
+        self.interface, self._gathering = Interface(self.slave, self.master, quadrature), Gathering(basis.N)
         self.enforcement, self.initial, self.share = enforcement, initial, share
         self.size: int = int(basis.N)
         self.penalty, self.stiffness = None, None
@@ -154,7 +149,7 @@ class ContactPair(Answers):
 
     def points(self, state: ContactState) -> SlavePoints:
         """The slave's points at which a state holds."""
-        return self._sampling.points(state.cuts)
+        return self.interface.points(state.cuts)
 
     def initial_state(self, x: ndarray | None = None) -> ContactState:
         """Nothing has moved: each point sticks to its initial closest point (eq. 7, ``xi_0 = xi_c``).
@@ -165,14 +160,11 @@ class ContactPair(Answers):
             Displacements, (N,), that the bodies have when the pair becomes active. Gaps are still those of the mesh,
             or as adjusted: bodies are built to fit into displaced surfaces, and touch them without traction.
         """
-        mesh = self._places(np.zeros(self.size))
-        slave, master = mesh if x is None else self._places(x)
-        cuts = self._sampling.cuts(slave, master)
-        points = self._sampling.points(cuts)
-        found = self._project(points, master, points.positions(slave))
-        meshed = found if x is None else self._project(points, mesh[1], points.positions(mesh[0]))
+        cuts = self.interface.cuts(x)
+        points, found = self.interface.points(cuts), self.interface.closest(x, cuts)
+        meshed = found if x is None else self.interface.closest(None, cuts)
         offset = touching(found.gap, meshed.gap, points.size, self.initial, self.law.bonds)
-        n, nodal, dim, closest = len(found.gap), len(slave), self.slave.dim, found.closest
+        n, nodal, dim, closest = len(found.gap), len(self.slave.nodes), self.slave.dim, found.closest
         status = np.where(found.gap <= offset, int(Status.STICK), int(Status.OPEN))
         factor = np.ones(2)
         if self.enforcement is not None and self.penalty is not None and self.stiffness is not None:
@@ -196,27 +188,17 @@ class ContactPair(Answers):
             The last accepted state.
         """
         check_size(x, self.size)
-        slave, nodes = self._places(x)
-        points = self.points(state)
-        positions = points.positions(slave)
+        slave, nodes = self.interface.places(x)
+        points, exact = self.points(state), ROUND_OFF * float(np.abs(nodes).max())
         accepted, state, law, lock = state, self.seen(state), self.easing.law(self.law), self.easing.of(FacetLock)
-        depth = np.full(len(points.weight), np.inf) if law.reaches_far else self.depth(points)
+        depth = np.full(len(points.weight), np.inf) if law.reaches_far else self.interface.depth(points)
         penalties = self.penalties(state)
         closing = state.offset - points.at(state.multiplier[0]) / penalties[0]
-        bonded = state.status != int(Status.OPEN)
-        around = self._neighbours.at(nodes, positions)
-        exact = ROUND_OFF * float(np.abs(nodes).max())
-        near = bonded | around.within(closing + exact, depth)  # the others need not be projected
-
-        def projected(chosen: ndarray) -> Projection:
-            return self._sampling.project(points, nodes, positions, depth, state.facet, lock and lock.points,
-                                          around.of(chosen))
-
-        found = projected(near)
-        self._neighbours.learn(near, found.distance, found.gap)
+        found, everywhere = self.interface.near(slave, nodes, state, closing + exact, depth, lock and lock.points)
         gap = found.gap - closing
         gap = np.where(np.abs(gap) <= exact, 0.0, gap)
-        at = np.flatnonzero(found.found & law.take(points).reaches(gap, state.internal, bonded))
+        closed = state.status != Status.OPEN
+        at = np.flatnonzero(found.found & law.take(points).reaches(gap, state.internal, closed))
         closing_points = points.take(at)
         kinematics = variations(closing_points, self.slave, self.master, found.take(at), slave, nodes,
                                 state.stick.take(at))
@@ -227,9 +209,13 @@ class ContactPair(Answers):
         weight = self.share * closing_points.weight
         force = weight[:, None] * np.einsum("in,nim->nm", update.traction, kinematics.work)
         elastic = np.where(update.status == Status.OPEN, 0.0, update.elastic_slip - multiplied)
-        return Response(self._gathering.force(kinematics.dofs, force),
-                        lambda: self._candidate(accepted, state, merged(near, found, projected), at, update,
-                                                dragged(kinematics, self.master, nodes, state.stick.take(at), elastic)),
+
+        def candidate() -> ContactState:
+            stick, closest = dragged(kinematics, self.master, nodes, state.stick.take(at), elastic), everywhere()
+            slip = accepted.slip + self.interface.slid(accepted, closest.closest)
+            return state.after(closest, at, update, stick, slip)
+
+        return Response(self._gathering.force(kinematics.dofs, force), candidate,
                         lambda: self._stiffness(kinematics, update, weight, self.tangent == "exact"),
                         lambda: self._stiffness(kinematics, self._limited(update), weight, self.tangent == "exact"),
                         round_off=max(penalties) * exact * float(np.linalg.norm(weight)),
@@ -251,21 +237,6 @@ class ContactPair(Answers):
         normal, tangential = self.penalty * state.penalty_factor
         return float(normal), float(tangential)
 
-    def _places(self, x: ndarray) -> tuple[ndarray, ndarray]:
-        """Nodes of both surfaces, seen from the middle of the slave: large coordinates would cost digits."""
-        origin = self.slave.middle
-        return self.slave.positions(x, origin), self.master.positions(x, origin)
-
-    def _project(self, points: SlavePoints, nodes: ndarray, positions: ndarray,
-                 previous: ndarray | None = None) -> Projection:
-        return self._sampling.project(points, nodes, positions, self.depth(points), previous,
-                                      among=self._neighbours.at(nodes, positions))
-
-    def _candidate(self, accepted: ContactState, seen: ContactState, found: Projection, at: ndarray, update: Update,
-                   stick: MaterialPoints) -> ContactState:
-        way = slid(self.points(accepted), self.slave, self.master, found.closest, accepted.closest)
-        return follow(seen, found, at, update, stick, accepted.slip + way)
-
     def _stiffness(self, kinematics: Kinematics, update: Update, weight: ndarray, exact: bool) -> csr_matrix:
         K = tangents(kinematics, update.traction, update.tangent, exact) * weight[:, None, None]
         return self._gathering.matrix(kinematics.dofs, K)
@@ -276,10 +247,6 @@ class ContactPair(Answers):
             return update
         largest = _LARGEST_TRACTION * self.stiffness * self.slave.spacing
         return update._replace(traction=np.clip(update.traction, -largest, largest))
-
-    def depth(self, points: SlavePoints) -> ndarray:
-        """Largest penetration: what is deeper than an element or so belongs to the other side of the body."""
-        return np.maximum(points.size, self.master.spacing)
 
     # -- increments that take more than one equilibrium ---------------------------------------------------------
 
@@ -296,7 +263,7 @@ class ContactPair(Answers):
             Points have passed through the master.
         """
         points = self.points(accepted)
-        if passed := passed_through(self.depth(points), accepted, found):
+        if passed := passed_through(self.interface.depth(points), accepted, found):
             raise IncrementTooLarge(f"{passed} of {len(points.weight)} points of '{self.slave.name}' have passed "
                                     f"through '{self.master.name}', or the penalty, "
                                     f"{self.penalties(accepted)[0]:.3g}, is soft")
@@ -309,11 +276,11 @@ class ContactPair(Answers):
             state, new._progress = self.enforcement.augment(accepted, found, points, self.penalties(accepted),
                                                             stiffness, self._progress)
             if (harder := state.penalty_factor[1] / accepted.penalty_factor[1]) != 1.0:  # with the same tractions
-                state = self.with_elastic_slip(state, self.elastic_slip(state) / harder)
-        cut = self._sampling.follow(state, *self._places(x)) if self._recuts < RECUTS else None
+                state = self.interface.with_elastic_slip(state, self.interface.elastic_slip(state) / harder)
+        cut = self.interface.follow(state, x) if self._recuts < RECUTS else None
         if cut is not None:
-            new._recuts, new.easing = self._recuts + 1, self.easing.at(nearest(self.slave, points, self.points(cut)))
-            state = cut
+            nearest = self.interface.nearest(points, self.points(cut))
+            state, new._recuts, new.easing = cut, self._recuts + 1, self.easing.at(nearest)
         return None if state is accepted else (new, state)
 
     def begin(self, accepted: ContactState, failure: Failure | None = None) -> ContactPair:
@@ -334,19 +301,3 @@ class ContactPair(Answers):
     def eased(self) -> str:
         """Why there may be no equilibrium but of an easier pair, for a message."""
         return self.easing.reason
-
-    def elastic_slip(self, state: ContactState, found: ContactState | None = None) -> ndarray:
-        """Slip of a state's closest points, or of those of another one, from its stick points, (dim - 1, n)."""
-        return elastic_slip(self.points(state), self.slave, self.master, state, found)
-
-    def fits_cuts(self, cuts: ndarray) -> bool:
-        """Whether cuts of a state are some of the slave."""
-        return self._sampling.fits(cuts)
-
-    def transferred(self, state: ContactState, cuts: ndarray) -> ContactState:
-        """The state at the points between other cuts of the undeformed slave."""
-        return self._sampling.transferred(state, cuts, self.slave.nodes, self.master.nodes)
-
-    def with_elastic_slip(self, state: ContactState, slip: ndarray) -> ContactState:
-        """The state with stick points from which the closest points have slipped, (dim - 1, n)."""
-        return with_elastic_slip(self.points(state), self.slave, self.master, state, slip)

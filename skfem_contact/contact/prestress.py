@@ -11,10 +11,8 @@ from scipy.sparse import coo_matrix, csr_matrix, diags_array, hstack
 from scipy.sparse.linalg import lsqr
 
 from ..surfaces.material_points import MaterialPoints, behind
-from .kinematics import variations
 from .laws import Status
 from .state import ContactState
-from .transfer import interpolated
 
 if TYPE_CHECKING:
     from .pair import ContactPair
@@ -72,11 +70,9 @@ class TractionOperator:
     def __init__(self, pair: ContactPair, x: ndarray, state: ContactState) -> None:
         self._pair, self._x, self._state = pair, x, state
         self._points = points = pair.points(state)
-        slave, nodes = pair._places(x)
-        found = pair._project(points, nodes, points.positions(slave), state.facet)
+        found = pair.interface.closest(x, state.cuts, state.facet)
         self._at = at = np.flatnonzero(found.found & (state.status != Status.OPEN))
-        self._frame = frame = variations(points.take(at), pair.slave, pair.master, found.take(at), slave, nodes,
-                                         state.stick.take(at))
+        self._frame = frame = pair.interface.variations(x, state, found, at)
         self.places = points.positions(pair.slave.nodes)
         n, dim, weight = len(points.weight), pair.slave.dim, pair.share * points.weight[at]
         values = weight[:, None, None] * frame.work
@@ -108,7 +104,7 @@ class TractionOperator:
         by_gap, by_slip = pair.penalties(state)
         offset = np.where(state.status != Status.OPEN, state.gap - tractions[0] / by_gap, state.offset)
         at, stick = self._at, MaterialPoints(state.stick_facet.copy(), state.stick_point.T.copy())
-        nodes = pair._places(self._x)[1]
+        nodes = pair.interface.places(self._x)[1]
         stick.facet[at], stick.xi[at] = behind(pair.master, nodes, self._frame.tangents, self._frame.closest,
                                                tractions[1:, at].T / by_slip)
         return pair.assemble(self._x, replace(state, offset=offset).with_stick(stick)).state
@@ -118,13 +114,14 @@ def moved_back(pair: ContactPair, state: ContactState) -> ContactState:
     """The state of a pair whose bodies are back in their places, with all it carries."""
     home = pair.initial_state()
     old, new = pair.points(state), pair.points(home)
-    elastic = pair.elastic_slip(state)
+    face = pair.interface
+    elastic = face.elastic_slip(state)
     if pair.quadrature == "segments":
-        excess = interpolated(pair.slave, old, new, np.where(np.isfinite(state.gap), state.gap - state.offset, 0.0))
-        elastic = interpolated(pair.slave, old, new, elastic)
-        state = replace(pair.transferred(state, home.cuts), offset=np.zeros(len(excess)), gap=excess)
+        excess = face.interpolated(old, new, np.where(np.isfinite(state.gap), state.gap - state.offset, 0.0))
+        elastic = face.interpolated(old, new, elastic)
+        state = replace(face.transferred(state, home.cuts, None), offset=np.zeros(len(excess)), gap=excess)
     near = np.isfinite(home.gap) & np.isfinite(state.gap)
     offset = np.where(near, home.gap - (state.gap - state.offset), 0.0)
     state = replace(state, facet=home.facet, position=home.position, gap=home.gap, slip=np.zeros_like(state.slip),
                     offset=offset)
-    return pair.with_elastic_slip(state.with_stick(home.stick), elastic)
+    return face.with_elastic_slip(state.with_stick(home.stick), elastic)

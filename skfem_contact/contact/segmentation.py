@@ -1,119 +1,15 @@
-"""Where the slave's points lie, and how they follow the bodies."""
+"""Where a slave is cut by the segments of a master in the plane, and how far cuts move."""
 from __future__ import annotations
-
-from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import Any, Literal
 
 import numpy as np
 from numpy import ndarray
 
 from ..surfaces.surface import Surface
-from .clipping import piecewise
-from .neighbours import NeighbourList, Neighbours
-from .quadrature import SlavePoints, between, gauss, nodal
-from .search import Projection, project
-from .state import ContactState
-from .transfer import transferred
+from .neighbours import NeighbourList
+from .search import project
 
 #: Pieces shorter than this share of a segment are left out.
 _SLIVER = 1e-9
-#: The rule "segments" is cut anew when a cut has moved by more than this share of a segment.
-_MOVED = 1e-3
-#: ... but not more often than this in an increment: cuts may chatter.
-RECUTS = 8
-
-
-@dataclass(frozen=True, eq=False)
-class Sampling:
-    """Points of a slave that faces a master.
-
-    Parameters
-    ----------
-    slave, master
-        The surfaces.
-    rule
-        ``"nodal"``, a number of Gauss points on each slave segment or piece of it, or ``"segments"``, whose points
-        lie between the cuts that a state remembers.
-    """
-
-    slave: Surface
-    master: Surface
-    rule: Literal["nodal", "segments"] | int
-
-    def cuts(self, slave: ndarray, master: ndarray) -> ndarray:
-        """Cuts where the nodes of the surfaces lie now; none unless the rule is ``"segments"``."""
-        if self.rule != "segments":
-            return np.zeros(0)
-        if self.slave.dim == 3:
-            return piecewise(self.slave, slave, self.master, master)
-        return common_cuts(self.slave, slave, self.master, master, self._facing)
-
-    def fits(self, cuts: ndarray) -> bool:
-        """Whether cuts are some of this slave."""
-        if self.rule != "segments" or len(cuts) == 0:
-            return self.rule != "segments" and len(cuts) == 0
-        last = cuts[-1] - 1 if self.slave.dim == 2 else cuts[-1, 0] if cuts.ndim == 2 else -1
-        return bool(last == len(self.slave.facets) - 1)
-
-    def points(self, cuts: ndarray) -> SlavePoints:
-        """The points between cuts."""
-        if self.rule != "segments":
-            return self._everywhere
-        if self._last[0] is not cuts:
-            self._last[:] = cuts, self._between(cuts)
-        return self._last[1]
-
-    def _between(self, cuts: ndarray) -> SlavePoints:
-        if self.slave.dim == 2:
-            return between(self.slave, cuts, self.slave.facets.shape[1] + 1)
-        facet, xi, weight, facing = np.split(cuts, [1, 3, 4], axis=1)
-        points = SlavePoints.on(self.slave, facet[:, 0].astype(int), xi, weight[:, 0])
-        return replace(points, facing=facing[:, 0].astype(int))
-
-    @cached_property
-    def _facing(self) -> NeighbourList:
-        """Facets of the slave that ends of the master's may face."""
-        return NeighbourList(self.slave)
-
-    @cached_property
-    def _last(self) -> list[Any]:
-        """Cuts that were asked for last, and their points."""
-        return [None, None]
-
-    @cached_property
-    def _everywhere(self) -> SlavePoints:
-        return nodal(self.slave) if self.rule == "nodal" else gauss(self.slave, self.master, int(self.rule))
-
-    def project(self, points: SlavePoints, nodes: ndarray, positions: ndarray, depth: ndarray,
-                previous: ndarray | None = None, locked: ndarray | None = None, among: Neighbours | None = None
-                ) -> Projection:
-        """Closest points of the points; those on pieces in space stay on the facet that their piece faces."""
-        if (faces := points.facing >= 0).any():
-            before = np.full(len(faces), -1) if previous is None else previous
-            previous = np.where(faces, points.facing, before)
-            locked = faces if locked is None else faces | locked
-        return project(self.master, nodes, positions, depth, previous, locked, among)
-
-    def follow(self, state: ContactState, slave: ndarray, master: ndarray) -> ContactState | None:
-        """The state at points between cuts that follow the bodies, or None where they follow closely enough.
-
-        Parameters
-        ----------
-        state
-            Accepted state, at the start of the increment.
-        slave, master
-            Coordinates of the surfaces' nodes that have been found in the increment.
-        """
-        cuts = self.cuts(slave, master)
-        if len(cuts) == 0 or moved(state.cuts, cuts) <= _MOVED:
-            return None
-        return self.transferred(state, cuts, slave, master)
-
-    def transferred(self, state: ContactState, cuts: ndarray, slave: ndarray, master: ndarray) -> ContactState:
-        """The state at the points between other cuts, where the nodes of the surfaces lie."""
-        old, new = self.points(state.cuts), self.points(cuts)
-        return replace(transferred(state, self.slave, slave, self.master, master, old, new), cuts=cuts)
 
 
 def common_cuts(slave: Surface, slave_nodes: ndarray, master: Surface, master_nodes: ndarray, facing: NeighbourList

@@ -3,9 +3,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+import numpy as np
 from numpy import ndarray
 
 from ..surfaces.material_points import MaterialPoints
+from .laws import Status, Update
+from .search import Projection
 
 
 @dataclass(frozen=True)
@@ -66,6 +69,27 @@ class ContactState:
     def stick(self) -> MaterialPoints:
         """Stick points on the master."""
         return MaterialPoints(self.stick_facet, self.stick_point.T)
+
+    def after(self, found: Projection, at: ndarray, update: Update, stick: MaterialPoints, slip: ndarray
+              ) -> ContactState:
+        """The state that is found; open points take their closest point along as stick point.
+
+        Parameters
+        ----------
+        found
+            Closest points of all points.
+        at, update, stick
+            Points that the law reaches, its answer for them and their stick points.
+        slip
+            Slip of all points since they closed, (dim - 1, n), if they have not opened.
+        """
+        closest, traction, internal = found.closest, np.zeros_like(self.traction), self.internal.copy()
+        facet, xi, status = closest.facet.copy(), closest.xi.copy(), np.full(len(found.gap), int(Status.OPEN))
+        facet[at], xi[at] = stick
+        traction[:, at], status[at], internal[:, at] = update.traction, update.status, update.internal
+        return replace(self, facet=closest.facet, position=closest.xi.T, stick_facet=facet, stick_point=xi.T,
+                       gap=found.gap, slip=np.where(status == Status.OPEN, 0.0, slip), traction=traction,
+                       status=status, internal=internal)
 
     def with_stick(self, stick: MaterialPoints) -> ContactState:
         """The state with other stick points."""

@@ -8,7 +8,7 @@ from numpy import ndarray
 from numpy.typing import ArrayLike
 
 from ..contact import ContactPair, ContactState
-from ..surfaces.chain import Chain
+from ..surfaces.material_points import along_chain
 from ..surfaces.vectors import frame
 
 #: Eigenvalues of a facet's mass below this share of the largest one are those of points that are too few.
@@ -100,7 +100,7 @@ def tractions(pair: ContactPair, state: ContactState) -> Tractions:
     points = pair.points(state)
     places, shear, slip = points.positions(pair.slave.nodes), state.traction[1], state.slip[0]
     if pair.slave.dim == 2:
-        arc = Chain.of(pair.slave).arc(points.facet, points.xi)
+        arc = along_chain(pair.slave, points.facet, points.xi)
         places = np.column_stack((places, np.zeros(len(places))))
     else:
         arc, normal = np.zeros(0), -pair.slave.at(points.facet, points.xi, pair.slave.nodes).normal

@@ -205,9 +205,10 @@ class Surface:
         last = float(self.size[self.at_rim.any(axis=1)].max())
         return replace(self, extension=EXTENSION * min(1.0, slave.spacing / last))
 
-    def positions(self, x: ndarray, origin: ndarray | float = 0.0) -> ndarray:
-        """Current coordinates of the nodes at the displacements x, seen from an origin, (n_nodes, dim)."""
-        return np.asarray(self.nodes - origin + np.where(self.dofs >= 0, x.take(self.dofs), 0.0))
+    def positions(self, x: ndarray | None, origin: ndarray | float = 0.0) -> ndarray:
+        """Coordinates of the nodes at the displacements x, None for none, seen from an origin, (n_nodes, dim)."""
+        moved = 0.0 if x is None else np.where(self.dofs >= 0, x.take(self.dofs), 0.0)
+        return np.asarray(self.nodes - origin + moved)
 
     def at(self, facet: ndarray, xi: ndarray, nodes: ndarray, derivatives: int = 1) -> Place:
         """Points given by facet, (n,), and local coordinates, (n, dim - 1), where the nodes are now."""

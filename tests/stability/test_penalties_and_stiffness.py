@@ -111,7 +111,7 @@ def test_soft_stick_repeats_the_tractions(rng):
     soft = easier.easing.of(SoftStick)
     assert soft.softness == pytest.approx(1e-2)  # 10 times the stiffness of the surfaces
     assert pair.penalties(easier.seen(accepted))[1] == pytest.approx(10 * pair.stiffness)
-    easier.easing = Easing((SoftStick(soft.softness, pair.elastic_slip(hard.state)),))
+    easier.easing = Easing((SoftStick(soft.softness, pair.interface.elastic_slip(hard.state)),))
     answer = easier.assemble(x, accepted)
     # the elastic slip is kept along the undeformed master: strains of 1e-4 are left
     np.testing.assert_allclose(answer.force, hard.force, atol=1e-4 * np.abs(hard.force).max())

@@ -115,7 +115,7 @@ class SoftStick(Recovery):
         softness = min(_SHARE, _FIRST / hardness)
         logger.info("points %s of '%s' chatter between stick and slip: a soft stick begins with %.1g of the penalty",
                     np.flatnonzero(chatters), pair.slave.name, softness)
-        return cls(softness, pair.elastic_slip(accepted))
+        return cls(softness, pair.interface.elastic_slip(accepted))
 
     def seen(self, state: ContactState) -> ContactState:
         """With a softer penalty."""
@@ -127,9 +127,9 @@ class SoftStick(Recovery):
 
     def proceed(self, pair: ContactPair, accepted: ContactState, found: ContactState) -> SoftStick | None:
         """A harder stick, with the tractions of the last solution."""
-        elastic = pair.elastic_slip(found) * self.softness
+        elastic = pair.interface.elastic_slip(found) * self.softness
         sticks = found.status == Status.STICK
-        wrong = np.abs(pair.elastic_slip(accepted, found) - elastic)[:, sticks].max(initial=0.0)
+        wrong = np.abs(pair.interface.elastic_slip(accepted, found) - elastic)[:, sticks].max(initial=0.0)
         harder = _CHANGE * np.abs(elastic).max() / max(wrong, 1e-300)
         softness = max(harder, self.softness * _GROWTH)
         return SoftStick(softness, elastic) if softness < 1.0 else None
