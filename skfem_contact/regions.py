@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from skfem import CellBasis
@@ -12,13 +12,12 @@ from .materials import Material
 from .unknowns import elements_of
 
 
-@dataclass(frozen=True)
-class Region:
+class Region(NamedTuple):
     """Elements of one material: their subdomain, and their slice of a basis ordered by regions."""
 
     name: str
     material: Material
-    elements: slice = field(default_factory=lambda: slice(None))
+    elements: slice = slice(None)
 
 
 def check_materials(regions: tuple[Region, ...], n_elements: int, ncomp: int) -> None:

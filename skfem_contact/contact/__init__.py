@@ -4,10 +4,9 @@ from ..surfaces.rigid_space import rigid_cone, rigid_cylinder, rigid_plane, rigi
 from ..surfaces.surface import Surface
 from .augmented import AugmentedLagrangian
 from .laws import InterfaceLaw, Update
-from .pair import ContactPair
+from .pair import ContactPair, two_pass
 from .penalty import choose_penalties
 from .state import ContactState
-from .two_pass import two_pass
 
 __all__ = ["AugmentedLagrangian", "ContactPair", "ContactState", "InterfaceLaw", "Surface", "Update",
            "choose_penalties", "rigid_circle", "rigid_cone", "rigid_cylinder", "rigid_level_set", "rigid_line",

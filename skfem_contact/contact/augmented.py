@@ -111,20 +111,16 @@ class AugmentedLagrangian:
     def augment(self, accepted: ContactState, found: ContactState, points: SlavePoints,
                 penalties: tuple[float, float], stiffness: float, progress: Progress
                 ) -> tuple[ContactState, Progress]:
-        """The accepted state with improved multipliers, or the same one where they are good enough.
+        """The accepted state with improved multipliers, or the same one where they are good enough; the progress made.
 
         Parameters
         ----------
         accepted, found
             State at the start of the increment, and the one that has been found.
-        points
-            The slave's points.
         penalties
             Normal and tangential penalty.
         stiffness
             Traction per displacement of the bodies' surfaces.
-        progress
-            How the corrections of the increment have gone.
         """
         moves = np.broadcast_to(progress.stalls < _PATIENCE, accepted.multiplier.shape)
         after, correction, error = self._corrected(found, accepted.multiplier, points, penalties, stiffness, moves)

@@ -25,15 +25,11 @@ _OPPOSED = 0.2
 _LAST_STEP = 1e-9  # of Newton's method: the error is its square
 
 
-def piecewise(slave: Surface, slave_nodes: ndarray, master: Surface, master_nodes: ndarray
-              ) -> ndarray:
-    """Points on all pieces of the slave's facets where the nodes lie now.
+def piecewise(slave: Surface, slave_nodes: ndarray, master: Surface, master_nodes: ndarray) -> ndarray:
+    """Points on all pieces of the slave's facets where the nodes lie now, a row each, (n, 5).
 
-    Returns
-    -------
-    ndarray
-        One row each, (n, 5): the slave's facet, two local coordinates, the weight in their measure, and the facet of
-        the master that the piece faces, -1 on facets that face none.
+    A row holds the slave's facet, two local coordinates, the weight in their measure, and the facet of the master that
+    the piece faces, -1 on facets that face none.
     """
     own, facing = _pairs(slave, slave_nodes, master, master_nodes)
     centre, axes = _mean_planes(_corners(slave, slave_nodes))

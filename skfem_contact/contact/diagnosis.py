@@ -10,9 +10,9 @@ from numpy import ndarray
 from ..errors import place
 from ..remarks import Remark
 from ..surfaces.surface import Surface
-from .clearance import TOUCHING
 from .laws import InterfaceLaw, Status
 from .quadrature import SlavePoints
+from .settings import TOUCHING
 from .sides import normals_at_joint
 from .state import ContactState
 

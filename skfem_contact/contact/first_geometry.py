@@ -45,17 +45,7 @@ class HeldState(ContactState):
 
 
 class FirstGeometry(Form):
-    """A contact pair whose geometry is held as it is at some displacements.
-
-    Parameters
-    ----------
-    pair
-        The pair.
-    x
-        Displacements of the first moment, (N,).
-    state
-        State of the pair there.
-    """
+    """A contact pair whose geometry is held as it is at the displacements x, (N,), of a first moment, in its state."""
 
     unilateral = True
 

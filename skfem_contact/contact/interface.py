@@ -124,16 +124,7 @@ class Interface:
              locked: ndarray | None) -> tuple[Projection, Callable[[], Projection]]:
         """Closest points of closed points and of those that may be as near as a reach, (n,); what finds all others too.
 
-        Parameters
-        ----------
-        slave, nodes
-            Where the nodes of the surfaces are.
-        state
-            Accepted state.
-        depth
-            Largest penetration, (n,).
-        locked
-            Points that stay on their facets, (n,).
+        The nodes of the surfaces lie there, no point is deeper than a depth, (n,), locked ones stay on their facets.
         """
         points = self.points(state.cuts)
         positions = points.positions(slave)

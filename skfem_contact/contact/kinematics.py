@@ -113,19 +113,7 @@ class _OnFacets:
 
 def variations(points: SlavePoints, slave: Surface, master: Surface, projection: Projection, slave_nodes: ndarray,
                nodes: ndarray, stick: MaterialPoints) -> Kinematics:
-    """Variations of points.
-
-    Parameters
-    ----------
-    points, slave, master
-        The slave's points and the two surfaces.
-    projection
-        Their closest points.
-    slave_nodes, nodes
-        Current coordinates of the slave's and the master's nodes.
-    stick
-        Their stick points.
-    """
+    """Variations of points with their closest and stick points, where the surfaces' nodes lie now."""
     facet, xi, g, r = projection.facet, projection.xi, projection.gap, points.positions(slave_nodes)
     place = master.at(facet, xi, nodes, 1 if master.shape.affine else 3)
     N, direction = points.values, points.direction(slave, slave_nodes)
@@ -215,16 +203,7 @@ def slip_gradient(kinematics: Kinematics) -> ndarray:
 def tangents(kinematics: Kinematics, traction: ndarray, derivative: ndarray, exact: bool) -> ndarray:
     """Tangents of the forces of points of unit weight, (n, m, m): eqs 14 to 16 or, unless exact, eqs 20 to 22.
 
-    Parameters
-    ----------
-    kinematics
-        The points' variations.
-    traction
-        Normal and tangential tractions, (dim, n).
-    derivative
-        Their derivatives with respect to gap and slip, (dim, dim, n).
-    exact
-        Whether the rotation and curvature parts belong to it.
+    They are made of tractions, (dim, n), and their derivatives with respect to gap and slip, (dim, dim, n).
     """
     work = kinematics.work
     jump = np.concatenate((work[:, :1], slip_gradient(kinematics)), axis=1)

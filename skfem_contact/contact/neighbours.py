@@ -53,11 +53,6 @@ class Neighbours(NamedTuple):
 class NeighbourList:
     """Neighbours of some points that are searched anew only after motion that could matter (L. Verlet, 1967).
 
-    Parameters
-    ----------
-    surface
-        The surface.
-
     Examples
     --------
     >>> import numpy as np
@@ -87,14 +82,8 @@ class NeighbourList:
     def learn(self, chosen: ndarray, distance: ndarray, gap: ndarray) -> None:
         """Remember how far points are that have been projected where they are now.
 
-        Points that have come no farther than that have not passed the surface: who was outside still is.
-
-        Parameters
-        ----------
-        chosen
-            A mask, (n_points,).
-        distance, gap
-            Of all points; those of the others are not looked at.
+        Points that have come no farther than that have not passed the surface: who was outside still is.  A mask,
+        (n_points,), chooses them; distances and gaps of the others are not looked at.
         """
         assert self._list is not None
         known, at = self._list[0], np.flatnonzero(chosen)
@@ -110,20 +99,11 @@ def _relative_motion(nodes: ndarray, points: ndarray) -> float:
 
 
 def neighbours(surface: Surface, nodes: ndarray, points: ndarray, slack: float = 0.0) -> tuple[Neighbours, float]:
-    """Neighbours of points, and the motion for which they last.
+    """Neighbours of points, (n, dim), and the motion for which they last: a share, the slack, of the spacing.
 
     The facets are sampled at a uniform spacing.  The sample next to the closest point is at most half a
     spacing (half a diagonal in space) farther away than that, so all samples within as much, and a margin for curved
     facets, of the nearest one are looked at.
-
-    Parameters
-    ----------
-    surface, nodes
-        The surface and the current coordinates of its nodes.
-    points
-        Places of the points, (n, dim).
-    slack
-        Share of the spacing that distances may change by.
     """
     m = len(surface.facets)
     spacing = max(surface.spacing, surface.size.sum() / (4 * m)) / _SAMPLES[surface.dim]

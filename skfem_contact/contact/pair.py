@@ -1,4 +1,4 @@
-"""The contact pair: two surfaces, a law and a quadrature rule that answer like any other form."""
+"""The contact pair: two surfaces, a law and a quadrature rule that answer like any other form; and two of them."""
 from __future__ import annotations
 
 from copy import copy
@@ -17,7 +17,6 @@ from ..surfaces.smoothing import smoothed
 from ..surfaces.surface import Surface
 from .answers import Answers
 from .augmented import AugmentedLagrangian, Progress
-from .clearance import Fit, touching
 from .diagnosis import ROUND_OFF, passed_through
 from .interface import RECUTS, Interface
 from .kinematics import Kinematics, dragged, tangents, variations
@@ -26,7 +25,7 @@ from .quadrature import SlavePoints
 from .recovery import FAMILIES
 from .recovery.chatter import FacetLock
 from .recovery.family import Easing
-from .settings import check_law, check_settings, check_surfaces
+from .settings import Fit, check_law, check_settings, check_surfaces, touching
 from .state import ContactState
 
 #: Largest tractions in the damped tangent's geometric part, over those at which the surfaces give way by a segment.
@@ -301,3 +300,35 @@ class ContactPair(Answers):
     def eased(self) -> str:
         """Why there may be no equilibrium but of an easier pair, for a message."""
         return self.easing.reason
+
+
+def two_pass(basis: CellBasis, a: str, b: str, law: InterfaceLaw, **options: object) -> dict[str, ContactPair]:
+    """Two pairs with the roles swapped, each with half of the contact work: node-to-segment without bias.
+
+    Parameters
+    ----------
+    basis, law
+        As for :class:`ContactPair`.
+    a, b
+        Names of the boundaries.
+    options
+        Further arguments of :class:`ContactPair`; ``quadrature="nodal"`` unless it is given.
+
+    Returns
+    -------
+    dict
+        The two forms, named ``"a on b"``.
+
+    Examples
+    --------
+    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+    >>> import skfem_contact as sc
+    >>> block = MeshQuad().refined(1).with_defaults()
+    >>> mesh = sc.join_bodies({"lower": block, "upper": block.translated((0., 1.))})
+    >>> basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+    >>> list(sc.two_pass(basis, "upper:bottom", "lower:top", sc.Coulomb(mu=.3)))
+    ['upper:bottom on lower:top', 'lower:top on upper:bottom']
+    """
+    options = {"quadrature": "nodal", **options}
+    return {f"{slave} on {master}": ContactPair(basis, slave, master, law, share=0.5, **options)  # type: ignore[arg-type]
+            for slave, master in ((a, b), (b, a))}

@@ -73,24 +73,16 @@ def with_chosen_penalty(pair: ContactPair, forms: Mapping[str, Form]) -> Contact
                          f"{pair.axisymmetric}, unlike the solids: pass axisymmetric={not pair.axisymmetric} to "
                          "ContactPair")
     solids = [form.elastic_stiffness for form in bodies]
-    stiffness = _series(pair, solids)
+    # one value for the whole surface: a pressure that is uniform stays so, whatever the sizes of the elements
+    stiffness = _per_length(pair.slave, solids, pair.axisymmetric)
+    if not pair.facets.rigid:
+        stiffness = 1.0 / (1.0 / stiffness + 1.0 / _per_length(pair.facets, solids, pair.axisymmetric))
     penalty = pair.penalty or (_RATIO * stiffness, _RATIO * stiffness)
     if pair.enforcement is None and max(penalty) > _HARDEST * stiffness:
         warnings.warn(f"contact of '{pair.slave.name}' on '{pair.facets.name}': the penalty, {max(penalty):.3g}, is "
                       f"{max(penalty) / stiffness:.0e} times the stiffness of the surfaces: round-off hides the "
                       "penetration; 1 to 1e3 times are enough", AnalysisWarning, stacklevel=4)
     return pair.with_penalty(*penalty, stiffness=stiffness)
-
-
-def _series(pair: ContactPair, solids: Sequence[csr_matrix]) -> float:
-    """Stiffness per length of both surfaces in series.
-
-    One value for the whole surface: a pressure that is uniform stays so, whatever the sizes of the elements.
-    """
-    slave = _per_length(pair.slave, solids, pair.axisymmetric)
-    if pair.facets.rigid:
-        return slave
-    return 1.0 / (1.0 / slave + 1.0 / _per_length(pair.facets, solids, pair.axisymmetric))
 
 
 def _per_length(surface: Surface, solids: Sequence[csr_matrix], axisymmetric: bool) -> float:

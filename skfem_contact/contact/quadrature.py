@@ -155,11 +155,7 @@ def _divided(shape: Shape, n: int, pieces: int) -> tuple[ndarray, ndarray]:
 def between(surface: Surface, cuts: ndarray, n: int) -> SlavePoints:
     """``n`` Gauss points on every piece of a surface in the plane between two cuts.
 
-    Parameters
-    ----------
-    cuts
-        Coordinates of the cuts, ascending: facet number plus the share ``(1 + xi) / 2``; whole numbers,
-        the ends of the facets, are among them.
+    The cuts ascend: facet number plus the share ``(1 + xi) / 2``; facets' ends, whole numbers, are among them.
     """
     t, w = gauss_points(n)
     half = 0.5 * np.diff(cuts)

@@ -68,22 +68,16 @@ class Projection(NamedTuple):
 def project(surface: Surface, nodes: ndarray, points: ndarray, depth: ndarray,
             previous: ndarray | None = None, frozen: ndarray | None = None, among: Neighbours | None = None
             ) -> Projection:
-    """Closest points on the surface, among all of its facets.
+    """Closest points of points, (n, dim), on a surface whose nodes lie there, among its facets near them.
 
     Parameters
     ----------
-    surface, nodes
-        The surface and the current coordinates of its nodes.
-    points
-        Points to project, (n, dim).
     depth
         Largest penetration that counts as contact, (n,): what lies deeper belongs to the body's other side.
-    previous
-        Facets of the accepted state, (n,), -1 where there was none.
-    frozen
-        Whether points are to stay on these facets, or without any, (n,).
+    previous, frozen
+        Facets of the accepted state, (n,), -1 for none, and whether points are to stay there or without any, (n,).
     among
-        Neighbours of the points as far as they are known; points without any are not projected.
+        Neighbours as far as they are known; points without any are not projected.
     """
     n = len(points)
     result = Projection(np.zeros(n, bool), np.zeros(n, int), np.zeros((n, surface.dim - 1)), np.full(n, np.inf),

@@ -1,16 +1,24 @@
-"""Settings of a contact pair are looked at before anything is computed."""
+"""Settings of a contact pair: what they may be, and how bodies fit together where they become active."""
 from __future__ import annotations
 
-from typing import Any, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
+from numpy import ndarray
 
 from ..errors import is_number
 from ..surfaces.surface import Surface
 from .augmented import AugmentedLagrangian
-from .clearance import NamedFit
 from .laws import InterfaceLaw
 
+#: What becomes of gaps and overlaps; a number: an interference, whatever is meshed.
+NamedFit = Literal["as meshed", "adjusted", "ramped"]
+Fit = NamedFit | float
+
+#: Gaps of the mesh below this share of the slave segment are round-off: such bodies touch.
+TOUCHING = 1e-8
+#: Gaps below this share of it are those of one surface meshed twice.
+_ADJUSTED = 0.5
 #: Nodes of facets whose corners have negative areas: where a facet is closed in part, multipliers there double the
 #: pressure at the edge of the contact, of a sphere on a block with 4 elements in its half-width.
 _NEGATIVE = 8
@@ -62,3 +70,20 @@ def _counts(value: object) -> bool:
 def _one_of(name: str, value: object, allowed: tuple[str, ...], other: str = "") -> None:
     if not (isinstance(value, str) and value in allowed):
         raise ValueError(f"{name} must be one of {allowed}{other}, not {value!r}")
+
+
+def touching(gap: ndarray, meshed: ndarray, size: ndarray, fit: Fit, bonded: bool) -> ndarray:
+    """Gaps that count as touching, (n,), of slave segments of some size; what is near may be bonded as it is meshed.
+
+    Gaps are given where the bodies are when they become active, and where they are meshed: bodies are built to fit into
+    displaced surfaces, so that gaps are still those of the mesh.
+    """
+    with np.errstate(invalid="ignore"):  # nothing near, neither now nor in the mesh: inf - inf
+        # a change of more than this is no displacement: other surfaces have come to face each other
+        moved = np.where(np.abs(gap - meshed) <= 0.5 * size, gap - meshed, 0.0)
+    ramped = fit == "ramped" or not isinstance(fit, str)
+    if ramped:
+        moved = np.zeros_like(gap)
+    nothing = (_ADJUSTED if bonded or fit == "adjusted" else TOUCHING) * size
+    offset = np.where(np.abs(gap - moved) <= nothing, gap, moved)
+    return np.minimum(gap, offset) if ramped else offset

@@ -24,12 +24,7 @@ def on_sides(surface: Surface, nodes: ndarray, points: ndarray, facet: ndarray, 
              ) -> tuple[ndarray, ndarray, ndarray]:
     """Closest points on the sides beyond which feet lie, in space; their features; whether that is off the rim.
 
-    Parameters
-    ----------
-    beyond
-        How far the feet lie beyond the sides, (n, n_sides).
-    reach
-        How far the facets go on beyond the sides, (n, n_sides): nothing but at the rim.
+    Both are by side, (n, n_sides): how far the feet lie beyond, and how far the facets go on: nothing but at the rim.
     """
     shape, n = surface.shape, len(facet)
     best, xi = np.full(n, np.inf), np.zeros((n, shape.dim))

@@ -74,14 +74,7 @@ class ContactState:
               ) -> ContactState:
         """The state that is found; open points take their closest point along as stick point.
 
-        Parameters
-        ----------
-        found
-            Closest points of all points.
-        at, update, stick
-            Points that the law reaches, its answer for them and their stick points.
-        slip
-            Slip of all points since they closed, (dim - 1, n), if they have not opened.
+        The law reaches the points `at`, with this answer and these stick points; slips count if they have not opened.
         """
         closest, traction, internal = found.closest, np.zeros_like(self.traction), self.internal.copy()
         facet, xi, status = closest.facet.copy(), closest.xi.copy(), np.full(len(found.gap), int(Status.OPEN))

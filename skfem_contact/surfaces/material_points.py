@@ -19,11 +19,6 @@ class MaterialPoints(NamedTuple):
     facet: ndarray
     xi: ndarray
 
-    @classmethod
-    def none(cls, n: int, dim: int) -> MaterialPoints:
-        """Points that are not on the surface."""
-        return cls(np.full(n, -1), np.full((n, dim - 1), np.nan))
-
     @property
     def exist(self) -> ndarray:
         """Which of them are on the surface at all, (n,)."""
