@@ -147,6 +147,21 @@ def test_pieces_cover_both_surfaces(element):
     np.testing.assert_allclose(np.bincount(facing, area), master.area, atol=1e-14)
 
 
+@pytest.mark.parametrize("n", [2, 3])
+@pytest.mark.parametrize("element", ["P1", "Q1"])
+def test_pieces_turn_with_the_bodies(rng, element, n):
+    """Edges along each other, as the diagonals of meshes that match, are cut at the same places however they lie."""
+    lines = [np.linspace(0, 1, m + 1) for m in (n, 3)]
+    slave, master = (Surface.from_boundary(space.vector_basis(space.block(element, line, line, z), element), side)
+                     for line, z, side in zip(lines, ([0, 1], [-1, 0]), ("bottom", "top"), strict=True))  # fmt: skip
+    rows = piecewise(slave, slave.nodes, master, master.nodes)
+    for _ in range(10):
+        Q = np.linalg.qr(rng.standard_normal((3, 3)))[0]
+        Q *= np.sign(np.linalg.det(Q))
+        turned = piecewise(slave, slave.nodes @ Q.T, master, master.nodes @ Q.T)
+        np.testing.assert_allclose(turned, rows, atol=1e-12)  # coordinates, weights, numbers: some roundings
+
+
 def test_pieces_of_bodies_apart():
     """Where the master is far, or faces away, the facets keep their Gauss points, which face none."""
     line = np.linspace(0, 1, 4)

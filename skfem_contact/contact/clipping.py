@@ -18,6 +18,8 @@ from .search import _NEWTON_STEPS
 
 #: Pieces smaller than this share of the slave's facet are left out.
 _SLIVER = 1e-9
+#: Corners nearer to an edge than this share of its length lie on it: on edges along each other last bits would decide.
+_ON_EDGE = 1e-9
 #: Corners that lie deeper than a facet's size behind the plane, or as far before it, do not face it.
 _FACING = 1.0
 #: ... nor do facets whose normals are less opposed than this: the walls of a corner, which strains tilt a little.
@@ -107,8 +109,9 @@ def _clipped(polygons: ndarray, clips: ndarray) -> tuple[ndarray, ndarray]:
         valid = number < count[:, None]
         after = np.where(number + 1 < count[:, None], number + 1, 0)
         side = along[..., 0] * (polygons - start)[..., 1] - along[..., 1] * (polygons - start)[..., 0]
+        side[np.abs(side) <= _ON_EDGE * (along**2).sum(axis=2)] = 0.0
         following = np.take_along_axis(side, after, axis=1)
-        crosses = valid & ((side >= 0.0) != (following >= 0.0))
+        crosses = valid & (side * following < 0.0)
         share = side / np.where(crosses, side - following, 1.0)
         crossing = polygons + share[..., None] * (np.take_along_axis(polygons, after[..., None], axis=1) - polygons)
         both = np.stack((polygons, crossing), axis=2).reshape(len(polygons), 2 * polygons.shape[1], 2)
