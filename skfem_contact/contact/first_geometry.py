@@ -80,8 +80,7 @@ class FirstGeometry(Form):
         zero = np.zeros(state.slip.shape)
         origin = zero.copy()
         origin[:, self._at] = -self._elastic
-        return HeldState(**{field.name: getattr(state, field.name) for field in fields(state)}, moved=zero,
-                         origin=origin)
+        return HeldState(**vars(state), moved=zero, origin=origin)
 
     def released(self, x: ndarray, state: HeldState) -> tuple[ContactPair, ContactState]:
         """The pair that follows the bodies, and the state that it has there: with the same tractions."""

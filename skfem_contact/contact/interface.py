@@ -51,6 +51,11 @@ class Interface:
         return NeighbourList(self.master)
 
     @cached_property
+    def _meshed(self) -> NeighbourList:
+        """Those that they face in the mesh, where nothing moves."""
+        return NeighbourList(self.master)
+
+    @cached_property
     def _facing(self) -> NeighbourList:
         """Facets of the slave that ends of the master's may face."""
         return NeighbourList(self.slave)
@@ -76,10 +81,9 @@ class Interface:
 
     def fits(self, cuts: ndarray) -> bool:
         """Whether cuts are some of this slave."""
-        if self.rule != "segments" or len(cuts) == 0:
-            return self.rule != "segments" and len(cuts) == 0
-        last = cuts[-1] - 1 if self.slave.dim == 2 else cuts[-1, 0] if cuts.ndim == 2 else -1
-        return bool(last == len(self.slave.facets) - 1)
+        if len(cuts) == 0 or cuts.ndim != self.slave.dim - 1:
+            return False
+        return bool((cuts[-1] - 1 if cuts.ndim == 1 else cuts[-1, 0]) == len(self.slave.facets) - 1)
 
     def points(self, cuts: ndarray) -> SlavePoints:
         """The points between cuts."""
@@ -143,8 +147,8 @@ class Interface:
         slave, nodes = self.places(x)
         points = self.points(cuts)
         positions = points.positions(slave)
-        return self.project(points, nodes, positions, self.depth(points), previous, None,
-                            self.neighbours.at(nodes, positions))
+        around = self._meshed if x is None else self.neighbours
+        return self.project(points, nodes, positions, self.depth(points), previous, None, around.at(nodes, positions))
 
     def variations(self, x: ndarray, state: ContactState, found: Projection, at: ndarray) -> Kinematics:
         """Variations of points of a state, given by their numbers, at their closest points."""

@@ -37,27 +37,11 @@ class First(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Joints:
-    """Points at edges and vertices.
+    """Points at edges and vertices: those of the numbers `at` among all that are in contact.
 
-    Attributes
-    ----------
-    at
-        Numbers of the points among all that are in contact, (n,).
-    master, facet, xi
-        Where their closest points are.
-    along
-        Direction of the edge in local coordinates, (n, dim - 1); zero at vertices.
-    gap
-        Gap, (n,).
-    place, nodes
-        Places of the points, (n, dim), and of the facets' nodes, (n, k, dim).
-    from_stick
-        Offset from the stick points, (n, dim); zero where there is none.
-    direction
-        Directions from which tangents are counted, (n, dim).
-    values, sigma, delta
-        Slave's shape functions, (n, slave nodes); factors of all nodes in the offset from the stick point and in the
-        direction.
+    The edge lies `along` a direction in local coordinates, (n, dim - 1), zero at vertices; `place` and `nodes` are the
+    places of the points, (n, dim), and of their facets' nodes, (n, k, dim); the slave's shape functions are `values`.
+    All else is as in :mod:`~skfem_contact.contact.kinematics`.
     """
 
     at: ndarray

@@ -94,7 +94,7 @@ class NeighbourList:
 
 def _relative_motion(nodes: ndarray, points: ndarray) -> float:
     """By how much distances may have changed with these motions; a common translation changes none."""
-    common = nodes.mean(axis=0)
+    common = nodes.sum(axis=0) / len(nodes)
     return sum(float(np.sqrt(dot(motion - common, motion - common).max())) for motion in (nodes, points))
 
 

@@ -16,7 +16,7 @@ from skfem import CellBasis
 
 from ..errors import check_basis, facets_of
 from .shape import Shape
-from .topology import adjacent, ordered
+from .topology import adjacent, following, ordered
 from .vectors import across, unit
 
 #: A surface goes on beyond its rim for this share of its last facet: a slave corner that starts flush with
@@ -111,11 +111,14 @@ class Surface:
         if mesh.dim() == 2:
             order = ordered(corners, name)
             facets, corners = facets[order], corners[:, order]
+            neighbours = following(len(facets), bool(corners[0, 0] == corners[1, -1]))
+        else:
+            neighbours = adjacent(corners.T, name)
         dofs = _unknowns(basis, facets, corners)
         unique, numbers = np.unique(dofs[..., 0], return_inverse=True)
         at_nodes = unique[:, None] + np.arange(mesh.dim())
         return cls.of(name, at_nodes, basis.doflocs[:, unique].T.copy(), numbers.reshape(len(facets), -1),
-                      Shape.of_facets(basis.elem.elem), adjacent(corners.T, name))
+                      Shape.of_facets(basis.elem.elem), neighbours)
 
     @classmethod
     def of(cls, name: str, dofs: ndarray, nodes: ndarray, facets: ndarray, shape: Shape, neighbours: ndarray

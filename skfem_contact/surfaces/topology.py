@@ -43,7 +43,7 @@ def following(n: int, closed: bool) -> ndarray:
 
 
 def adjacent(corners: ndarray, name: str) -> ndarray:
-    """Facets beyond the sides of facets with these corners, (n_facets, n_sides), -1 beyond the rim.
+    """Facets in space beyond the sides of facets with these corners, (n_facets, n_sides), -1 beyond the rim.
 
     Raises
     ------
@@ -52,28 +52,19 @@ def adjacent(corners: ndarray, name: str) -> ndarray:
         at a corner.
     """
     m, n = corners.shape
-    if n == 2:  # in the plane, the sides are the ends: one facet ends where the other begins
-        start, end = corners.T[..., None]
-    else:
-        start = np.stack((corners, np.roll(corners, -1, axis=1)), axis=2).reshape(-1, 2)
-        end = start[:, ::-1]
-    keys, owner = np.concatenate((start, end)), np.tile(np.repeat(np.arange(m), 1 if n == 2 else n), 2)
-    _, number = np.unique(keys, axis=0, return_inverse=True)
-    first, last = number.ravel()[: len(start)], number.ravel()[len(start):]
+    start = np.stack((corners, np.roll(corners, -1, axis=1)), axis=2).reshape(-1, 2)
+    _, number = np.unique(np.concatenate((start, start[:, ::-1])), axis=0, return_inverse=True)
+    first, last = number.reshape(2, -1)
     if len(np.unique(first)) < len(first):
         raise ValueError(f"boundary '{name}' is no surface: an edge belongs to more than two facets, or two facets "
                          "there have opposite outward sides")
     begins = np.full(number.max() + 1, -1)
-    begins[first] = owner[: len(first)]
-    beyond = begins[last]
-    if n > 2:
-        if len(pinched := _pinched(corners, beyond.reshape(m, n))):
-            raise ValueError(f"boundary '{name}' is no surface: parts of it meet only at a corner, at {len(pinched)} "
-                             "nodes; give each part a boundary of its own")
-        return beyond.reshape(m, n)
-    ends = np.full(number.max() + 1, -1)
-    ends[last] = owner[len(first):]
-    return np.column_stack((ends[first], beyond))
+    begins[first] = np.repeat(np.arange(m), n)
+    beyond = begins[last].reshape(m, n)
+    if len(pinched := _pinched(corners, beyond)):
+        raise ValueError(f"boundary '{name}' is no surface: parts of it meet only at a corner, at {len(pinched)} "
+                         "nodes; give each part a boundary of its own")
+    return beyond
 
 
 def _pinched(corners: ndarray, neighbours: ndarray) -> ndarray:
