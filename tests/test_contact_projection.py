@@ -12,9 +12,9 @@ from skfem import Basis, ElementQuad2, ElementVector, MeshQuad, MeshQuad2
 
 import skfem_contact as sc
 from skfem_contact.contact.neighbours import NeighbourList
+from skfem_contact.contact.pieces import common_cuts
 from skfem_contact.contact.quadrature import between, gauss, nodal
 from skfem_contact.contact.search import project
-from skfem_contact.contact.segmentation import common_cuts
 from skfem_contact.surfaces.material_points import along_chain
 from skfem_contact.surfaces.smoothing import smoothed
 from skfem_contact.surfaces.surface import EXTENSION

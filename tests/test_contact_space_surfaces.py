@@ -8,8 +8,8 @@ import space
 from skfem import Basis, ElementTetP1, ElementVector, ElementWedge1, MeshHex, MeshTet, MeshWedge1
 
 import skfem_contact as sc
-from skfem_contact.contact.clipping import piecewise
 from skfem_contact.contact.neighbours import NeighbourList
+from skfem_contact.contact.pieces import piecewise
 from skfem_contact.contact.quadrature import gauss, nodal
 from skfem_contact.contact.search import project
 from skfem_contact.surfaces.smoothing import smoothed

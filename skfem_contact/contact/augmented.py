@@ -36,14 +36,8 @@ _PROGRESS, _PATIENCE = 0.7, 2
 class Progress:
     """How the corrections of an increment have gone.
 
-    Attributes
-    ----------
-    correction
-        What the multipliers were corrected by the last time, over the penalties, (dim, n_nodes).
-    stalls
-        How many times in a row that had not become less, (dim, n_nodes).
-    error
-        Largest error of the tractions that was corrected the last time.
+    What the multipliers were corrected by the last time, over the penalties, (dim, n_nodes); how many times in a row
+    that had not become less, (dim, n_nodes); and the largest error of the tractions that was corrected.
     """
 
     correction: ndarray | float = np.inf

@@ -13,13 +13,12 @@ from scipy.spatial import cKDTree
 from ..surfaces.material_points import MaterialPoints, along_chain, apart, behind, shifted, way
 from ..surfaces.surface import Surface
 from ..surfaces.vectors import frame
-from .clipping import piecewise
 from .kinematics import Kinematics, variations
 from .laws import Status
 from .neighbours import NeighbourList, Neighbours
+from .pieces import common_cuts, moved, piecewise
 from .quadrature import SlavePoints, between, gauss, nodal
 from .search import Projection, merged, project
-from .segmentation import common_cuts, moved
 from .state import ContactState
 
 #: The rule "segments" is cut anew when a cut has moved by more than this share of a segment.

@@ -283,15 +283,7 @@ class ContactPair(Answers):
         return None if state is accepted else (new, state)
 
     def begin(self, accepted: ContactState, failure: Failure | None = None) -> ContactPair:
-        """An easier pair to begin an increment with, whose family ends at this one; itself where none is known.
-
-        Parameters
-        ----------
-        accepted
-            The accepted state.
-        failure
-            How Newton's method failed; None before the first attempt.
-        """
+        """An easier pair to begin an increment with, whose family ends at this one; itself where none is known."""
         new = copy(self)
         new.easing = self.easing.begun(FAMILIES, self, accepted, failure)
         return self if new.easing is self.easing else new

@@ -33,7 +33,10 @@ _LEFT = 0.5
 
 @dataclass(frozen=True)
 class Stabilisation(Recovery):
-    """Soft springs until contact is closed, for bodies that nothing else holds; softer from solution to solution."""
+    """Soft springs until contact is closed, for bodies that nothing else holds; softer from solution to solution.
+
+    Their stiffness is a share of the penalty.
+    """
 
     share: float = _FIRST
 
@@ -65,13 +68,6 @@ class Stabilised(InterfaceLaw):
 
     Sideways springs act only where the law resists slip under pressure, for without friction nothing will hold the
     bodies there.  They act at closed points too: not all of these may slide at once.
-
-    Parameters
-    ----------
-    law
-        The law.
-    share
-        Stiffness of the springs as a share of the penalty.
     """
 
     law: InterfaceLaw

@@ -1,8 +1,8 @@
-"""Points on the pieces into which the facets of a master in space divide those of a slave.
+"""Pieces into which the facets of a master divide those of a slave: cuts in the plane, points on the pieces in space.
 
-Facet by facet the polygon of the master's corners is clipped by that of the slave's in the mean plane of the slave's
-facet (I. E. Sutherland and G. W. Hodgman, 1974), and cut into triangles. On every piece gap and shape functions are
-smooth on both sides, so that the contact work is integrated as exactly as the rule is: the patch test is passed.
+On every piece gap and shape functions are smooth on both sides, so that the contact work is integrated as exactly as
+the rule is: the patch test is passed.  In space, facet by facet, the polygon of the master's corners is clipped by that
+of the slave's in the mean plane of the slave's facet (I. E. Sutherland and G. W. Hodgman, 1974) and cut into triangles.
 """
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ from skfem.refdom import RefTri
 
 from ..surfaces.surface import Surface, rule
 from ..surfaces.vectors import across, determinant, dot, solve, unit
-from .search import _NEWTON_STEPS
+from .neighbours import NeighbourList
+from .search import _NEWTON_STEPS, project
 
 #: Pieces smaller than this share of the slave's facet are left out.
 _SLIVER = 1e-9
@@ -25,6 +26,23 @@ _FACING = 1.0
 #: ... nor do facets whose normals are less opposed than this: the walls of a corner, which strains tilt a little.
 _OPPOSED = 0.2
 _LAST_STEP = 1e-9  # of Newton's method: the error is its square
+
+
+def common_cuts(slave: Surface, slave_nodes: ndarray, master: Surface, master_nodes: ndarray, facing: NeighbourList
+                ) -> ndarray:
+    """Chain coordinates at which a slave in the plane is cut: by its own segments' ends and by those of the master."""
+    m = len(master.facets)
+    ends = master.at(np.arange(m), -np.ones((m, 1)), master_nodes, 0).x[0]
+    if not master.closed:
+        ends = np.concatenate((ends, master.at(np.array([m - 1]), np.ones((1, 1)), master_nodes, 0).x[0]))
+    near = np.full(len(ends), slave.spacing)
+    found = project(slave, slave_nodes, ends, near, among=facing.at(slave_nodes, ends))
+    hit = found.found & ~found.vertex & (np.abs(found.xi[:, 0]) < 1.0) & (found.gap < near)
+    inner = found.facet[hit] + 0.5 * (1.0 + found.xi[hit, 0])
+    cuts = np.unique(np.concatenate((np.arange(len(slave.facets) + 1.0), inner)))
+    tiny = np.diff(cuts) < _SLIVER
+    drop = np.flatnonzero(tiny) + np.where(cuts[1:][tiny] % 1.0 == 0.0, 0, 1)  # keep the segments' own ends
+    return np.delete(cuts, drop)
 
 
 def piecewise(slave: Surface, slave_nodes: ndarray, master: Surface, master_nodes: ndarray) -> ndarray:
@@ -156,3 +174,23 @@ def _with_the_others(slave: Surface, facet: ndarray, xi: ndarray, weight: ndarra
                             np.concatenate((weight, np.tile(w, len(alone)))),
                             np.concatenate((facing, np.full(len(alone) * len(w), -1)))))
     return rows[np.argsort(facets, kind="stable")]
+
+
+def moved(old: ndarray, new: ndarray) -> float:
+    """Largest distance of a cut, old or new, from the nearest one among the others; in space, change of an area."""
+    if old.ndim == 2:
+        return _area_changed(old, new)
+
+    def farthest(a: ndarray, b: ndarray) -> float:
+        right = np.clip(np.searchsorted(b, a), 1, len(b) - 1)
+        return float(np.minimum(np.abs(a - b[right - 1]), np.abs(a - b[right])).max())
+
+    return max(farthest(old, new), farthest(new, old))
+
+
+def _area_changed(old: ndarray, new: ndarray) -> float:
+    """Largest change of what a facet has in common with one of the master, over the largest such area."""
+    pairs, number = np.unique(np.concatenate((old, new))[:, [0, 4]], axis=0, return_inverse=True)
+    before, after = (np.bincount(rows, cuts[:, 3], minlength=len(pairs)) for rows, cuts in (
+        (number.ravel()[:len(old)], old), (number.ravel()[len(old):], new)))
+    return float(np.abs(after - before).max() / before.max())
