@@ -64,16 +64,17 @@ class Gathering:
         """Places of the entries: looked for once for all points on the same unknowns, such as those of one facet."""
         self._dofs = dofs
         alike, number = _unique_rows(dofs)
-        rows, columns = np.broadcast_arrays(alike[:, :, None], alike[:, None, :])
-        moving = (rows >= 0) & (columns >= 0)
-        row = rows[moving].astype(np.int64)  # scikit-fem counts in 32 bits, too few for the product
-        entries, places = np.unique(row * self._n + columns[moving], return_inverse=True)
+        alike = alike.astype(np.int64)  # scikit-fem counts in 32 bits, too few for the product
+        moving = (alike >= 0)[:, :, None] & (alike >= 0)[:, None]
+        entries, places = np.unique((alike[:, :, None] * self._n + alike[:, None])[moving], return_inverse=True)
         slots = np.zeros(moving.shape, places.dtype)
         slots[moving] = places
         self._moving = moving[number]
         self._slots = slots[number][self._moving]
         row, column = np.divmod(entries, self._n)
-        self._pattern = csr_matrix((np.ones(len(row)), (row, column)), shape=(self._n, self._n))
+        ends = np.append(0, np.cumsum(np.bincount(row, minlength=self._n)))
+        self._pattern = csr_matrix((np.ones(len(row)), column.astype(np.int32), ends.astype(np.int32)),
+                                   shape=(self._n, self._n))
 
 
 def _unique_rows(numbers: ndarray) -> tuple[ndarray, ndarray]:
