@@ -12,7 +12,7 @@ from ..forms import Form
 from ..remarks import Remark
 from ..states import arrays_of
 from ..surfaces.surface import Surface
-from .diagnosis import penetration, remarks
+from .diagnosis import remarks
 from .first_geometry import FirstGeometry, HeldState
 from .laws import InterfaceLaw, Status
 from .penalty import with_chosen_penalty
@@ -135,7 +135,8 @@ class Answers(Form):
 
     def penetration(self, state: ContactState) -> float:
         """Largest penetration as a share of the slave segment there."""
-        return penetration(self._pair.points(state), state)
+        closed, size = state.status != Status.OPEN, self._pair.points(state).size
+        return float(np.max((state.offset - state.gap)[closed] / size[closed], initial=0.0))
 
     def remarks(self, x: ndarray, state: ContactState) -> list[Remark]:
         """What a user should know of an accepted state: contact that is not there, or not where it should be."""

@@ -38,18 +38,6 @@ _LOST = 1e-3
 _NONE = 0.1
 
 
-def penetration(points: SlavePoints, state: ContactState) -> float:
-    """Largest penetration as a share of the slave segment there."""
-    closed = state.status != Status.OPEN
-    return float(np.max((state.offset - state.gap)[closed] / points.size[closed], initial=0.0))
-
-
-def passed_through(depth: ndarray, accepted: ContactState, candidate: ContactState) -> int:
-    """Number of points that were outside the master, or near its surface, and are deep inside now."""
-    was_outside = np.isfinite(accepted.gap) & (accepted.gap >= -depth)
-    return int((was_outside & (candidate.gap < -depth)).sum())
-
-
 def remarks(pair: ContactPair, x: ndarray, state: ContactState) -> Iterator[Remark]:
     """Remarks on a state: penalty, multipliers, round-off, facets, lost bonds, points that lie too deep, no contact."""
     meshed = state.gap
@@ -79,7 +67,7 @@ def remarks(pair: ContactPair, x: ndarray, state: ContactState) -> Iterator[Rema
 def _on_enforcement(pair: ContactPair, x: ndarray, state: ContactState, meshed: ndarray) -> Iterator[Remark]:
     """Penetration, what the penalty gives way by, what multipliers leave, and round-off."""
     slave, master, points, penalties = pair.slave, pair.master, pair.points(state), pair.penalties(state)
-    share, stiffness = penetration(points, state), pair.stiffness or penalties[0]
+    share, stiffness = pair.penetration(state), pair.stiffness or penalties[0]
     if pair.enforcement is not None:
         error = pair.enforcement.error(state, points, penalties, stiffness)
         if error > pair.enforcement.tolerance:

@@ -156,9 +156,8 @@ def promising(surface: Surface, nodes: ndarray, flat: Flat, points: ndarray, row
     shape = surface.shape
     places = flat.centre[:, None] + (shape.nodes - shape.centre) @ flat.tangents
     bulge = np.sqrt(((places - nodes[surface.facets]) ** 2).sum(axis=2).max(axis=1))
-    reach = 2.0 * surface.extension * surface.at_rim
     slope = np.sqrt(np.einsum("sa,nab,sb->ns", shape.outward, flat.inverse, shape.outward, optimize=True))
-    aside = ((shape.beyond(foot) - reach[facet]) / slope[facet]).max(axis=1)
+    aside = ((shape.beyond(foot) - surface.reach[facet]) / slope[facet]).max(axis=1)
     height = dot(points - flat.centre[facet], unit(across(flat.tangents))[facet])
     least = np.sqrt(height**2 + np.maximum(aside, 0.0) ** 2) - 2.0 * bulge[facet] - slack
     inside = np.clip(foot, shape.corners.min(axis=0), shape.corners.max(axis=0))

@@ -17,7 +17,7 @@ from ..surfaces.smoothing import smoothed
 from ..surfaces.surface import Surface
 from .answers import Answers
 from .augmented import AugmentedLagrangian, Progress
-from .diagnosis import ROUND_OFF, passed_through
+from .diagnosis import ROUND_OFF
 from .interface import RECUTS, Interface
 from .kinematics import Kinematics, dragged, tangents, variations
 from .laws import InterfaceLaw, Status, Update
@@ -262,7 +262,9 @@ class ContactPair(Answers):
             Points have passed through the master.
         """
         points = self.points(accepted)
-        if passed := passed_through(self.interface.depth(points), accepted, found):
+        depth = self.interface.depth(points)
+        was_outside = np.isfinite(accepted.gap) & (accepted.gap >= -depth)
+        if passed := int((was_outside & (found.gap < -depth)).sum()):
             raise IncrementTooLarge(f"{passed} of {len(points.weight)} points of '{self.slave.name}' have passed "
                                     f"through '{self.master.name}', or the penalty, "
                                     f"{self.penalties(accepted)[0]:.3g}, is soft")

@@ -152,12 +152,11 @@ def _newton_step(x: list[ndarray], points: ndarray) -> ndarray:
 def _on_facets(surface: Surface, nodes: ndarray, points: ndarray, facet: ndarray, foot: ndarray, beyond: ndarray,
                stays: ndarray) -> tuple[ndarray, ndarray, ndarray]:
     """Closest points on candidates: feet, or places on the sides beyond which they lie; as :func:`on_sides`."""
-    rim = surface.at_rim[facet]
-    limit = np.where(rim, 2.0 * surface.extension, np.maximum(2.0 * stays, ON_FACET))
+    reach = surface.reach[facet]
+    limit = np.maximum(reach, np.maximum(2.0 * stays, ON_FACET))
     xi, feature, off = foot.copy(), np.zeros(len(facet), int), np.zeros(len(facet), bool)
     out = np.flatnonzero((beyond > limit).any(axis=1))
     on_them = on_ends if surface.dim == 2 else on_sides
-    reach = np.where(rim, 2.0 * surface.extension, 0.0)
     xi[out], feature[out], off[out] = on_them(surface, nodes, points[out], facet[out], beyond[out], reach[out])
     return xi, feature, off
 

@@ -188,6 +188,11 @@ class Surface:
         return self.neighbours < 0
 
     @cached_property
+    def reach(self) -> ndarray:
+        """How far the facets go on beyond their sides in local coordinates, (n_facets, n_sides): only at the rim."""
+        return 2.0 * self.extension * self.at_rim
+
+    @cached_property
     def rank(self) -> ndarray:
         """Which of the facets at a side a point there belongs to, (n_facets, n_sides): the one of the largest.
 
