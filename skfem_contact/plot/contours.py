@@ -9,7 +9,7 @@ import numpy as np
 from numpy import ndarray
 
 from ..errors import check_plane
-from ..post.fields import Water, quantities, region_fields, solids
+from ..post.fields import Water, quantities, region_field, solids
 from ..stages.result import Result, StageResult
 from .marks import Marks
 from .picture import FOOT, Frame, can_draw, finish
@@ -151,8 +151,7 @@ def make_view(forms: Mapping[str, Any], step: StageResult, quantity: str, since:
               deformed: float | Literal["auto"], water: Water | None) -> View:
     """The bodies of a stage and the field on their nodes."""
     check_plane(next(iter(solids(forms).values())).basis, "plot.contour")
-    fields = region_fields(forms, step, quantity, since, water)
-    values = np.concatenate([field.values[0] for field in fields])
+    values = region_field(forms, step, quantity, since, water)
     return View(Scene(forms, step, deformed, since), values, _name(step, since))
 
 

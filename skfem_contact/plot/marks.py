@@ -11,8 +11,8 @@ from scipy.spatial import cKDTree
 
 from ..contact.laws import Status
 from ..post.fields import Water, solids_there
-from ..post.interface import interfaces
 from ..post.strength import PointStatus, point_status
+from ..post.tractions import interfaces
 from ..stages.result import StageResult
 from ..water import Seepage
 from .scene import MARK, Scene

@@ -14,7 +14,6 @@ from ..errors import check_plane
 from ..limit_analysis import Bounds
 from ..materials import LinearElastic
 from ..post.fields import Water, solids
-from ..post.quantities import shear_strain
 from ..post.recovery import recovered
 from ..solid import SolidForm
 from ..stages.result import StageResult
@@ -69,8 +68,7 @@ def mechanism(forms: Mapping[str, Any], found: Any, *, deformed: bool = False, v
     check_plane(basis, "plot.mechanism")
     there, stage, bands = _of_bounds(found) if isinstance(found, Bounds) else _of_search(forms, found)
     moved = stage.x[:basis.N]
-    fields = [field for name, form in there.items() for field in recovered(form, bands[name][None], limited=True)]
-    strain = np.concatenate([field.values[0] for field in fields])
+    strain = np.concatenate([recovered(form, bands[name][None], limited=True)[0] for name, form in there.items()])
     scene = Scene(there, stage, 0.0)
     if deformed:
         size = np.ptp(scene.places[scene.nodes], axis=0).max()
@@ -101,9 +99,8 @@ def _of_bounds(found: Bounds) -> tuple[dict[str, SolidForm], StageResult, Mappin
     x, n = basis.zeros(), found.mesh.nvertices
     x[basis.nodal_dofs], x[basis.facet_dofs] = found.mechanism[:, :n], found.mechanism[:, n:]
     form = SolidForm(basis, LinearElastic(E=1.0, nu=0.0))  # any law: strains are asked for
-    state = form.assemble(x, form.initial_state()).state
-    stage = StageResult("upper bound", x, 0.0 * x, {"mechanism": state}, (), 0.0)
-    return {"mechanism": form}, stage, {"mechanism": shear_strain(state.strain)}
+    stage = StageResult("upper bound", x, 0.0 * x, {"mechanism": form.initial_state()}, (), 0.0)
+    return {"mechanism": form}, stage, {"mechanism": form.shear_strain(x)}
 
 
 def _most(strain: ndarray, area: ndarray) -> float:
