@@ -256,6 +256,17 @@ def test_points_that_yield_and_contact_are_in_the_legend():
     assert np.abs(with_marks[:-FOOT].astype(int) - without[:-FOOT]).max(axis=2).astype(bool).mean() > 0.005
 
 
+def test_stages_share_the_factor_of_the_one_that_has_moved_most():
+    """A stage that has not moved at all does not count."""
+    from skfem_contact.plot.contours import _views
+
+    forms, step = block()
+    still = sc.StageResult("before", 0 * step.x, step.load, {"block": forms["block"].initial_state()}, (), 0.0)
+    less = sc.StageResult("less", 0.1 * step.x, step.load, step.states, (), 0.0)
+    views = _views(forms, [still, less, step], "ux", None, "auto")
+    assert [view.scene.factor for view in views] == [pytest.approx(0.2)] * 3
+
+
 @needs_opengl
 def test_stages_share_a_scale_and_a_film_has_frames(tmp_path):
     forms, step = block()

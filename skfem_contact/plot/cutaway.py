@@ -13,7 +13,7 @@ from ..post.fields import region_field, solids, solids_there
 from ..post.files import vtk_cells
 from ..post.recovery import region_mesh
 from ..stages.result import StageResult
-from .contours import headline, note_of
+from .contours import headline, name_of, note_of
 from .picture import FOOT, Frame, can_draw, finish
 from .scales import Scale, bar_figure, make_scale
 from .scene import banded, grid_of, round_factor, surface_of
@@ -91,7 +91,7 @@ def cutaway(forms: Mapping[str, Any], step: StageResult, quantity: str, *, cuts:
     plotter = camera.frame.sheet(show)
     camera.aim(plotter)
     _draw(plotter, straight, kept, planes, factor, scale, mesh, camera)
-    title, note = headline(forms, quantity, since), note_of(step, since, factor)
+    title, note = headline(forms, quantity, since), note_of(name_of(step, since), factor)
     camera.frame.put_foot(plotter, bar_figure(scale, title, note, (camera.frame.size[0], FOOT), {}))
     return finish(plotter, file, show)
 

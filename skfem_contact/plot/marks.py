@@ -1,7 +1,7 @@
 """What is drawn on top of the bodies where it is asked for: water, supports, loads, arrows, points, contact."""
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,6 +13,7 @@ from ..contact.laws import Status
 from ..post.fields import Water, solids_there
 from ..post.strength import PointStatus, point_status
 from ..post.tractions import interfaces
+from ..solid import SolidForm
 from ..stages.result import StageResult
 from ..water import Seepage
 from .scene import MARK, Scene
@@ -34,7 +35,6 @@ class Marks:
 
     forms: Mapping[str, Any]
     step: StageResult
-    since: StageResult | None = None
     water: Water | None = None
     supports: ndarray | None = None
     loads: ndarray | None = None
@@ -57,9 +57,10 @@ class Marks:
             _draw_loads(plotter, scene, np.asarray(self.loads))
         if self.vectors:
             _draw_vectors(plotter, scene)
-        if self.points:
-            for status, (_, color) in _POINTS.items():
-                self._draw_points(plotter, scene, status, color)
+        for status, form, at in self._points():
+            u = scene.factor * scene.displacement.ravel()
+            places = np.asarray(form.basis.global_coordinates()) + np.asarray(form.basis.interpolate(u))
+            _dots(plotter, scene, places[:, at].T, _POINTS[status][1], 7.0)
         if self.contact:
             _draw_contact(plotter, scene, self.forms, self.step)
 
@@ -68,30 +69,25 @@ class Marks:
         found = []
         if self.water is not None:
             found.append(("water table", {"color": WATER, "linewidth": 3, "linestyle": "--"}))
-        if self.points:
-            found += [(label, _dot(color, "s")) for status, (label, color) in _POINTS.items() if self._marked(status)]
+        marked = {status for status, _, _ in self._points()}
+        found += [(label, _square(color)) for status, (label, color) in _POINTS.items() if status in marked]
         if self.contact:
             pairs = interfaces(self.forms, self.step).values()
             present = {int(s) for pair in pairs for s in np.unique(pair.tractions.status)}
-            found += [(f"contact {label}", _dot(color, "s")) for s, (label, color) in _STATUS.items() if s in present]
+            found += [(f"contact {label}", _square(color)) for s, (label, color) in _STATUS.items() if s in present]
         return found
 
-    def _marked(self, status: PointStatus) -> bool:
-        return any((point_status(form, self.step.states[name]) == status).any()
-                   for name, form in solids_there(self.forms, self.step).items())
-
-    def _draw_points(self, plotter: Any, scene: Scene, status: PointStatus, color: str) -> None:
-        """Integration points of a status, moved with the bodies."""
-        for name, form in solids_there(self.forms, self.step).items():
-            at = point_status(form, self.step.states[name]) == status
-            if at.any():
-                u = scene.factor * scene.displacement.ravel()
-                places = np.asarray(form.basis.global_coordinates()) + np.asarray(form.basis.interpolate(u))
-                _dots(plotter, scene, np.asarray(places)[:, at].T, color, 7.0)
+    def _points(self) -> Iterator[tuple[PointStatus, SolidForm, ndarray]]:
+        """Where points are asked for: those of a status that is marked, (n_elements, n_points), solid by solid."""
+        for name, form in solids_there(self.forms, self.step).items() if self.points else ():
+            found = point_status(form, self.step.states[name])
+            for status in _POINTS:
+                if (at := found == status).any():
+                    yield status, form, at
 
 
-def _dot(color: str, marker: str) -> dict[str, Any]:
-    return {"marker": marker, "color": color, "linestyle": "none", "markersize": 11, "markeredgecolor": "black"}
+def _square(color: str) -> dict[str, Any]:
+    return {"marker": "s", "color": color, "linestyle": "none", "markersize": 11, "markeredgecolor": "black"}
 
 
 def _dots(plotter: Any, scene: Scene, places: ndarray, color: str, size: float) -> None:

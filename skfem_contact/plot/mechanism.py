@@ -77,7 +77,7 @@ def mechanism(forms: Mapping[str, Any], found: Any, *, deformed: bool = False, v
     scale = make_scale(strain, scene.area, (0.0, 1.0), levels, "YlOrRd")
     marks = Marks(there, stage, water=water, vectors=vectors)
     title = f"{found.what[0].upper()}{found.what[1:]} {_value(found)}: shear strain of the mechanism, relative"
-    return draw([View(scene, strain, "")], [marks], scale, title, "", window, mesh, file, show)
+    return draw([View(scene, strain, "", marks)], scale, title, "", window, mesh, file, show)
 
 
 def _value(found: Any) -> str:

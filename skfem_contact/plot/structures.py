@@ -17,6 +17,7 @@ from ..post.fields import solids
 from ..post.resultants import SectionForces
 from ..post.tractions import Tractions
 from ..stages.result import StageResult
+from .diagrams import saved
 from .scene import Scene
 from .units import labelled
 
@@ -83,9 +84,7 @@ def diagram_on(forms: Mapping[str, Any], step: StageResult, quantity: str, value
     ax.set(xlim=window[:2], ylim=window[2:], aspect="equal")
     ax.set_title(f"{labelled(title, unit)}, {step.name}", loc="left", fontsize=12)
     ax.axis("off")
-    if file is not None:
-        figure.savefig(file, dpi=160)
-    return figure
+    return saved(figure, file)
 
 
 def _left(axis: ndarray, closed: bool) -> ndarray:
