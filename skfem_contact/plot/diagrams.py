@@ -62,10 +62,13 @@ def ring_diagram(angle: ArrayLike, series: Mapping[str, ArrayLike], quantity: st
         plain.plot(turns, around, label=label, **style)
     low, high = plain.get_ylim()
     polar.set_ylim(min(low, 0.0) - 0.35 * (max(high, 0.0) - min(low, 0.0)), max(high, 0.0))
-    polar.plot(np.linspace(0.0, 2.0 * np.pi, 181), np.zeros(181), color="black", linewidth=0.8)
+    polar.plot(np.linspace(0.0, 2.0 * np.pi, 181), np.zeros(181), color="black", linewidth=0.8, zorder=3)
     polar.set_rlabel_position(22.5)  # type: ignore[attr-defined]
     polar.yaxis.set_major_locator(MaxNLocator(4))
     polar.tick_params(axis="y", labelsize=8)
+    polar.set_axisbelow(False)  # the figures of the circles, which stand on the curves
+    for label in polar.get_yticklabels():
+        label.set_bbox({"facecolor": "white", "alpha": 0.7, "edgecolor": "none", "pad": 0.8})
     plain.set(xlim=(0.0, 360.0), xticks=range(0, 361, 45), ylabel=quantity,
               xlabel="central angle from the crown, clockwise [°]")
     _tidy(plain, len(series))
