@@ -433,7 +433,7 @@ def fitted_in_space(disc: int, ring: int, *rule, **options) -> str:
     """Warnings of a slice of the ring on the disc."""
     a, b, c, pressure = 0.3, 1.0, 1.5, 10.0
     mesh = sc.join_bodies({"disc": space.sliced(annulus(a, b, disc, 2)), "ring": space.sliced(annulus(b, c, ring, 2))})
-    basis = space.vector_basis(mesh, "Q1", intorder=2)
+    basis = vector_basis(mesh, "Q1", intorder=2)
     forms = {"bodies": sc.SolidForm(basis, sc.LinearElastic(E=1e6, nu=0.25), sc.three_dimensional),
              "joint": sc.ContactPair(basis, "ring:inner", "disc:outer", sc.Coulomb(), *rule, **options)}
     load = LinearForm(lambda v, w: -pressure * (w.x[0] * v[0] + w.x[1] * v[1]) / np.hypot(w.x[0], w.x[1]))

@@ -13,9 +13,7 @@ import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
-from helpers import ELEMENTS, grid, vector_basis
-from space import ELEMENTS as IN_SPACE
-from space import vector_basis as basis_in_space
+from helpers import ELEMENTS, IN_SPACE, grid, vector_basis
 
 import skfem_contact as sc
 from skfem_contact import plot
@@ -27,7 +25,7 @@ cutaway = sys.modules["skfem_contact.plot.cutaway"]  # the module; the package h
 matplotlib.use("Agg")
 ROOT = Path(__file__).parents[1]
 needs_opengl = pytest.mark.skipif(not picture._can_render(), reason="VTK cannot draw on this machine")
-FOOT = picture.FOOT
+FOOT = picture._FOOT
 
 
 @pytest.fixture(autouse=True)
@@ -482,7 +480,7 @@ def cube(element):
     """A cube in space in two regions: u_z = z / 10."""
     mesh = IN_SPACE[element][0].init_tensor(*3 * [np.linspace(0, 1, 3)])
     mesh = mesh.with_subdomains({"low": lambda x: x[2] < 0.5, "high": lambda x: x[2] > 0.5})
-    basis = basis_in_space(mesh, element, intorder=4)
+    basis = vector_basis(mesh, element, intorder=4)
     materials = {name: sc.LinearElastic(E=1e3, nu=0.0) for name in ("low", "high")}
     forms = {"cube": sc.SolidForm(basis, materials, strain=sc.three_dimensional)}
     x = basis.zeros()

@@ -9,11 +9,11 @@ import numpy as np
 from numpy import ndarray
 
 from ..errors import check_plane
-from ..post.fields import Water, quantities, region_field, solids
+from ..post.fields import Water, basis_of, quantities, region_field, solids
 from ..stages.result import Result, StageResult
 from .marks import Marks
-from .picture import FOOT, Frame, can_draw, finish
-from .scales import Scale, bar_figure, make_scale
+from .picture import Frame, can_draw, finish
+from .scales import Scale, make_scale
 from .scene import Scene
 from .units import labelled
 
@@ -178,7 +178,7 @@ def animate(forms: Mapping[str, Any], result: Result | Sequence[StageResult], qu
         plotter.open_gif(str(file), fps=_FRAMES_A_SECOND)
     else:
         plotter.open_movie(str(file), framerate=_FRAMES_A_SECOND)
-    frame.put_foot(plotter, bar_figure(scale, headline(forms, quantity, since), "", (frame.size[0], FOOT), {}))
+    frame.put_foot(plotter, scale, headline(forms, quantity, since))
     for first, last in zip([views[0], *views], views):
         moving = _between(first, last, frames // 2)
         for view in moving:
@@ -205,7 +205,7 @@ def _views(forms: Mapping[str, Any], steps: Sequence[StageResult], quantity: str
     """The bodies and the field of every stage; an automatic factor is that of the stage that has moved most."""
     if not steps:
         raise ValueError("there is no stage to draw")
-    check_plane(next(iter(solids(forms).values())).basis, "plot.contour")
+    check_plane(basis_of(forms), "plot.contour")
     views = [View(Scene(forms, step, deformed, since), region_field(forms, step, quantity, since, water),
                   name_of(step, since), Marks(forms, step, water, **marks)) for step in steps]
     factors = [view.scene.factor for view in views if view.scene.displacement[view.scene.nodes].any()]
@@ -249,7 +249,7 @@ def draw(views: Sequence[View], scale: Scale, title: str, note: str, window: Win
     plotter = frame.sheet(show)
     _paint(plotter, frame, views, scale, mesh)
     legend = {label: style for view in views for label, style in view.marks.legend()}
-    frame.put_foot(plotter, bar_figure(scale, title, note, (frame.size[0], FOOT), legend))
+    frame.put_foot(plotter, scale, title, note, legend)
     return finish(plotter, file, show)
 
 

@@ -9,13 +9,13 @@ import numpy as np
 from numpy import ndarray
 
 from ..errors import check_basis
-from ..post.fields import region_field, solids, solids_there
+from ..post.fields import basis_of, region_field, solids_there
 from ..post.files import vtk_cells
 from ..post.recovery import region_mesh
 from ..stages.result import StageResult
 from .contours import headline, name_of, note_of
-from .picture import FOOT, Frame, can_draw, finish
-from .scales import Scale, bar_figure, make_scale
+from .picture import Frame, can_draw, finish
+from .scales import Scale, make_scale
 from .scene import banded, grid_of, round_factor, surface_of
 
 #: A plane: its normal, which points to what is cut away, and a place on it.
@@ -66,7 +66,7 @@ def cutaway(forms: Mapping[str, Any], step: StageResult, quantity: str, *, cuts:
     >>> result = sc.run(forms, [sc.Stage("weight", sc.weight(basis, 20.))], sc.rollers(basis))
     >>> picture = plot.cutaway(forms, result["weight"], "szz", cuts=[((0, -1, 0), (0, .4, 0))])
     """
-    basis = next(iter(solids(forms).values())).basis
+    basis = basis_of(forms)
     check_basis(basis)
     if basis.mesh.dim() != 3:
         raise ValueError("plot.cutaway is for bodies in space; plane ones are drawn by plot.contour")
@@ -92,7 +92,7 @@ def cutaway(forms: Mapping[str, Any], step: StageResult, quantity: str, *, cuts:
     camera.aim(plotter)
     _draw(plotter, straight, kept, planes, factor, scale, mesh, camera)
     title, note = headline(forms, quantity, since), note_of(name_of(step, since), factor)
-    camera.frame.put_foot(plotter, bar_figure(scale, title, note, (camera.frame.size[0], FOOT), {}))
+    camera.frame.put_foot(plotter, scale, title, note)
     return finish(plotter, file, show)
 
 

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
 
 from ..contact.laws import Status
-from ..post.fields import nodal_field, quantities, solids
+from ..post.fields import basis_of, nodal_field, quantities, solids
 from ..post.resultants import SectionForces
 from ..post.tractions import Tractions
 from ..stages.result import Result
@@ -172,11 +172,8 @@ def history(forms: Mapping[str, Any], result: Result, quantity: str, at: Mapping
     >>> model = culvert()
     >>> figure = plot.history(model.forms, model.result, "uy", {"crown": (0., .9), "surface": (.9, 3.5)})
     """
-    bodies = solids(forms)
-    basis = next(iter(bodies.values())).basis
-    what = quantities(bodies)
-    dim = basis.mesh.dim()
-    tree = cKDTree(basis.doflocs[:, 0::dim].T)
+    basis, what = basis_of(forms), quantities(solids(forms))
+    tree = cKDTree(basis.doflocs[:, ::basis.mesh.dim()].T)
     nodes = {label: int(tree.query(np.asarray(place, float))[1]) for label, place in at.items()}
     fields = [nodal_field(forms, stage, quantity) for stage in result]
     names = [stage.name for stage in result]

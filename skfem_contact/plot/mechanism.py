@@ -13,7 +13,7 @@ from skfem import Basis, ElementTriP2, ElementVector
 from ..errors import check_plane
 from ..limit_analysis import Bounds
 from ..materials import LinearElastic
-from ..post.fields import Water, solids
+from ..post.fields import Water, basis_of, solids
 from ..post.recovery import recovered
 from ..solid import SolidForm
 from ..stages.result import StageResult
@@ -64,7 +64,7 @@ def mechanism(forms: Mapping[str, Any], found: Any, *, deformed: bool = False, v
     >>> found = sc.limit_load(forms, fixed, sc.weight(basis, 5.), progress=False)
     >>> picture = plot.mechanism(forms, found)
     """
-    basis = next(iter(solids(forms).values())).basis
+    basis = basis_of(forms)
     check_plane(basis, "plot.mechanism")
     there, stage, bands = _of_bounds(found) if isinstance(found, Bounds) else _of_search(forms, found)
     moved = stage.x[:basis.N]

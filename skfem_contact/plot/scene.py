@@ -46,7 +46,8 @@ class Scene:
         self.displacement = (step.x if since is None else step.x - since.x)[:basis.N].reshape(-1, 2)
         self.factor = float(deformed) if deformed != "auto" else round_factor(self.places[self.nodes],
                                                                               self.displacement[self.nodes])
-        self.area = self._areas()
+        areas = np.concatenate([np.asarray(form.basis.dx).sum(axis=1) for form in bodies])
+        self.area = np.bincount(self.cells.ravel(), np.repeat(areas, self.cells.shape[1]))  # equal shares of elements
         self.pixel = 1.0
         self._find_lines(region)
 
@@ -54,13 +55,6 @@ class Scene:
     def moved(self) -> ndarray:
         """Places of all nodes after the bodies have moved, (n_nodes, 2)."""
         return self.places + self.factor * self.displacement
-
-    def _areas(self) -> ndarray:
-        """Area that belongs to each of `nodes`, (n,): equal shares of the elements."""
-        corners = self.places[self.nodes[self.cells[:, :self.corners]]]
-        x, y = corners[..., 0], corners[..., 1]
-        area = 0.5 * np.abs((x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1))
-        return np.bincount(self.cells.ravel(), np.repeat(area, self.cells.shape[1]), minlength=len(self.nodes))
 
     def _find_lines(self, region: ndarray) -> None:
         """Sides of elements: all of them, those between regions, and those on the outside of bodies."""

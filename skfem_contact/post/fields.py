@@ -7,6 +7,7 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy import ndarray
+from skfem import CellBasis
 
 from ..errors import look_up
 from ..materials.spectral import largest_shear
@@ -175,6 +176,11 @@ def solids(forms: Mapping[str, Any]) -> dict[str, SolidForm]:
     if not found:
         raise ValueError(f"there is no SolidForm among the forms {list(forms)}")
     return found
+
+
+def basis_of(forms: Mapping[str, Any]) -> CellBasis:
+    """The basis of the displacements, that of one solid or another."""
+    return next(iter(solids(forms).values())).basis
 
 
 def solids_there(forms: Mapping[str, Any], step: StageResult) -> dict[str, SolidForm]:

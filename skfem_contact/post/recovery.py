@@ -110,13 +110,16 @@ def _fitted(form: SolidForm, values: ndarray, mesh: RegionMesh, balanced: bool) 
         x = (points[:, e] - center[:, start + patch, None]) / size[start + patch, None]
         p = _powers(x, degree).transpose(1, 2, 0)  # (pairs, points, m)
         w = form.weight[e] / np.bincount(patch, form.weight[e].sum(axis=1))[patch][:, None]
-        A, r = _normal(patch, chunk.shape[0], p, w, values[:, e])
-        if B is not None and forces is not None:
-            scaled = w * size[start + patch, None]
-            H, f = _balance(patch, cells[e], B[e], p, scaled, forces[e] * (scaled / form.weight[e])[:, :1])
-            A = beta * A + H.transpose(0, 2, 1) @ H
-            r = beta * r + np.einsum("pra,pr->pa", H, f)
-        fits[start:start + _CHUNK] = _solve(A, r).reshape(-1, nc, m)
+        mass = _sum_of(patch, chunk.shape[0], np.einsum("pqa,pqb,pq->pab", p, p, w))
+        r = _sum_of(patch, chunk.shape[0], np.einsum("cpq,pqa,pq->pca", values[:, e], p, w))
+        if B is None or forces is None:  # component by component
+            fits[start:start + _CHUNK] = r @ _inverse(mass)
+            continue
+        scaled = w * size[start + patch, None]
+        H, f = _balance(patch, cells[e], B[e], p, scaled, forces[e] * (scaled / form.weight[e])[:, :1])
+        A = H.transpose(0, 2, 1) @ H + beta * np.einsum("cd,pab->pcadb", np.eye(nc), mass).reshape(len(r), nc * m, -1)
+        r = np.einsum("pra,pr->pa", H, f) + beta * r.reshape(len(r), -1)
+        fits[start:start + _CHUNK] = np.einsum("pab,pb->pa", _inverse(A), r).reshape(-1, nc, m)
     return _evaluated(fits, places, center, size, _sources(form, mesh, vertex, incidence), degree)
 
 
@@ -141,17 +144,6 @@ def _compatible(form: SolidForm) -> ndarray:
     return (plain if form.strain is b_bar else form.strain)(form.basis).B
 
 
-def _normal(patch: ndarray, n: int, p: ndarray, w: ndarray, values: ndarray) -> tuple[ndarray, ndarray]:
-    """Normal equations of the fits to the values at the points: (n, nc m, nc m) and (n, nc m)."""
-    nc, m = len(values), p.shape[2]
-    mass = _sum_of(patch, n, np.einsum("pqa,pqb,pq->pab", p, p, w))
-    A = np.zeros((n, nc, m, nc, m))
-    for c in range(nc):
-        A[:, c, :, c] = mass
-    r = _sum_of(patch, n, np.einsum("cpq,pqa,pq->pca", values, p, w))
-    return A.reshape(n, nc * m, nc * m), r.reshape(n, nc * m)
-
-
 def _balance(patch: ndarray, cells: ndarray, B: ndarray, p: ndarray, w: ndarray, forces: ndarray
              ) -> tuple[ndarray, ndarray]:
     """Nodal forces of the fields, (patches, rows, nc m), and those of the elements, (patches, rows)."""
@@ -174,9 +166,9 @@ def _sum_of(patch: ndarray, n: int, values: ndarray) -> ndarray:
     return np.asarray(pick @ values.reshape(len(patch), -1)).reshape(n, *values.shape[1:])
 
 
-def _solve(A: ndarray, r: ndarray) -> ndarray:
-    """Solutions of least norm where a patch has too few points for a linear field."""
-    return np.einsum("pab,pb->pa", np.linalg.pinv(A, rcond=1e-10, hermitian=True), r)
+def _inverse(A: ndarray) -> ndarray:
+    """Pseudoinverses, which give solutions of least norm where a patch has too few points for its polynomial."""
+    return np.linalg.pinv(A, rcond=1e-10, hermitian=True)
 
 
 def _sources(form: SolidForm, mesh: RegionMesh, vertex: ndarray, incidence: csr_matrix) -> csr_matrix:
