@@ -1,7 +1,7 @@
 """Diagrams by matplotlib: along interfaces and bodies, over stages, and on the way to a collapse."""
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal
 
@@ -67,8 +67,8 @@ def ring_diagram(angle: ArrayLike, series: Mapping[str, ArrayLike], quantity: st
     polar.yaxis.set_major_locator(MaxNLocator(4))
     polar.tick_params(axis="y", labelsize=8)
     polar.set_axisbelow(False)  # the figures of the circles, which stand on the curves
-    for label in polar.get_yticklabels():
-        label.set_bbox({"facecolor": "white", "alpha": 0.7, "edgecolor": "none", "pad": 0.8})
+    for text in polar.get_yticklabels():
+        text.set_bbox({"facecolor": "white", "alpha": 0.7, "edgecolor": "none", "pad": 0.8})
     plain.set(xlim=(0.0, 360.0), xticks=range(0, 361, 45), ylabel=quantity,
               xlabel="central angle from the crown, clockwise [°]")
     _tidy(plain, len(series))
@@ -100,17 +100,15 @@ def contact_diagram(series: Mapping[str, Tractions], along: Literal["arc", "x", 
     >>> figure = plot.contact_diagram({"gravity": joint}, along="y")
     """
     upright = along == "y"
-    figure, axes = plt.subplots(1, 2, figsize=(8.0, 6.0), sharey=True, layout="constrained") if upright else \
-        plt.subplots(2, 1, figsize=(8.0, 6.0), sharex=True, layout="constrained")
+    titles = labelled("pressure", "stress"), labelled("friction", "stress")
+    figure, axes = _panels(titles, "position along the slave" if along == "arc" else along, (8.0, 6.0), upright)
     for style, (label, t) in zip(_styles(len(series)), series.items()):
         position, slips = getattr(t, along), t.status == Status.SLIP
         for ax, values in zip(axes, (t.pressure, t.shear)):
             _draw(ax, position, values, upright, label=label, **style)
             _draw(ax, position[slips], values[slips], upright, color=style["color"], linestyle="none",
                   marker="o", markersize=4, markerfacecolor="white")
-    names = {"arc": "position along the slave", "x": "x", "y": "y"}
-    _label(axes, (labelled("pressure", "stress"), labelled("friction", "stress")), labelled(names[along], "length"),
-           upright, len(series))
+    _tidy(axes[0], len(series))
     return saved(figure, file)
 
 
@@ -136,13 +134,12 @@ def section_diagram(series: Mapping[str, SectionForces], upright: bool = False,
     >>> forces = sc.SectionForces(s, 0. * s, -s, N=-5. * s, V=15. - 2. * s, M=s * (15. - s))
     >>> figure = plot.section_diagram({"failure": forces}, upright=True)
     """
-    figure, axes = plt.subplots(1, 3, figsize=(9.0, 6.0), sharey=True, layout="constrained") if upright else \
-        plt.subplots(3, 1, figsize=(8.0, 7.5), sharex=True, layout="constrained")
+    titles = labelled("normal force N", "line"), labelled("shear force V", "line"), labelled("moment M", "moment")
+    figure, axes = _panels(titles, "position", (9.0, 6.0) if upright else (8.0, 7.5), upright)
     for style, (label, forces) in zip(_styles(len(series)), series.items()):
         for ax, values in zip(axes, (forces.N, forces.V, forces.M)):
             _draw(ax, forces.position, values, upright, label=label, **style)
-    names = labelled("normal force N", "line"), labelled("shear force V", "line"), labelled("moment M", "moment")
-    _label(axes, names, labelled("position", "length"), upright, len(series))
+    _tidy(axes[0], len(series))
     if upright:
         axes[0].invert_yaxis()
     return saved(figure, file)
@@ -238,15 +235,16 @@ def _draw(ax: Axes, position: ndarray, values: ndarray, upright: bool, **style: 
     ax.plot(*((values, position) if upright else (position, values)), **style)
 
 
-def _label(axes: ndarray, quantities: tuple[str, ...], position: str, upright: bool, n: int) -> None:
-    """Names of the axes; the position is written once."""
-    for ax, name in zip(axes, quantities):
-        _tidy(ax, n if ax is axes[0] else 1)
-        ax.set(**{"xlabel" if upright else "ylabel": name})
-    if upright:
-        axes[0].set_ylabel(position)
-    else:
-        axes[-1].set_xlabel(position)
+def _panels(titles: Sequence[str], position: str, size: tuple[float, float], upright: bool) -> tuple[Figure, ndarray]:
+    """Panels side by side over an upright position, or below each other; the name of the position is written once."""
+    n = len(titles)
+    rows, columns = (1, n) if upright else (n, 1)
+    figure, axes = plt.subplots(rows, columns, figsize=size, sharex=not upright, sharey=upright, layout="constrained")
+    for ax, title in zip(axes, titles):
+        _tidy(ax, 1)
+        ax.set(**{"xlabel" if upright else "ylabel": title})
+    axes[0 if upright else -1].set(**{"ylabel" if upright else "xlabel": labelled(position, "length")})
+    return figure, axes
 
 
 def _tidy(ax: Axes, n: int) -> None:
