@@ -143,28 +143,23 @@ def _table(water: Any, x: ndarray, low: float, high: float) -> ndarray:
 
 def _draw_supports(plotter: Any, scene: Scene, fixed: ndarray) -> None:
     """Triangles that point at the nodes that are held: along the axis of one unknown, from below for both."""
-    held = np.isin(np.arange(scene.displacement.size), np.flatnonzero(fixed) if fixed.dtype == bool else fixed)
-    used = np.unique(scene.sides)
+    fixed = np.flatnonzero(fixed) if fixed.dtype == bool else fixed
+    x, y = np.isin(np.arange(scene.displacement.size), fixed).reshape(-1, 2).T
+    used, size = np.unique(scene.sides), _SUPPORT * scene.pixel
     middle = scene.places[used].mean(axis=0)
-    for kind in ("both", "x", "y"):
-        fast = held[0::2] & held[1::2]
-        mask = fast if kind == "both" else held["xy".index(kind)::2] & ~fast
-        nodes = _thinned(scene, used[mask[used]])
-        at = scene.moved[nodes]
+    for axis, held, color in ((1, x & y, "#444444"), (0, x & ~y, "#b0b0b0"), (1, y & ~x, "#b0b0b0")):
+        if not held[used].any():
+            continue
+        at = scene.moved[_thinned(scene, used[held[used]])]
         out = np.zeros_like(at)
-        axis = 0 if kind == "x" else 1
         out[:, axis] = np.where(at[:, axis] > middle[axis], 1.0, -1.0)
         along = out[:, ::-1]
-        size = _SUPPORT * scene.pixel
-        if len(nodes):
-            corners = np.stack((at, at + size * (out + 0.6 * along), at + size * (out - 0.6 * along)), axis=1)
-            _polygons(plotter, scene, corners, "#444444" if kind == "both" else "#b0b0b0")
+        corners = np.stack((at, at + size * (out + 0.6 * along), at + size * (out - 0.6 * along)), axis=1)
+        _polygons(plotter, scene, corners, color)
 
 
 def _thinned(scene: Scene, nodes: ndarray) -> ndarray:
     """Some of the nodes, no two closer to each other than a few pixels."""
-    if not len(nodes):
-        return nodes
     order = nodes[np.lexsort(scene.moved[nodes].T)]
     tree = cKDTree(scene.moved[order])
     kept = np.ones(len(order), bool)
