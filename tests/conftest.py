@@ -10,3 +10,14 @@ import pytest
 def rng() -> np.random.Generator:
     """Random numbers that are the same in every run, so that a failure can be repeated."""
     return np.random.default_rng(20240229)
+
+
+@pytest.fixture
+def bars(monkeypatch) -> list[tuple[str, str]]:
+    """Titles and notes of the colour bars of contour pictures."""
+    import matplotlib.pyplot as plt
+
+    found: list[tuple[str, str]] = []
+    monkeypatch.setattr("skfem_contact.plot.picture.bar_figure",
+                        lambda scale, title, note, size, marks: found.append((title, note)) or plt.figure())
+    return found

@@ -10,16 +10,23 @@ from numpy import ndarray
 from scipy.sparse import csr_matrix
 from skfem import (
     Basis,
+    ElementHex1,
+    ElementHex2,
+    ElementHexS2,
     ElementQuad1,
     ElementQuad2,
     ElementQuadS2,
+    ElementTetP1,
+    ElementTetP2,
     ElementTriP1,
     ElementTriP2,
     ElementVector,
     FacetBasis,
     LinearForm,
     Mesh,
+    MeshHex,
     MeshQuad,
+    MeshTet,
     MeshTri,
 )
 
@@ -27,7 +34,7 @@ import skfem_contact as sc
 from skfem_contact.contact.search import Projection, project
 from skfem_contact.surfaces.material_points import MaterialPoints, along_chain
 
-#: Every supported element with a mesh that it lives on.
+#: Every supported element with a mesh that it lives on, in the plane and in space.
 ELEMENTS = {
     "P1": (MeshTri, ElementTriP1),
     "P2": (MeshTri, ElementTriP2),
@@ -35,11 +42,19 @@ ELEMENTS = {
     "Q2": (MeshQuad, ElementQuad2),
     "QuadS2": (MeshQuad, ElementQuadS2),
 }
+IN_SPACE = {
+    "P1": (MeshTet, ElementTetP1),
+    "P2": (MeshTet, ElementTetP2),
+    "Q1": (MeshHex, ElementHex1),
+    "Q2": (MeshHex, ElementHex2),
+    "S2": (MeshHex, ElementHexS2),
+}
 
 
 def vector_basis(mesh: Mesh, element: str, **options) -> Basis:
-    """Displacements in elements of a name of :data:`ELEMENTS`."""
-    return Basis(mesh, ElementVector(ELEMENTS[element][1]()), **options)
+    """Displacements in elements of a name of :data:`ELEMENTS`, or of :data:`IN_SPACE`."""
+    names = ELEMENTS if mesh.dim() == 2 else IN_SPACE
+    return Basis(mesh, ElementVector(names[element][1]()), **options)
 
 
 def grid(element: str, x: ndarray, y: ndarray) -> Mesh:
@@ -199,7 +214,8 @@ def directional_error(
 
 
 def resultant(basis: Basis, x: ndarray, force: ndarray) -> ndarray:
-    """Sum of nodal forces and their moment about the origin in the current configuration, (3,)."""
-    f = force.reshape(-1, 2)
-    place = basis.doflocs[:, ::2].T + x.reshape(-1, 2)
-    return np.array([*f.sum(axis=0), (place[:, 0] * f[:, 1] - place[:, 1] * f[:, 0]).sum()])
+    """Sum of nodal forces and their moment about the origin in the current configuration, (3,), or (6,) in space."""
+    dim = basis.mesh.dim()
+    f, place = force.reshape(-1, dim), basis.doflocs[:, ::dim].T + x.reshape(-1, dim)
+    moment = place[:, 0] * f[:, 1] - place[:, 1] * f[:, 0] if dim == 2 else np.cross(place, f)
+    return np.append(f.sum(axis=0), moment.sum(axis=0))

@@ -73,7 +73,7 @@ def assert_tangent(material, strain: np.ndarray, stress: np.ndarray | None = Non
 
 
 def assert_history(
-    material, excess, ncomp: int, steps: int = 100, points: int = 1000, size: float = 1e-3
+    material, excess, ncomp: int, steps: int = 60, points: int = 300, size: float = 1e-3
 ) -> None:
     """Random increments dissipate, stay on the surface without drift, and add up the plastic shear strain.
 

@@ -301,9 +301,9 @@ def test_direct_solver_takes_over(monkeypatch, caplog):
     with caplog.at_level(logging.INFO, logger="skfem_contact"):
         result = sc.run(forms, stages, fixed)
     np.testing.assert_array_equal(result[-1].x, expected[-1].x)
-    told = [r.getMessage() for r in caplog.records]
-    assert sum("multigrid does not converge" in line for line in told) == 1
-    assert sum(line.startswith("linear solver:") for line in told) == 2
+    lines = [r.getMessage() for r in caplog.records]
+    assert sum("multigrid does not converge" in line for line in lines) == 1
+    assert sum(line.startswith("linear solver:") for line in lines) == 2
 
 
 # -- contact in space -----------------------------------------------------------------------------------------------

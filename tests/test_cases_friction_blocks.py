@@ -85,7 +85,7 @@ def test_adhesion_where_it_touches(quadrature, height: float) -> None:
     assert height == 0 or joint.weight[bonded].sum() < 4
 
 
-def test_broken_bond_is_told() -> None:
+def test_broken_bond_is_warned_of() -> None:
     """C6: without equilibrium with the adhesion of a point or without the point, it loses its bond, and is named."""
     with pytest.warns(sc.AnalysisWarning, match=r"points \[12\] of 'bottom' opened with their bond and closed without"):
         _, stages = pushed("nodal", sc.Coulomb(PHI, adhesion=2.5), 1.0)
@@ -99,7 +99,7 @@ def test_broken_bond_is_told() -> None:
 @pytest.mark.parametrize("quadrature", ["nodal", "segments"])
 @pytest.mark.parametrize("angle", [10.0, 26.5, 26.6])
 def test_incline(angle: float, quadrature) -> None:
-    """[X] C6: it rests up to tan(angle) = mu, N = W cos and T = W sin; beyond, it is told at which load it slides."""
+    """[X] C6: it rests up to tan(angle) = mu, N = W cos and T = W sin; beyond, the error names its load."""
     mu, weight = 0.5, 20.0  # atan(0.5) = 26.565 degrees
     basis = vector_basis(grid("Q1", np.linspace(0, 2, 9), np.linspace(0, 1, 5)), "Q1")
     plane = sc.rigid_line((-5.0, 0.0), (10.0, 0.0))

@@ -1,4 +1,4 @@
-"""How searches for a collapse end: what shows a limit, what does not and is told, and flows that a material has not."""
+"""How searches for a collapse end: what shows a limit, what is warned of, flows that a material has not."""
 
 from __future__ import annotations
 

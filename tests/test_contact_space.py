@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import space
-from helpers import grid
+from helpers import IN_SPACE, grid, resultant, unknowns_of, vector_basis
 from scipy.spatial.transform import Rotation
 from skfem import Basis, ElementQuad1, ElementVector
 
@@ -28,10 +28,10 @@ def rough(element, quadrature, law, rng, **options):
     options = {"penalty": (1e3, 7e2), **options}
     pair = sc.ContactPair(basis, "upper:bottom", "lower:top", law, quadrature, **options)
     x = 0.004 * rng.standard_normal(basis.N)
-    x[space.unknowns_of(basis, "upper")] += [0.0, 0.0, -0.12]
+    x[unknowns_of(basis, "upper")] += [0.0, 0.0, -0.12]
     state = pair.assemble(x, pair.initial_state()).state
     state = replace(state, stick_point=state.stick_point + 0.05 * rng.standard_normal(state.stick_point.shape))
-    x[space.unknowns_of(basis, "upper")] += [0.01, -0.007, -0.005]
+    x[unknowns_of(basis, "upper")] += [0.01, -0.007, -0.005]
     return basis, pair, x, state
 
 
@@ -50,7 +50,7 @@ def tangent_error(pair, x, state, rng) -> float:
 
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("quadrature", ["nodal", 2, "segments"])
-@pytest.mark.parametrize("element", space.ELEMENTS)
+@pytest.mark.parametrize("element", IN_SPACE)
 def test_tangent(element, quadrature, law, rng):
     """The tangent is the derivative of the force, at facets and edges; force and moment balance to round-off."""
     if (element, quadrature) == ("S2", "nodal"):
@@ -62,7 +62,7 @@ def test_tangent(element, quadrature, law, rng):
         if law == "slip":
             assert 2 in out.state.status
         assert tangent_error(pair, x, state, rng) < EXACT
-        assert np.abs(space.resultant(basis, x, out.force)).max() < 1e-13 * np.abs(out.force).sum()
+        assert np.abs(resultant(basis, x, out.force)).max() < 1e-13 * np.abs(out.force).sum()
         report, on_slave = sc.contact_report(pair, x, out.state), -out.force[pair.slave.dofs].sum(axis=0)
         np.testing.assert_allclose(report.force, on_slave, atol=1e-12 * np.abs(out.force).sum())
 
@@ -74,11 +74,11 @@ def valley(element: str) -> Basis:
     ground = space.moved(ground, lambda p: (1 + p[2]) * (np.abs(p[0]) + 0.5 * np.abs(p[1])) * UP)
     wedge = space.block(element, np.linspace(-0.31, 0.29, 3), np.linspace(-0.21, 0.23, 3), [0.0, 1.0])
     wedge = space.moved(wedge, lambda p: (1 - p[2]) * (0.6 * np.hypot(*p[:2]) - 0.15) * UP)
-    return space.vector_basis(sc.join_bodies({"lower": ground, "upper": wedge}), element)
+    return vector_basis(sc.join_bodies({"lower": ground, "upper": wedge}), element)
 
 
 @pytest.mark.parametrize("law", LAWS)
-@pytest.mark.parametrize("element", space.ELEMENTS)
+@pytest.mark.parametrize("element", IN_SPACE)
 def test_tangent_at_edges_and_vertices(element, law, rng):
     """Where the facets of a valley shadow each other, its edge or vertex is closest: exact there, without a couple."""
     features = set()
@@ -93,7 +93,7 @@ def test_tangent_at_edges_and_vertices(element, law, rng):
         features |= set(found.feature[found.gap < 0].tolist())
         out = pair.assemble(x, state)
         assert tangent_error(pair, x, state, rng) < 10 * EXACT  # 1/g^2 of the third derivative
-        assert np.abs(space.resultant(basis, x, out.force)).max() < 1e-13 * np.abs(out.force).sum()
+        assert np.abs(resultant(basis, x, out.force)).max() < 1e-13 * np.abs(out.force).sum()
     assert 0 in features and len(features) >= 3
 
 
@@ -116,7 +116,7 @@ def test_frame_indifference(element, quadrature, rng):
         state = answer.state
 
 
-@pytest.mark.parametrize("element", space.ELEMENTS)
+@pytest.mark.parametrize("element", IN_SPACE)
 def test_friction_on_a_circle(element):
     """A block driven on a circle across facets: friction lags behind the tractrix of its elastic slip.
 
@@ -127,10 +127,10 @@ def test_friction_on_a_circle(element):
     rho, line = length / 0.3, np.linspace(-2, 2, 9)
     lower = space.block(element, line, line, [-1.0, 0.0])
     upper = space.block(element, [-0.21, -0.01, 0.19], [-0.2, 0.0, 0.2], [0.0, 0.5])
-    basis = space.vector_basis(sc.join_bodies({"lower": lower, "upper": upper}), element)
+    basis = vector_basis(sc.join_bodies({"lower": lower, "upper": upper}), element)
     pair = sc.ContactPair(basis, "upper:bottom", "lower:top", sc.Coulomb(mu), 2,
                           penalty=(penalty, mu * pressed * penalty / length))
-    dofs = space.unknowns_of(basis, "upper")
+    dofs = unknowns_of(basis, "upper")
 
     def at(place):
         x = basis.zeros()
@@ -164,7 +164,7 @@ def patch(element: str, quadrature, swapped: bool = False, **options):
     skew = lambda p: 0.12 * np.sin(np.pi * p[0]) * np.sin(np.pi * p[1]) * np.array([[1.0], [-0.7], [0.0]])  # noqa: E731
     mesh = sc.join_bodies({"lower": space.block(element, lower, lower, lower),
                            "upper": space.moved(space.block(element, upper, upper, 1 + upper), skew)})
-    basis = space.vector_basis(mesh, element, intorder=2 if element in ("P1", "Q1") else 4)
+    basis = vector_basis(mesh, element, intorder=2 if element in ("P1", "Q1") else 4)
     names = ("lower:top", "upper:bottom") if swapped else ("upper:bottom", "lower:top")
     forms = {"blocks": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3), sc.three_dimensional),
              "joint": sc.ContactPair(basis, *names, sc.Coulomb(), quadrature, penalty=5e4, **options)}
@@ -198,7 +198,7 @@ def box_in_pit(element: str, quadrature, law) -> tuple[Basis, sc.ContactPair]:
                                      "low": lambda p: np.isclose(p[2], -2)})
     box = space.block(element, finer, finer, np.linspace(-1.0, 0.5, 4))
     box = box.with_boundaries({"skin": lambda p: p[2] < 0.49})
-    basis = space.vector_basis(sc.join_bodies({"ground": ground, "box": box}), element, intorder=2)
+    basis = vector_basis(sc.join_bodies({"ground": ground, "box": box}), element, intorder=2)
     return basis, sc.ContactPair(basis, "box:skin", "ground:pit", law, quadrature, penalty=(1e4, 7e3))
 
 
@@ -290,7 +290,7 @@ def test_sphere_on_six_nodes(quadrature, error):
     The elements at the edge of the contact see a mean of what jumps there: 0.26 by the penalty method at Gauss points.
     """
     along, radius = np.array([0.0, 0.2, 0.4, 0.6, 0.8, 1.2, 2.0]), 4.0
-    basis = space.vector_basis(space.block("P2", along, along, [-2.0, -1.0, -0.5, -0.2, 0.0]), "P2")
+    basis = vector_basis(space.block("P2", along, along, [-2.0, -1.0, -0.5, -0.2, 0.0]), "P2")
     forms = {"block": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3), sc.three_dimensional),
              "joint": sc.ContactPair(basis, "top", sc.rigid_sphere((0, 0, radius), radius), sc.Coulomb(), quadrature,
                                      enforcement=sc.AugmentedLagrangian())}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import space
+from helpers import IN_SPACE, vector_basis
 from skfem import Basis, ElementTetP1, ElementVector, ElementWedge1, MeshHex, MeshTet, MeshWedge1
 
 import skfem_contact as sc
@@ -74,12 +75,12 @@ def test_random_points_around_a_bumpy_ball(rng):
         assert np.array_equal(a[order], b)
 
 
-@pytest.mark.parametrize("element", space.ELEMENTS)
+@pytest.mark.parametrize("element", IN_SPACE)
 def test_kept_neighbours_serve_as_new_ones(element, rng):
     """While points and surface move, projections among kept neighbours are those among all; clearances hold."""
     line = np.linspace(0, 1, 6) ** 1.5
     mesh = space.moved(space.block(element, line, line, [-0.3, 0.0]), lambda p: 0.02 * np.sin(9 * p[[1, 2, 0]]))
-    surface = Surface.from_boundary(space.vector_basis(mesh, element), "top")
+    surface = Surface.from_boundary(vector_basis(mesh, element), "top")
     nodes, points = surface.nodes, rng.uniform(-0.1, 1.1, (200, 3)) * [1, 1, 0.5]
     around, searches, last = NeighbourList(surface), 0, None
     for _ in range(12):
@@ -97,7 +98,7 @@ def test_kept_neighbours_serve_as_new_ones(element, rng):
 def test_the_rim_reaches_a_little_farther():
     """A point beside the rim finds the surface within the extension, and nothing beyond it, at sides and corners."""
     mesh = space.block("Q1", [0, 1, 2], [0, 1, 2], [-1, 0])
-    surface = Surface.from_boundary(space.vector_basis(mesh, "Q1"), "top")
+    surface = Surface.from_boundary(vector_basis(mesh, "Q1"), "top")
     for s in (0.5, 1.0, 1.5):
         off = np.array([-0.9, -1.1]) * EXTENSION
         points = np.array([(x, y, -0.02) for o in off for x, y in ((o, s), (s, o), (2 - o, s), (s, 2 - o), (o, o))])
@@ -106,11 +107,11 @@ def test_the_rim_reaches_a_little_farther():
         np.testing.assert_allclose(where.gap[:5], -0.02, atol=1e-15)
 
 
-@pytest.mark.parametrize("element", space.ELEMENTS)
+@pytest.mark.parametrize("element", IN_SPACE)
 def test_weights_of_the_points(element, rng):
     """Every rule integrates the area; Gauss rules integrate polynomials on flat facets."""
     line = np.array([0.0, 0.5, 0.8, 2.0])
-    surface = Surface.from_boundary(space.vector_basis(space.block(element, line, line, [-1, 0]), element), "top")
+    surface = Surface.from_boundary(vector_basis(space.block(element, line, line, [-1, 0]), element), "top")
     for n in (1, 2, 3):
         points = gauss(surface, surface, n)
         x, y, z = points.positions(surface.nodes).T
@@ -132,15 +133,15 @@ def pieces(slave: Surface, master: Surface, away=(0, 0, 0)):
     return facet[:, 0].astype(int), xi, weight[:, 0], facing[:, 0].astype(int)
 
 
-@pytest.mark.parametrize("element", space.ELEMENTS)
+@pytest.mark.parametrize("element", IN_SPACE)
 def test_pieces_cover_both_surfaces(element):
     """Areas of the pieces add up to the facets of the slave and of the master, skewed as they are."""
     lines = [np.linspace(0, 1, n + 1) for n in (4, 6)]
     skew = lambda p: 0.12 * np.sin(np.pi * p[0]) * np.sin(np.pi * p[1]) * np.array([[1.0], [-0.7], [0.0]])  # noqa: E731
     lower = space.block(element, lines[0], lines[0], [-1, 0])
     upper = space.moved(space.block(element, lines[1], lines[1], [0, 1]), skew)
-    master = Surface.from_boundary(space.vector_basis(lower, element), "top")
-    slave = Surface.from_boundary(space.vector_basis(upper, element), "bottom")
+    master = Surface.from_boundary(vector_basis(lower, element), "top")
+    slave = Surface.from_boundary(vector_basis(upper, element), "bottom")
     facet, xi, weight, facing = pieces(slave, master)
     area = weight * slave.density(facet, xi)
     np.testing.assert_allclose(np.bincount(facet, area), slave.area, atol=1e-15)
@@ -165,8 +166,8 @@ def test_pieces_turn_with_the_bodies(rng, element, n):
 def test_pieces_of_bodies_apart():
     """Where the master is far, or faces away, the facets keep their Gauss points, which face none."""
     line = np.linspace(0, 1, 4)
-    master = Surface.from_boundary(space.vector_basis(space.block("Q1", line, line, [-1, 0]), "Q1"), "top")
-    slave = Surface.from_boundary(space.vector_basis(space.block("Q1", line, line, [0, 1]), "Q1"), "bottom")
+    master = Surface.from_boundary(vector_basis(space.block("Q1", line, line, [-1, 0]), "Q1"), "top")
+    slave = Surface.from_boundary(vector_basis(space.block("Q1", line, line, [0, 1]), "Q1"), "bottom")
     for away in ((0, 0, 1.0), (5.0, 0, 0)):
         facet, xi, weight, facing = pieces(slave, master, away)
         assert (facing == -1).all()

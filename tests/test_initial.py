@@ -47,7 +47,7 @@ def test_k0_procedure(element):
 
 
 def test_inconsistent_k0_returns_to_the_yield_surface():
-    """[X] Case K2: K0 below the active ratio cannot be borne; the points are told as yielded."""
+    """[X] Case K2: K0 below the active ratio cannot be borne; the points are reported as yielded."""
     soil = sc.MohrCoulomb(E=1e4, nu=0.3, c=0.0, phi=30.0)
     basis, forms, fixed = layered(material=soil)
     load = sc.weight(basis, 20.0)
@@ -155,7 +155,7 @@ def test_contact_with_a_body_that_is_not_there_at_first():
 
 
 def test_given_state_out_of_balance_finds_equilibrium():
-    """[X] A field without equilibrium is told; the null step ends where gravity alone would."""
+    """[X] A field without equilibrium is warned of; the null step ends where gravity alone would."""
     elastic = sc.LinearElastic(E=1e4, nu=0.3)
     basis, forms, fixed = layered("Q2", elastic)
     load = sc.weight(basis, 20.0)
@@ -245,7 +245,7 @@ def test_wished_in_place_pile_augmented():
 
 
 def test_wished_in_place_pile_below_the_water_table():
-    """[X] Contact carries the effective pressure if the pile has the ground's pores at first; else the place is told.
+    """[X] Contact carries the effective pressure if the pile has the ground's pores at first; else the place is named.
 
     Then the pile has its own: it is pressed by the water on its skin alone, and shortens by that over its modulus.
     """

@@ -199,18 +199,19 @@ def test_careful_factor_replaces_a_wrong_one(blocks, monkeypatch):
     assert np.abs((K @ x - b)[blocks.free]).max() < 1e-10  # round-off of forces of 1e2
 
 
-def test_residual_that_stays_is_an_error(blocks, monkeypatch):
-    """[X] No factor is good enough: refused rather than returned."""
+@pytest.mark.parametrize("spoil", [3.0, np.nan])
+def test_residual_that_stays_is_an_error(blocks, monkeypatch, spoil):
+    """[X] No factor is good enough, or there is none but NaN: refused rather than returned."""
     factor = superlu.SuperLU.factor
 
     def spoilt(self, A, symmetric, careful=False):
         solve = factor(self, A, symmetric, careful)
-        return lambda b: 3.0 * solve(b)
+        return lambda b: spoil * solve(b)
 
     monkeypatch.setattr(superlu.SuperLU, "factor", spoilt)
-    solve = DirectSolver(blocks.locations, blocks.free, "superlu").factor(blocks.stiffness(1.0, 1.0))
+    solver = DirectSolver(blocks.locations, blocks.free, "superlu")
     with pytest.raises(SingularSystem):
-        solve(np.ones(blocks.size))
+        solver.factor(blocks.stiffness(1.0, 1.0))(np.ones(blocks.size))
 
 
 def test_no_load_and_no_free_unknown(blocks, engine):

@@ -5,10 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from skfem import (
+    MeshHex1,
+    MeshHex2,
     MeshLine,
     MeshQuad1,
     MeshQuad1DG,
     MeshQuad2,
+    MeshTet1,
+    MeshTet2,
     MeshTri1,
     MeshTri2,
     MeshWedge1,
@@ -174,3 +178,35 @@ def test_part_of_an_oriented_boundary():
 def test_empty_tags_are_allowed():
     empty = np.zeros(0, dtype=int)
     check_mesh(grid(MeshQuad1).with_boundaries({"none": empty}).with_subdomains({"nothing": empty}))
+
+
+@pytest.mark.parametrize("kind", [MeshHex1, MeshHex2, MeshTet1, MeshTet2])
+@pytest.mark.parametrize("flip", [1.0, -1.0])
+def test_columns_in_space_may_be_sheared_by_more_than_their_height(kind, flip):
+    """Heights z + 16 x y: layers a quarter high whose sides rise by up to four; the Jacobian is one everywhere."""
+    mesh = MeshHex1.init_tensor(*3 * [np.linspace(0, 1, 5)]) if issubclass(kind, MeshHex1) else \
+        MeshTet1.init_tensor(*3 * [np.linspace(0, 1, 5)])
+    mesh = mesh if type(mesh) is kind else kind.from_mesh(mesh)
+    x, y, z = mesh.doflocs
+    check_mesh(type(mesh)(np.array([flip * x, y, z + 16 * x * y]), mesh.t))
+
+
+@pytest.mark.parametrize("kind", [MeshHex1, MeshHex2, MeshTet1, MeshTet2])
+def test_elements_folded_in_space(kind):
+    """The second of two elements is mirrored at the facet between them: it covers the first."""
+    if issubclass(kind, MeshHex1):
+        mesh = MeshHex1.init_tensor(np.array([0.0, 1.0, 2.0]), np.array([0.0, 1.0]), np.array([0.0, 1.0]))
+        folded = MeshHex1(np.array([1 - abs(mesh.p[0] - 1) * np.where(mesh.p[0] > 1, 0.5, 1.0), *mesh.p[1:]]), mesh.t)
+    else:
+        folded = MeshTet1(np.array([[0, 1, 0, 0, 0.2], [0, 0, 1, 0, 0.2], [0, 0, 0, 1, 0.5]]),
+                          np.array([[0, 1, 2, 3], [0, 1, 2, 4]]).T)
+    with pytest.raises(ValueError, match=r"folded over their neighbours, 2 in all: element 0"):
+        check_mesh(folded if kind in (MeshHex1, MeshTet1) else kind.from_mesh(folded))
+
+
+def test_hexahedron_inverted_between_its_corners():
+    """Its top is turned half round and stretched: its Jacobian is 1 at all corners, and -1/8 at half its height."""
+    mesh = MeshHex1()
+    top = np.where(mesh.p[2] == 1, [[-2.0], [-0.5], [1.0]], 1.0)
+    with pytest.raises(ValueError, match=r"inverted elements, 1 in all: element 0 at \(-0.25, 0.125, 0.5\)"):
+        check_mesh(MeshHex1(mesh.p * top, mesh.t))

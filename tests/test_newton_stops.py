@@ -19,7 +19,7 @@ def scalar(residual):
 
 @pytest.mark.parametrize("search", ["residual", "energy", "step"])
 def test_no_trial_is_a_number(search):
-    """[X] Beyond z = 2 there is no answer, and every step leads there: the last answer is what is told."""
+    """[X] Beyond z = 2 there is no answer, and every step leads there: the last answer is what is warned of."""
     evaluate = scalar(lambda z: np.where(z < 2.0, 1.0, np.nan))
     with pytest.raises(NotConverged) as failed:
         iterate(evaluate(np.zeros(1)), evaluate, lambda now, damped: np.full(1, 100.0), Newton(), search)

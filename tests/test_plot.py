@@ -13,9 +13,7 @@ import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
-from helpers import ELEMENTS, grid, vector_basis
-from space import ELEMENTS as IN_SPACE
-from space import vector_basis as basis_in_space
+from helpers import ELEMENTS, IN_SPACE, grid, vector_basis
 
 import skfem_contact as sc
 from skfem_contact import plot
@@ -27,7 +25,7 @@ cutaway = sys.modules["skfem_contact.plot.cutaway"]  # the module; the package h
 matplotlib.use("Agg")
 ROOT = Path(__file__).parents[1]
 needs_opengl = pytest.mark.skipif(not picture._can_render(), reason="VTK cannot draw on this machine")
-FOOT = picture.FOOT
+FOOT = picture._FOOT
 
 
 @pytest.fixture(autouse=True)
@@ -150,15 +148,12 @@ def test_automatic_factors_are_round():
 
 
 @needs_opengl
-def test_a_factor_of_one_is_not_told(monkeypatch):
-    told = []
-    monkeypatch.setattr("skfem_contact.plot.contours.bar_figure", lambda scale, title, note, size, marks: told.append(
-        (title, note)) or plt.figure())
+def test_a_factor_of_one_is_not_written(bars):
     forms, step = block()
     plot.set_units("kN", "m")
     plot.contour(forms, step, "sxx", deformed=1.0)
     plot.contour(forms, step, "ux", since=step, deformed=20.0)
-    assert told == [("Horizontal stress [kPa]", "now"),
+    assert bars == [("Horizontal stress [kPa]", "now"),
                     ("Change of horizontal displacement [m]", "now, since now, displacements × 20")]
 
 
@@ -256,6 +251,17 @@ def test_points_that_yield_and_contact_are_in_the_legend():
     assert np.abs(with_marks[:-FOOT].astype(int) - without[:-FOOT]).max(axis=2).astype(bool).mean() > 0.005
 
 
+def test_stages_share_the_factor_of_the_one_that_has_moved_most():
+    """A stage that has not moved at all does not count."""
+    from skfem_contact.plot.contours import _views
+
+    forms, step = block()
+    still = sc.StageResult("before", 0 * step.x, step.load, {"block": forms["block"].initial_state()}, (), 0.0)
+    less = sc.StageResult("less", 0.1 * step.x, step.load, step.states, (), 0.0)
+    views = _views(forms, [still, less, step], "ux", None, "auto")
+    assert [view.scene.factor for view in views] == [pytest.approx(0.2)] * 3
+
+
 @needs_opengl
 def test_stages_share_a_scale_and_a_film_has_frames(tmp_path):
     forms, step = block()
@@ -286,7 +292,7 @@ def test_a_notebook_shows_the_picture():
 
 
 @needs_opengl
-def test_a_window_without_a_display_is_told_and_the_file_written(tmp_path, monkeypatch):
+def test_a_window_without_a_display_is_warned_of_and_the_file_written(tmp_path, monkeypatch):
     monkeypatch.setattr(picture, "_has_windows", lambda: False)
     forms, step = block()
     with pytest.warns(UserWarning, match="this machine has no display"):
@@ -375,13 +381,10 @@ def cut():
 
 
 @needs_opengl
-def test_mechanism_tells_its_factor(monkeypatch):
+def test_mechanism_has_its_factor_in_the_title(bars):
     forms, found = cut()
-    told = []
-    monkeypatch.setattr("skfem_contact.plot.contours.bar_figure", lambda scale, title, note, size, marks: told.append(
-        (title, note)) or plt.figure())
     image = shot(plot.mechanism(forms, found, vectors=False))
-    assert told[0][0].startswith(f"Limit load {found.value:.4g}: shear strain") and told[0][1] == ""
+    assert bars[0][0].startswith(f"Limit load {found.value:.4g}: shear strain") and bars[0][1] == ""
     body = image[: len(image) - FOOT].astype(int)
     red = (body[..., 0] - body[..., 2] > 150) & (body[..., 1] < 100)
     rows, columns = np.nonzero(red)
@@ -391,7 +394,7 @@ def test_mechanism_tells_its_factor(monkeypatch):
 
 
 @needs_opengl
-def test_mechanism_of_bounds_is_drawn_on_its_own_mesh(monkeypatch):
+def test_mechanism_of_bounds_is_drawn_on_its_own_mesh(bars):
     """[X] A cut of 5 m in clay: the title has both bounds, and the shear strain is that of the quadratic velocities."""
     from skfem_contact.plot.mechanism import _of_bounds
 
@@ -399,11 +402,8 @@ def test_mechanism_of_bounds_is_drawn_on_its_own_mesh(monkeypatch):
     basis = forms["cut"].basis
     fixed = np.append(basis.get_dofs("bottom").all(), basis.get_dofs("right").all("u^1"))
     found = sc.bounds(forms, fixed, 5.0, gap=0.3, elements=300, progress=False)
-    told = []
-    monkeypatch.setattr("skfem_contact.plot.contours.bar_figure", lambda scale, title, note, size, marks: told.append(
-        title) or plt.figure())
     plot.mechanism(forms, found)
-    assert told[0].startswith(f"Factor of safety in [{found.lower:.4g}, {found.upper:.4g}]")
+    assert bars[0][0].startswith(f"Factor of safety in [{found.lower:.4g}, {found.upper:.4g}]")
     there, stage, _ = _of_bounds(found)
     at_corners = stage.x[there["mechanism"].basis.nodal_dofs]
     np.testing.assert_array_equal(at_corners, found.mechanism[:, : found.mesh.nvertices])
@@ -443,7 +443,7 @@ def test_diagram_stands_on_the_structure():
 def test_tractions_are_drawn_as_the_slave_exerts_them():
     """[X] Their sum is the opposite of what the report says of the slave; normals are those of the undeformed slave."""
     from skfem_contact.demo import culvert
-    from skfem_contact.post.interface import interfaces
+    from skfem_contact.post.tractions import interfaces
 
     model = culvert()
     stage = model.result["surcharge"]
@@ -480,7 +480,7 @@ def cube(element):
     """A cube in space in two regions: u_z = z / 10."""
     mesh = IN_SPACE[element][0].init_tensor(*3 * [np.linspace(0, 1, 3)])
     mesh = mesh.with_subdomains({"low": lambda x: x[2] < 0.5, "high": lambda x: x[2] > 0.5})
-    basis = basis_in_space(mesh, element, intorder=4)
+    basis = vector_basis(mesh, element, intorder=4)
     materials = {name: sc.LinearElastic(E=1e3, nu=0.0) for name in ("low", "high")}
     forms = {"cube": sc.SolidForm(basis, materials, strain=sc.three_dimensional)}
     x = basis.zeros()

@@ -305,16 +305,16 @@ def test_parameters_follow_the_order_of_the_subdomain():
     np.testing.assert_allclose(stress, np.where(left == 0, 1.0, 10 * left))
 
 
-@pytest.mark.parametrize(("angle", "told"), [(2.0, False), (20.0, True)])
-def test_rotations_that_are_not_small_are_remarked_on(angle, told):
+@pytest.mark.parametrize(("angle", "warned"), [(2.0, False), (20.0, True)])
+def test_rotations_that_are_not_small_are_remarked_on(angle, warned):
     """[X] A body that turns like a rigid one strains by 1 - cos(angle)."""
     basis = vector_basis(grid("Q1", [0, 1, 2], [0, 1]), "Q1", intorder=2)
     form = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3))
     places, turn = basis.doflocs[:, ::2], np.radians(angle)
     x = ((np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]]) - np.eye(2)) @ places).T.ravel()
     remarks = list(form.remarks(x, form.assemble(x, form.initial_state()).state))
-    assert [remark.kind for remark in remarks] == (["rotation"] if told else [])
-    if told:
+    assert [remark.kind for remark in remarks] == (["rotation"] if warned else [])
+    if warned:
         np.testing.assert_allclose(remarks[0].figure, np.sin(turn), rtol=1e-12)
 
 
@@ -331,9 +331,9 @@ def test_strain_follows_from_element_and_material(element):
     assert sc.SolidForm(basis, clay, sc.plane_strain).strain is sc.plane_strain
 
 
-@pytest.mark.parametrize(("strain", "told"), [(None, False), (sc.plane_strain, True)])
+@pytest.mark.parametrize(("strain", "warned"), [(None, False), (sc.plane_strain, True)])
 @pytest.mark.parametrize("load", [1.0, 4.0])
-def test_locking_is_told(strain, told, load):
+def test_locking_is_warned_of(strain, warned, load):
     """... once points yield in elements that lock; by default none do."""
     basis = vector_basis(grid("Q1", np.linspace(0, 2, 9), np.linspace(0, 1, 5)), "Q1", intorder=2)
     forms = {"clay": sc.SolidForm(basis, sc.Tresca(E=1e3, nu=0.3, c=1.0), strain)}
@@ -344,4 +344,4 @@ def test_locking_is_told(strain, told, load):
         stage = sc.run(forms, [sc.Stage("strip", strip)], fixed, progress=False)["strip"]
     yields = bool((stage.states["clay"].internal[0] > 0).any())
     assert yields == (load > 2.0)
-    assert any("too stiff where volume does not change" in str(one.message) for one in caught) == (told and yields)
+    assert any("too stiff where volume does not change" in str(one.message) for one in caught) == (warned and yields)

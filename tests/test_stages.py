@@ -1,4 +1,4 @@
-"""Stages: increments, their cutting, partial results, resuming, and what a user is told."""
+"""Stages: increments, their cutting, partial results, resuming, and what a user is warned of."""
 
 from __future__ import annotations
 
@@ -290,14 +290,14 @@ def test_progress_bar(capsys):
     assert "gravity" in capsys.readouterr().err
 
 
-def test_soft_penalty_is_told():
+def test_soft_penalty_is_warned_of():
     """[X] A penetration of more than 1 % of a segment is a warning, with the number in it; less is none."""
     _, forms, fixed, top, _ = friction_blocks()
     forms["joint"] = forms["joint"].with_penalty(1e3, 1e3)
     words = r"stage 'top', joint: the slave penetrates by 1\d\.\d%"
-    with pytest.warns(sc.AnalysisWarning, match=words) as told:
+    with pytest.warns(sc.AnalysisWarning, match=words) as caught:
         sc.run(forms, [sc.Stage("top", top)], fixed, **QUIET)
-    assert told[0].filename == __file__  # it points at the caller's line
+    assert caught[0].filename == __file__  # it points at the caller's line
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         sc.run({**forms, "joint": forms["joint"].with_penalty(1e7, 1e7)}, [sc.Stage("top", top)], fixed, **QUIET)

@@ -47,7 +47,7 @@ def test_from_a_stage():
     assert not sc.stands(forms, fixed, weight + 1.05 * limit * surcharge, start=start)
 
 
-def test_neither_is_told():
+def test_neither_is_warned_of():
     """Too few iterations are no collapse."""
     with pytest.raises(sc.NotConverged, match="no equilibrium after 2 iterations"):
         sc.stands(*slope(sc.Tresca(E=1e5, nu=0.3, c=40.0)), newton=sc.Newton(max_iterations=2))

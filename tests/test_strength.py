@@ -149,7 +149,7 @@ def test_cut_of_dawson_is_about_to_fail():
     assert 0.99 < result.factor < 1.07
 
 
-def test_unstable_slope_is_told():
+def test_unstable_slope_is_warned_of():
     """[X] 0.8 times the strength of a slope with a factor near 1."""
     problem = slope(mesh=slope_mesh(face=10.0), c=9.9, phi=16.2, psi=16.2)
     for method in METHODS:
@@ -229,10 +229,10 @@ def test_contact_is_reduced_like_all_other_strength():
 
 
 def test_stall_is_no_collapse():
-    """Two iterations are too few on the way to the factor of 1.44: it is told that no collapse was found, nor shown."""
-    with pytest.warns(sc.AnalysisWarning, match=r"no collapse was shown: .* ended at .* with a stall") as told:
+    """Two iterations are too few on the way to the factor of 1.44: the warning says that no collapse was shown."""
+    with pytest.warns(sc.AnalysisWarning, match=r"no collapse was shown: .* ended at .* with a stall") as caught:
         result = reduce(*slope(), newton=sc.Newton(tolerance=3e-4, max_iterations=2))
-    assert [str(warning.message)[:11] for warning in told] == ["no collapse"]
+    assert [str(warning.message)[:11] for warning in caught] == ["no collapse"]
     assert result.factor < 1.4 and result.bracket[1] > 1.44
 
 

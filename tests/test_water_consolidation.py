@@ -407,7 +407,7 @@ def test_contact_carries_the_total_stress(soil):
         np.testing.assert_allclose(result["wait"].x[: basis.N], slow.x, atol=1e-2 * np.abs(slow.x).max())  # friction
 
 
-# -- what is told ---------------------------------------------------------------------------------------------------
+# -- what is warned of -----------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -465,7 +465,7 @@ def test_bad_analyses():
         (MOBILITY, 1.0, False, "no water can leave the ground"),
     ],
 )
-def test_what_is_told(k, duration, drained, message):
+def test_what_is_warned_of(k, duration, drained, message):
     basis, forms, fixed, load = layer(n=4, k=k)
     fixed = fixed if drained else fixed[fixed < basis.N]
     with pytest.warns(sc.AnalysisWarning, match=message):

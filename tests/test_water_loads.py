@@ -77,8 +77,8 @@ def test_contact_carries_the_effective_stress(open_joint):
     np.testing.assert_allclose(joint.pressure, 40.0 - pressure, rtol=1e-6)
 
 
-def test_water_above_the_ground_is_told():
-    """Nodal pressures of ground under water: without its surface among the boundaries the user is told."""
+def test_water_above_the_ground_is_warned_of():
+    """Nodal pressures of ground under water: without its surface among the boundaries the user is warned."""
     basis = vector_basis(grid("P2", np.linspace(0, 2, 3), np.linspace(0, 1, 3)), "P2")
     water = sc.seepage(basis, 1.0, {"top": 2.0, "bottom": 2.0})
     with pytest.warns(sc.AnalysisWarning, match="there is water above the surface"):

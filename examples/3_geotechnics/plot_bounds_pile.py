@@ -169,6 +169,7 @@ for y, name in enumerate(proven):
     ax.plot([proven[name].lower, proven[name].upper], [y, y], "|-", color="#1f4e8c", markersize=12)
     ax.plot(factors[name], y, "o", color="#d55e00", label="strength reduction" if y == 0 else None)
 ax.set(yticks=range(len(proven)), yticklabels=list(proven), xlabel="factor of safety")
+ax.margins(y=0.25)
 ax.legend(frameon=False)
 ax.grid(color="#dddddd", linewidth=0.6)
 plt.show()

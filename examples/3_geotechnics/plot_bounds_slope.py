@@ -62,7 +62,8 @@ ax.tripcolor(*mesh.p, mesh.t.T, np.log10(np.maximum(proven.dissipation / area, 1
 ax.triplot(*mesh.p, mesh.t.T, color="#888888", linewidth=0.2)
 shown = np.arange(0, mesh.nvertices, 5)
 ax.quiver(*mesh.p[:, shown], *proven.mechanism[:, shown], scale=25, width=0.0015)
-ax.set(aspect="equal", title=f"factor of safety in [{proven.lower:.4f}, {proven.upper:.4f}]")
+title = f"factor of safety in [{proven.lower:.4f}, {proven.upper:.4f}]"
+ax.set(aspect="equal", xlabel="x [m]", ylabel="y [m]", title=title)
 plt.show()
 
 # %%

@@ -137,7 +137,8 @@ plot.contour(forms, result["lift 3"], "pore", mesh=False)
 
 # %%
 
-plot.history(forms, result, "pore", {"3 m deep": (0.0, -3.0), "base": (0.0, -DEPTH)}, time=True)
+figure = plot.history(forms, result, "pore", {"3 m deep": (0.0, -3.0), "base": (0.0, -DEPTH)}, time=True)
+figure.axes[0].set_xlabel("time [days]")
 plt.show()
 
 # %%

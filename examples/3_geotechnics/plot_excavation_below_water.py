@@ -439,9 +439,7 @@ plot.mechanism(bodies, proven)
 figure, ax = plt.subplots(figsize=(9, 6), layout="constrained")
 plot.flow_diagram(flow, ax=ax)
 ax.fill([INNER, OUTER, OUTER, INNER], [TOE, TOE, 0, 0], color="black")
-ax.set(
-    xlim=(0, 22), ylim=(BASE, 0.5), xlabel="x [m]", ylabel="height [m]", title="head [m]"
-)
+ax.set(xlim=(0, 22), ylim=(BASE, 0.5), xlabel="x [m]", ylabel="height [m]")
 plt.show()
 
 # %%

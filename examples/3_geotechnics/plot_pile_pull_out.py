@@ -23,6 +23,8 @@ from skfem import Basis, ElementHex1, ElementVector
 import skfem_contact as sc
 import skfem_contact.plot as plot
 
+plot.set_units("kN", "m")
+
 DIAMETER, LENGTH, GAMMA, K0, MU = 0.6, 10.0, 18.0, 0.5, 0.4
 mesh = pile_in_ground(m=5, diameter=DIAMETER, length=LENGTH)
 basis = Basis(mesh, ElementVector(ElementHex1()), intorder=2)

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 from skfem import (
+    ElementHex2,
     MappingIsoparametric,
     Mesh,
     MeshHex1,
@@ -39,10 +40,11 @@ def check_mesh(mesh: Mesh) -> None:
     order, elements on top of each other, flat, inverted or folded elements, coordinates that are not finite, nodes that
     belong to no element, or tags that name elements or facets that do not exist.
 
-    An element is inverted if its Jacobian changes sign between its nodes. The sign itself means nothing,
-    since scikit-fem's meshes run either way round. For first-order elements the test is sharp, for
-    second-order ones an inversion between the nodes remains unseen. It is folded if a neighbour lies on the same side
-    of the facet between them, as that of a triangle whose corner has been moved across the opposite side.
+    An element is inverted if its Jacobian changes sign between its nodes; a hexahedron is asked at the 27 nodes of one
+    of second order. The sign itself means nothing, since scikit-fem's meshes run either way round. For other elements
+    of first order the test is sharp, else an inversion between these points remains unseen. An element is folded if a
+    neighbour lies on the same side of the facet between them, as that of a triangle whose corner has been moved across
+    the opposite side.
 
     Parameters
     ----------
@@ -74,7 +76,9 @@ def check_mesh(mesh: Mesh) -> None:
         raise _error("coordinates that are not finite", "node", lost, mesh.doflocs)
 
     corners = mesh.p[:, mesh.t]
-    jacobian = _jacobian_at_nodes(mesh)
+    points = (ElementHex2() if mesh.dim() == 3 and len(mesh.t) == 8 else mesh.elem()).doflocs.T
+    J = _derivatives(mesh, points)
+    jacobian = (J[:, 0] * _cofactors(J)[0]).sum(axis=0)  # (n_elements, n_points)
     size = np.linalg.norm(np.ptp(corners, axis=1), axis=0)
     flat = np.flatnonzero(np.abs(jacobian).min(axis=1) <= _FLAT * size ** mesh.dim())
     if len(flat):
@@ -82,7 +86,7 @@ def check_mesh(mesh: Mesh) -> None:
     inverted = np.flatnonzero(jacobian.min(axis=1) * jacobian.max(axis=1) < 0)
     if len(inverted):
         raise _error("inverted elements", "element", inverted, corners.mean(axis=1))
-    folded = _folded(mesh)
+    folded = _folded(mesh, np.sign(jacobian[:, 0]))
     if len(folded):
         raise _error("elements folded over their neighbours", "element", folded, corners.mean(axis=1))
 
@@ -114,26 +118,32 @@ def own_tags(tags: Mapping[str, Indices] | None) -> dict[str, Indices]:
     return {name: part for name, part in (tags or {}).items() if not name.startswith("gmsh:")}
 
 
-def _jacobian_at_nodes(mesh: Mesh) -> NDArray[np.float64]:
-    """The determinant of the mapping at the nodes of every element, zeros included: (n_elements, n_nodes)."""
-    element = mesh.elem()
-    mapping = MappingIsoparametric(mesh, element)
-    axes = range(mesh.dim())
-    J = np.array([[mapping.J(i, j, element.doflocs.T) for j in axes] for i in axes])
+def _derivatives(mesh: Mesh, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The derivatives dx_i/dX_j of the mapping at points of the reference element: (dim, dim, n_elements, n_points)."""
+    mapping, axes = MappingIsoparametric(mesh, mesh.elem()), range(mesh.dim())
+    return np.array([[mapping.J(i, j, points) for j in axes] for i in axes])
+
+
+def _cofactors(J: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Derivatives of the determinant of J by its columns, which come first: (dim, dim, n_elements, n_points)."""
     if len(J) == 2:
-        return J[0, 0] * J[1, 1] - J[0, 1] * J[1, 0]
-    return np.einsum("i...,i...->...", J[0], np.cross(J[1], J[2], axis=0))
+        return np.array([[J[1, 1], -J[0, 1]], [-J[1, 0], J[0, 0]]])
+    return np.array([np.cross(J[:, k - 2], J[:, k - 1], axis=0) for k in range(3)])
 
 
-def _folded(mesh: Mesh) -> Indices:
-    """Elements that lie on the same side of a facet as their neighbour."""
+def _folded(mesh: Mesh, sign: NDArray[np.float64]) -> Indices:
+    """Elements on the same side of a facet as their neighbour: in its middle both have the same outward normal.
+
+    By Nanson's formula the normal is that of the reference element times the cofactors of the derivatives; `sign` is
+    that of the Jacobian of every element.
+    """
+    refdom = mesh.elem.refdom
+    J = _derivatives(mesh, np.column_stack([refdom.p[:, corners].mean(axis=1) for corners in refdom.facets]))
+    normals = sign[:, None] * np.einsum("jcef,fj->cef", _cofactors(J), refdom.normals)
     inner = np.flatnonzero(mesh.f2t[1] >= 0)
-    start, *others = (mesh.p[:, corner] for corner in mesh.facets[: mesh.dim(), inner])
-    along, *across = (other - start for other in others)
-    normal = np.cross(along, across[0], axis=0) if across else np.array([-along[1], along[0]])
-    centroids = mesh.p[:, mesh.t].mean(axis=1)[:, mesh.f2t[:, inner]]  # of the two neighbours
-    sides = np.einsum("ci,csi->si", normal, centroids - start[:, None])
-    return np.unique(mesh.f2t[:, inner[sides[0] * sides[1] > 0]])
+    first, second = (normals[:, element, np.argmax(mesh.t2f[:, element] == inner, axis=0)]
+                     for element in mesh.f2t[:, inner])
+    return np.unique(mesh.f2t[:, inner[(first * second).sum(axis=0) > 0]])
 
 
 def _check_tags(tags: Mapping[str, Indices], kind: str, count: int) -> None:

@@ -4,11 +4,9 @@ Import it by itself, ``import skfem_contact.plot as plot``: the solver needs no 
 function takes forms, stage and quantity in this order, returns what it has drawn and writes it to ``file`` if one is
 given.
 """
-from .animation import animate
-from .contours import contour, stages
+from .contours import animate, contour, stages
 from .cutaway import cutaway
-from .diagrams import contact_diagram, ring_diagram, section_diagram
-from .history import history, load_curve
+from .diagrams import contact_diagram, history, load_curve, ring_diagram, section_diagram
 from .mechanism import mechanism
 from .structures import diagram_on
 from .units import labelled, set_units

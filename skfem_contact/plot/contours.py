@@ -1,4 +1,4 @@
-"""Contour pictures by pyvista."""
+"""Contour pictures by pyvista: of a stage, of several side by side, and films of them."""
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
@@ -9,23 +9,26 @@ import numpy as np
 from numpy import ndarray
 
 from ..errors import check_plane
-from ..post.fields import Water, quantities, region_fields, solids
+from ..post.fields import Water, basis_of, quantities, region_field, solids
 from ..stages.result import Result, StageResult
 from .marks import Marks
-from .picture import FOOT, Frame, can_draw, finish
-from .scales import Scale, bar_figure, make_scale
+from .picture import Frame, can_draw, finish
+from .scales import Scale, make_scale
 from .scene import Scene
 from .units import labelled
 
 Window = tuple[float, float, float, float]
 
+_FRAMES_A_SECOND, _WIDTH = 12, 960  # of films
+
 
 class View(NamedTuple):
-    """A stage that is drawn, the field on its nodes, and the name above it."""
+    """The bodies of a stage, the field on their nodes, the name above them, and what is marked on them."""
 
     scene: Scene
     values: ndarray
     title: str
+    marks: Marks
 
 
 def contour(forms: Mapping[str, Any], step: StageResult, quantity: str, *, since: StageResult | None = None,
@@ -103,11 +106,10 @@ def contour(forms: Mapping[str, Any], step: StageResult, quantity: str, *, since
     >>> result = sc.run(forms, [stage], fixed)
     >>> picture = plot.contour(forms, result["weight"], "uy", deformed="auto", supports=fixed)
     """
-    view = make_view(forms, step, quantity, since, deformed, water)
-    marks = Marks(forms, step, since, water, supports, loads, vectors, points, contact)
-    scale = make_scale(view.values, view.scene.area, limits, levels, colors)
-    note = note_of(step, since, view.scene.factor)
-    return draw([view], [marks], scale, headline(forms, quantity, since, water), note, window, mesh, file, show)
+    views = _views(forms, [step], quantity, since, deformed, water, supports=supports, loads=loads, vectors=vectors,
+                   points=points, contact=contact)
+    scale, title = _scale(views, limits, levels, colors), headline(forms, quantity, since, water)
+    return draw(views, scale, title, note_of(views[0].title, views[0].scene.factor), window, mesh, file, show)
 
 
 def stages(forms: Mapping[str, Any], result: Result | Sequence[StageResult], quantity: str, *,
@@ -133,36 +135,100 @@ def stages(forms: Mapping[str, Any], result: Result | Sequence[StageResult], qua
     >>> model = culvert()
     >>> picture = plot.stages(model.forms, model.result, "syy", window=(-3., 3., -3., 2.))
     """
-    chosen = list(result)
-    if not chosen:
+    views = _views(forms, list(result), quantity, since, deformed, water, points=points, contact=contact)
+    scale, title = _scale(views, limits, levels, colors), headline(forms, quantity, since, water)
+    return draw(views, scale, title, note_of("", views[0].scene.factor), window, mesh, file, show)
+
+
+def animate(forms: Mapping[str, Any], result: Result | Sequence[StageResult], quantity: str, file: str | Path, *,
+            since: StageResult | None = None, deformed: float | Literal["auto"] = 0.0,
+            limits: tuple[float, float] | None = None, window: Window | None = None, levels: int = 10,
+            colors: str | None = None, mesh: bool = False, frames: int = 16) -> Path | None:
+    """Write a film of the stages, ``.gif`` or ``.mp4``, all of them on one scale.
+
+    Between stages that hold the same bodies, displacements and the field go over linearly.
+
+    Parameters
+    ----------
+    forms, result, quantity
+        As for :func:`stages`.
+    file
+        Name of the film; MP4 needs ``imageio-ffmpeg``, GIF ``imageio``.
+    since, deformed, limits, window, levels, colors, mesh
+        As for :func:`contour`.
+    frames
+        Pictures for each stage, twelve a second; in the first half of them the bodies move.
+
+    Returns
+    -------
+    Path or None
+        The file, or None with a warning where this machine cannot draw.
+    """
+    file = Path(file)
+    if file.suffix not in (".gif", ".mp4"):
+        raise ValueError(f"a film is a .gif or an .mp4 file, not '{file.name}'")
+    views = _views(forms, list(result), quantity, since, deformed)
+    scale = _scale(views, limits, levels, colors)
+    if not can_draw(f"'{quantity}'")[0]:
+        return None
+    frame = Frame(np.concatenate([view.scene.seen for view in views]), window, titled=True, width=_WIDTH)
+    frame.make_even()
+    plotter = frame.sheet(False)
+    if file.suffix == ".gif":
+        plotter.open_gif(str(file), fps=_FRAMES_A_SECOND)
+    else:
+        plotter.open_movie(str(file), framerate=_FRAMES_A_SECOND)
+    frame.put_foot(plotter, scale, headline(forms, quantity, since))
+    for first, last in zip([views[0], *views], views):
+        moving = _between(first, last, frames // 2)
+        for view in moving:
+            plotter.renderer.clear_actors()
+            _paint(plotter, frame, [view], scale, mesh)
+            plotter.write_frame()
+        for _ in range(frames - len(moving)):
+            plotter.write_frame()
+    plotter.close()
+    return file
+
+
+def _between(first: View, last: View, n: int) -> list[View]:
+    """Views on the way from one stage to the next; one where the bodies are others."""
+    if first is last or not np.array_equal(first.scene.nodes, last.scene.nodes):
+        return [last]
+    return [last._replace(scene=last.scene.between(first.scene, share),
+                          values=(1.0 - share) * first.values + share * last.values)
+            for share in np.arange(1, n + 1) / n]
+
+
+def _views(forms: Mapping[str, Any], steps: Sequence[StageResult], quantity: str, since: StageResult | None,
+           deformed: float | Literal["auto"], water: Water | None = None, **marks: Any) -> list[View]:
+    """The bodies and the field of every stage; an automatic factor is that of the stage that has moved most."""
+    if not steps:
         raise ValueError("there is no stage to draw")
-    views = [make_view(forms, step, quantity, since, deformed, water) for step in chosen]
-    if deformed == "auto":
-        factor = min(view.scene.factor for view in views)
-        views = [make_view(forms, step, quantity, since, factor, water) for step in chosen]
-    marks = [Marks(forms, step, since, water, points=points, contact=contact) for step in chosen]
-    scale = make_scale(np.concatenate([view.values for view in views]), np.concatenate([v.scene.area for v in views]),
-                       limits, levels, colors)
-    note = _and_factor("", views[0].scene.factor)
-    return draw(views, marks, scale, headline(forms, quantity, since, water), note, window, mesh, file, show)
+    check_plane(basis_of(forms), "plot.contour")
+    views = [View(Scene(forms, step, deformed, since), region_field(forms, step, quantity, since, water),
+                  name_of(step, since), Marks(forms, step, water, **marks)) for step in steps]
+    factors = [view.scene.factor for view in views if view.scene.displacement[view.scene.nodes].any()]
+    for view in views:
+        view.scene.factor = min(factors, default=view.scene.factor)
+    return views
 
 
-def make_view(forms: Mapping[str, Any], step: StageResult, quantity: str, since: StageResult | None,
-              deformed: float | Literal["auto"], water: Water | None) -> View:
-    """The bodies of a stage and the field on their nodes."""
-    check_plane(next(iter(solids(forms).values())).basis, "plot.contour")
-    fields = region_fields(forms, step, quantity, since, water)
-    values = np.concatenate([field.values[0] for field in fields])
-    return View(Scene(forms, step, deformed, since), values, _name(step, since))
+def _scale(views: Sequence[View], limits: tuple[float, float] | None, levels: int, colors: str | None) -> Scale:
+    """One scale for all views."""
+    return make_scale(np.concatenate([view.values for view in views]), np.concatenate([v.scene.area for v in views]),
+                      limits, levels, colors)
 
 
-def note_of(step: StageResult, since: StageResult | None, factor: float) -> str:
-    """What stands on the right above the colour bar: the stage, and how much its displacements are enlarged."""
-    return _and_factor(_name(step, since), factor)
-
-
-def _name(step: StageResult, since: StageResult | None) -> str:
+def name_of(step: StageResult, since: StageResult | None) -> str:
+    """The name of a stage, or of what has changed until then."""
     return step.name if since is None else f"{step.name}, since {since.name}"
+
+
+def note_of(name: str, factor: float) -> str:
+    """What stands on the right above the colour bar: a stage, and how much its displacements are enlarged."""
+    enlarged = f"displacements × {factor:g}" if factor not in (0.0, 1.0) else ""
+    return ", ".join(text for text in (name, enlarged) if text)
 
 
 def headline(forms: Mapping[str, Any], quantity: str, since: StageResult | None, water: Water | None = None) -> str:
@@ -172,33 +238,27 @@ def headline(forms: Mapping[str, Any], quantity: str, since: StageResult | None,
     return f"Change of {title}" if since is not None else title[0].upper() + title[1:]
 
 
-def draw(views: Sequence[View], marks: Sequence[Marks], scale: Scale, title: str, note: str, window: Window | None,
-         mesh: bool, file: str | Path | None, show: bool) -> Any:
+def draw(views: Sequence[View], scale: Scale, title: str, note: str, window: Window | None, mesh: bool,
+         file: str | Path | None, show: bool) -> Any:
     """Draw views on one sheet, with the colour bar below them, its title on the left and a note on the right."""
     able, show = can_draw(f"'{title}'", show)
     if not able:
         return None
     seen = np.concatenate([view.scene.seen for view in views])
-    frame = Frame(seen, window, len(views), len(views) > 1, max(mark.room for mark in marks))
+    frame = Frame(seen, window, len(views), len(views) > 1, max(view.marks.room for view in views))
     plotter = frame.sheet(show)
-    paint(plotter, frame, views, marks, scale, mesh)
-    legend = {label: style for mark in marks for label, style in mark.legend()}
-    frame.put_foot(plotter, bar_figure(scale, title, note, (frame.size[0], FOOT), legend))
+    _paint(plotter, frame, views, scale, mesh)
+    legend = {label: style for view in views for label, style in view.marks.legend()}
+    frame.put_foot(plotter, scale, title, note, legend)
     return finish(plotter, file, show)
 
 
-def paint(plotter: Any, frame: Frame, views: Sequence[View], marks: Sequence[Marks], scale: Scale, mesh: bool) -> None:
+def _paint(plotter: Any, frame: Frame, views: Sequence[View], scale: Scale, mesh: bool) -> None:
     """Draw the bodies of all views and what is marked on them."""
-    for number, (view, mark) in enumerate(zip(views, marks, strict=True)):
+    for number, view in enumerate(views):
         frame.aim(plotter, number, view.title)
         view.scene.pixel = frame.pixel
         view.scene.draw_field(plotter, view.values, scale)
         view.scene.draw_lines(plotter, mesh, undeformed=view.scene.factor != 0.0)
-        mark.draw(plotter, view.scene)
+        view.marks.draw(plotter, view.scene)
         plotter.renderer.ResetCameraClippingRange()
-
-
-def _and_factor(note: str, factor: float) -> str:
-    """The note with the factor of the displacements, where they are enlarged."""
-    enlarged = f"displacements × {factor:g}" if factor not in (0.0, 1.0) else ""
-    return ", ".join(text for text in (note, enlarged) if text)

@@ -9,13 +9,14 @@ import numpy as np
 from numpy import ndarray
 
 from ..errors import check_basis
-from ..post.fields import region_fields, solids
-from ..post.grids import cells_of
+from ..post.fields import basis_of, region_field, solids_there
+from ..post.files import vtk_cells
+from ..post.recovery import region_mesh
 from ..stages.result import StageResult
-from .contours import headline, note_of
-from .picture import FOOT, Frame, can_draw, finish
-from .scales import Scale, bar_figure, make_scale
-from .scene import banded, round_factor
+from .contours import headline, name_of, note_of
+from .picture import Frame, can_draw, finish
+from .scales import Scale, make_scale
+from .scene import banded, grid_of, round_factor, surface_of
 
 #: A plane: its normal, which points to what is cut away, and a place on it.
 Cut = tuple[Sequence[float], Sequence[float]]
@@ -65,20 +66,19 @@ def cutaway(forms: Mapping[str, Any], step: StageResult, quantity: str, *, cuts:
     >>> result = sc.run(forms, [sc.Stage("weight", sc.weight(basis, 20.))], sc.rollers(basis))
     >>> picture = plot.cutaway(forms, result["weight"], "szz", cuts=[((0, -1, 0), (0, .4, 0))])
     """
-    basis = next(iter(solids(forms).values())).basis
+    basis = basis_of(forms)
     check_basis(basis)
     if basis.mesh.dim() != 3:
         raise ValueError("plot.cutaway is for bodies in space; plane ones are drawn by plot.contour")
     planes = [_plane(*cut) for cut in cuts]
-    fields = region_fields(forms, step, quantity, since)
-    values = np.concatenate([field.values[0] for field in fields])
-    nodes, kind, cells = cells_of(fields, 3)
-    places = basis.doflocs[:, 3 * nodes].T
+    nodes, cells, region = region_mesh(*solids_there(forms, step).values())
     moved = (step.x if since is None else step.x - since.x)[:basis.N].reshape(-1, 3)[nodes]
-    grid = _grid(places, kind, cells, moved)
-    straight = _grid(places, *_CORNERS[len(basis.mesh.t)](cells), moved)  # cells that are cut into polygons
-    straight["region"] = np.repeat(np.arange(len(fields)), [len(field.cells) for field in fields])
-    grid["values"] = values
+    kind, cells = vtk_cells(cells, 3)
+    places = basis.doflocs[:, 3 * nodes].T
+    grid = grid_of(places, kind, cells, moved)
+    straight = grid_of(places, *_CORNERS[len(basis.mesh.t)](cells), moved)  # cells that are cut into polygons
+    straight["region"] = region
+    grid["values"] = region_field(forms, step, quantity, since)
     factor = round_factor(grid.points, moved) if deformed == "auto" else float(deformed)
     kept = _without(grid, planes)
     if kept.n_cells == 0:
@@ -91,8 +91,8 @@ def cutaway(forms: Mapping[str, Any], step: StageResult, quantity: str, *, cuts:
     plotter = camera.frame.sheet(show)
     camera.aim(plotter)
     _draw(plotter, straight, kept, planes, factor, scale, mesh, camera)
-    title, note = headline(forms, quantity, since), note_of(step, since, factor)
-    camera.frame.put_foot(plotter, bar_figure(scale, title, note, (camera.frame.size[0], FOOT), {}))
+    title, note = headline(forms, quantity, since), note_of(name_of(step, since), factor)
+    camera.frame.put_foot(plotter, scale, title, note)
     return finish(plotter, file, show)
 
 
@@ -128,7 +128,7 @@ class _Camera:
 def _draw(plotter: Any, straight: Any, kept: Any, planes: Sequence[_Plane], factor: float, scale: Scale, mesh: bool,
           camera: _Camera) -> None:
     """Bands on the surface that is left, and lines."""
-    surface = _surface(kept, factor, 2)
+    surface = surface_of(kept, factor)
     bands, _ = banded(surface, scale)
     plotter.add_mesh(bands, scalars="colors", rgb=True, ambient=0.85, diffuse=0.2, specular=0.0, show_scalar_bar=False)
     for lines, style in _lines(straight, planes, factor, mesh):
@@ -139,7 +139,7 @@ def _lines(straight: Any, planes: Sequence[_Plane], factor: float, mesh: bool) -
     """Edges of elements, and those of regions, on the surface and where planes cut it, with their styles."""
     thin, thick = {"color": "#1a1a1a", "opacity": 0.30, "line_width": 1.2}, {"color": "black", "line_width": 2.5}
     parts = [straight.extract_cells(straight["region"] == k) for k in np.unique(straight["region"])]
-    outsides = [_surface(part, 0.0, 0).compute_normals(auto_orient_normals=True) for part in parts]
+    outsides = [surface_of(part, 0.0, 0).compute_normals(auto_orient_normals=True) for part in parts]
     found = [(outside.extract_feature_edges(_EDGE, boundary_edges=False), planes, thick) for outside in outsides]
     found += [(outside.extract_all_edges(), planes, thin) for outside in outsides if mesh]
     for cut in planes:
@@ -151,12 +151,6 @@ def _lines(straight: Any, planes: Sequence[_Plane], factor: float, mesh: bool) -
     for lines, left, style in found:
         if (seen := _without(lines, left)).n_cells:
             yield seen.warp_by_vector("displacement", factor=factor), style
-
-
-def _surface(grid: Any, factor: float, subdivision: int) -> Any:
-    """The deformed outside of what is there."""
-    moved = grid.warp_by_vector("displacement", factor=factor)
-    return moved.extract_surface(nonlinear_subdivision=subdivision, algorithm="dataset_surface")
 
 
 class _Plane(NamedTuple):
@@ -179,13 +173,6 @@ def _without(grid: Any, planes: Sequence[_Plane]) -> Any:
         if grid.n_cells:
             grid = grid.clip(normal=plane.normal, origin=plane.origin)
     return grid
-
-
-def _grid(points: ndarray, kind: str, cells: ndarray, displacement: ndarray) -> Any:
-    import meshio
-    import pyvista
-
-    return pyvista.from_meshio(meshio.Mesh(points, [(kind, cells)], point_data={"displacement": displacement}))
 
 
 def _volumes(grid: Any) -> ndarray:

@@ -1,7 +1,7 @@
-"""Diagrams along interfaces and bodies by matplotlib."""
+"""Diagrams by matplotlib: along interfaces and bodies, over stages, and on the way to a collapse."""
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal
 
@@ -12,10 +12,13 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from numpy import ndarray
 from numpy.typing import ArrayLike
+from scipy.spatial import cKDTree
 
 from ..contact.laws import Status
+from ..post.fields import basis_of, nodal_field, quantities, solids
 from ..post.resultants import SectionForces
 from ..post.tractions import Tractions
+from ..stages.result import Result
 from .units import labelled
 
 _COLORS = ("#d55e00", "#1f4e8c", "#2a7f3f", "#7b3294", "#444444")
@@ -53,19 +56,22 @@ def ring_diagram(angle: ArrayLike, series: Mapping[str, ArrayLike], quantity: st
     polar.set_theta_zero_location("N")  # type: ignore[attr-defined]
     polar.set_theta_direction(-1)  # type: ignore[attr-defined]
     turns = np.concatenate((angle[order], angle[order[:1]] + 360.0))
-    for style, (label, values) in zip(styles(len(series)), series.items()):
+    for style, (label, values) in zip(_styles(len(series)), series.items()):
         around = np.asarray(values, float)[closed]
         polar.plot(np.radians(turns), around, **style)
         plain.plot(turns, around, label=label, **style)
     low, high = plain.get_ylim()
     polar.set_ylim(min(low, 0.0) - 0.35 * (max(high, 0.0) - min(low, 0.0)), max(high, 0.0))
-    polar.plot(np.linspace(0.0, 2.0 * np.pi, 181), np.zeros(181), color="black", linewidth=0.8)
+    polar.plot(np.linspace(0.0, 2.0 * np.pi, 181), np.zeros(181), color="black", linewidth=0.8, zorder=3)
     polar.set_rlabel_position(22.5)  # type: ignore[attr-defined]
     polar.yaxis.set_major_locator(MaxNLocator(4))
     polar.tick_params(axis="y", labelsize=8)
+    polar.set_axisbelow(False)  # the figures of the circles, which stand on the curves
+    for text in polar.get_yticklabels():
+        text.set_bbox({"facecolor": "white", "alpha": 0.7, "edgecolor": "none", "pad": 0.8})
     plain.set(xlim=(0.0, 360.0), xticks=range(0, 361, 45), ylabel=quantity,
               xlabel="central angle from the crown, clockwise [°]")
-    tidy(plain, len(series))
+    _tidy(plain, len(series))
     return saved(figure, file)
 
 
@@ -94,17 +100,15 @@ def contact_diagram(series: Mapping[str, Tractions], along: Literal["arc", "x", 
     >>> figure = plot.contact_diagram({"gravity": joint}, along="y")
     """
     upright = along == "y"
-    figure, axes = plt.subplots(1, 2, figsize=(8.0, 6.0), sharey=True, layout="constrained") if upright else \
-        plt.subplots(2, 1, figsize=(8.0, 6.0), sharex=True, layout="constrained")
-    for style, (label, t) in zip(styles(len(series)), series.items()):
+    titles = labelled("pressure", "stress"), labelled("friction", "stress")
+    figure, axes = _panels(titles, "position along the slave" if along == "arc" else along, (8.0, 6.0), upright)
+    for style, (label, t) in zip(_styles(len(series)), series.items()):
         position, slips = getattr(t, along), t.status == Status.SLIP
         for ax, values in zip(axes, (t.pressure, t.shear)):
             _draw(ax, position, values, upright, label=label, **style)
             _draw(ax, position[slips], values[slips], upright, color=style["color"], linestyle="none",
                   marker="o", markersize=4, markerfacecolor="white")
-    names = {"arc": "position along the slave", "x": "x", "y": "y"}
-    _label(axes, (labelled("pressure", "stress"), labelled("friction", "stress")), labelled(names[along], "length"),
-           upright, len(series))
+    _tidy(axes[0], len(series))
     return saved(figure, file)
 
 
@@ -130,19 +134,97 @@ def section_diagram(series: Mapping[str, SectionForces], upright: bool = False,
     >>> forces = sc.SectionForces(s, 0. * s, -s, N=-5. * s, V=15. - 2. * s, M=s * (15. - s))
     >>> figure = plot.section_diagram({"failure": forces}, upright=True)
     """
-    figure, axes = plt.subplots(1, 3, figsize=(9.0, 6.0), sharey=True, layout="constrained") if upright else \
-        plt.subplots(3, 1, figsize=(8.0, 7.5), sharex=True, layout="constrained")
-    for style, (label, forces) in zip(styles(len(series)), series.items()):
+    titles = labelled("normal force N", "line"), labelled("shear force V", "line"), labelled("moment M", "moment")
+    figure, axes = _panels(titles, "position", (9.0, 6.0) if upright else (8.0, 7.5), upright)
+    for style, (label, forces) in zip(_styles(len(series)), series.items()):
         for ax, values in zip(axes, (forces.N, forces.V, forces.M)):
             _draw(ax, forces.position, values, upright, label=label, **style)
-    names = labelled("normal force N", "line"), labelled("shear force V", "line"), labelled("moment M", "moment")
-    _label(axes, names, labelled("position", "length"), upright, len(series))
+    _tidy(axes[0], len(series))
     if upright:
         axes[0].invert_yaxis()
     return saved(figure, file)
 
 
-def styles(n: int) -> list[dict[str, Any]]:
+def history(forms: Mapping[str, Any], result: Result, quantity: str, at: Mapping[str, ArrayLike], *,
+            time: bool = False, file: str | Path | None = None) -> Figure:
+    """A field at some points through all stages.
+
+    Parameters
+    ----------
+    forms, result
+        Forms by name and the result of their analysis.
+    quantity
+        A field of :func:`~skfem_contact.nodal_field`.
+    at
+        Places (x, y) by their labels; the nearest nodes are taken. Stages in which no solid is there have no value.
+    time
+        Over the times at which the stages end, which have durations, in place of their names.
+    file
+        Name of a picture to write.
+
+    Examples
+    --------
+    >>> from skfem_contact.demo import culvert
+    >>> import skfem_contact.plot as plot
+    >>> model = culvert()
+    >>> figure = plot.history(model.forms, model.result, "uy", {"crown": (0., .9), "surface": (.9, 3.5)})
+    """
+    basis, what = basis_of(forms), quantities(solids(forms))
+    tree = cKDTree(basis.doflocs[:, ::basis.mesh.dim()].T)
+    nodes = {label: int(tree.query(np.asarray(place, float))[1]) for label, place in at.items()}
+    fields = [nodal_field(forms, stage, quantity) for stage in result]
+    names = [stage.name for stage in result]
+    figure, ax = plt.subplots(figsize=(8.0, 4.2), layout="constrained")
+    for given, (label, node) in zip(_styles(len(nodes)), nodes.items()):
+        style = {**given, "linestyle": "-", "marker": "o", "markersize": 5}
+        places = [stage.time for stage in result] if time else range(len(names))
+        ax.plot(places, [field[node] for field in fields], label=label, **style)
+    if time:
+        ax.set_xlabel("time")
+    else:
+        ax.set_xticks(range(len(names)), names)
+    ax.set_ylabel(labelled(what[quantity].title, what[quantity].unit))
+    _tidy(ax, len(nodes))
+    return saved(figure, file)
+
+
+def load_curve(found: Any, *, file: str | Path | None = None) -> Figure:
+    """Factor, or load multiplier, against the largest displacement on the way to a collapse.
+
+    Parameters
+    ----------
+    found
+        What :func:`~skfem_contact.strength_reduction` or :func:`~skfem_contact.limit_load` has found.
+    file
+        Name of a picture to write.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from skfem import Basis, ElementTriP2, ElementVector, MeshTri
+    >>> import skfem_contact as sc
+    >>> import skfem_contact.plot as plot
+    >>> basis = Basis(MeshTri.init_tensor(*2 * [np.linspace(0, 5, 5)]).with_defaults(), ElementVector(ElementTriP2()),
+    ...               intorder=2)
+    >>> forms = {"cut": sc.SolidForm(basis, sc.Tresca(E=1e4, nu=.3, c=10.))}
+    >>> fixed = np.append(basis.get_dofs("bottom").all(), basis.get_dofs("right").all("u^1"))
+    >>> figure = plot.load_curve(sc.limit_load(forms, fixed, sc.weight(basis, 5.), progress=False))
+    """
+    _, parameter, displacement = np.asarray(found.curve).T
+    begin = int(np.argmin(displacement))  # what is before has moved the structure to where the search starts
+    figure, ax = plt.subplots(figsize=(7.0, 4.5), layout="constrained")
+    (style,) = _styles(1)
+    ax.plot(displacement[begin:], parameter[begin:], marker="o", markersize=4, **style)
+    ax.axhline(found.value, color="#888888", linewidth=1.0, linestyle=":")
+    ax.annotate(f"{found.value:.4g}", (0.0, found.value), xycoords=("axes fraction", "data"), xytext=(6, 4),
+                textcoords="offset points", fontsize=11)
+    ax.set(xlabel=labelled("largest displacement", "length"), ylabel=found.what)
+    ax.set_xlim(left=0.0)
+    _tidy(ax, 1)
+    return saved(figure, file)
+
+
+def _styles(n: int) -> list[dict[str, Any]]:
     """Line styles of n series; the first of several is dashed."""
     colors = _COLORS[1:2] if n == 1 else _COLORS
     return [{"color": colors[i % len(colors)], "linestyle": "--" if n > 1 and i == 0 else "-",
@@ -153,18 +235,19 @@ def _draw(ax: Axes, position: ndarray, values: ndarray, upright: bool, **style: 
     ax.plot(*((values, position) if upright else (position, values)), **style)
 
 
-def _label(axes: ndarray, quantities: tuple[str, ...], position: str, upright: bool, n: int) -> None:
-    """Names of the axes; the position is written once."""
-    for ax, name in zip(axes, quantities):
-        tidy(ax, n if ax is axes[0] else 1)
-        ax.set(**{"xlabel" if upright else "ylabel": name})
-    if upright:
-        axes[0].set_ylabel(position)
-    else:
-        axes[-1].set_xlabel(position)
+def _panels(titles: Sequence[str], position: str, size: tuple[float, float], upright: bool) -> tuple[Figure, ndarray]:
+    """Panels side by side over an upright position, or below each other; the name of the position is written once."""
+    n = len(titles)
+    rows, columns = (1, n) if upright else (n, 1)
+    figure, axes = plt.subplots(rows, columns, figsize=size, sharex=not upright, sharey=upright, layout="constrained")
+    for ax, title in zip(axes, titles):
+        _tidy(ax, 1)
+        ax.set(**{"xlabel" if upright else "ylabel": title})
+    axes[0 if upright else -1].set(**{"ylabel" if upright else "xlabel": labelled(position, "length")})
+    return figure, axes
 
 
-def tidy(ax: Axes, n: int) -> None:
+def _tidy(ax: Axes, n: int) -> None:
     """A grid, and a legend where there are several series."""
     ax.grid(color="#dddddd", linewidth=0.6)
     ax.spines[["top", "right"]].set_visible(False)

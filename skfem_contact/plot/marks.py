@@ -1,7 +1,7 @@
 """What is drawn on top of the bodies where it is asked for: water, supports, loads, arrows, points, contact."""
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,8 +11,9 @@ from scipy.spatial import cKDTree
 
 from ..contact.laws import Status
 from ..post.fields import Water, solids_there
-from ..post.interface import interfaces
 from ..post.strength import PointStatus, point_status
+from ..post.tractions import interfaces
+from ..solid import SolidForm
 from ..stages.result import StageResult
 from ..water import Seepage
 from .scene import MARK, Scene
@@ -34,7 +35,6 @@ class Marks:
 
     forms: Mapping[str, Any]
     step: StageResult
-    since: StageResult | None = None
     water: Water | None = None
     supports: ndarray | None = None
     loads: ndarray | None = None
@@ -57,9 +57,10 @@ class Marks:
             _draw_loads(plotter, scene, np.asarray(self.loads))
         if self.vectors:
             _draw_vectors(plotter, scene)
-        if self.points:
-            for status, (_, color) in _POINTS.items():
-                self._draw_points(plotter, scene, status, color)
+        for status, form, at in self._points():
+            u = scene.factor * scene.displacement.ravel()
+            places = np.asarray(form.basis.global_coordinates()) + np.asarray(form.basis.interpolate(u))
+            _dots(plotter, scene, places[:, at].T, _POINTS[status][1], 7.0)
         if self.contact:
             _draw_contact(plotter, scene, self.forms, self.step)
 
@@ -68,30 +69,25 @@ class Marks:
         found = []
         if self.water is not None:
             found.append(("water table", {"color": WATER, "linewidth": 3, "linestyle": "--"}))
-        if self.points:
-            found += [(label, _dot(color, "s")) for status, (label, color) in _POINTS.items() if self._marked(status)]
+        marked = {status for status, _, _ in self._points()}
+        found += [(label, _square(color)) for status, (label, color) in _POINTS.items() if status in marked]
         if self.contact:
             pairs = interfaces(self.forms, self.step).values()
             present = {int(s) for pair in pairs for s in np.unique(pair.tractions.status)}
-            found += [(f"contact {label}", _dot(color, "s")) for s, (label, color) in _STATUS.items() if s in present]
+            found += [(f"contact {label}", _square(color)) for s, (label, color) in _STATUS.items() if s in present]
         return found
 
-    def _marked(self, status: PointStatus) -> bool:
-        return any((point_status(form, self.step.states[name]) == status).any()
-                   for name, form in solids_there(self.forms, self.step).items())
-
-    def _draw_points(self, plotter: Any, scene: Scene, status: PointStatus, color: str) -> None:
-        """Integration points of a status, moved with the bodies."""
-        for name, form in solids_there(self.forms, self.step).items():
-            at = point_status(form, self.step.states[name]) == status
-            if at.any():
-                u = scene.factor * scene.displacement.ravel()
-                places = np.asarray(form.basis.global_coordinates()) + np.asarray(form.basis.interpolate(u))
-                _dots(plotter, scene, np.asarray(places)[:, at].T, color, 7.0)
+    def _points(self) -> Iterator[tuple[PointStatus, SolidForm, ndarray]]:
+        """Where points are asked for: those of a status that is marked, (n_elements, n_points), solid by solid."""
+        for name, form in solids_there(self.forms, self.step).items() if self.points else ():
+            found = point_status(form, self.step.states[name])
+            for status in _POINTS:
+                if (at := found == status).any():
+                    yield status, form, at
 
 
-def _dot(color: str, marker: str) -> dict[str, Any]:
-    return {"marker": marker, "color": color, "linestyle": "none", "markersize": 11, "markeredgecolor": "black"}
+def _square(color: str) -> dict[str, Any]:
+    return {"marker": "s", "color": color, "linestyle": "none", "markersize": 11, "markeredgecolor": "black"}
 
 
 def _dots(plotter: Any, scene: Scene, places: ndarray, color: str, size: float) -> None:
@@ -147,28 +143,23 @@ def _table(water: Any, x: ndarray, low: float, high: float) -> ndarray:
 
 def _draw_supports(plotter: Any, scene: Scene, fixed: ndarray) -> None:
     """Triangles that point at the nodes that are held: along the axis of one unknown, from below for both."""
-    held = np.isin(np.arange(scene.displacement.size), np.flatnonzero(fixed) if fixed.dtype == bool else fixed)
-    used = np.unique(scene.sides)
+    fixed = np.flatnonzero(fixed) if fixed.dtype == bool else fixed
+    x, y = np.isin(np.arange(scene.displacement.size), fixed).reshape(-1, 2).T
+    used, size = np.unique(scene.sides), _SUPPORT * scene.pixel
     middle = scene.places[used].mean(axis=0)
-    for kind in ("both", "x", "y"):
-        fast = held[0::2] & held[1::2]
-        mask = fast if kind == "both" else held["xy".index(kind)::2] & ~fast
-        nodes = _thinned(scene, used[mask[used]])
-        at = scene.moved[nodes]
+    for axis, held, color in ((1, x & y, "#444444"), (0, x & ~y, "#b0b0b0"), (1, y & ~x, "#b0b0b0")):
+        if not held[used].any():
+            continue
+        at = scene.moved[_thinned(scene, used[held[used]])]
         out = np.zeros_like(at)
-        axis = 0 if kind == "x" else 1
         out[:, axis] = np.where(at[:, axis] > middle[axis], 1.0, -1.0)
         along = out[:, ::-1]
-        size = _SUPPORT * scene.pixel
-        if len(nodes):
-            corners = np.stack((at, at + size * (out + 0.6 * along), at + size * (out - 0.6 * along)), axis=1)
-            _polygons(plotter, scene, corners, "#444444" if kind == "both" else "#b0b0b0")
+        corners = np.stack((at, at + size * (out + 0.6 * along), at + size * (out - 0.6 * along)), axis=1)
+        _polygons(plotter, scene, corners, color)
 
 
 def _thinned(scene: Scene, nodes: ndarray) -> ndarray:
     """Some of the nodes, no two closer to each other than a few pixels."""
-    if not len(nodes):
-        return nodes
     order = nodes[np.lexsort(scene.moved[nodes].T)]
     tree = cKDTree(scene.moved[order])
     kept = np.ones(len(order), bool)

@@ -13,8 +13,7 @@ from skfem import Basis, ElementTriP2, ElementVector
 from ..errors import check_plane
 from ..limit_analysis import Bounds
 from ..materials import LinearElastic
-from ..post.fields import Water, solids
-from ..post.quantities import shear_strain
+from ..post.fields import Water, basis_of, solids
 from ..post.recovery import recovered
 from ..solid import SolidForm
 from ..stages.result import StageResult
@@ -65,12 +64,11 @@ def mechanism(forms: Mapping[str, Any], found: Any, *, deformed: bool = False, v
     >>> found = sc.limit_load(forms, fixed, sc.weight(basis, 5.), progress=False)
     >>> picture = plot.mechanism(forms, found)
     """
-    basis = next(iter(solids(forms).values())).basis
+    basis = basis_of(forms)
     check_plane(basis, "plot.mechanism")
     there, stage, bands = _of_bounds(found) if isinstance(found, Bounds) else _of_search(forms, found)
     moved = stage.x[:basis.N]
-    fields = [field for name, form in there.items() for field in recovered(form, bands[name][None], limited=True)]
-    strain = np.concatenate([field.values[0] for field in fields])
+    strain = np.concatenate([recovered(form, bands[name][None], limited=True)[0] for name, form in there.items()])
     scene = Scene(there, stage, 0.0)
     if deformed:
         size = np.ptp(scene.places[scene.nodes], axis=0).max()
@@ -79,7 +77,7 @@ def mechanism(forms: Mapping[str, Any], found: Any, *, deformed: bool = False, v
     scale = make_scale(strain, scene.area, (0.0, 1.0), levels, "YlOrRd")
     marks = Marks(there, stage, water=water, vectors=vectors)
     title = f"{found.what[0].upper()}{found.what[1:]} {_value(found)}: shear strain of the mechanism, relative"
-    return draw([View(scene, strain, "")], [marks], scale, title, "", window, mesh, file, show)
+    return draw([View(scene, strain, "", marks)], scale, title, "", window, mesh, file, show)
 
 
 def _value(found: Any) -> str:
@@ -101,9 +99,8 @@ def _of_bounds(found: Bounds) -> tuple[dict[str, SolidForm], StageResult, Mappin
     x, n = basis.zeros(), found.mesh.nvertices
     x[basis.nodal_dofs], x[basis.facet_dofs] = found.mechanism[:, :n], found.mechanism[:, n:]
     form = SolidForm(basis, LinearElastic(E=1.0, nu=0.0))  # any law: strains are asked for
-    state = form.assemble(x, form.initial_state()).state
-    stage = StageResult("upper bound", x, 0.0 * x, {"mechanism": state}, (), 0.0)
-    return {"mechanism": form}, stage, {"mechanism": shear_strain(state.strain)}
+    stage = StageResult("upper bound", x, 0.0 * x, {"mechanism": form.initial_state()}, (), 0.0)
+    return {"mechanism": form}, stage, {"mechanism": form.shear_strain(x)}
 
 
 def _most(strain: ndarray, area: ndarray) -> float:

@@ -15,8 +15,10 @@ from typing import Any
 import numpy as np
 from numpy import ndarray
 
+from .scales import Scale, bar_figure
+
 #: Pixels of all views together at most, and of the foot and the views' titles.
-_WIDTH, FOOT, _HEAD = 1400, 150, 46
+_WIDTH, _FOOT, _HEAD = 1400, 150, 46
 #: Width over height of all views at least, and of a picture over the largest width.
 _ASPECT, _NARROWEST = 1.4, 0.65
 
@@ -59,12 +61,12 @@ class Frame:
 
     def make_even(self) -> None:
         """Sizes that the codecs of films take: whole multiples of 16."""
-        self.view = (16 * -(-self.view[0] // 16), 16 * -(-(self.height + FOOT) // 16) - FOOT - self.head)
+        self.view = (16 * -(-self.view[0] // 16), 16 * -(-(self.height + _FOOT) // 16) - _FOOT - self.head)
 
     @property
     def size(self) -> list[int]:
         """Width and height of the whole picture."""
-        return [self.columns * self.view[0], self.rows * self.height + FOOT]
+        return [self.columns * self.view[0], self.rows * self.height + _FOOT]
 
     @property
     def height(self) -> int:
@@ -73,7 +75,7 @@ class Frame:
 
     def sheet(self, show: bool) -> Any:
         """A plotter with the views and an empty foot."""
-        rows = [self.height] * self.rows + [FOOT]
+        rows = [self.height] * self.rows + [_FOOT]
         with _quiet_vtk():
             plotter = _picture()(off_screen=not show, window_size=self.size, lighting="none", border=False,
                                  shape=(self.rows + 1, self.columns), row_weights=rows,
@@ -95,11 +97,13 @@ class Frame:
         plotter.camera.parallel_scale = 0.5 * self.height * self.pixel
         plotter.renderer.ResetCameraClippingRange()
 
-    def put_foot(self, plotter: Any, figure: Any) -> None:
-        """Put a matplotlib figure into the foot."""
+    def put_foot(self, plotter: Any, scale: Scale, title: str, note: str = "",
+                 marks: dict[str, dict[str, Any]] | None = None) -> None:
+        """Put the colour bar into the foot, with its title on the left, a note on the right and a legend of marks."""
         import pyvista
 
         plotter.subplot(self.rows, 0)
+        figure = bar_figure(scale, title, note, (self.size[0], _FOOT), marks or {})
         chart = pyvista.ChartMPL(figure, redraw_on_render=False)
         chart.border_color, chart.background_color = "white", "white"
         plotter.add_chart(chart)

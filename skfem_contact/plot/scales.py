@@ -26,20 +26,14 @@ class Scale(NamedTuple):
         Ends of the bands, ascending, (n + 1,).
     colors
         Colour map with one colour for each band.
-    below, above
-        Whether there are values beyond the ends: the colour bar shows arrows there.
+    extend
+        Where values lie beyond the ends and the colour bar has arrows, in matplotlib's words: ``"neither"``, ``"min"``,
+        ``"max"`` or ``"both"``.
     """
 
     levels: ndarray
     colors: ListedColormap
-    below: bool
-    above: bool
-
-    @property
-    def extend(self) -> str:
-        """The word of matplotlib for the arrows of a colour bar."""
-        return {(False, False): "neither", (True, False): "min", (False, True): "max", (True, True): "both"}[
-            self.below, self.above]
+    extend: str
 
 
 def make_scale(values: ndarray, area: ndarray, limits: tuple[float, float] | None, n: int, colors: str | None) -> Scale:
@@ -69,8 +63,9 @@ def make_scale(values: ndarray, area: ndarray, limits: tuple[float, float] | Non
     else:
         levels = _round_levels(*_robust(values, area), n)
     slack = 1e-6 * (levels[-1] - levels[0])
-    below, above = bool((values < levels[0] - slack).any()), bool((values > levels[-1] + slack).any())
-    return Scale(levels, ListedColormap(_band_colors(levels, colors)), below, above)
+    below, above = values.min() < levels[0] - slack, values.max() > levels[-1] + slack
+    extend = ("both" if above else "min") if below else ("max" if above else "neither")
+    return Scale(levels, ListedColormap(_band_colors(levels, colors)), extend)
 
 
 def _robust(values: ndarray, area: ndarray) -> tuple[float, float]:

@@ -5,16 +5,16 @@ from collections.abc import Mapping
 from copy import copy
 from typing import Any, Literal
 
+import meshio
 import numpy as np
 from numpy import ndarray
 
 from ..post.fields import solids_there
-from ..post.recovery import RegionField, regions_of
+from ..post.files import vtk_cells
+from ..post.recovery import region_mesh
 from ..stages.result import StageResult
 from .scales import Scale
 
-#: VTK's numbers of the cells with so many nodes.
-_CELL_TYPES = {3: 5, 4: 9, 6: 22, 8: 23, 9: 28}
 #: Largest displacement in a picture with deformed="auto", as a share of the bodies' size.
 _VISIBLE = 0.04
 #: VTK leaves out what lies on the last level; values at the ends are moved into their bands by this share of one.
@@ -40,27 +40,21 @@ class Scene:
                  since: StageResult | None = None) -> None:
         bodies = list(solids_there(forms, step).values())
         basis = bodies[0].basis
-        self.regions: list[RegionField] = [field for form in bodies for field in regions_of(form)]
-        self.nodes = np.concatenate([field.nodes for field in self.regions])
-        offset = np.cumsum([0] + [len(field.nodes) for field in self.regions])
-        self.cells = np.concatenate([field.cells + first for field, first in zip(self.regions, offset)])
+        self.nodes, self.cells, region = region_mesh(*bodies)
         self.corners = len(basis.mesh.t)  # of an element
         self.places = basis.doflocs[:, 0::2].T
-        moved = step.x[:basis.N] - (0.0 if since is None else since.x[:basis.N])
-        self.displacement = moved.reshape(-1, 2)
+        self.displacement = (step.x if since is None else step.x - since.x)[:basis.N].reshape(-1, 2)
         self.factor = float(deformed) if deformed != "auto" else round_factor(self.places[self.nodes],
                                                                               self.displacement[self.nodes])
-        self.moved = self.places + self.factor * self.displacement
-        self.area = self._areas()
+        areas = np.concatenate([np.asarray(form.basis.dx).sum(axis=1) for form in bodies])
+        self.area = np.bincount(self.cells.ravel(), np.repeat(areas, self.cells.shape[1]))  # equal shares of elements
         self.pixel = 1.0
-        self._find_lines(np.repeat(np.arange(len(self.regions)), [len(field.cells) for field in self.regions]))
+        self._find_lines(region)
 
-    def _areas(self) -> ndarray:
-        """Area that belongs to each of `nodes`, (n,): equal shares of the elements."""
-        corners = self.places[self.nodes[self.cells[:, :self.corners]]]
-        x, y = corners[..., 0], corners[..., 1]
-        area = 0.5 * np.abs((x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1))
-        return np.bincount(self.cells.ravel(), np.repeat(area, self.cells.shape[1]), minlength=len(self.nodes))
+    @property
+    def moved(self) -> ndarray:
+        """Places of all nodes after the bodies have moved, (n_nodes, 2)."""
+        return self.places + self.factor * self.displacement
 
     def _find_lines(self, region: ndarray) -> None:
         """Sides of elements: all of them, those between regions, and those on the outside of bodies."""
@@ -71,7 +65,7 @@ class Scene:
         of = np.repeat(region, n)
         ends = np.sort(sides[:, [0, -1]], axis=1)
         _, first, inverse, count = np.unique(ends, axis=0, return_index=True, return_inverse=True, return_counts=True)
-        low, high = np.full(len(first), len(self.regions)), np.zeros(len(first), int)
+        low, high = np.full(len(first), region.max()), np.zeros(len(first), int)
         np.minimum.at(low, inverse.ravel(), of)
         np.maximum.at(high, inverse.ravel(), of)
         self.sides, self.borders, self.outline = sides[first], sides[first[low < high]], sides[first[count == 1]]
@@ -85,12 +79,14 @@ class Scene:
         """The bodies on their way from another stage to this one."""
         new = copy(self)
         new.displacement = (1.0 - share) * other.displacement + share * self.displacement
-        new.moved = new.places + new.factor * new.displacement
         return new
 
     def draw_field(self, plotter: Any, values: ndarray, scale: Scale) -> None:
         """Bands of a field, values at `nodes`, with lines between them."""
-        surface, lines = banded(self._surface(values), scale)
+        displacement = np.pad(self.displacement[self.nodes], ((0, 0), (0, 1)))
+        grid = grid_of(self.in_space(self.places[self.nodes], FIELD), *vtk_cells(self.cells, 2), displacement)
+        grid["values"] = values
+        surface, lines = banded(surface_of(grid, self.factor), scale)
         plotter.add_mesh(surface, scalars="colors", rgb=True, lighting=False, show_scalar_bar=False)
         if lines.n_cells:
             plotter.add_mesh(lines, color="#333333", opacity=0.25, line_width=1, lighting=False)
@@ -116,18 +112,18 @@ class Scene:
         """Points (n, 3), lifted by some pixels so that they are seen on top of what lies lower."""
         return np.column_stack((points, np.full(len(points), level * self.pixel)))
 
-    def _surface(self, values: ndarray | None = None) -> Any:
-        """The deformed bodies, region by region, in flat polygons."""
-        import pyvista
 
-        cells = np.column_stack((np.full(len(self.cells), self.cells.shape[1]), self.cells))
-        types = np.full(len(cells), _CELL_TYPES[self.cells.shape[1]])
-        grid = pyvista.UnstructuredGrid(cells.ravel(), types, self.in_space(self.places[self.nodes], FIELD))
-        grid["displacement"] = np.pad(self.displacement[self.nodes], ((0, 0), (0, 1)))
-        if values is not None:
-            grid["values"] = values
-        moved = grid.warp_by_vector("displacement", factor=self.factor)
-        return moved.extract_surface(nonlinear_subdivision=2, algorithm="dataset_surface")
+def grid_of(points: ndarray, kind: str, cells: ndarray, displacement: ndarray) -> Any:
+    """Elements of a kind, in meshio's words, as pyvista's grid: points and displacements (n, 3)."""
+    import pyvista
+
+    return pyvista.from_meshio(meshio.Mesh(points, [(kind, cells)], point_data={"displacement": displacement}))
+
+
+def surface_of(grid: Any, factor: float, subdivision: int = 2) -> Any:
+    """The outside of bodies that have moved, in flat polygons."""
+    moved = grid.warp_by_vector("displacement", factor=factor)
+    return moved.extract_surface(nonlinear_subdivision=subdivision, algorithm="dataset_surface")
 
 
 def round_factor(places: ndarray, displacement: ndarray) -> float:

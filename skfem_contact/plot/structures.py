@@ -13,10 +13,11 @@ from matplotlib.figure import Figure
 from numpy import ndarray
 
 from ..errors import check_plane, look_up
-from ..post.fields import solids
+from ..post.fields import basis_of
 from ..post.resultants import SectionForces
 from ..post.tractions import Tractions
 from ..stages.result import StageResult
+from .diagrams import saved
 from .scene import Scene
 from .units import labelled
 
@@ -60,7 +61,7 @@ def diagram_on(forms: Mapping[str, Any], step: StageResult, quantity: str, value
     >>> moment = sc.section_forces(model.forms["culvert"], stage.states["culvert"], cuts)
     >>> figure = plot.diagram_on(model.forms, stage, "M", moment)
     """
-    check_plane(next(iter(solids(forms).values())).basis, "plot.diagram_on")
+    check_plane(basis_of(forms), "plot.diagram_on")
     names = ("N", "V", "M") if isinstance(values, SectionForces) else ("pressure", "shear")
     title, unit = look_up(quantity, {name: _TITLES[name] for name in names}, f"quantity of {type(values).__name__}")
     axis, ordinate = np.column_stack((values.x, values.y)), getattr(values, quantity)
@@ -83,9 +84,7 @@ def diagram_on(forms: Mapping[str, Any], step: StageResult, quantity: str, value
     ax.set(xlim=window[:2], ylim=window[2:], aspect="equal")
     ax.set_title(f"{labelled(title, unit)}, {step.name}", loc="left", fontsize=12)
     ax.axis("off")
-    if file is not None:
-        figure.savefig(file, dpi=160)
-    return figure
+    return saved(figure, file)
 
 
 def _left(axis: ndarray, closed: bool) -> ndarray:

@@ -1,13 +1,11 @@
 """What a result says: contact tractions, section forces, reactions, reports, fields and files."""
 from .fields import nodal_field
 from .files import export_pvd, export_vtu, to_frame, to_pyvista
-from .reactions import reactions
-from .report import ContactReport, contact_report
+from .report import ContactReport, contact_report, reactions
 from .resultants import SectionForces, SpaceSectionForces
 from .sections import Sections, line_sections, ring_sections, section_forces
-from .strength import PointStatus
+from .strength import PointStatus, pore_pressure, undrained_strength
 from .tractions import Tractions, tractions
-from .undrained import pore_pressure, undrained_strength
 
 __all__ = [
     "ContactReport", "PointStatus", "SectionForces", "Sections", "SpaceSectionForces", "Tractions", "contact_report",

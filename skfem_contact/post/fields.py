@@ -2,22 +2,82 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any
+from operator import itemgetter
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy import ndarray
+from skfem import CellBasis
 
 from ..errors import look_up
+from ..materials.spectral import largest_shear
 from ..solid import SolidForm
 from ..stages.result import StageResult
 from ..water import PoreWater, Seepage
-from .quantities import PLANE, SPACE, Quantity
-from .recovery import RegionField, recovered, recovered_stress, regions_of
-from .strength import mobilised
-from .undrained import pore_pressure, soil_of
+from .recovery import recovered, region_mesh
+from .strength import mises, mobilised, plastic_strain, pore_pressure, principal, soil_of
 
 #: Pore pressure: seepage, or a function of places (2, n).
 Water = Seepage | Callable[[ndarray], ndarray]
+
+
+class Quantity(NamedTuple):
+    """A field that can be drawn.
+
+    Attributes
+    ----------
+    title
+        What a legend calls it.
+    unit
+        Kind of unit: ``"length"``, ``"stress"``, or none.
+    source
+        What it follows from at the nodes: ``"displacement"`` (dim, n), ``"strain"`` or ``"stress"`` (ncomp, n); or
+        ``"points"``, what the integration points of a solid have, limited by it.
+    value
+        Function of the source; of points, of a solid and its state.
+    """
+
+    title: str
+    unit: Literal["length", "stress", ""]
+    source: Literal["displacement", "strain", "stress", "points"]
+    value: Callable[..., ndarray]
+
+
+#: Fields of plane bodies.
+PLANE = {
+    "ux": Quantity("horizontal displacement", "length", "displacement", itemgetter(0)),
+    "uy": Quantity("vertical displacement", "length", "displacement", itemgetter(1)),
+    "u": Quantity("displacement", "length", "displacement", lambda u: np.hypot.reduce(u, axis=0)),
+    "sxx": Quantity("horizontal stress", "stress", "stress", itemgetter(0)),
+    "syy": Quantity("vertical stress", "stress", "stress", itemgetter(1)),
+    "szz": Quantity("out-of-plane stress", "stress", "stress", itemgetter(2)),
+    "sxy": Quantity("shear stress", "stress", "stress", itemgetter(3)),
+    "s1": Quantity("largest principal stress", "stress", "stress", lambda s: principal(s)[0]),
+    "s2": Quantity("middle principal stress", "stress", "stress", lambda s: principal(s)[1]),
+    "s3": Quantity("smallest principal stress", "stress", "stress", lambda s: principal(s)[2]),
+    "mean": Quantity("mean stress", "stress", "stress", lambda s: s[:3].mean(axis=0)),
+    "mises": Quantity("von Mises stress", "stress", "stress", mises),
+    "exx": Quantity("horizontal strain", "", "strain", itemgetter(0)),
+    "eyy": Quantity("vertical strain", "", "strain", itemgetter(1)),
+    "exy": Quantity("engineering shear strain", "", "strain", itemgetter(3)),
+    "gamma": Quantity("largest shear strain", "", "strain", largest_shear),
+    "ev": Quantity("volumetric strain", "", "strain", lambda e: e[:3].sum(axis=0)),
+    "plastic": Quantity("equivalent plastic strain", "", "points", plastic_strain),
+    "mobilised": Quantity("mobilised strength", "", "points", mobilised),
+    "pore": Quantity("excess pore pressure", "stress", "points", pore_pressure),
+}
+
+#: Fields of bodies in space.
+SPACE = PLANE | {
+    "ux": Quantity("displacement along x", "length", "displacement", itemgetter(0)),
+    "uy": Quantity("displacement along y", "length", "displacement", itemgetter(1)),
+    "uz": Quantity("displacement along z", "length", "displacement", itemgetter(2)),
+    "sxx": Quantity("stress along x", "stress", "stress", itemgetter(0)),
+    "syy": Quantity("stress along y", "stress", "stress", itemgetter(1)),
+    "szz": Quantity("stress along z", "stress", "stress", itemgetter(2)),
+    "syz": Quantity("shear stress yz", "stress", "stress", itemgetter(4)),
+    "szx": Quantity("shear stress zx", "stress", "stress", itemgetter(5)),
+}
 
 
 def nodal_field(forms: Mapping[str, Any], step: StageResult, quantity: str, since: StageResult | None = None,
@@ -70,28 +130,32 @@ def nodal_field(forms: Mapping[str, Any], step: StageResult, quantity: str, sinc
     >>> stress[basis.mesh.p[0] == 0.][[0, 2, 1]].round(2) + 0.      # at the bottom, in the middle, at the top
     array([-20., -10.,   0.])
     """
-    fields = region_fields(forms, step, quantity, since, water)
-    basis = next(iter(solids(forms).values())).basis
-    n = basis.N // basis.mesh.dim()
-    total, count = np.zeros(n), np.zeros(n)
-    for field in fields:
-        total[field.nodes] += field.values[0]
-        count[field.nodes] += 1
+    values = region_field(forms, step, quantity, since, water)
+    found = list(solids_there(forms, step).values())
+    nodes, n = region_mesh(*found).nodes, found[0].basis.N // found[0].basis.mesh.dim()
+    total, count = np.bincount(nodes, values, n), np.bincount(nodes, minlength=n)
     return np.divide(total, count, out=np.full(n, np.nan), where=count > 0)
 
 
-def region_fields(forms: Mapping[str, Any], step: StageResult, quantity: str, since: StageResult | None = None,
-                  water: Water | None = None) -> list[RegionField]:
-    """The field of every region of all solids that are there, values (1, n_nodes); arguments of :func:`nodal_field`."""
+def region_field(forms: Mapping[str, Any], step: StageResult, quantity: str, since: StageResult | None = None,
+                 water: Water | None = None) -> ndarray:
+    """The field at the nodes of the :func:`region_mesh` of all solids that are there; arguments of `nodal_field`."""
     found = solids_there(forms, step)
     what = look_up(quantity, quantities(found), "field")
     if quantity == "pore" and water is None and not has_excess(forms, found):
         raise ValueError("pore pressure where there is no PoreWater and no ground is Undrained: give water=, a Seepage "
                          "or a function of places such as hydrostatic(level)")
-    fields: list[RegionField] = []
-    for name, form in found.items():
-        fields += _of_form(form, step, name, quantity, what, since, water)
-    return fields
+    values = np.concatenate([_of_form(form, step, name, what, since) for name, form in found.items()])
+    if quantity != "pore":
+        return values
+    basis, nodes = next(iter(found.values())).basis, region_mesh(*found.values()).nodes
+    values = values + _excess(step, nodes)
+    if since is not None:
+        return values - _excess(since, nodes)
+    if water is None:
+        return values
+    pressure = water.pressure_at if isinstance(water, Seepage) else water
+    return values + pressure(basis.doflocs[:, basis.mesh.dim() * nodes])
 
 
 def has_excess(forms: Mapping[str, Any], there: Mapping[str, SolidForm]) -> bool:
@@ -114,6 +178,11 @@ def solids(forms: Mapping[str, Any]) -> dict[str, SolidForm]:
     return found
 
 
+def basis_of(forms: Mapping[str, Any]) -> CellBasis:
+    """The basis of the displacements, that of one solid or another."""
+    return next(iter(solids(forms).values())).basis
+
+
 def solids_there(forms: Mapping[str, Any], step: StageResult) -> dict[str, SolidForm]:
     """The solids among the forms that are there in a stage, with the materials that they have there."""
     if not hasattr(step, "states"):
@@ -126,63 +195,29 @@ def solids_there(forms: Mapping[str, Any], step: StageResult) -> dict[str, Solid
     return solids({name: step.forms.get(name, form) for name, form in found.items()})
 
 
-def plastic_strain(state: Any) -> ndarray:
-    """Equivalent plastic strain of a solid's state, (1, n_elements, n_points)."""
-    return state.internal[:1] if len(state.internal) else np.zeros((1, *state.stress.shape[1:]))
-
-
-def _of_form(form: SolidForm, step: StageResult, name: str, quantity: str, what: Quantity,
-             since: StageResult | None, water: Water | None) -> list[RegionField]:
-    """The field of the regions of one solid."""
+def _of_form(form: SolidForm, step: StageResult, name: str, what: Quantity, since: StageResult | None
+             ) -> ndarray:
+    """The field of one solid, without pressures of flowing and of given water."""
     state, before = step.states[name], None if since is None else since.states.get(name)
     if what.source == "displacement":
-        x = step.x if since is None else step.x - since.x
-        return _valued(what, _displaced(form, x))
+        x = (step.x if since is None else step.x - since.x)[:form.basis.N]
+        return what.value(x.reshape(-1, form.basis.mesh.dim()).T[:, region_mesh(form).nodes])
     if what.source == "strain":
-        return _valued(what, recovered(form, state.strain if before is None else state.strain - before.strain))
-    at = _at_points if what.source == "points" else _stress
-    now = _valued(what, at(form, state, quantity))
-    if quantity == "pore":
-        n = form.basis.N // form.basis.mesh.dim()
-        excess = _excess(step, n) - (0.0 if since is None else _excess(since, n))
-        now = [field._replace(values=field.values + excess[field.nodes]) for field in now]
-    if quantity == "pore" and water is not None and since is None:
-        pressure = water.pressure_at if isinstance(water, Seepage) else water
-        places = form.basis.doflocs[:, ::form.basis.mesh.dim()]
-        return [field._replace(values=field.values + pressure(places[:, field.nodes])) for field in now]
-    if before is None:
-        return now
-    return [a._replace(values=a.values - b.values)
-            for a, b in zip(now, _valued(what, at(form, before, quantity)), strict=True)]
+        return what.value(recovered(form, state.strain if before is None else state.strain - before.strain))
+
+    def at_nodes(state: Any) -> ndarray:
+        if what.source == "stress":
+            return what.value(recovered(form, state.stress, balanced=True))
+        return recovered(form, what.value(form, state)[None], limited=True)[0]
+
+    return at_nodes(state) if before is None else at_nodes(state) - at_nodes(before)
 
 
-def _excess(step: StageResult, n: int) -> ndarray:
-    """Excess pressure of consolidating ground at the n nodes; zero where there is none."""
-    pressure = np.zeros(n)
+def _excess(step: StageResult, nodes: ndarray) -> ndarray:
+    """Excess pressure of consolidating ground at some nodes; zero where there is none."""
+    pressure = np.zeros(len(nodes))
     for form in step.forms.values():
         if isinstance(form, PoreWater):
-            own = form.pressure_at_nodes(step.x)
+            own = form.pressure_at_nodes(step.x)[nodes]
             pressure = np.where(pressure == 0.0, own, pressure)  # parts of the ground share nodes, and their pressures
     return pressure
-
-
-def _valued(what: Quantity, fields: list[RegionField]) -> list[RegionField]:
-    return [field._replace(values=what.value(field.values)[None]) for field in fields]
-
-
-def _displaced(form: SolidForm, x: ndarray) -> list[RegionField]:
-    """Displacements at the nodes of the regions."""
-    u = x[:form.basis.N].reshape(-1, form.basis.mesh.dim()).T
-    return [field._replace(values=u[:, field.nodes]) for field in regions_of(form)]
-
-
-def _stress(form: SolidForm, state: Any, quantity: str) -> list[RegionField]:
-    return recovered_stress(form, state.stress)
-
-
-def _at_points(form: SolidForm, state: Any, quantity: str) -> list[RegionField]:
-    """What points have, within their range: plastic strain, mobilised strength, or excess pore pressure."""
-    if quantity == "plastic":
-        return recovered(form, plastic_strain(state), limited=True)
-    values = mobilised if quantity == "mobilised" else pore_pressure
-    return recovered(form, values(form, state)[None], limited=True)

@@ -14,7 +14,6 @@ field is quadratic. What is no stress has no forces: the second term alone is le
 """
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -33,82 +32,74 @@ _BETA = {(1, False): 0.007, (1, True): 0.3, (2, False): 1.0, (2, True): 1.0}
 _CHUNK = 500  # patches at a time
 
 
-class RegionField(NamedTuple):
-    """A field at the nodes of a region.
+class RegionMesh(NamedTuple):
+    """Nodes and elements of the regions of solids; a node between two regions stands in both of them.
 
     Attributes
     ----------
     nodes
-        Numbers of the nodes, (n_nodes,).
+        Numbers of the nodes, region after region, (n,).
     cells
-        Positions in `nodes` of the nodes of every element of the region, (n_elements, k).
-    elements
-        Places of these elements among those of the form.
-    values
-        Values at the nodes, (n_components, n_nodes).
+        Positions in `nodes` of the nodes of every element, (n_elements, k).
+    region
+        Region of every element, counted through all solids.
     """
 
     nodes: ndarray
     cells: ndarray
-    elements: slice
-    values: ndarray
+    region: ndarray
 
 
-def recovered_stress(form: SolidForm, stress: ndarray) -> list[RegionField]:
-    """Stresses at the nodes of every region of a solid, from those at its points (ncomp, n_elements, n_points)."""
-    return [field._replace(values=_fitted(form, stress, field, balanced=True)) for field in regions_of(form)]
+def region_mesh(*forms: SolidForm) -> RegionMesh:
+    """The regions of some solids on one mesh."""
+    numbers = np.concatenate([nodes(form.basis) for form in forms])
+    sizes = [len(range(form.basis.nelems)[region.elements]) for form in forms for region in form.regions]
+    region, n = np.repeat(np.arange(len(sizes)), sizes), int(numbers.max()) + 1
+    keys, cells = np.unique(region[:, None] * n + numbers, return_inverse=True)
+    return RegionMesh(keys % n, cells.reshape(numbers.shape), region)
 
 
-def recovered(form: SolidForm, values: ndarray, limited: bool = False) -> list[RegionField]:
-    """Values at points (n_components, n_elements, n_points) at the nodes of every region of a solid.
+def recovered(form: SolidForm, values: ndarray, *, balanced: bool = False, limited: bool = False) -> ndarray:
+    """Values at the nodes of the :func:`region_mesh` of a solid, (n_components, n), from those at its points.
 
     Parameters
     ----------
     form
         The solid.
     values
-        What its integration points have.
+        What its integration points have, (n_components, n_elements, n_points).
+    balanced
+        Whether they are stresses, whose nodal forces count.
     limited
         Whether no node may have more, or less, than the points of the elements around it.
     """
-    fields = [field._replace(values=_fitted(form, values, field, balanced=False)) for field in regions_of(form)]
-    return [_within_points(values, field) for field in fields] if limited else fields
+    mesh = region_mesh(form)
+    found = _fitted(form, values, mesh, balanced)
+    return _within_points(found, values, mesh) if limited else found
 
 
-def regions_of(form: SolidForm) -> Iterator[RegionField]:
-    """Nodes and elements of every region; there are no values yet."""
-    numbers = nodes(form.basis)
-    for region in form.regions:
-        used, cells = np.unique(numbers[region.elements], return_inverse=True)
-        yield RegionField(used, cells.reshape(-1, numbers.shape[1]), region.elements, np.zeros((0, len(used))))
+def _within_points(found: ndarray, values: ndarray, mesh: RegionMesh) -> ndarray:
+    """Values at nodes cut to the range of the points around each of them."""
+    low, high = np.full_like(found, np.inf), np.full_like(found, -np.inf)
+    for c, part in enumerate(values):
+        np.minimum.at(low[c], mesh.cells, part.min(axis=1)[:, None])
+        np.maximum.at(high[c], mesh.cells, part.max(axis=1)[:, None])
+    return np.clip(found, low, high)
 
 
-def _within_points(values: ndarray, field: RegionField) -> RegionField:
-    """The field cut to the range of the points around each node."""
-    part, k = values[:, field.elements], field.cells.shape[1]
-    low, high = np.full_like(field.values, np.inf), np.full_like(field.values, -np.inf)
-    for c in range(len(part)):
-        np.minimum.at(low[c], field.cells.ravel(), np.repeat(part[c].min(axis=1), k))
-        np.maximum.at(high[c], field.cells.ravel(), np.repeat(part[c].max(axis=1), k))
-    return field._replace(values=np.clip(field.values, low, high))
-
-
-def _fitted(form: SolidForm, values: ndarray, field: RegionField, balanced: bool) -> ndarray:
-    """Polynomials in the patches around the vertices, evaluated at the nodes of a region: (n_components, n_nodes)."""
-    basis, part = form.basis, field.elements
-    dim = basis.mesh.dim()
-    corners = basis.mesh.t.shape[0]
-    vertex = np.unique(field.cells[:, :corners])
-    incidence = _incidence(field.cells, len(field.nodes))[vertex]
-    places = np.asarray(basis.doflocs[:, dim * field.nodes])
+def _fitted(form: SolidForm, values: ndarray, mesh: RegionMesh, balanced: bool) -> ndarray:
+    """Polynomials in the patches around the vertices, evaluated at the nodes: (n_components, n)."""
+    basis, cells = form.basis, mesh.cells
+    dim, corners = basis.mesh.dim(), basis.mesh.t.shape[0]
+    vertex = np.unique(cells[:, :corners])
+    incidence = _incidence(cells, len(mesh.nodes))[vertex]
+    places = np.asarray(basis.doflocs[:, dim * mesh.nodes])
     center = places[:, vertex]
-    volume = np.asarray(incidence @ np.asarray(basis.dx)[part].sum(axis=1))
-    size = volume ** (1.0 / dim)
-    points = np.asarray(basis.global_coordinates())[:, part]
-    weight, inside = form.weight[part], values[:, part]
-    forces = form.element_forces(values, np.arange(basis.nelems)[part]).T if balanced else None
-    B = _compatible(form)[part] if balanced else None
-    degree = 2 if field.cells.shape[1] > corners else 1
+    size = np.asarray(incidence @ np.asarray(basis.dx).sum(axis=1)) ** (1.0 / dim)
+    points = np.asarray(basis.global_coordinates())
+    forces = form.element_forces(values, np.arange(basis.nelems)).T if balanced else None
+    B = _compatible(form) if balanced else None
+    degree = 2 if cells.shape[1] > corners else 1
     beta = _BETA[degree, corners == dim + 1]
     m, nc = len(_powers(np.zeros((dim, 1)), degree)), len(values)
     fits = np.empty((len(vertex), nc, m))
@@ -118,15 +109,18 @@ def _fitted(form: SolidForm, values: ndarray, field: RegionField, balanced: bool
         e = chunk.indices
         x = (points[:, e] - center[:, start + patch, None]) / size[start + patch, None]
         p = _powers(x, degree).transpose(1, 2, 0)  # (pairs, points, m)
-        w = weight[e] / np.bincount(patch, weight[e].sum(axis=1))[patch][:, None]
-        A, r = _normal(patch, chunk.shape[0], p, w, inside[:, e])
-        if B is not None and forces is not None:
-            scaled = w * size[start + patch, None]
-            H, f = _balance(patch, field.cells[e], B[e], p, scaled, forces[e] * (scaled / weight[e])[:, :1])
-            A = beta * A + H.transpose(0, 2, 1) @ H
-            r = beta * r + np.einsum("pra,pr->pa", H, f)
-        fits[start:start + _CHUNK] = _solve(A, r).reshape(-1, nc, m)
-    return _evaluated(fits, places, center, size, _sources(form, field, vertex, incidence), degree)
+        w = form.weight[e] / np.bincount(patch, form.weight[e].sum(axis=1))[patch][:, None]
+        mass = _sum_of(patch, chunk.shape[0], np.einsum("pqa,pqb,pq->pab", p, p, w))
+        r = _sum_of(patch, chunk.shape[0], np.einsum("cpq,pqa,pq->pca", values[:, e], p, w))
+        if B is None or forces is None:  # component by component
+            fits[start:start + _CHUNK] = r @ _inverse(mass)
+            continue
+        scaled = w * size[start + patch, None]
+        H, f = _balance(patch, cells[e], B[e], p, scaled, forces[e] * (scaled / form.weight[e])[:, :1])
+        A = H.transpose(0, 2, 1) @ H + beta * np.einsum("cd,pab->pcadb", np.eye(nc), mass).reshape(len(r), nc * m, -1)
+        r = np.einsum("pra,pr->pa", H, f) + beta * r.reshape(len(r), -1)
+        fits[start:start + _CHUNK] = np.einsum("pab,pb->pa", _inverse(A), r).reshape(-1, nc, m)
+    return _evaluated(fits, places, center, size, _sources(form, mesh, vertex, incidence), degree)
 
 
 def _powers(x: ndarray, degree: int) -> ndarray:
@@ -148,17 +142,6 @@ def _compatible(form: SolidForm) -> ndarray:
     """Strain-displacement matrices of the shape functions themselves, without averaged volumes."""
     plain = plane_strain if form.basis.mesh.dim() == 2 else three_dimensional
     return (plain if form.strain is b_bar else form.strain)(form.basis).B
-
-
-def _normal(patch: ndarray, n: int, p: ndarray, w: ndarray, values: ndarray) -> tuple[ndarray, ndarray]:
-    """Normal equations of the fits to the values at the points: (n, nc m, nc m) and (n, nc m)."""
-    nc, m = len(values), p.shape[2]
-    mass = _sum_of(patch, n, np.einsum("pqa,pqb,pq->pab", p, p, w))
-    A = np.zeros((n, nc, m, nc, m))
-    for c in range(nc):
-        A[:, c, :, c] = mass
-    r = _sum_of(patch, n, np.einsum("cpq,pqa,pq->pca", values, p, w))
-    return A.reshape(n, nc * m, nc * m), r.reshape(n, nc * m)
 
 
 def _balance(patch: ndarray, cells: ndarray, B: ndarray, p: ndarray, w: ndarray, forces: ndarray
@@ -183,25 +166,27 @@ def _sum_of(patch: ndarray, n: int, values: ndarray) -> ndarray:
     return np.asarray(pick @ values.reshape(len(patch), -1)).reshape(n, *values.shape[1:])
 
 
-def _solve(A: ndarray, r: ndarray) -> ndarray:
-    """Solutions of least norm where a patch has too few points for a linear field."""
-    return np.einsum("pab,pb->pa", np.linalg.pinv(A, rcond=1e-10, hermitian=True), r)
+def _inverse(A: ndarray) -> ndarray:
+    """Pseudoinverses, which give solutions of least norm where a patch has too few points for its polynomial."""
+    return np.linalg.pinv(A, rcond=1e-10, hermitian=True)
 
 
-def _sources(form: SolidForm, field: RegionField, vertex: ndarray, incidence: csr_matrix) -> csr_matrix:
+def _sources(form: SolidForm, mesh: RegionMesh, vertex: ndarray, incidence: csr_matrix) -> csr_matrix:
     """Patches whose fits give the value at a node, (n_nodes, n_patches): rows sum to one.
 
     A vertex inside a region has its own patch. On the boundary patches are one-sided: there, and between vertices,
     those of the vertices inside that share an element with the node count, or the largest there are.
     """
-    mesh = form.basis.mesh
-    facets, count = np.unique(mesh.t2f[:, form.elements[field.elements]], return_counts=True)
-    inside = ~np.isin(field.nodes[vertex], mesh.facets[:, facets[count == 1]])
+    grid = form.basis.mesh
+    sides = mesh.region[:, None] * grid.nfacets + grid.t2f[:, form.elements].T
+    _, first, count = np.unique(sides, return_index=True, return_counts=True)
+    element, side = np.divmod(first[count == 1], sides.shape[1])
+    inside = ~np.isin(vertex, mesh.cells[element[:, None], np.array(grid.elem.refdom.facets)[side]])
     score = np.where(inside, np.inf, incidence.getnnz(axis=1))
-    near = (_incidence(field.cells, len(field.nodes)) @ incidence.T).tocoo()
-    best = np.zeros(len(field.nodes))
+    near = (_incidence(mesh.cells, len(mesh.nodes)) @ incidence.T).tocoo()
+    best = np.zeros(len(mesh.nodes))
     np.maximum.at(best, near.row, score[near.col])
-    own = np.zeros(len(field.nodes), bool)
+    own = np.zeros(len(mesh.nodes), bool)
     own[vertex] = score == best[vertex]
     chosen = np.where(own[near.row], near.row == vertex[near.col], score[near.col] == best[near.row])
     rows, columns = near.row[chosen], near.col[chosen]

@@ -63,14 +63,6 @@ class SpaceSectionForces(SectionForces):
     T: ndarray
     axis: ndarray
 
-    @classmethod
-    def of(cls, position: ndarray, place: ndarray, axis: ndarray, force: ndarray, moment: ndarray
-           ) -> SpaceSectionForces:
-        """From resultants (n, 3)."""
-        x, y, z = place.T
-        N, T = dot(force, axis), dot(moment, axis)
-        return cls(position, x, y, N, force - N[:, None] * axis, moment - T[:, None] * axis, z, T, axis)
-
     def towards(self, left: ArrayLike) -> SectionForces:
         """Those of bending in a plane: shear force to the left, moment positive where the fibres there are in tension.
 

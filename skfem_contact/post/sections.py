@@ -18,6 +18,7 @@ from scipy.spatial import cKDTree
 
 from ..errors import place
 from ..solid import SolidForm, SolidState
+from ..surfaces.vectors import dot
 from ..unknowns import nodes as nodes_of
 from .resultants import SectionForces, SpaceSectionForces
 
@@ -211,13 +212,11 @@ def section_forces(form: SolidForm, state: SolidState, sections: Sections) -> Se
                          f"not of {type(form).__name__} and {type(state).__name__}")
     if (dim := form.basis.mesh.dim()) != sections.center.shape[1]:
         raise ValueError(f"these sections have {sections.center.shape[1]} coordinates, the body has {dim}")
-    if not sections.curvature.any():
-        return _resultants(sections, *_cut(form, state, sections))
-    back, front = _lines(form, sections)
+    back, front = _lines(form, sections) if sections.curvature.any() else np.zeros((2, len(sections.position)))
     if not (back < front).any():
-        return _in_plane(sections, *_cut(form, state, sections))
+        return _resultants(sections, *_cut(form, state, sections))
     share = np.divide(-back, front - back, out=np.zeros_like(back), where=front > back)
-    ends = [_in_plane(moved, *_cut(form, state, moved)) for moved in map(sections.moved, (back, front))]
+    ends = [_resultants(moved, *_cut(form, state, moved)) for moved in map(sections.moved, (back, front))]
     N, V, M = ((1.0 - share) * getattr(ends[0], name) + share * getattr(ends[1], name) for name in "NVM")
     x, y = sections.center.T
     return SectionForces(sections.position, x, y, N, V, M)
@@ -289,22 +288,21 @@ def _near(form: SolidForm, sections: Sections) -> tuple[ndarray, ndarray, ndarra
 
 def _resultants(sections: Sections, section: ndarray, points: ndarray, forces: ndarray) -> SectionForces:
     """Sums of nodal forces (pairs, nodes, dim) section by section, moments about the sections' centres."""
-    if points.shape[2] == 2:
-        return _in_plane(sections, section, points, forces)
-    arm, n = points - sections.center[section][:, None], len(sections.position)
-    force, moment = np.zeros((2, n, 3))
-    np.add.at(force, section, forces.sum(axis=1))
-    np.add.at(moment, section, np.cross(arm, forces).sum(axis=1))
-    return SpaceSectionForces.of(sections.position, sections.center, sections.axis, force, moment)
+    axis, arm = sections.axis, points - sections.center[section][:, None]
+    force = _by_section(section, forces.sum(axis=1), len(axis))
+    N, (x, y, *z) = dot(force, axis), sections.center.T
+    if not z:
+        clockwise = (arm[..., 1] * forces[..., 0] - arm[..., 0] * forces[..., 1]).sum(axis=1)
+        V, M = dot(force, sections.left), _by_section(section, clockwise, len(axis))
+        return SectionForces(sections.position, x, y, N, V, M)
+    moment = _by_section(section, np.cross(arm, forces).sum(axis=1), len(axis))
+    T = dot(moment, axis)
+    V, M = force - N[:, None] * axis, moment - T[:, None] * axis
+    return SpaceSectionForces(sections.position, x, y, N, V, M, z[0], T, axis)
 
 
-def _in_plane(sections: Sections, section: ndarray, points: ndarray, forces: ndarray) -> SectionForces:
-    """The same in the plane."""
-    n = len(sections.position)
-    arm = points - sections.center[section][:, None]
-    turning = (arm[..., 1] * forces[..., 0] - arm[..., 0] * forces[..., 1]).sum(axis=1)  # clockwise
-    fx, fy = (np.bincount(section, forces[..., c].sum(axis=1), minlength=n) for c in range(2))
-    x, y = sections.center.T
-    along, across = sections.axis.T, sections.left.T
-    return SectionForces(sections.position, x, y, N=fx * along[0] + fy * along[1],
-                         V=fx * across[0] + fy * across[1], M=np.bincount(section, turning, minlength=n))
+def _by_section(section: ndarray, values: ndarray, n: int) -> ndarray:
+    """Sums of values (pairs, ...) in each of n sections."""
+    total = np.zeros((n, *values.shape[1:]))
+    np.add.at(total, section, values)
+    return total

@@ -283,6 +283,8 @@ class _Factor:
         for _ in range(2):
             motion = solve(self._scale * motion)
             motion /= np.abs(motion).max()
+        if not np.isfinite(motion).all():  # PARDISO, where scales of the motions differ by more than round-off
+            return SingularSystem("the system is singular: its solution is not finite", np.sort(self._order))
         return _floating(self._order[np.abs(motion) > MOVES], len(motion))
 
 

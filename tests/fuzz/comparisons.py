@@ -32,7 +32,7 @@ def tolerance(scene: Scene) -> float:
 
 
 def of_result(
-    scene: Scene, model: Model, result: sc.Result, name: str, told: Sequence[str] = ()
+    scene: Scene, model: Model, result: sc.Result, name: str, remarks: Sequence[str] = ()
 ) -> Iterator[Finding]:
     """The findings of one comparison; none where it says nothing, or the other analysis gives up and says so.
 
@@ -47,7 +47,7 @@ def of_result(
             pairs = COMPARISONS[name](scene, model, result)
     except sc.NotConverged:
         return
-    if any(LEFT in text for text in (*told, *(str(warning.message) for warning in caught))):
+    if any(LEFT in text for text in (*remarks, *(str(warning.message) for warning in caught))):
         return
     for stage, x in pairs:
         size = max(np.abs(stage.x).max(), STRAIN * HEIGHT * model.frame.length)

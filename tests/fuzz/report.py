@@ -15,7 +15,7 @@ def table(trials: Sequence[Trial]) -> str:
     for name in (*(oracle.__name__ for oracle in ORACLES), *COMPARISONS):
         found = [(finding, trial) for trial in trials for finding in trial.findings if finding.oracle == name]
         wrong = [(finding, trial) for finding, trial in found if not finding.holds]
-        silent = sum(not trial.told for _, trial in wrong)
+        silent = sum(not trial.remarks for _, trial in wrong)
         worst, where = max(((_share(f.error, f.tolerance), t.scene.seed) for f, t in found), default=(0.0, ""))
         lines.append(f"{name:16}{len(found):7d}{len(wrong):10d}{silent:8d}{worst:10.1e}  {where}")
     gave_up, crashed = sum(t.gave_up for t in trials), [t for t in trials if t.crash]
@@ -35,7 +35,7 @@ def details(trials: Iterable[Trial]) -> str:
             lines.append(f"scene {trial.scene.seed}: {trial.scene}")
             lines += [f"    {finding}" for finding in trial.violations]
             lines += [f"    crashed: {trial.crash}"] if trial.crash else []
-            lines += [f"    told: {text[:100]}" for text in trial.told]
+            lines += [f"    remark: {text[:100]}" for text in trial.remarks]
     return "\n".join(lines)
 
 

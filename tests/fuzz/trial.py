@@ -29,7 +29,7 @@ class Trial:
         The scene.
     findings
         What was looked at.
-    told
+    remarks
         Warnings of the analysis, and how it failed where it did.
     gave_up
         Whether it stopped before the end of the path, and said so.
@@ -39,7 +39,7 @@ class Trial:
 
     scene: Scene
     findings: tuple[Finding, ...] = ()
-    told: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()
     gave_up: bool = False
     crash: str = ""
 
@@ -51,7 +51,7 @@ class Trial:
     @property
     def silent(self) -> tuple[Finding, ...]:
         """What does not hold, of which not a word was said."""
-        return () if self.told else self.violations
+        return () if self.remarks else self.violations
 
 
 def trial(seed: int, comparisons: int = DRAWN) -> Trial:
@@ -65,11 +65,11 @@ def trial(seed: int, comparisons: int = DRAWN) -> Trial:
                 result, failure = model.run(), ""
             except sc.NotConverged as error:
                 result, failure = error.result, str(error)
-        told = tuple(str(warning.message) for warning in caught if warning.category is sc.AnalysisWarning)
+        remarks = tuple(str(warning.message) for warning in caught if warning.category is sc.AnalysisWarning)
         reached = sc.Result(tuple(stage for stage in result if stage.fraction > 0.0))
         findings = [finding for k in range(len(reached)) for finding in of_stage(scene, model, reached, k)]
         chosen = np.random.default_rng(seed).permutation(list(COMPARISONS))[:comparisons] if not failure else ()
-        findings += [finding for name in chosen for finding in of_result(scene, model, result, name, told)]
+        findings += [finding for name in chosen for finding in of_result(scene, model, result, name, remarks)]
     except Exception as error:
         return Trial(scene, crash=f"{type(error).__name__}: {error}")
-    return Trial(scene, tuple(findings), told + ((failure,) if failure else ()), bool(failure))
+    return Trial(scene, tuple(findings), remarks + ((failure,) if failure else ()), bool(failure))

@@ -29,8 +29,7 @@ def blocks(
         height = np.linspace(bottom, bottom + 1, (n if dim == 2 else 2) + 1)
         mesh = grid(element, x, height) if dim == 2 else space.block(element, x, x, height)
         meshes[name] = mesh if mapped is None else mapped(mesh)
-    basis = vector_basis if dim == 2 else space.vector_basis
-    return basis(sc.join_bodies(meshes), element, intorder=2 if element == "Q1" else None)
+    return vector_basis(sc.join_bodies(meshes), element, intorder=2 if element == "Q1" else None)
 
 
 def in_contact(basis: Basis, law=None, quadrature="nodal", E=(1e3, 1e3), nu: float = 0.3, **options) -> dict:

@@ -149,7 +149,7 @@ def corners(dim: int, overlap: float, along_edges: bool):
         return vector_basis(sc.join_bodies(meshes), "Q1", intorder=2)
     other = high - 0.5 if along_edges else high
     meshes = {"lower": space.block("Q1", low, low, low), "upper": space.block("Q1", high, other, [0.0, 0.5, 1.0])}
-    return space.vector_basis(sc.join_bodies(meshes), "Q1", intorder=2)
+    return vector_basis(sc.join_bodies(meshes), "Q1", intorder=2)
 
 
 @pytest.mark.parametrize("quadrature", QUADRATURES)

@@ -146,16 +146,16 @@ def test_overlap(share, quadrature, dim):
 
 @pytest.mark.parametrize("law", [sc.Coulomb(), sc.Coulomb(0.3)], ids=repr)
 def test_one_step_or_many(law):
-    """[X] Case S9: without friction the result of one step is that of 2,000 to 1e-6; with friction to 1 %."""
+    """[X] Case S9: without friction the result of one step is that of 500 to 1e-6; with friction to 1 %."""
     results = []
-    for increments in (1, 2_000):
+    for increments in (1, 500):
         basis = blocks(4, 3)
         forms = in_contact(basis, law, 2)
         fixed = basis.get_dofs({"lower:bottom", "upper:top"}).all()
         stage = sc.Stage("press", basis.zeros(), displaced(basis, "upper:top", (0.0, -0.01)), increments)
         results.append(quiet(forms, [stage], fixed, newton=sc.Newton(tolerance=1e-9))["press"])
     one, many = results
-    assert len(many.iterations) == 2_000 and sum(many.iterations) <= 2_010  # extrapolated
+    assert len(many.iterations) == 500 and sum(many.iterations) <= 510  # extrapolated
     rel = 1e-6 if law.mu == 0 else 1e-2
     np.testing.assert_allclose(one.x, many.x, atol=rel * np.abs(many.x).max())
     np.testing.assert_allclose(one.states["joint"].traction[0], many.states["joint"].traction[0], rtol=max(rel, 1e-6))
@@ -273,8 +273,8 @@ def test_locks_that_hide_a_kink_are_refused():
     moved = replace(found, states={**found.states, "joint": replace(held.state, facet=state.facet)})
     accepted = {"body": forms["body"].initial_state(), "joint": state}
     check(system, system.with_forms(given), found, accepted, load, sc.Newton())  # nothing is easier than given
-    told = r"does not last, .*joint: points \[0 1\] of 'slave:face' rest on neither side"
-    with pytest.raises(sc.NotConverged, match=told):
+    message = r"does not last, .*joint: points \[0 1\] of 'slave:face' rest on neither side"
+    with pytest.raises(sc.NotConverged, match=message):
         check(system, system.with_forms(forms), moved, accepted, load, sc.Newton())
 
 
@@ -284,8 +284,8 @@ def test_point_that_chatters(caplog):
     What is accepted is equilibrium of points that are free: locking them has hidden nothing.
     """
     meshes = {
-        "lower": grid("P2", np.linspace(0, 1, 13), np.linspace(-1, 0, 4)),
-        "upper": grid("P2", np.linspace(0, 1, 4), np.linspace(0, 1, 4)),
+        "lower": grid("P2", np.linspace(0, 1, 10), np.linspace(-1, 0, 4)),
+        "upper": grid("P2", np.linspace(0, 1, 3), np.linspace(0, 1, 4)),
     }
     basis = vector_basis(sc.join_bodies({name: waved(mesh, 0.08, 6) for name, mesh in meshes.items()}), "P2")
     forms = in_contact(basis, sc.Coulomb(0.2), 2, E=(1e3, 1e4))

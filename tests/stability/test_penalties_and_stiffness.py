@@ -27,7 +27,7 @@ def column(quadrature, ratio: float, dim: int = 2, **options):
     fixed = guided(basis, "lower:bottom", "upper:top")
     target = displaced(basis, "upper:top", (0.0, -0.01))
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", sc.AnalysisWarning)  # soft penalties are told, which is tested elsewhere
+        warnings.simplefilter("ignore", sc.AnalysisWarning)  # soft penalties are warned of, which is tested elsewhere
         stage = run(forms, [sc.Stage("press", basis.zeros(), target)], fixed)["press"]
     return forms, stage
 

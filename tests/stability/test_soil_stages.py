@@ -100,7 +100,7 @@ def test_crust_without_dilatancy_on_soft_ground(soil):
     """[X] Case S5: a crust 1e4 times stiffer than what it lies on yields all over before that carries anything.
 
     Without dilatancy no theorem grants an equilibrium.  What counts is that no other answer passes for one: what is
-    not found is told, and what was reached before is in balance.
+    not found is warned of, and what was reached before is in balance.
     """
     _, forms, fixed, loads = pit(stiff=1e-4, soil=soil)
     try:
@@ -175,7 +175,7 @@ def test_sizes_of_steps(increments):
 
 
 def test_pit_that_cannot_stand():
-    """[X] Without strength the side of the pit fails while it is dug: told, with the share that was reached."""
+    """[X] Without strength the side of the pit fails while it is dug: an error with the share that was reached."""
     _, forms, fixed, loads = pit(soil={"c": 2.0, "phi": 10.0})
     with pytest.raises(sc.NotConverged, match=r"stage 'dug 0' stopped at \d+\.\d+% of its load") as error:
         sc.run(forms, dig(loads), fixed, **QUIET)

@@ -156,7 +156,7 @@ def test_bodies_do_not_fly_through_each_other():
 
 
 @pytest.mark.parametrize(("dim", "n"), [(2, 6), (3, 16)])
-def test_slave_that_is_deep_in_the_master_is_told(dim, n):
+def test_slave_that_is_deep_in_the_master_is_warned_of(dim, n):
     """[X] An overlap of three elements at the start is no contact, and no secret."""
     basis = blocks(gap=-0.6, n_lower={2: 4, 3: 4}[dim], dim=dim)
     forms = in_contact(basis)
@@ -168,17 +168,17 @@ def test_slave_that_is_deep_in_the_master_is_told(dim, n):
 
 @pytest.mark.parametrize("dim", [2, 3])
 @pytest.mark.parametrize("gap", [0.02, 7.0])
-def test_contact_that_is_empty_is_told(gap, dim):
+def test_contact_that_is_empty_is_warned_of(gap, dim):
     """[X] Case S16: a pair that nothing touches says how far it is, and where."""
     basis = blocks(gap=gap, dim=dim)
     forms = in_contact(basis)
     fixed = basis.get_dofs({"lower:bottom", "upper:top"}).all()
-    told = rf"no slave point found a master within reach: gap is {gap:g} between 'upper:bottom' .*, smallest at \(\d"
-    with pytest.warns(sc.AnalysisWarning, match=told):
+    message = rf"no slave point found a master within reach: gap is {gap:g} between 'upper:bottom' .*, smallest at \(\d"
+    with pytest.warns(sc.AnalysisWarning, match=message):
         run(forms, [sc.Stage("pull", loaded(basis, "upper:left", (1e-3, 0.0)))], fixed)
 
 
-def test_contact_with_nothing_opposite_is_told():
+def test_contact_with_nothing_opposite_is_warned_of():
     """[X] A slave beside its master, which a projection cannot reach."""
     basis = blocks(mapped=lambda mesh: mesh if mesh.p[0].min() < 0 else mesh.translated((9.0, 0.0)))
     forms = in_contact(basis)
@@ -187,12 +187,12 @@ def test_contact_with_nothing_opposite_is_told():
         run(forms, [sc.Stage("pull", traction(basis, "upper:left", (1.0, 0.0)))], fixed)
 
 
-def test_a_body_that_falls_beside_its_support_is_told_why():
-    """[X] Case S16: where an analysis fails, what contact did not find is told as well."""
+def test_a_body_that_falls_beside_its_support_is_explained():
+    """[X] Case S16: where an analysis fails, what contact did not find is part of the warning."""
     basis = blocks(mapped=lambda mesh: mesh if mesh.p[0].min() < 0 else mesh.translated((9.0, 0.0)))
     fixed = np.append(basis.get_dofs("lower:bottom").all(), basis.get_dofs("upper:top").all("u^1"))
-    told = "stage 'fall', joint: no slave point found a master within reach: nothing of 'lower:top' lies opposite"
-    with pytest.warns(sc.AnalysisWarning, match=told), pytest.raises(sc.NotConverged, match="singular"):
+    message = "stage 'fall', joint: no slave point found a master within reach: nothing of 'lower:top' lies opposite"
+    with pytest.warns(sc.AnalysisWarning, match=message), pytest.raises(sc.NotConverged, match="singular"):
         run(in_contact(basis), [sc.Stage("fall", traction(basis, "upper:top", (0.0, -1.0)))], fixed)
 
 

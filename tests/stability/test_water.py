@@ -40,7 +40,7 @@ def test_core_of_another_permeability(core, kind):
 
 @pytest.mark.parametrize("core", [1e-8, 1e-6, 1e-5])
 def test_tight_core(core):
-    """[X] Drained ground behind a tight core is as good as dry: with it the user is told, without it all is well."""
+    """[X] Drained ground behind a tight core is as good as dry: with it the user is warned, without it all is well."""
     mesh, k = dam(), {"core": core, "shell": 1.0}
     with pytest.warns(sc.AnalysisWarning, match=r"flows off through dry ground at .*; leave drained ground out"):
         sc.seepage(Basis(mesh, ElementTriP1()), k, {"left": 10.0}, face="right")
@@ -145,8 +145,8 @@ def test_retention(law, kind):
     assert water.discharge("left") == pytest.approx(4.8, rel=0.07)
 
 
-def test_what_does_not_balance_is_told(monkeypatch):
-    """A transition that is wider than asked for is told; where none is found there is no answer."""
+def test_what_does_not_balance_is_warned_of(monkeypatch):
+    """A transition that is wider than asked for is warned of; where none is found there is no answer."""
     from skfem_contact.water import balance
 
     limit = 1.2

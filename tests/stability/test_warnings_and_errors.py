@@ -1,4 +1,4 @@
-"""What is refused before the analysis, and what is told after it: nothing is silently wrong (case S16)."""
+"""What is refused before the analysis, and what is warned of after it: nothing is silently wrong (case S16)."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ ELASTIC = sc.LinearElastic(E=1e3, nu=0.0)
 
 
 def remarks_of(forms, stages, fixed, **options):
-    """The analysis and what it told."""
-    with warnings.catch_warnings(record=True) as told:
+    """The analysis and its warnings."""
+    with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", sc.AnalysisWarning)
         result = run(forms, stages, fixed, **options)
-    return result, [str(warning.message) for warning in told]
+    return result, [str(warning.message) for warning in caught]
 
 
 def pressed(basis, down=-0.01):
@@ -94,54 +94,54 @@ def test_refused(name):
 
 @pytest.mark.parametrize("quadrature", QUADRATURES)
 def test_no_master_within_reach(quadrature):
-    """[X] Case S16: contact that is empty after the first step is told with its gap; contact that closes is not."""
+    """[X] Case S16: empty after the first step, contact is warned of with its gap; contact that closes is not."""
     basis = blocks(gap=0.02)
     forms = in_contact(basis, quadrature=quadrature)
     stages, fixed = pressed(basis, -0.005)
-    _, told = remarks_of(forms, stages, fixed)
-    assert len(told) == 1
-    assert "stage 'press', joint: no slave point found a master within reach: gap is 0.015" in told[0]
+    _, remarks = remarks_of(forms, stages, fixed)
+    assert len(remarks) == 1
+    assert "stage 'press', joint: no slave point found a master within reach: gap is 0.015" in remarks[0]
     stages, fixed = pressed(basis, -0.021)
     assert remarks_of(forms, stages, fixed)[1] == []
 
 
 @pytest.mark.parametrize("quadrature", QUADRATURES)
 def test_penalty_that_is_too_soft(quadrature):
-    """[X] Case A1: a penalty of E/h / 100 lets the columns sink in by more than they give way, and that is told."""
+    """[X] Case A1: a penalty of E/h / 100 lets the columns sink in by more than they give way: a warning."""
     basis = blocks(overhang=0.0)
     penalty = 0.01 * 1e3 / 0.2
     forms = in_contact(basis, sc.Coulomb(), quadrature, nu=0.0, penalty=penalty)
     sides = basis.get_dofs({"lower:left", "lower:right", "upper:left", "upper:right"}).all("u^1")
     stages, fixed = pressed(basis)
-    result, told = remarks_of(forms, stages, np.union1d(fixed, sides))
+    result, remarks = remarks_of(forms, stages, np.union1d(fixed, sides))
     # springs in series: 0.01 is shared between two columns of 1e3 each and the penalty
     share = 0.01 * (1 / penalty) / (2 / 1e3 + 1 / penalty) / 0.2
     assert forms["joint"].penetration(result[-1].states["joint"]) == pytest.approx(share, rel=0.05)
     message = r"stage 'press', joint: the slave penetrates by (\S+)% of its segment .* penalty, 50, is too soft .*"
-    found = re.fullmatch(message, *told)
+    found = re.fullmatch(message, *remarks)
     assert float(found[1]) == pytest.approx(100 * share, rel=0.05)
 
 
 @pytest.mark.parametrize("quadrature", QUADRATURES)
 @pytest.mark.parametrize("decade", range(0, 13, 2))
 def test_penalty_from_soft_to_round_off(decade, quadrature):
-    """[X] Case S1: 1 to 1e12 times E/h: three springs in series, then round-off, which is told beforehand."""
+    """[X] Case S1: 1 to 1e12 times E/h: three springs in series, then round-off, which is warned of beforehand."""
     penalty = 10.0**decade * 1e3 / 0.2
     basis = blocks(overhang=0.0)
     forms = in_contact(basis, sc.Coulomb(), quadrature, nu=0.0, penalty=penalty)
     sides = basis.get_dofs({"lower:left", "lower:right", "upper:left", "upper:right"}).all("u^1")
     stages, fixed = pressed(basis)
     try:
-        result, told = remarks_of(forms, stages, np.union1d(fixed, sides), newton=sc.Newton())
+        result, remarks = remarks_of(forms, stages, np.union1d(fixed, sides), newton=sc.Newton())
     except sc.NotConverged as error:
         assert decade >= 12  # the bodies' own stiffness is round-off beside the penalty
         assert "singular" in str(error) or "no equilibrium" in str(error)
         return
-    assert any("round-off hides the penetration" in remark for remark in told) == (decade >= 10)
+    assert any("round-off hides the penetration" in remark for remark in remarks) == (decade >= 10)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", sc.AnalysisWarning)
         force = force_on(forms, result["press"])[1]
-    # nodes and Gauss points carry a uniform pressure to 2 % only; where round-off is told, it costs a thousandth
+    # nodes and Gauss points carry a uniform pressure to 2 % only; where round-off is warned of, it costs a thousandth
     rel = 0.02 if quadrature != "segments" else 1e-4 if decade < 10 else 2e-3
     assert force == pytest.approx(0.01 / (2 / 1e3 + 1 / penalty), rel=rel)
 
@@ -192,8 +192,8 @@ def test_sharp_triangles(angle):
     np.testing.assert_allclose(stage.states["blocks"].stress[1], -5.0, rtol=1e-6)
 
 
-def test_remarks_are_told_once():
-    """A penalty that is too soft in every stage is told of once, for the stage with the deepest penetration."""
+def test_remarks_are_given_once():
+    """A penalty that is too soft in every stage is warned of once, for the stage with the deepest penetration."""
     basis = blocks()
     forms = in_contact(basis, penalty=1e3)
     _, fixed = pressed(basis)
@@ -201,22 +201,22 @@ def test_remarks_are_told_once():
         sc.Stage(f"down {down:g}", basis.zeros(), displaced(basis, "upper:top", (0.0, -down)))
         for down in (0.01, 0.02, 0.04, 0.03)
     ]
-    _, told = remarks_of(forms, stages, fixed)
-    assert len(told) == 1
-    assert told[0].startswith("stage 'down 0.04', joint: the slave penetrates by")
+    _, remarks = remarks_of(forms, stages, fixed)
+    assert len(remarks) == 1
+    assert remarks[0].startswith("stage 'down 0.04', joint: the slave penetrates by")
 
 
 @pytest.mark.parametrize("ratio", [1e4, 1e10])
 def test_stick_that_round_off_hides(ratio):
-    """[X] Case S2: at 1e10 times E/h the shear of sticking points is round-off, 5 % here, and the user is told."""
+    """[X] Case S2: at 1e10 times E/h the shear of sticking points is round-off, 5 % here, and the user is warned."""
     basis = blocks()
     _, fixed = pressed(basis)
     stages = [
         sc.Stage(f"{way:g}", basis.zeros(), displaced(basis, "upper:top", (way, -0.01))) for way in (0.0, 0.001, 0.002)
     ]
     forms = in_contact(basis, penalty=ratio * 1e3 / 0.2)
-    result, told = remarks_of(forms, stages, fixed, newton=sc.Newton())
-    assert any("round-off of the slip" in remark for remark in told) == (ratio == 1e10)
+    result, remarks = remarks_of(forms, stages, fixed, newton=sc.Newton())
+    assert any("round-off of the slip" in remark for remark in remarks) == (ratio == 1e10)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", sc.AnalysisWarning)
         drag = -force_on(forms, result[-1])[0]
