@@ -259,7 +259,8 @@ class SolidForm(Form):
 
     def remarks(self, x: ndarray, state: SolidState) -> Iterator[Remark]:
         """Rotations and strains that small-strain kinematics does not bear, and elements that lock."""
-        gradient = np.asarray(self.basis.interpolate(x).grad)
+        moved = zip(x[self.basis.element_dofs], self.basis.basis, strict=True)
+        gradient = np.asarray(sum(u[:, None] * np.asarray(shape.grad) for u, (shape,) in moved))
         turn = float(np.abs(gradient - gradient.swapaxes(0, 1)).max(initial=0.0)) / 2.0
         if turn > _TURN:
             yield Remark("rotation", turn, f"elements rotate by up to {np.degrees(turn):.0f} degrees: rotations are "

@@ -65,8 +65,8 @@ class Engine(Protocol):
 
     name: str
 
-    def order(self, graph: csr_matrix, locations: ndarray) -> ndarray:
-        """Order of the unknowns in the matrices to come."""
+    def order(self, graph: csr_matrix, locations: ndarray) -> ndarray | None:
+        """Order of the unknowns in the matrices to come; None: as they are."""
 
     def outdated(self) -> bool:
         """Whether they should be ordered anew."""
@@ -169,8 +169,9 @@ class DirectSolver:
         return factor
 
     def _ordered(self, K: csr_matrix) -> FreeBlock:
-        graph = K[self._free][:, self._free]
-        return FreeBlock(self._free[self._engine.order(graph, self._locations[:, self._free])])
+        block = FreeBlock(self._free)
+        order = self._engine.order(block.gather(K), self._locations[:, self._free])
+        return block if order is None else FreeBlock(self._free[order])
 
 
 def fastest_engine() -> str:
