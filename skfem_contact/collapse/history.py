@@ -1,16 +1,85 @@
-"""Steps on the way to a collapse."""
+"""Equilibria and failures on the way to a collapse."""
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, Literal
 
 import numpy as np
 from numpy import ndarray
 
-from ..errors import NotConverged
+from ..errors import NoEquilibrium, NotConverged
 from ..forms import Form
-from .continuation import Point, kind_of
-from .result import Step
+
+
+class Fall(NotConverged):
+    """An equilibrium was found, but below the last one: the step was too long, or the curve has a peak."""
+
+
+@dataclass(frozen=True)
+class Point:
+    """An equilibrium on the curve of parameter over work.
+
+    Attributes
+    ----------
+    x
+        Displacements, (N,).
+    states
+        Accepted states of the forms.
+    parameter
+        Factor of safety or load multiplier.
+    work
+        Work of the reference load since the curve's first point.
+    residuals
+        History of the residual.
+    """
+
+    x: ndarray
+    states: Mapping[str, Any]
+    parameter: float
+    work: float = 0.0
+    residuals: tuple[float, ...] = (0.0,)
+
+    @property
+    def iterations(self) -> int:
+        """Number of tangents factored on the way from the last point to this one."""
+        return len(self.residuals) - 1
+
+
+def kind_of(error: NotConverged) -> Literal["collapse", "peak", "stall"]:
+    """How a step failed."""
+    return "collapse" if isinstance(error, NoEquilibrium) else "peak" if isinstance(error, Fall) else "stall"
+
+
+@dataclass(frozen=True)
+class Step:
+    """A step of a search.
+
+    Attributes
+    ----------
+    parameter
+        Factor of safety or load multiplier.
+    outcome
+        ``"equilibrium"``, ``"collapse"``, ``"stall"``, or ``"peak"``: an equilibrium below the last one.
+    iterations
+        Number of tangents factored.
+    residual
+        Relative residual at the end.
+    displacement
+        Largest displacement since the start.
+    yielding
+        Share of the points of all solids that flowed in this step.
+    work
+        Work of the reference load since the start.
+    """
+
+    parameter: float
+    outcome: Literal["equilibrium", "collapse", "peak", "stall"]
+    iterations: int
+    residual: float
+    displacement: float
+    yielding: float
+    work: float
 
 
 class SearchLog:
@@ -22,12 +91,14 @@ class SearchLog:
         The forms, that tell what yields.
     bar
         A ``tqdm`` progress bar.
+    origin
+        Where the search starts.
     """
 
-    def __init__(self, forms: Mapping[str, Form], bar: Any) -> None:
+    def __init__(self, forms: Mapping[str, Form], bar: Any, origin: Point) -> None:
         self.steps: list[Step] = []
-        self._forms, self._bar, self._origin = forms, bar, np.zeros(0)
-        self._states: Mapping[str, Any] = {}
+        self._forms, self._bar = forms, bar
+        self.begin(origin)
 
     def begin(self, point: Point) -> None:
         """Where displacements and flow are counted from."""

@@ -65,8 +65,8 @@ class Engine(Protocol):
 
     name: str
 
-    def order(self, graph: csr_matrix, locations: ndarray) -> ndarray | None:
-        """Order of the unknowns in the matrices to come; None: as they are."""
+    def order(self, graph: csr_matrix, locations: ndarray) -> ndarray:
+        """Order of the unknowns in the matrices to come."""
 
     def outdated(self) -> bool:
         """Whether they should be ordered anew."""
@@ -115,7 +115,7 @@ class DirectSolver:
 
     def __init__(self, locations: ndarray, free: ndarray, engine: str | None = None) -> None:
         self._locations, self._free = locations, np.asarray(free)
-        self._engine = _engine(engine)
+        self._engine = as_engine(engine)
         self._block: FreeBlock | None = None
         self._last: _Factor | None = None
         logger.info("linear solver: %s", self.name)
@@ -170,8 +170,8 @@ class DirectSolver:
 
     def _ordered(self, K: csr_matrix) -> FreeBlock:
         block = FreeBlock(self._free)
-        order = self._engine.order(block.gather(K), self._locations[:, self._free])
-        return block if order is None else FreeBlock(self._free[order])
+        order = self._free[self._engine.order(block.gather(K), self._locations[:, self._free])]
+        return block if np.array_equal(order, self._free) else FreeBlock(order)
 
 
 def fastest_engine() -> str:
@@ -183,7 +183,7 @@ def fastest_engine() -> str:
     return "pardiso"
 
 
-def _engine(name: str | None) -> Engine:
+def as_engine(name: str | None = None) -> Engine:
     """The engine of that name, or the fastest that is installed."""
     name = name or fastest_engine()
     if name not in ENGINES:

@@ -15,6 +15,7 @@ from ..contact.penalty import choose_penalties
 from ..contact.prestress import prestressed
 from ..errors import AnalysisWarning, check_basis, look_up, place
 from ..forms import Form, as_forms, carried
+from ..loads import by_element
 from ..materials.elastic import LinearElastic
 from .activation import acts_on, among, check_contacts
 from .reset import reset_displacements
@@ -143,7 +144,7 @@ def k0_state(forms: Mapping[str, Form], load: ndarray, fixed: ndarray, unit_weig
     check_basis(basis)
     mesh = basis.mesh
     elements = np.concatenate([form.elements for form in _solids(forms).values()])
-    overburden, ratios = _overburden(mesh, elements, unit_weights), _by_element(mesh, K0)
+    overburden, ratios = _overburden(mesh, elements, unit_weights), by_element(mesh, K0, "K0", np.nan)
     missing = elements[np.isnan(ratios[elements])]
     if len(missing):
         tags = [tag for tag, part in (mesh.subdomains or {}).items() if np.isin(part, missing).any()]
@@ -325,16 +326,6 @@ def _overburden(mesh: Any, elements: ndarray, unit_weights: float | Mapping[str,
         weights[k] = next(iter(here.values()), 0.0)
     above = np.append(np.cumsum((weights * np.diff(levels))[::-1])[::-1], 0.0)
     return lambda y: np.interp(y, levels, above)
-
-
-def _by_element(mesh: Any, values: float | Mapping[str, float]) -> ndarray:
-    """Values of all elements of the mesh; NaN where none is given."""
-    if not isinstance(values, Mapping):
-        return np.full(mesh.nelements, float(values))
-    result = np.full(mesh.nelements, np.nan)
-    for name, value in values.items():
-        result[look_up(name, mesh.subdomains or {}, "subdomain")] = value
-    return result
 
 
 def _elastic(material: Any, K0: float) -> LinearElastic:

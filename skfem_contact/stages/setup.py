@@ -50,32 +50,6 @@ def system_of(forms: Mapping[str, Form], fixed: ndarray, unknowns: Unknowns, sol
     return System(there, unknowns, fixed, linear_solver(there, solver, unknowns.places, free))
 
 
-def left_by(start: StageResult | None, forms: Mapping[str, Form], fixed: ndarray
-            ) -> tuple[dict[str, Form], ndarray, Unknowns]:
-    """The forms that a stage has left there, the unknowns that are held, for what is gone stays where it is, and all.
-
-    Parameters
-    ----------
-    start
-        The stage that is gone on from; with none all forms are there.
-    forms
-        Solids and contact pairs by name. Penalties are chosen from all of them, as the stages do.
-    fixed
-        Unknowns that are supported.
-
-    Raises
-    ------
-    ValueError
-        The stage holds forms that are not given.
-    """
-    if start is None:
-        given = as_forms(forms)
-        return given, as_unknowns(fixed), all_unknowns(given)
-    there, given = forms_there(start, forms, "start"), as_forms(forms)
-    unknowns = all_unknowns(given)
-    return there, np.union1d(as_unknowns(fixed), not_there(given, there, unknowns)), unknowns
-
-
 def forms_there(stage: StageResult, forms: Mapping[str, Form], what: str = "stage") -> dict[str, Form]:
     """The forms that a stage holds, with penalties chosen from all; a ``ValueError`` where one is not given."""
     for name in stage.states:
