@@ -56,8 +56,7 @@ from .post import (
 )
 from .solid import SolidForm, SolidState
 from .stages.initial import given_state, gravity_state, k0_state
-from .stages.reset import reset_displacements
-from .stages.result import Result, StageResult, load_result
+from .stages.result import Result, StageResult, load_result, reset_displacements
 from .stages.run import run
 from .stages.stage import Stage
 from .strain import StrainOperator, axisymmetric, b_bar, plane_strain, three_dimensional

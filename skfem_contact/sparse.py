@@ -110,9 +110,7 @@ class FreeBlock:
 
     def gather(self, K: csr_matrix) -> csr_matrix:
         """The block of `K`, in canonical format."""
-        if not K.has_canonical_format:
-            K = K.copy()
-            K.sum_duplicates()
+        K = _canonical(K)
         if self._pattern is None or not same_pattern(K, self._pattern):
             self._map(K)
         return with_data(self._entries, K.data.take(self._entries.data))

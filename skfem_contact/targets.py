@@ -8,14 +8,7 @@ from .forms import Form
 
 def reduced_parts(forms: Mapping[str, Form], reduce: str | Collection[str] | None,
                   exclude: str | Collection[str]) -> dict[str, tuple[str, ...]]:
-    """Parts to reduce by form: names of regions, or ``""`` for a form as a whole.
-
-    Parameters
-    ----------
-    forms
-        Forms by name.
-    reduce, exclude
-        Names of forms and of regions that are reduced, by default all that have a strength, and that are not.
+    """Parts to reduce by form: names of regions, or ``""`` for a form as a whole; by default all that have a strength.
 
     Raises
     ------

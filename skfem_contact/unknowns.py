@@ -62,6 +62,11 @@ class Field:
         """Number of the unknown behind the last one."""
         return self.first + self.places.shape[1]
 
+    @property
+    def numbers(self) -> ndarray:
+        """Numbers of its unknowns."""
+        return np.arange(self.first, self.end)
+
 
 @dataclass(frozen=True, eq=False)
 class Unknowns:

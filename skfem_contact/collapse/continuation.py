@@ -105,28 +105,13 @@ def follow(branch: Branch, control: ndarray, points: list[Point], newton: Newton
 
     Parameters
     ----------
-    branch
-        The problem.
-    control
-        Reference load whose work is prescribed, (N,).
-    points
-        Two points to start from, or more.
-    newton
-        Settings of Newton's method.
-    tolerance
-        The curve ends when its last slope lets the parameter rise by no more than this.
-    relative
-        Whether the tolerance is a share of the parameter.
-    highest
-        The curve ends when the parameter exceeds this.
-    log
-        Notes every new point and every step that failed.
-    growth
-        Ratio of a step to the one before; the step after one that failed does not grow, those after it grow less.
-    longest
-        Work of the longest step.
-    until
-        Largest displacement that a curve that has levelled off must have reached.
+    branch, control, points
+        The problem, the load whose work is prescribed, and two points to start from.
+    tolerance, relative, highest, until
+        The curve ends when its last slope lets the parameter rise by no more than this, or this share, and its
+        displacements have come so far; or when the parameter exceeds `highest`.
+    growth, longest
+        Ratio of a step to the one before, and work of the longest one; after one that failed they grow less.
     """
     points, length, failures, vain = list(points), min(points[-1].work - points[-2].work, longest), Counter[str](), 0
     while len(points) < _MOST_STEPS:
@@ -164,13 +149,7 @@ def follow(branch: Branch, control: ndarray, points: list[Point], newton: Newton
 
 
 def correct(branch: Branch, control: ndarray, points: list[Point], work: float, newton: Newton) -> Point:
-    """The equilibrium at which the reference load has done some work, starting from an extrapolation.
-
-    Raises
-    ------
-    NotConverged
-        Newton's method found none.
-    """
+    """The equilibrium at which the reference load has done some work, starting from an extrapolation."""
     before, last = points[-2:]
     share = (work - last.work) / (last.work - before.work)
     # the curve bends: the parameter's extrapolation is a cautious one

@@ -18,21 +18,7 @@ class Fall(NotConverged):
 
 @dataclass(frozen=True)
 class Point:
-    """An equilibrium on the curve of parameter over work.
-
-    Attributes
-    ----------
-    x
-        Displacements, (N,).
-    states
-        Accepted states of the forms.
-    parameter
-        Factor of safety or load multiplier.
-    work
-        Work of the reference load since the curve's first point.
-    residuals
-        History of the residual.
-    """
+    """An equilibrium on the curve of parameter over work: displacements, (N,), and states; as in :class:`Step`."""
 
     x: ndarray
     states: Mapping[str, Any]
@@ -83,17 +69,7 @@ class Step:
 
 
 class SearchLog:
-    """Collects the steps of a search and shows them in a progress bar.
-
-    Parameters
-    ----------
-    forms
-        The forms, that tell what yields.
-    bar
-        A ``tqdm`` progress bar.
-    origin
-        Where the search starts.
-    """
+    """Collects the steps of a search from some origin and shows them in a progress bar; the forms tell what yields."""
 
     def __init__(self, forms: Mapping[str, Form], bar: Any, origin: Point) -> None:
         self.steps: list[Step] = []

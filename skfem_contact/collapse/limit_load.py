@@ -53,10 +53,8 @@ def limit_load(forms: Mapping[str, Form], fixed: ndarray, load: ndarray, start: 
 
     Parameters
     ----------
-    forms
-        Solids and contact pairs by name; those that ``start`` does not hold are not there.
-    fixed
-        Unknowns that are held where they are.
+    forms, fixed, solver, progress
+        As for :func:`strength_reduction`.
     load
         Reference load, (N,).
     start
@@ -74,10 +72,6 @@ def limit_load(forms: Mapping[str, Form], fixed: ndarray, load: ndarray, start: 
         its own friction, and in long steps it carries more than the given law: `longest` keeps them short.
     newton
         Settings of Newton's method; by default the residual is at most 0.03 ``tol`` of the load.
-    solver
-        A scikit-fem linear solver ``(A, b) -> x``.
-    progress
-        Show a progress bar; by default where the output is a terminal.
     longest
         Work of the longest step over that of the first one.  Steps grow up to it; without it, until the end.
     until

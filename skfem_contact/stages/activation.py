@@ -36,16 +36,12 @@ class Phase:
 
     Attributes
     ----------
-    unknowns
-        All unknowns, those of forms that are not there included.
-    before
-        Forms that are active before, by name: as they are then.
-    forms
-        Forms that are active in the stage, by name.
+    unknowns, load, prescribed
+        All unknowns, those of forms that are not there included, and loads and displacements of all, (N,).
+    before, forms
+        Forms that are active before, as they are then, and in the stage.
     fixed
         Unknowns that are supported, or held because no active solid has them.
-    load, prescribed
-        Loads and prescribed displacements of all unknowns, (N,).
     changed
         Whether the stage begins with anything else than the one before ended with.
     remarks
@@ -64,17 +60,6 @@ class Phase:
 
 def plan(forms: Mapping[str, Form], stages: Sequence[Stage], fixed: ndarray, start: StageResult | None) -> list[Phase]:
     """What is there in every stage; all of it is checked before anything is computed.
-
-    Parameters
-    ----------
-    forms
-        All forms; contact pairs without a penalty get one.
-    stages
-        Stages in their order.
-    fixed
-        Unknowns that are supported at first.
-    start
-        What the first stage starts from, if anything.
 
     Raises
     ------
@@ -234,16 +219,8 @@ def goes_on_otherwise(phase: Phase, last: StageResult) -> bool:
 def placed(x: ndarray, new: Mapping[str, Form], known: ndarray, fixed: ndarray) -> ndarray:
     """Displacements with the nodes of new solids carried along by those that they share with old ones.
 
-    They move as if the new solids were an elastic attachment of the old ones; bodies that share no node stay.
-
-    Parameters
-    ----------
-    x
-        Displacements, (N,).
-    new
-        The new forms; solids among them are placed.
-    known, fixed
-        Unknowns of the old solids, and those that are held or not there.
+    They move as if the new solids were an elastic attachment of the old ones, whose unknowns are `known`; bodies that
+    share no node stay.
     """
     solids = {name: form for name, form in new.items() if form.basis is not None}
     own = np.setdiff1d(unknowns_of(solids), np.union1d(known, fixed))
@@ -263,15 +240,7 @@ def placed(x: ndarray, new: Mapping[str, Form], known: ndarray, fixed: ndarray) 
 
 
 def check_start(forms: Mapping[str, Form], start: StageResult) -> None:
-    """Refuse a start of another mesh, or whose contact pairs have got another penalty since.
-
-    Parameters
-    ----------
-    forms
-        Forms that are active in it.
-    start
-        What the first stage starts from.
-    """
+    """Refuse a start of another mesh, or whose contact pairs have got another penalty since."""
     for name, form in forms.items():
         try:
             form.check_start(start.x, start.states[name])

@@ -18,8 +18,7 @@ from ..forms import Form, as_forms, carried
 from ..loads import by_element
 from ..materials.elastic import LinearElastic
 from .activation import acts_on, among, check_contacts
-from .reset import reset_displacements
-from .result import Result, StageResult
+from .result import Result, StageResult, reset_displacements
 from .run import run
 from .setup import build_system, on_all, unknowns_of
 from .stage import Stage
@@ -97,12 +96,10 @@ def k0_state(forms: Mapping[str, Form], load: ndarray, fixed: ndarray, unit_weig
 
     Parameters
     ----------
-    forms
-        Solids and contact pairs that are there at first. Other bodies of the mesh stay where they are.
+    forms, fixed, name
+        As for :func:`given_state`.
     load
         External forces: weight, surcharge and :func:`water_load`, (N,).
-    fixed
-        Unknowns that are held.
     unit_weights
         As for :func:`weight`: one number, or by subdomain; subdomains that are not named are weightless.
     K0
@@ -113,8 +110,6 @@ def k0_state(forms: Mapping[str, Form], load: ndarray, fixed: ndarray, unit_weig
         Pore pressure as a function of the place, for instance :func:`hydrostatic`; with it stresses are effective,
         everywhere. A wall that is wished in place, which has no pores, begins as the ground in its place: with that
         weight and with :func:`water_load` on it too. Both become its own in the next stage.
-    name
-        Name of the state in the result.
 
     Returns
     -------
@@ -167,19 +162,12 @@ def gravity_state(forms: Mapping[str, Form], load: ndarray, fixed: ndarray,
 
     Parameters
     ----------
-    forms
-        Solids and contact pairs that are there at first. Other bodies of the mesh stay where they are. Excess pressures
-        of :class:`PoreWater` are zero.
-    load
-        External forces, (N,).
-    fixed
-        Unknowns that are held.
+    forms, load, fixed, name
+        As for :func:`given_state`. Excess pressures of :class:`PoreWater` are zero.
     K0
         Where it is given, for all regions or by the name of a region, gravity first acts on elastic ground with
         Poisson's ratio K0 / (1 + K0), which gives this ratio under a level surface; then the ground's own
         materials find their equilibrium.
-    name
-        Name of the state in the result.
     increments
         Number of increments to begin with.
 
@@ -229,8 +217,7 @@ def gravity_state(forms: Mapping[str, Form], load: ndarray, fixed: ndarray,
 
 def _without_water(forms: Mapping[str, Form]) -> dict[str, Form]:
     """The forms but those that bring fields that do not move, or act on these."""
-    still = {key: np.arange(field.first, field.end) for key, form in forms.items() for field in form.fields
-             if not field.moves}
+    still = {key: field.numbers for key, form in forms.items() for field in form.fields if not field.moves}
     return {key: form for key, form in forms.items() if key not in still and not any(
         np.isin(form.joins, numbers).any() for numbers in still.values() if form.joins is not None)}
 

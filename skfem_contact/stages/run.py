@@ -14,7 +14,7 @@ from ..forms import as_forms
 from ..nonlinear.newton import Newton
 from ..nonlinear.stepping import Predictor, Stepping
 from ..nonlinear.system import System
-from ..nonlinear.time_steps import TimeError, solve_step
+from ..nonlinear.time_steps import SAFE, TimeError, solve_step
 from ..progress import progress_bar
 from ..remarks import Remarks
 from ..solvers.threads import single_threaded
@@ -85,9 +85,7 @@ def run(forms: Mapping[str, Any], stages: Sequence[Stage], fixed: ndarray,
     stage            increments  iterations  residual  load    what the bodies carry
     gravity                   1           1   ...  100%
     """
-    given, stages = as_forms(forms), _checked(stages, start, newton)
-    done = [start] if isinstance(start, StageResult) else list(start or ())
-    _check_names(stages, [stage.name for stage in done])
+    given, done = as_forms(forms), _checked(stages, start, newton)
     phases = plan(given, stages, as_unknowns(fixed), done[-1] if done else None)
     last = among(done[-1], phases[0].unknowns) if done else _nothing(phases[0])
     if done:
@@ -127,12 +125,12 @@ def _increments(system: System, predictor: Predictor, stage: Stage, phase: Phase
     path = _path(stage, phase, last.load, last.x[system.fixed], released)
     stepping, error_in_time, began = Stepping(stage.increments), TimeError(), last.time
     while last.fraction < 1.0:
-        done, fraction = last.fraction, stepping.fraction
+        fraction = stepping.fraction
         time = began + fraction * stage.duration
         start = None if stepping.cut else predictor.start(*path(fraction), time)
         try:
-            step = solve_step(system, last.x, last.states, path, (done, fraction), stage.duration, newton, start,
-                              stepping.try_recovery)
+            new, errors = solve_step(system, last.x, last.states, path, (last.fraction, fraction), stage.duration,
+                                     newton, start, stepping.try_recovery)
         except NotConverged as error:
             stepping.reject(error)
             logger.info("stage '%s': increment to %.4f failed, cut to %.4f: %s", stage.name, fraction, stepping.size,
@@ -141,8 +139,8 @@ def _increments(system: System, predictor: Predictor, stage: Stage, phase: Phase
                 where = _place(system, error.unknown)
                 raise NotConverged(f"stage '{stage.name}' {stepping}: {error}{where}{_so_far(system, last)}") from error
             continue
-        new, growth = step.found, error_in_time.growth(step.errors)
-        if error_in_time.too_large(growth):
+        growth = error_in_time.growth(errors)
+        if growth < SAFE:
             stepping.shorten(growth)
             logger.info("stage '%s': step to %.3g too long, cut by %.2f", stage.name, time, growth)
             continue
@@ -187,8 +185,8 @@ def _nothing(phase: Phase) -> StageResult:
     return StageResult("start", np.zeros(n), np.zeros(n), states, (), 0.0)
 
 
-def _checked(stages: Sequence[Stage], start: Any, newton: Any) -> Sequence[Stage]:
-    """The stages; one clear error before the analysis starts."""
+def _checked(stages: Any, start: Any, newton: Any) -> list[StageResult]:
+    """The stages that are done; one clear error before the analysis starts."""
     if not isinstance(stages, Sequence):
         raise ValueError(f"stages must be a list; write [Stage(...)], not {type(stages).__name__}")
     if wrong := next((stage for stage in stages if not isinstance(stage, Stage)), None):
@@ -199,11 +197,8 @@ def _checked(stages: Sequence[Stage], start: Any, newton: Any) -> Sequence[Stage
         raise ValueError(f"start must be a result or a stage of one, not {start!r}")
     if not isinstance(newton, Newton | None):
         raise ValueError(f"newton must be settings Newton(...), not {newton!r}")
-    return stages
-
-
-def _check_names(stages: Sequence[Stage], before: list[str]) -> None:
-    """No two stages have the same name, and increments are numbers."""
+    done = [start] if isinstance(start, StageResult) else list(start or ())
+    before = [stage.name for stage in done]
     names = before + [stage.name for stage in stages]
     for stage in stages:
         if names.count(stage.name) > 1:
@@ -211,3 +206,4 @@ def _check_names(stages: Sequence[Stage], before: list[str]) -> None:
             raise ValueError(f"{which} '{stage.name}'")
         if not isinstance(stage.increments, (int, np.integer)) or stage.increments < 1:
             raise ValueError(f"stage '{stage.name}': increments must be at least 1 and whole, not {stage.increments!r}")
+    return done

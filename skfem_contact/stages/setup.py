@@ -19,24 +19,7 @@ from .supports import all_unknowns, as_unknowns, check_supports
 
 def build_system(forms: Mapping[str, Any], fixed: ndarray, unknowns: Unknowns | None = None, solver: Any = None
                  ) -> System:
-    """Complete the forms, check the supports and choose a linear solver.
-
-    Parameters
-    ----------
-    forms
-        Forms by name.
-    fixed
-        Unknowns that are held.
-    unknowns
-        All unknowns; by default those of the forms.
-    solver
-        A scikit-fem linear solver ``(A, b) -> x``; by default a direct one.
-
-    Raises
-    ------
-    ValueError
-        See :func:`~skfem_contact.stages.supports.check_supports`.
-    """
+    """The system of some forms, completed, once their supports are checked; by default among their own unknowns."""
     given, fixed = as_forms(forms), as_unknowns(fixed)
     unknowns = unknowns or all_unknowns(given)
     check_supports(given, fixed, unknowns)
@@ -61,8 +44,7 @@ def unknowns_of(forms: Mapping[str, Form]) -> ndarray:
     """Unknowns of the solids, and those that other forms bring."""
     found = [np.unique(form.basis.element_dofs) for form in forms.values() if form.basis is not None]
     found += [form.carries for form in forms.values() if form.carries is not None]
-    found += [np.arange(field.first, field.end) for form in forms.values() if form.carries is None
-              for field in form.fields]
+    found += [field.numbers for form in forms.values() if form.carries is None for field in form.fields]
     return np.unique(np.concatenate(found)) if found else np.zeros(0, int)
 
 

@@ -29,15 +29,6 @@ def check_supports(forms: Mapping[str, Form], fixed: ndarray, unknowns: Unknowns
     Bodies are held when their fixed unknowns leave them no rigid motion.  Bodies that contact pairs join
     count as one, and those that meet a rigid obstacle pass: contact may hold them. Other forms may hold what they like.
 
-    Parameters
-    ----------
-    forms
-        Forms by name.
-    fixed
-        Fixed unknowns.
-    unknowns
-        All unknowns.
-
     Raises
     ------
     ValueError
@@ -68,14 +59,9 @@ def check_supports(forms: Mapping[str, Form], fixed: ndarray, unknowns: Unknowns
 
 
 def all_unknowns(forms: Mapping[str, Form], size: int | None = None) -> Unknowns:
-    """The unknowns of all forms.
+    """The unknowns of all forms of an analysis, also of those that are not there yet.
 
-    Parameters
-    ----------
-    forms
-        All forms of the analysis, also those that are not there yet.
-    size
-        Number of displacements, where no form knows it; without a solid nobody knows where they are.
+    Where no form knows the number of displacements it is `size`; without a solid nobody knows where they are.
 
     Raises
     ------
