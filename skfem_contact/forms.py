@@ -327,8 +327,3 @@ def answers(forms: Mapping[str, Form], x: ndarray, states: Mapping[str, Any]) ->
 def carried(forms: Mapping[str, Form], x: ndarray, states: Mapping[str, Any]) -> ndarray:
     """Sum of the internal forces of all forms, (N,)."""
     return sum((response.force for response in answers(forms, x, states).values()), start=np.zeros(len(x)))
-
-
-def are_symmetric(forms: Mapping[str, Form]) -> bool:
-    """Whether the tangents of all forms are symmetric."""
-    return all(form.symmetric for form in forms.values())

@@ -8,15 +8,7 @@ from tqdm.auto import tqdm
 
 
 def progress_bar(show: bool | None, **options: Any) -> Any:
-    """A bar of tqdm, as a widget in a notebook.
-
-    Parameters
-    ----------
-    show
-        Whether to show it; by default where somebody looks on: in a terminal or a notebook.
-    options
-        Those of ``tqdm``.
-    """
+    """A bar of tqdm, as a widget in a notebook; by default where somebody looks on: in a terminal or a notebook."""
     if show is None:
         show = sys.stderr.isatty() or any(cls.__module__ == "tqdm.notebook" for cls in tqdm.__mro__)
     return tqdm(disable=not show, **options)

@@ -26,14 +26,7 @@ class StrainOperator(NamedTuple):
 
 
 def strain_of(basis: CellBasis, flows: bool) -> Callable[[CellBasis], StrainOperator]:
-    """The strain operator that suits an element: :func:`b_bar` where it would lock, the plain one elsewhere.
-
-    Parameters
-    ----------
-    basis
-        Basis of a vector element.
-    flows
-        Whether a material may flow at constant volume.
+    """The strain operator that suits an element: :func:`b_bar` where it would lock as a material flows, or plain.
 
     Examples
     --------

@@ -240,17 +240,7 @@ def rollers(basis: CellBasis, part: str | None = None, base: Literal["fixed", "r
 def rigid_modes(locations: ndarray, unknowns: ndarray) -> ndarray:
     """Small rigid motions of a body: translations, then rotations about its centre, scaled by its size.
 
-    Parameters
-    ----------
-    locations
-        Place of each unknown, (dim, N); the components of a node follow each other.
-    unknowns
-        Those of the body.
-
-    Returns
-    -------
-    ndarray
-        Displacements, (len(unknowns), 3), in three dimensions (len(unknowns), 6).
+    From the places of all unknowns, (dim, N), and the n numbers of the body's: displacements, (n, 3), in space (n, 6).
 
     Examples
     --------

@@ -25,7 +25,7 @@ from ..nonlinear.newton import Newton, iterate
 from ..nonlinear.system import System
 from ..solvers.direct import SingularSystem
 from ..stages.result import Result, StageResult
-from ..stages.setup import build_system, check_load, forms_there, not_there
+from ..stages.setup import build_system, forms_there, not_there, on_all
 from ..stages.supports import all_unknowns, as_unknowns
 from .history import Fall, Point, SearchLog, kind_of
 from .result import Found, Stop, no_collapse_below
@@ -79,7 +79,9 @@ def loaded_start(forms: Mapping[str, Form], fixed: ndarray, load: ndarray | None
     states = {name: form.initial_state() for name, form in system.forms.items()} if last is None else last.states
     held = {name: form.first_geometry(x, states[name]) for name, form in system.forms.items()}
     in_place, states = ({name: pair[i] for name, pair in held.items()} for i in (0, 1))
-    load = check_load(last.load if last is not None and load is None else load, unknowns)
+    load = on_all(last.load if last is not None and load is None else load, unknowns, "the load")
+    if not load.any():
+        raise ValueError("the load is zero: nothing drives a collapse")
     return system.forms, system.with_forms(in_place), Point(x, states, 0.0), load
 
 

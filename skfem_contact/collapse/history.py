@@ -91,11 +91,6 @@ class SearchLog:
         self._add(Step(parameter, kind_of(error), max(len(error.residuals) - 1, 0),
                        error.residuals[-1] if error.residuals else np.nan, self._moved(error.x), np.nan, work))
 
-    @property
-    def ever_yielding(self) -> bool:
-        """Whether anything has flowed."""
-        return any(step.yielding > 0.0 for step in self.steps)
-
     def _moved(self, x: ndarray | None) -> float:
         return np.nan if x is None else float(np.abs(x - self._origin).max(initial=0.0))
 

@@ -35,12 +35,6 @@ class Stop:
         their number did.
     text
         What a reader should know of it.
-
-    Examples
-    --------
-    >>> from skfem_contact.collapse.result import Stop
-    >>> print(Stop("highest", "there is no collapse below 100"))
-    highest: there is no collapse below 100
     """
 
     kind: Literal["plateau", "collapse", "peak", "stall", "highest", "steps"]

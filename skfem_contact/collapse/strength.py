@@ -245,7 +245,8 @@ def _continuation(branch: _Strength, first: Point, newton: Newton, tol: float, s
         return follow(branch, branch.load, points, newton, _OPEN * tol, log, highest=highest)
     if failed is None:
         return Found(points, no_collapse_below(highest), motion=0 * last.x)
-    where = "the first equilibrium is at its limit" if log.ever_yielding else "the bodies are elastic up to there"
+    flowed = any(step.yielding > 0.0 for step in log.steps)
+    where = "the first equilibrium is at its limit" if flowed else "the bodies are elastic up to there"
     shown = isinstance(failed, NoEquilibrium)
     above = log.steps[-1].parameter if shown else np.inf
     return Found(points, Stop("collapse" if shown else "stall", where), above, _motion(last, failed))

@@ -13,7 +13,7 @@ from numpy import ndarray
 from scipy.sparse import csr_matrix
 
 from ..errors import NoEquilibrium, NotConverged
-from ..forms import Form, Response, answers, are_symmetric
+from ..forms import Form, Response, answers
 from ..solvers.direct import LinearSolver, SingularSystem, Solve
 from ..sparse import Total, with_data
 from ..unknowns import Unknowns
@@ -57,7 +57,7 @@ class System:
 
     def with_forms(self, forms: Mapping[str, Form]) -> System:
         """The system with other forms on the same unknowns; itself where they are the same."""
-        if all(form is self.forms[name] for name, form in forms.items()):
+        if all(form is self.forms.get(name) for name, form in forms.items()):
             return self
         new = copy(self)
         new.forms = dict(forms)
@@ -71,7 +71,7 @@ class System:
     @cached_property
     def symmetric(self) -> bool:
         """Whether the tangent is symmetric: that of all forms is."""
-        return are_symmetric(self.forms)
+        return all(form.symmetric for form in self.forms.values())
 
     @property
     def size(self) -> int:

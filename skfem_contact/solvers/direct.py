@@ -28,21 +28,7 @@ HOLD = 1e-13  # relative stiffness that is added to find the unknowns that move
 
 
 class SingularSystem(ValueError):
-    """The free unknowns can move without force: a body floats.
-
-    Parameters
-    ----------
-    message
-        What is wrong.
-    unknowns
-        Indices of the unknowns that take part in the free motion.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> str(SingularSystem("body 'wall' floats", np.array([4, 5])))
-    "body 'wall' floats"
-    """
+    """The free unknowns can move without force: a body floats; `unknowns` take part in the motion."""
 
     def __init__(self, message: str, unknowns: ndarray) -> None:
         super().__init__(message)
@@ -96,10 +82,8 @@ class DirectSolver:
 
     Raises
     ------
-    ValueError
-        There is no such engine.
-    ImportError
-        "pardiso" is asked for and not installed.
+    ValueError, ImportError
+        There is no such engine; "pardiso" is asked for and not installed.
 
     Examples
     --------
@@ -129,19 +113,9 @@ class DirectSolver:
         return f"DirectSolver({self.name}, {len(self._free)} of {self._locations.shape[1]} unknowns)"
 
     def factor(self, K: csr_matrix, symmetric: bool = False) -> Solve:
-        """Factor the free block of K.
+        """Factor the free block of K, (N, N): b (N,) -> x (N,) with K[free, free] x[free] = b[free], zeros elsewhere.
 
-        Parameters
-        ----------
-        K
-            (N, N); nonsymmetric in slip and in non-associated flow.
-        symmetric
-            K is symmetric, of which PARDISO makes use.
-
-        Returns
-        -------
-        callable
-            b (N,) -> x (N,) with K[free, free] x[free] = b[free] and zeros elsewhere.
+        K is nonsymmetric in slip and in non-associated flow; where it is `symmetric` PARDISO makes use of that.
 
         Raises
         ------

@@ -53,14 +53,6 @@ def not_there(forms: Mapping[str, Form], there: Mapping[str, Form], unknowns: Un
     return np.setdiff1d(np.union1d(unknowns_of(forms), unknowns.brought), unknowns_of(there))
 
 
-def check_load(load: Any, unknowns: Unknowns) -> ndarray:
-    """A load on all unknowns, or a ``ValueError``: wrong size, NaN, or zero everywhere."""
-    load = on_all(load, unknowns, "the load")
-    if not load.any():
-        raise ValueError("the load is zero: nothing drives a collapse")
-    return load
-
-
 def on_all(values: Any, unknowns: Unknowns, what: str) -> ndarray:
     """Values of all unknowns, or of the displacements and zeros behind them; a ``ValueError`` for others, or NaN."""
     if np.ma.isMaskedArray(values) or np.iscomplexobj(values):
