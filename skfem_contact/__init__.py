@@ -57,8 +57,7 @@ from .post import (
 from .solid import SolidForm, SolidState
 from .stages.initial import given_state, gravity_state, k0_state
 from .stages.result import Result, StageResult, load_result, reset_displacements
-from .stages.run import run
-from .stages.stage import Stage
+from .stages.run import Stage, run
 from .strain import StrainOperator, axisymmetric, b_bar, plane_strain, three_dimensional
 from .testing import CheckFailed, check_form, check_interface_law, check_material
 from .unknowns import Field, rollers, unknowns_at

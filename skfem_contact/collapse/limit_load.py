@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy import ndarray
 
+from ..display import progress_bar
 from ..errors import NotConverged
 from ..forms import Form
 from ..limit_analysis import beside
@@ -14,7 +15,6 @@ from ..materials.reduction import Flow, check_reduction
 from ..nonlinear.line_search import Search
 from ..nonlinear.newton import Newton
 from ..nonlinear.system import System
-from ..progress import progress_bar
 from ..solvers.threads import single_threaded
 from ..stages.result import Result, StageResult
 from .continuation import GROWTH, follow, last_stage, loaded_start

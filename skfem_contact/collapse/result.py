@@ -10,13 +10,13 @@ from typing import Literal
 import numpy as np
 from numpy import ndarray
 
+from ..display import html_table
 from ..errors import AnalysisWarning
 from ..forms import Form
 from ..limit_analysis import Bounds
 from ..materials.reduction import dilates_less
 from ..nonlinear.system import System
 from ..stages.result import StageResult
-from ..tables import html_table
 from .history import Point, Step
 
 FACTOR, LOAD = "factor of safety", "limit load"

@@ -10,6 +10,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy import ndarray
 
+from ..display import progress_bar
 from ..errors import NoEquilibrium, NotConverged
 from ..forms import Form
 from ..limit_analysis import beside
@@ -17,7 +18,6 @@ from ..materials.reduction import Flow, associated_bound, check_reduction, dilat
 from ..nonlinear.line_search import Search
 from ..nonlinear.newton import Newton
 from ..nonlinear.system import System
-from ..progress import progress_bar
 from ..solvers.threads import single_threaded
 from ..stages.result import Result, StageResult
 from ..targets import reduced_parts

@@ -22,7 +22,7 @@ from .supports import all_unknowns, as_unknowns, check_supports
 
 if TYPE_CHECKING:
     from .result import StageResult
-    from .stage import Stage
+    from .run import Stage
 
 #: Springs to the ground, as a share of the stiffness, that hold what a new body does not share with others.
 _LOOSE = 1e-9

@@ -19,9 +19,8 @@ from ..loads import by_element
 from ..materials.elastic import LinearElastic
 from .activation import acts_on, among, check_contacts
 from .result import Result, StageResult, reset_displacements
-from .run import run
+from .run import Stage, run
 from .setup import build_system, on_all, unknowns_of
-from .stage import Stage
 from .supports import all_unknowns, as_unknowns
 
 #: Forces out of balance, as a share of the load, of which a warning is given.

@@ -16,10 +16,10 @@ import numpy as np
 from numpy import ndarray
 
 from ..contact.penalty import choose_penalties
+from ..display import html_table
 from ..errors import look_up
 from ..forms import Form, as_forms
 from ..states import arrays_of, with_arrays
-from ..tables import html_table
 
 if TYPE_CHECKING:
     from ..post import ContactReport, SectionForces, Sections, Tractions
