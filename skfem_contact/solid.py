@@ -11,7 +11,7 @@ from numpy import ndarray
 from scipy.sparse import csr_matrix
 from skfem import CellBasis
 
-from .assembly import Pattern, damped, element_stiffness, force_matrix, strain_matrix
+from .assembly import Pattern, damped, element_stiffness, force_matrix
 from .errors import check_basis, check_quadrature, check_size, look_up
 from .forms import Form, Response
 from .materials import Material, Update
@@ -106,7 +106,7 @@ class SolidForm(Form):
         self._ncomp = B.shape[2]
         self._set(regions)
         self._pattern = Pattern.of(self.basis)
-        self._force_matrix = force_matrix(strain_matrix(B, self.basis.element_dofs, self.basis.N), self.weight)
+        self._force_matrix = force_matrix(B, self.weight, self.basis.element_dofs, self.basis.N)
         self._element_dofs = np.ascontiguousarray(self.basis.element_dofs.T)
         # rows of B that never act (zz in plane strain) need not be multiplied
         self._rows = np.flatnonzero(B.any(axis=(0, 1, 3)))

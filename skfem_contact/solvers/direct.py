@@ -253,7 +253,7 @@ class _Factor:
     def _singular(self) -> SingularSystem:
         """The error that names the unknowns of the softest motion, found with a little stiffness added."""
         self._forget()
-        solve = self._engine.factor((self.A + diags(HOLD * self._scale)).tocsr(), self.symmetric)
+        solve = self._engine.factor((self.A + diags(HOLD * self._scale)).tocsr(), self.symmetric, careful=True)
         motion = _any_motion(len(self._scale))
         for _ in range(2):
             motion = solve(self._scale * motion)
