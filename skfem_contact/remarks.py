@@ -21,12 +21,6 @@ class Remark:
         How bad it is, in any unit.
     text
         What it says.
-
-    Examples
-    --------
-    >>> from skfem_contact.remarks import Remark
-    >>> Remark("penetration", .02, "the slave penetrates by 2 %").kind
-    'penetration'
     """
 
     kind: str

@@ -24,12 +24,7 @@ def padded(K: csr_matrix, n: int) -> csr_matrix:
 
 
 class Gathering:
-    """Forces and tangents of points, added up; places in the matrix are found anew only for points on other nodes.
-
-    Parameters
-    ----------
-    n
-        Number of unknowns.
+    """Forces and tangents of points among n unknowns; places in the matrix are found anew only for other nodes.
 
     Examples
     --------
@@ -88,11 +83,6 @@ def _unique_rows(numbers: ndarray) -> tuple[ndarray, ndarray]:
 
 class FreeBlock:
     """K[order][:, order], gathered through an index map that is kept as long as the pattern of K stays.
-
-    Parameters
-    ----------
-    order
-        The unknowns of the block, in its order.
 
     Examples
     --------

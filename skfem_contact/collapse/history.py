@@ -47,10 +47,8 @@ class Step:
         Factor of safety or load multiplier.
     outcome
         ``"equilibrium"``, ``"collapse"``, ``"stall"``, or ``"peak"``: an equilibrium below the last one.
-    iterations
-        Number of tangents factored.
-    residual
-        Relative residual at the end.
+    iterations, residual
+        Number of tangents factored, and relative residual at the end.
     displacement
         Largest displacement since the start.
     yielding

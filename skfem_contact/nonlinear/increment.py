@@ -34,12 +34,8 @@ def solve_increment(system: System, x: ndarray, states: Mapping[str, Any], load:
     themselves (:meth:`~skfem_contact.forms.Form.begin`).  What is found is assembled again by the forms as given, from
     the states that it leaves: only if that balances is it an answer.
 
-    Parameters
-    ----------
-    system, x, states, load, prescribed, newton, start
-        As for :meth:`System.equilibrium`; where it fails from the start, `x` is tried.
-    try_recovery
-        Whether to search along the energy, and by easier forms, too: this takes several times as long as the rest.
+    Where it fails from the start, `x` is tried; to search along the energy and by easier forms, too (`try_recovery`),
+    takes several times as long as the rest.
 
     Raises
     ------

@@ -46,10 +46,8 @@ class AmgSolver:
 
     Parameters
     ----------
-    locations
-        (dim, N), the place of each unknown; the components of a node follow each other.
-    free
-        Indices of the unknowns to solve for; the others are zero in every solution.
+    locations, free
+        As for :class:`DirectSolver`.
     interface
         Unknowns of surfaces in contact.
     most
