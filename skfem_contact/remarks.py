@@ -11,17 +11,7 @@ from .errors import AnalysisWarning
 
 @dataclass(frozen=True)
 class Remark:
-    """Something that a user should know of an accepted state.
-
-    Attributes
-    ----------
-    kind
-        What it is about: of each kind a run gives one remark, the one of the largest figure.
-    figure
-        How bad it is, in any unit.
-    text
-        What it says.
-    """
+    """What a user should know of an accepted state: of each kind a run gives one remark, that of the largest figure."""
 
     kind: str
     figure: float

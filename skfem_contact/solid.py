@@ -127,13 +127,7 @@ class SolidForm(Form):
         self.strengths = tuple(name for name, material in self.materials.items() if hasattr(material, "reduced"))
 
     def with_materials(self, materials: Mapping[str, Material]) -> SolidForm:
-        """The same body with some materials replaced; what does not change is shared, not computed again.
-
-        Parameters
-        ----------
-        materials
-            ``{subdomain: material}`` of the regions that change.
-        """
+        """The same body with other materials, ``{subdomain: material}``; what does not change is shared."""
         for name in materials:
             look_up(name, self.materials, "region of this solid")
         new = copy(self)
@@ -161,13 +155,7 @@ class SolidForm(Form):
         return largest_shear(self._strains(x))
 
     def initial_state(self, x: ndarray | None = None) -> SolidState:
-        """Stress-free: undeformed or, when the body is built after others have deformed, at the displacements `x`.
-
-        Parameters
-        ----------
-        x
-            Displacements, (N,), that count as unstrained from now on.
-        """
+        """Stress-free: undeformed or, when it is built after others have deformed, at the displacements x, (N,)."""
         stress = np.zeros((self._ncomp, *self.weight.shape))
         strain = stress.copy() if x is None else self._strains(x)
         return SolidState(strain, stress, np.zeros((self._n_internal, *self.weight.shape)))
@@ -190,15 +178,7 @@ class SolidForm(Form):
         return np.pad(state.internal, ((0, missing), (0, 0), (0, 0))) if missing else state.internal
 
     def assemble(self, x: ndarray, state: SolidState) -> Response:
-        """Internal force, tangent and candidate state at the displacements ``x``.
-
-        Parameters
-        ----------
-        x
-            Displacements, (N,).
-        state
-            The last accepted state.
-        """
+        """Internal force, tangent and candidate state at the displacements x, (N,), from the last accepted state."""
         check_size(x, self.basis.N)
         strain = self._strains(x)
         increment = strain - state.strain

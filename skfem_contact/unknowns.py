@@ -70,25 +70,13 @@ class Field:
 
 @dataclass(frozen=True, eq=False)
 class Unknowns:
-    """All unknowns of an analysis.
-
-    Attributes
-    ----------
-    fields
-        Its fields in their order, without gaps; the first are the displacements.
-    """
+    """All unknowns of an analysis: its fields in their order, without gaps; the first are the displacements."""
 
     fields: tuple[Field, ...]
 
     @classmethod
     def of(cls, displacements: ndarray, fields: Iterable[Field]) -> Unknowns:
-        """Displacements at their places, (dim, N), and the fields that forms bring.
-
-        Raises
-        ------
-        ValueError
-            Fields that overlap, or that leave a gap between them.
-        """
+        """Displacements at their places, (dim, N), and the fields that forms bring, which may leave no gap."""
         brought = {(field.name, field.first, field.end): field for field in fields}  # parts of the ground share theirs
         given = sorted(brought.values(), key=lambda field: field.first)
         known = [Field("displacement", displacements, 0)]
