@@ -319,6 +319,11 @@ class _Completed(Form):
         return repr(self._form)
 
 
+def solids_of(forms: Mapping[str, Form]) -> dict[str, Any]:
+    """The forms that give stiffness to elements."""
+    return {name: form for name, form in forms.items() if form.basis is not None}
+
+
 def answers(forms: Mapping[str, Form], x: ndarray, states: Mapping[str, Any]) -> dict[str, Response]:
     """What the forms answer to all unknowns, of which each knows the first ones."""
     return {name: form.assemble(x[:form.size], states[name]).among(len(x)) for name, form in forms.items()}

@@ -9,7 +9,7 @@ from numpy import ndarray
 from numpy.typing import ArrayLike
 from skfem import CellBasis, FacetBasis, LinearForm, Mesh
 
-from .errors import AnalysisWarning, check_basis, facets_of, look_up, place
+from .errors import AnalysisWarning, check_basis, facets_of, look_up, names_of, place
 from .unknowns import elements_of, linear_element
 
 #: Pressure of water, positive: a function of places (2, ...), or values at the nodes of the mesh, (n_nodes,).
@@ -221,7 +221,7 @@ def water_load(basis: CellBasis, pressure: Pressure, boundaries: str | Sequence[
     """
     check_basis(basis)
     axes = range(basis.mesh.dim())
-    named = (boundaries,) if isinstance(boundaries, str) else tuple(boundaries)
+    named = names_of(boundaries)
     facets = [look_up(name, basis.mesh.boundaries or {}, "boundary") for name in named]
     if empty := [name for name, part in zip(named, facets) if len(np.asarray(part)) == 0]:
         raise ValueError(f"water cannot press on the boundaries {empty}: they are empty")

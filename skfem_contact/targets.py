@@ -3,6 +3,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 
+from .errors import names_of
 from .forms import Form
 
 
@@ -15,8 +16,7 @@ def reduced_parts(forms: Mapping[str, Form], reduce: str | Collection[str] | Non
     ValueError
         A name that does not exist or has no strength, or nothing to reduce.
     """
-    exclude = {exclude} if isinstance(exclude, str) else set(exclude)
-    named = set() if reduce is None else {reduce} if isinstance(reduce, str) else set(reduce)
+    exclude, named = set(names_of(exclude)), set(names_of(reduce or ()))
     known = sorted({*forms, *(region for form in forms.values() for region in form.materials)})
     for name in sorted(named | exclude):
         if name not in known:

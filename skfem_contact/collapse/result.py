@@ -12,7 +12,7 @@ from numpy import ndarray
 
 from ..display import html_table
 from ..errors import AnalysisWarning
-from ..forms import Form
+from ..forms import Form, solids_of
 from ..limit_analysis import Bounds
 from ..materials.reduction import dilates_less
 from ..nonlinear.system import System
@@ -232,7 +232,7 @@ class CollapseResult:
 
 def describe_mesh(forms: Mapping[str, Form]) -> str:
     """Elements and unknowns in one line, such as ``576 ElementTriP2, 2442 unknowns``."""
-    bases = [form.basis for form in forms.values() if form.basis is not None]
+    bases = [form.basis for form in solids_of(forms).values()]
     count = Counter[str]()
     for basis in bases:
         count[type(basis.elem.elem).__name__] += basis.nelems

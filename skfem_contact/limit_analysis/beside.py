@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 from numpy import ndarray
 
-from .bounds import bracket, check_settings, names_of
+from ..errors import names_of
+from .bounds import bracket, check_settings
 from .reading import read
 from .result import Bounds
 from .vectors import Vectors

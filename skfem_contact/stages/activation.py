@@ -11,8 +11,8 @@ from scipy.sparse import csr_matrix, diags_array
 
 from ..contact.penalty import choose_penalties
 from ..contact.prestress import prestressed
-from ..errors import look_up
-from ..forms import Form, as_forms, carried
+from ..errors import look_up, names_of
+from ..forms import Form, as_forms, carried, solids_of
 from ..remarks import Remark
 from ..solvers.choice import as_solver
 from ..sparse import padded
@@ -105,26 +105,22 @@ def _at_first(forms: Mapping[str, Form], stages: Sequence[Stage], start: StageRe
     later: set[str] = set()
     seen: set[str] = set()
     for stage in stages:
-        later |= set(_names(stage.activate)) - seen
-        seen |= set(_names(stage.activate)) | set(_names(stage.deactivate))
+        later |= set(names_of(stage.activate)) - seen
+        seen |= set(names_of(stage.activate)) | set(names_of(stage.deactivate))
     return set(forms) - later
-
-
-def _names(given: str | Sequence[str]) -> tuple[str, ...]:
-    return (given,) if isinstance(given, str) else tuple(given)
 
 
 def _after(stage: Stage, forms: Mapping[str, Form], active: set[str]) -> set[str]:
     """Names of what is active in a stage."""
-    for name in (*_names(stage.activate), *_names(stage.deactivate), *stage.change):
+    for name in (*names_of(stage.activate), *names_of(stage.deactivate), *stage.change):
         look_up(name, forms, "form")
-    for name in _names(stage.activate):
+    for name in names_of(stage.activate):
         if name in active:
             raise ValueError(f"'{name}' is activated, but it is active already")
-    for name in _names(stage.deactivate):
+    for name in names_of(stage.deactivate):
         if name not in active:
             raise ValueError(f"'{name}' is deactivated, but it is not active")
-    return (active | set(_names(stage.activate))) - set(_names(stage.deactivate))
+    return (active | set(names_of(stage.activate))) - set(names_of(stage.deactivate))
 
 
 def _changed(name: str, old: Form, new: Form) -> Form:
@@ -222,7 +218,7 @@ def placed(x: ndarray, new: Mapping[str, Form], known: ndarray, fixed: ndarray) 
     They move as if the new solids were an elastic attachment of the old ones, whose unknowns are `known`; bodies that
     share no node stay.
     """
-    solids = {name: form for name, form in new.items() if form.basis is not None}
+    solids = solids_of(new)
     own = np.setdiff1d(unknowns_of(solids), np.union1d(known, fixed))
     if len(own) == 0 or not x.any():
         return x

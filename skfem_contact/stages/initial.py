@@ -14,7 +14,7 @@ from scipy.spatial import cKDTree
 from ..contact.penalty import choose_penalties
 from ..contact.prestress import prestressed
 from ..errors import AnalysisWarning, check_basis, look_up, place
-from ..forms import Form, as_forms, carried
+from ..forms import Form, as_forms, carried, solids_of
 from ..loads import by_element
 from ..materials.elastic import LinearElastic
 from .activation import acts_on, among, check_contacts
@@ -234,8 +234,7 @@ def _with_water(forms: Mapping[str, Form], result: Result) -> Result:
 
 
 def _solids(forms: Mapping[str, Form]) -> dict[str, Any]:
-    found = {name: form for name, form in forms.items() if form.basis is not None}
-    if not found:
+    if not (found := solids_of(forms)):
         raise ValueError("there is no SolidForm among the forms: nothing carries load")
     return found
 

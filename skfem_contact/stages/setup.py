@@ -9,7 +9,7 @@ from numpy import ndarray
 
 from ..contact.penalty import choose_penalties
 from ..errors import look_up
-from ..forms import Form, as_forms
+from ..forms import Form, as_forms, solids_of
 from ..nonlinear.system import System
 from ..solvers.choice import linear_solver
 from ..unknowns import Unknowns
@@ -42,7 +42,7 @@ def forms_there(stage: StageResult, forms: Mapping[str, Form], what: str = "stag
 
 def unknowns_of(forms: Mapping[str, Form]) -> ndarray:
     """Unknowns of the solids, and those that other forms bring."""
-    found = [np.unique(form.basis.element_dofs) for form in forms.values() if form.basis is not None]
+    found = [np.unique(form.basis.element_dofs) for form in solids_of(forms).values()]
     found += [form.carries for form in forms.values() if form.carries is not None]
     found += [field.numbers for form in forms.values() if form.carries is None for field in form.fields]
     return np.unique(np.concatenate(found)) if found else np.zeros(0, int)

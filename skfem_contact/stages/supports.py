@@ -9,7 +9,7 @@ from numpy import ndarray
 from skfem import CellBasis
 
 from ..errors import place
-from ..forms import Form
+from ..forms import Form, solids_of
 from ..mesh.check import check_mesh
 from ..mesh.join import bodies
 from ..unknowns import Unknowns, rigid_modes
@@ -34,7 +34,7 @@ def check_supports(forms: Mapping[str, Form], fixed: ndarray, unknowns: Unknowns
     ValueError
         No solid, fixed unknowns that do not exist, or a loose body.
     """
-    solids = {name: form for name, form in forms.items() if form.basis is not None}
+    solids = solids_of(forms)
     if len(fixed) and (fixed.min() < 0 or fixed.max() >= unknowns.size):
         raise ValueError(f"fixed unknowns must lie between 0 and {unknowns.size - 1}")
     if not solids and all(form.joins is not None for form in forms.values()):
@@ -68,7 +68,7 @@ def all_unknowns(forms: Mapping[str, Form], size: int | None = None) -> Unknowns
     ValueError
         Bad mesh, forms of different bases, or no form that knows how many unknowns there are.
     """
-    bases = {name: form.basis for name, form in forms.items() if form.basis is not None}
+    bases = {name: form.basis for name, form in solids_of(forms).items()}
     first = min((field.first for form in forms.values() for field in form.fields), default=None)
     sizes = {name: form.size for name, form in forms.items() if form.size is not None and not form.fields}
     if len(set(sizes.values())) > 1:
