@@ -18,9 +18,6 @@ from .system import Equilibrium, System
 
 #: Share of a step that its first part takes, and as much of the second one (Alexander 1977, p. 1012).
 PART = 1.0 - np.sqrt(0.5)
-#: What remains of the largest step by which the estimated error is allowed, and the least share of a step tried.
-SAFE, _LEAST = 0.9, 0.1
-
 #: Digits of the share of a stage that a step takes: equal steps then are so to the last bit, and share their factor.
 _DIGITS = 12
 
@@ -53,27 +50,3 @@ def solve_step(system: System, x: ndarray, states: Mapping[str, Any], path: Path
     errors = {name: first.forms[name].time_error(middle.states[name], last.states[name]) for name in second_order}
     return Equilibrium(last.x, last.states, middle.residuals + last.residuals[1:],
                        middle.equilibria + last.equilibria), errors
-
-
-class TimeError:
-    """Compares the errors of steps in time with the most that there was to compare them with in the stage.
-
-    Examples
-    --------
-    >>> error = TimeError()
-    >>> error.growth({"water": (4.0, 1.0)})        # four times as large as allowed: half the step would do
-    0.45
-    >>> error.growth({})
-    inf
-    """
-
-    def __init__(self) -> None:
-        self._largest: dict[str, float] = {}
-
-    def growth(self, errors: Mapping[str, tuple[float, float]]) -> float:
-        """By how much the next step may be longer; below 0.9 the step itself was too long."""
-        worst = 0.0
-        for name, (error, size) in errors.items():
-            largest = self._largest[name] = max(size, self._largest.get(name, 0.0))
-            worst = max(worst, error / largest if error > 0.0 else 0.0)
-        return max(SAFE / float(np.sqrt(worst)), _LEAST) if worst > 0.0 else np.inf

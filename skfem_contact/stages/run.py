@@ -15,7 +15,7 @@ from ..forms import Form, as_forms
 from ..nonlinear.newton import Newton
 from ..nonlinear.stepping import Predictor, Stepping
 from ..nonlinear.system import System
-from ..nonlinear.time_steps import SAFE, TimeError, solve_step
+from ..nonlinear.time_steps import solve_step
 from ..remarks import Remarks
 from ..solvers.threads import single_threaded
 from .activation import Phase, among, begin, check_start, goes_on_otherwise, plan
@@ -190,7 +190,7 @@ def _increments(system: System, predictor: Predictor, stage: Stage, phase: Phase
                 released: ndarray, newton: Newton) -> Iterator[StageResult]:
     """Accepted increments of a stage, one after the other."""
     path = _path(stage, phase, last.load, last.x[system.fixed], released)
-    stepping, error_in_time, began = Stepping(stage.increments), TimeError(), last.time
+    stepping, began = Stepping(stage.increments), last.time
     while last.fraction < 1.0:
         fraction = stepping.fraction
         time = began + fraction * stage.duration
@@ -206,13 +206,11 @@ def _increments(system: System, predictor: Predictor, stage: Stage, phase: Phase
                 where = _place(system, error.unknown)
                 raise NotConverged(f"stage '{stage.name}' {stepping}: {error}{where}{_so_far(system, last)}") from error
             continue
-        growth = error_in_time.growth(errors)
-        if growth < SAFE:
-            stepping.shorten(growth)
-            logger.info("stage '%s': step to %.3g too long, cut by %.2f", stage.name, time, growth)
+        if stepping.too_long(errors):
+            logger.info("stage '%s': step to %.3g too long, cut to %.4f", stage.name, time, stepping.size)
             continue
         logger.info("stage '%s': %.2f%% in %d iterations", stage.name, 100 * fraction, new.iterations)
-        stepping.accept(fraction, new.iterations, new.equilibria, growth)
+        stepping.accept(fraction, new.iterations, new.equilibria)
         load, _ = path(fraction)
         summary = {name: form.summary(new.states[name]) for name, form in system.forms.items()}
         last = StageResult(stage.name, new.x, load, new.states, (*last.iterations, new.iterations),
