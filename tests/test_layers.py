@@ -14,7 +14,7 @@ PACKAGE = Path(skfem_contact.__file__).parent
 ROOMS = (
     {"errors"}, {"display", "remarks", "sparse", "states"}, {"unknowns"}, {"forms"}, {"strain", "assembly"},
     {"materials", "mesh", "loads", "surfaces"},
-    {"regions"}, {"solid", "contact", "links"}, {"solvers"}, {"nonlinear"}, {"stages"},
+    {"regions", "targets"}, {"solid", "contact", "links"}, {"solvers"}, {"nonlinear"}, {"stages"},
     {"limit_analysis"}, {"collapse"}, {"water"}, {"post"},
     {"testing"}, {"plot"}, {"demo", "data"}, {""},
 )  # fmt: skip

@@ -18,9 +18,9 @@ from ..materials.reduction import Flow, associated_bound, check_reduction, dilat
 from ..nonlinear.line_search import Search
 from ..nonlinear.newton import Newton
 from ..nonlinear.system import System
-from ..regions import reduced_parts
 from ..solvers.threads import single_threaded
 from ..stages.result import Result, StageResult
+from ..targets import reduced_parts
 from .continuation import as_collapse, follow, loaded_start
 from .history import Point, SearchLog
 from .result import FACTOR, CollapseResult, Found, Stop, conclude, no_collapse_below

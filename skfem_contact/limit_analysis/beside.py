@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 from numpy import ndarray
 
-from ..errors import names_of
-from .bounds import bracket, check_settings
+from .bounds import bracket, check_settings, names_of
 from .reading import read
 from .result import Bounds
 from .vectors import Vectors

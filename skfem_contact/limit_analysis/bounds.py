@@ -9,7 +9,7 @@ import numpy as np
 from numpy import ndarray
 from tqdm import tqdm
 
-from ..errors import AnalysisWarning, names_of
+from ..errors import AnalysisWarning
 from ..solvers.threads import single_threaded
 from .loading import Loads, PressureLike, TractionLike
 from .reading import Problem, read
@@ -107,6 +107,11 @@ def check_settings(gap: float, elements: int, seconds: float) -> None:
     """Refuse limits that nothing can keep."""
     if not (0 < gap < np.inf) or not elements > 0 or not seconds > 0:
         raise ValueError(f"gap, elements and seconds must be positive, not {gap!r}, {elements!r} and {seconds!r}")
+
+
+def names_of(names: str | Collection[str]) -> tuple[str, ...]:
+    """One name, or several."""
+    return (names,) if isinstance(names, str) else tuple(names)
 
 
 def bracket(problem: Problem, gap: float, elements: int, seconds: float, progress: bool | None, stacklevel: int

@@ -8,7 +8,9 @@ import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix
 
-from ..solvers.direct import as_engine
+from ..solvers.direct import Engine
+from ..solvers.pardiso import Pardiso
+from ..solvers.superlu import SuperLU
 
 #: Shares of the diagonal that are added, one after the other, until the matrix has a factor: equations of the lower
 #: bound depend on each other where two straight lines cross at a node.
@@ -44,7 +46,7 @@ class NormalMatrix:
         self._kept = np.flatnonzero((rows >= 0) & (columns >= 0))
         rows, columns = rows[self._kept], columns[self._kept]
         graph = csr_matrix((np.ones(len(rows)), (rows, columns)), shape=(n, n))
-        self._engine = as_engine()
+        self._engine = _engine()
         self._order = self._engine.order(graph, places)
         rank = np.empty(n, np.int64)
         rank[self._order] = np.arange(n)
@@ -84,3 +86,11 @@ class NormalMatrix:
             DB = np.matmul(D[points], B).reshape(n, -1, width)
             entries.append(np.matmul(flat.transpose(0, 2, 1), DB).ravel())
         return np.concatenate(entries)
+
+
+def _engine() -> Engine:
+    """The fastest engine that is installed."""
+    try:
+        return Pardiso()
+    except ImportError:
+        return SuperLU()

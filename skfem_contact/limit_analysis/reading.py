@@ -13,9 +13,9 @@ from skfem import CellBasis, Mesh
 
 from ..contact.laws import Coulomb, Tied
 from ..contact.pair import ContactPair
-from ..regions import reduced_parts
 from ..solid import SolidForm
 from ..stages.supports import as_unknowns
+from ..targets import reduced_parts
 from .contact import Contact
 from .geometry import Geometry, geometry
 from .loading import Given, Loads, Site
