@@ -144,7 +144,7 @@ def test_a_factor_outside_of_its_bounds_is_told(monkeypatch) -> None:
         found = quiet(sc.strength_reduction, forms, fixed, sc.weight(basis, 20.0), certify={"gap": 0.04})
     assert found.factor > found.proven.upper > 1.3748
     with pytest.warns(sc.AnalysisWarning, match="lies below"):
-        found.told(replace(found.proven, lower=found.factor + 1.0, upper=9.0), 0.01, stacklevel=1)
+        found.beside(replace(found.proven, lower=found.factor + 1.0, upper=9.0), 0.01, stacklevel=1)
     told: list[str] = []
     monkeypatch.setattr("skfem_contact.plot.contours.bar_figure", lambda scale, title, note, size, marks: told.append(
         title) or plt.figure())

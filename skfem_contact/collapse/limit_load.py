@@ -126,7 +126,7 @@ def limit_load(forms: Mapping[str, Form], fixed: ndarray, load: ndarray, start: 
                        until=until)
     end = found.points[-1]
     result = conclude(LOAD, found, end, system, branch.at(end.parameter)[1], log.steps, "continuation", flow)
-    return result.told(proven, tol * abs(result.value), stacklevel=3)
+    return result.beside(proven, tol * abs(result.value), stacklevel=3)
 
 
 def _first(branch: _Load, origin: Point, step: float, newton: Newton, log: SearchLog) -> Point:

@@ -210,7 +210,7 @@ class CollapseResult:
             return f"; with psi < phi a path may end like this: flow='davis_b'{lagged} goes on (Davis is safe{safe})"
         return ""
 
-    def told(self, proven: Bounds | None, tol: float, stacklevel: int) -> CollapseResult:
+    def beside(self, proven: Bounds | None, tol: float, stacklevel: int) -> CollapseResult:
         """The result with its bounds; warn of a search without limit, a factor below 1, a value beyond its bounds."""
         if not self.stop.shows_limit:
             warnings.warn(f"no collapse was shown: the search for the {self.what} ended at {self.value:.4g} with a "

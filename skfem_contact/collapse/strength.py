@@ -184,7 +184,7 @@ def strength_reduction(forms: Mapping[str, Form], fixed: ndarray, load: ndarray 
     with progress_bar(progress, desc=FACTOR, bar_format="{desc} {postfix} {elapsed}") as bar:
         davis = _davis(branch, search, bar) if free else None
         result = search(branch, method=method, bar=bar, davis=davis)
-    return result.told(proven, tol, stacklevel=3)
+    return result.beside(proven, tol, stacklevel=3)
 
 
 def _search(branch: _Strength, origin: Point, newton: Newton, tol: float, step: float, highest: float,

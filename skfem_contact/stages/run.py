@@ -152,7 +152,9 @@ def run(forms: Mapping[str, Any], stages: Sequence[Stage], fixed: ndarray,
     stage            increments  iterations  residual  load    what the bodies carry
     gravity                   1           1   ...  100%
     """
-    given, done = as_forms(forms), _checked(stages, start, newton)
+    given, stages = as_forms(forms), _checked(stages, start, newton)
+    done = [start] if isinstance(start, StageResult) else list(start or ())
+    _check_names(stages, [stage.name for stage in done])
     phases = plan(given, stages, as_unknowns(fixed), done[-1] if done else None)
     last = among(done[-1], phases[0].unknowns) if done else _nothing(phases[0])
     if done:
@@ -250,8 +252,8 @@ def _nothing(phase: Phase) -> StageResult:
     return StageResult("start", np.zeros(n), np.zeros(n), states, (), 0.0)
 
 
-def _checked(stages: Any, start: Any, newton: Any) -> list[StageResult]:
-    """The stages that are done; one clear error before the analysis starts."""
+def _checked(stages: Sequence[Stage], start: Any, newton: Any) -> Sequence[Stage]:
+    """The stages; one clear error before the analysis starts."""
     if not isinstance(stages, Sequence):
         raise ValueError(f"stages must be a list; write [Stage(...)], not {type(stages).__name__}")
     if wrong := next((stage for stage in stages if not isinstance(stage, Stage)), None):
@@ -262,8 +264,11 @@ def _checked(stages: Any, start: Any, newton: Any) -> list[StageResult]:
         raise ValueError(f"start must be a result or a stage of one, not {start!r}")
     if not isinstance(newton, Newton | None):
         raise ValueError(f"newton must be settings Newton(...), not {newton!r}")
-    done = [start] if isinstance(start, StageResult) else list(start or ())
-    before = [stage.name for stage in done]
+    return stages
+
+
+def _check_names(stages: Sequence[Stage], before: list[str]) -> None:
+    """No two stages have the same name, and increments are numbers."""
     names = before + [stage.name for stage in stages]
     for stage in stages:
         if names.count(stage.name) > 1:
@@ -271,4 +276,3 @@ def _checked(stages: Any, start: Any, newton: Any) -> list[StageResult]:
             raise ValueError(f"{which} '{stage.name}'")
         if not isinstance(stage.increments, (int, np.integer)) or stage.increments < 1:
             raise ValueError(f"stage '{stage.name}': increments must be at least 1 and whole, not {stage.increments!r}")
-    return done
