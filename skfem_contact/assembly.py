@@ -13,7 +13,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy import ndarray
-from scipy.sparse import coo_matrix, csr_matrix
+from scipy.sparse import coo_matrix, csc_matrix, csr_matrix
 from skfem import CellBasis
 
 from .sparse import with_data
@@ -23,30 +23,21 @@ _DAMPING = 0.2
 _CHUNK = 512  # elements a batch: B, DB and BᵀDB of a batch stay in the processor's cache
 
 
-def strain_matrix(B: ndarray, element_dofs: ndarray, n: int) -> csr_matrix:
-    """Sparse matrix that maps displacements (N,) to strains, rows ordered (ncomp, n_elements, n_points)."""
-    n_elements, n_points = B.shape[:2]
+def force_matrix(B: ndarray, weight: ndarray, element_dofs: ndarray, n: int) -> csr_matrix:
+    """Sparse matrix that maps stresses (ncomp, n_elements, n_points) to the internal force (n,): ``B^T`` times weights.
+
+    Stored by rows, it multiplies a third faster than the transpose of the matrix of the strains would.
+    """
     data, indices, counts = [], [], []
     for component in range(B.shape[2]):
         used = np.flatnonzero(B[:, :, component].any(axis=(0, 1)))
-        data.append(B[:, :, component, used].ravel())
-        columns = np.broadcast_to(element_dofs[used].T[:, None, :], (n_elements, n_points, len(used)))
-        indices.append(columns.ravel())
-        counts.append(np.full(n_elements * n_points, len(used)))
+        data.append((B[:, :, component, used] * weight[..., None]).ravel())
+        indices.append(np.broadcast_to(element_dofs[used].T[:, None, :], (*weight.shape, len(used))).ravel())
+        counts.append(np.full(weight.size, len(used)))
     indptr = np.concatenate(([0], np.cumsum(np.concatenate(counts))))
-    shape = (B.shape[2] * n_elements * n_points, n)
-    return csr_matrix((np.concatenate(data), np.concatenate(indices).astype(np.int32), indptr.astype(np.int32)),
-                      shape=shape)
-
-
-def force_matrix(strain_matrix: csr_matrix, weight: ndarray) -> csr_matrix:
-    """Sparse matrix that maps stresses, ordered as the strains, to the internal force (N,): ``B^T`` times weights.
-
-    Stored by rows, it multiplies a third faster than the transpose of the strain matrix would.
-    """
-    matrix = strain_matrix.T.tocsr()
-    matrix.data *= np.tile(weight.ravel(), strain_matrix.shape[0] // weight.size)[matrix.indices]
-    return matrix
+    columns = csc_matrix((np.concatenate(data), np.concatenate(indices).astype(np.int32), indptr.astype(np.int32)),
+                         shape=(n, len(indptr) - 1))
+    return columns.tocsr()
 
 
 def element_stiffness(B: ndarray, D: ndarray) -> ndarray:

@@ -21,19 +21,7 @@ _PICTURE = "culvert.png"  # the one that needs OpenGL
 
 
 class Culvert(NamedTuple):
-    """The analysis of the culvert.
-
-    Attributes
-    ----------
-    basis
-        Basis of the whole mesh.
-    forms
-        ``"ground"``, ``"culvert"`` and ``"skin"``, the contact between the two.
-    gravity
-        Load vector of the weights, (N,).
-    result
-        Stages ``"gravity"`` and ``"surcharge"``.
-    """
+    """The analysis of the culvert: of ground, culvert and the skin between them, its weight, (N,), and two stages."""
 
     basis: Basis
     forms: dict[str, Any]
@@ -86,11 +74,6 @@ def culvert() -> Culvert:
 
 def checks(model: Culvert) -> list[Check]:
     """What the paper says of its example, and what equilibrium and symmetry demand.
-
-    Parameters
-    ----------
-    model
-        The finished analysis.
 
     Examples
     --------
@@ -214,17 +197,7 @@ def _save(model: Culvert, out: Path) -> dict[str, str]:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the demonstration from the command line.
-
-    Parameters
-    ----------
-    arguments
-        Command line, by default that of the program.
-
-    Returns
-    -------
-    int
-        0, or 1 if a check fails.
+    """Run the demonstration from the command line; 0, or 1 if a check fails.
 
     Examples
     --------

@@ -1,7 +1,7 @@
 """Errors and warnings: bad input before the analysis starts, and what is raised where there is no equilibrium."""
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
@@ -97,14 +97,7 @@ class Failure:
 
 
 class IncrementTooLarge(RuntimeError):
-    """What a form's ``outer`` raises where it cannot tell what happened during an increment: it must be cut.
-
-    Examples
-    --------
-    >>> from skfem_contact.errors import IncrementTooLarge
-    >>> issubclass(IncrementTooLarge, RuntimeError)
-    True
-    """
+    """What a form's ``outer`` raises where it cannot tell what happened during an increment: it must be cut."""
 
 
 def is_number(value: Any, low: float, high: float) -> bool:
@@ -148,6 +141,11 @@ def look_up(name: str, existing: Mapping[str, T], kind: str) -> T:
         listed = ", ".join(sorted(existing)) or "none at all"
         raise ValueError(f"there is no {kind} '{name}'; existing: {listed}")
     return existing[name]
+
+
+def names_of(given: str | Iterable[str]) -> tuple[str, ...]:
+    """One name, or several."""
+    return (given,) if isinstance(given, str) else tuple(given)
 
 
 def facets_of(mesh: Mesh, boundary: str) -> ndarray:

@@ -319,6 +319,11 @@ class _Completed(Form):
         return repr(self._form)
 
 
+def solids_of(forms: Mapping[str, Form]) -> dict[str, Any]:
+    """The forms that give stiffness to elements."""
+    return {name: form for name, form in forms.items() if form.basis is not None}
+
+
 def answers(forms: Mapping[str, Form], x: ndarray, states: Mapping[str, Any]) -> dict[str, Response]:
     """What the forms answer to all unknowns, of which each knows the first ones."""
     return {name: form.assemble(x[:form.size], states[name]).among(len(x)) for name, form in forms.items()}
@@ -327,8 +332,3 @@ def answers(forms: Mapping[str, Form], x: ndarray, states: Mapping[str, Any]) ->
 def carried(forms: Mapping[str, Form], x: ndarray, states: Mapping[str, Any]) -> ndarray:
     """Sum of the internal forces of all forms, (N,)."""
     return sum((response.force for response in answers(forms, x, states).values()), start=np.zeros(len(x)))
-
-
-def are_symmetric(forms: Mapping[str, Form]) -> bool:
-    """Whether the tangents of all forms are symmetric."""
-    return all(form.symmetric for form in forms.values())

@@ -13,7 +13,7 @@ from scipy.sparse import coo_matrix, csr_matrix
 from skfem import CellBasis
 
 from .errors import check_basis, facets_of, finite, is_number
-from .forms import Form, Response
+from .forms import Form, Response, solids_of
 from .unknowns import Field, first_behind, rigid_modes, unknowns_at
 
 
@@ -307,8 +307,7 @@ class RigidFooting(MatrixForm):
 
     def completed(self, forms: Mapping[str, Form]) -> RigidFooting:
         """The footing with a scale of its forces that suits the solids."""
-        stiffness = [form.elastic_stiffness.diagonal()[self._dofs].max() for form in forms.values()
-                     if form.basis is not None]
+        stiffness = [form.elastic_stiffness.diagonal()[self._dofs].max() for form in solids_of(forms).values()]
         if not max(stiffness, default=0.0) > 0.0:
             raise ValueError("a rigid footing rests on nothing: its boundary belongs to no solid among the forms")
         new = copy(self)

@@ -9,7 +9,7 @@ from numpy import ndarray
 from numpy.typing import ArrayLike
 from skfem import CellBasis, FacetBasis, LinearForm, Mesh
 
-from .errors import AnalysisWarning, check_basis, facets_of, look_up, place
+from .errors import AnalysisWarning, check_basis, facets_of, look_up, names_of, place
 from .unknowns import elements_of, linear_element
 
 #: Pressure of water, positive: a function of places (2, ...), or values at the nodes of the mesh, (n_nodes,).
@@ -68,23 +68,20 @@ def weight(basis: CellBasis, unit_weights: float | Mapping[str, float],
     return np.asarray(body_force.assemble(basis, gamma=field))
 
 
-def by_element(mesh: Mesh, unit_weights: float | Mapping[str, float]) -> ndarray:
-    """Unit weights of all elements of a mesh, checked, (n_elements,); see :func:`weight`."""
-    gamma = np.zeros(mesh.nelements)
-    if isinstance(unit_weights, Mapping):
-        given = np.zeros(mesh.nelements, dtype=int)
-        for name, value in unit_weights.items():
-            elements = look_up(name, mesh.subdomains or {}, "subdomain")
-            gamma[elements] = value
-            given[elements] += 1
-        if given.max() > 1:
-            raise ValueError(f"{(given > 1).sum()} elements get their weight twice: the subdomains "
-                             f"{list(unit_weights)} overlap")
-    else:
-        gamma[:] = unit_weights
-    if not np.isfinite(gamma).all():
-        raise ValueError(f"unit weights must be finite numbers, not {unit_weights!r}")
-    return gamma
+def by_element(mesh: Mesh, values: float | Mapping[str, float], what: str = "weight", missing: float = 0.0) -> ndarray:
+    """Values of all elements of a mesh, checked, (n_elements,): one number, or by subdomain."""
+    everywhere = {"all": np.arange(mesh.nelements)}
+    parts, given = (mesh.subdomains or {}, values) if isinstance(values, Mapping) else (everywhere, {"all": values})
+    result, count = np.full(mesh.nelements, missing), np.zeros(mesh.nelements, dtype=int)
+    for name, value in given.items():
+        elements = look_up(name, parts, "subdomain")
+        result[elements] = value
+        count[elements] += 1
+    if count.max() > 1:
+        raise ValueError(f"{(count > 1).sum()} elements get their {what} twice: the subdomains {list(given)} overlap")
+    if not np.isfinite(result[count > 0]).all():
+        raise ValueError(f"{what}s must be finite numbers, not {values!r}")
+    return result
 
 
 def traction(basis: CellBasis, boundary: str, force: Sequence[float] | Callable[[ndarray], ArrayLike],
@@ -224,7 +221,7 @@ def water_load(basis: CellBasis, pressure: Pressure, boundaries: str | Sequence[
     """
     check_basis(basis)
     axes = range(basis.mesh.dim())
-    named = (boundaries,) if isinstance(boundaries, str) else tuple(boundaries)
+    named = names_of(boundaries)
     facets = [look_up(name, basis.mesh.boundaries or {}, "boundary") for name in named]
     if empty := [name for name, part in zip(named, facets) if len(np.asarray(part)) == 0]:
         raise ValueError(f"water cannot press on the boundaries {empty}: they are empty")

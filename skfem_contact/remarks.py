@@ -11,23 +11,7 @@ from .errors import AnalysisWarning
 
 @dataclass(frozen=True)
 class Remark:
-    """Something that a user should know of an accepted state.
-
-    Attributes
-    ----------
-    kind
-        What it is about: of each kind a run gives one remark, the one of the largest figure.
-    figure
-        How bad it is, in any unit.
-    text
-        What it says.
-
-    Examples
-    --------
-    >>> from skfem_contact.remarks import Remark
-    >>> Remark("penetration", .02, "the slave penetrates by 2 %").kind
-    'penetration'
-    """
+    """What a user should know of an accepted state: of each kind a run gives one remark, that of the largest figure."""
 
     kind: str
     figure: float

@@ -11,7 +11,7 @@ from numpy import ndarray
 from scipy.sparse import csr_matrix
 from skfem import CellBasis
 
-from .assembly import Pattern, damped, element_stiffness, force_matrix, strain_matrix
+from .assembly import Pattern, damped, element_stiffness, force_matrix
 from .errors import check_basis, check_quadrature, check_size, look_up
 from .forms import Form, Response
 from .materials import Material, Update
@@ -106,7 +106,7 @@ class SolidForm(Form):
         self._ncomp = B.shape[2]
         self._set(regions)
         self._pattern = Pattern.of(self.basis)
-        self._force_matrix = force_matrix(strain_matrix(B, self.basis.element_dofs, self.basis.N), self.weight)
+        self._force_matrix = force_matrix(B, self.weight, self.basis.element_dofs, self.basis.N)
         self._element_dofs = np.ascontiguousarray(self.basis.element_dofs.T)
         # rows of B that never act (zz in plane strain) need not be multiplied
         self._rows = np.flatnonzero(B.any(axis=(0, 1, 3)))
@@ -127,13 +127,7 @@ class SolidForm(Form):
         self.strengths = tuple(name for name, material in self.materials.items() if hasattr(material, "reduced"))
 
     def with_materials(self, materials: Mapping[str, Material]) -> SolidForm:
-        """The same body with some materials replaced; what does not change is shared, not computed again.
-
-        Parameters
-        ----------
-        materials
-            ``{subdomain: material}`` of the regions that change.
-        """
+        """The same body with other materials, ``{subdomain: material}``; what does not change is shared."""
         for name in materials:
             look_up(name, self.materials, "region of this solid")
         new = copy(self)
@@ -161,13 +155,7 @@ class SolidForm(Form):
         return largest_shear(self._strains(x))
 
     def initial_state(self, x: ndarray | None = None) -> SolidState:
-        """Stress-free: undeformed or, when the body is built after others have deformed, at the displacements `x`.
-
-        Parameters
-        ----------
-        x
-            Displacements, (N,), that count as unstrained from now on.
-        """
+        """Stress-free: undeformed or, when it is built after others have deformed, at the displacements x, (N,)."""
         stress = np.zeros((self._ncomp, *self.weight.shape))
         strain = stress.copy() if x is None else self._strains(x)
         return SolidState(strain, stress, np.zeros((self._n_internal, *self.weight.shape)))
@@ -190,15 +178,7 @@ class SolidForm(Form):
         return np.pad(state.internal, ((0, missing), (0, 0), (0, 0))) if missing else state.internal
 
     def assemble(self, x: ndarray, state: SolidState) -> Response:
-        """Internal force, tangent and candidate state at the displacements ``x``.
-
-        Parameters
-        ----------
-        x
-            Displacements, (N,).
-        state
-            The last accepted state.
-        """
+        """Internal force, tangent and candidate state at the displacements x, (N,), from the last accepted state."""
         check_size(x, self.basis.N)
         strain = self._strains(x)
         increment = strain - state.strain
@@ -259,7 +239,8 @@ class SolidForm(Form):
 
     def remarks(self, x: ndarray, state: SolidState) -> Iterator[Remark]:
         """Rotations and strains that small-strain kinematics does not bear, and elements that lock."""
-        gradient = np.asarray(self.basis.interpolate(x).grad)
+        moved = zip(x[self.basis.element_dofs], self.basis.basis, strict=True)
+        gradient = np.asarray(sum(u[:, None] * np.asarray(shape.grad) for u, (shape,) in moved))
         turn = float(np.abs(gradient - gradient.swapaxes(0, 1)).max(initial=0.0)) / 2.0
         if turn > _TURN:
             yield Remark("rotation", turn, f"elements rotate by up to {np.degrees(turn):.0f} degrees: rotations are "

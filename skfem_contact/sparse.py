@@ -24,12 +24,7 @@ def padded(K: csr_matrix, n: int) -> csr_matrix:
 
 
 class Gathering:
-    """Forces and tangents of points, added up; places in the matrix are found anew only for points on other nodes.
-
-    Parameters
-    ----------
-    n
-        Number of unknowns.
+    """Forces and tangents of points among n unknowns; places in the matrix are found anew only for other nodes.
 
     Examples
     --------
@@ -90,11 +85,6 @@ def _unique_rows(numbers: ndarray) -> tuple[ndarray, ndarray]:
 class FreeBlock:
     """K[order][:, order], gathered through an index map that is kept as long as the pattern of K stays.
 
-    Parameters
-    ----------
-    order
-        The unknowns of the block, in its order.
-
     Examples
     --------
     >>> import numpy as np
@@ -111,9 +101,7 @@ class FreeBlock:
 
     def gather(self, K: csr_matrix) -> csr_matrix:
         """The block of `K`, in canonical format."""
-        if not K.has_canonical_format:
-            K = K.copy()
-            K.sum_duplicates()
+        K = _canonical(K)
         if self._pattern is None or not same_pattern(K, self._pattern):
             self._map(K)
         return with_data(self._entries, K.data.take(self._entries.data))

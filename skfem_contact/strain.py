@@ -26,14 +26,7 @@ class StrainOperator(NamedTuple):
 
 
 def strain_of(basis: CellBasis, flows: bool) -> Callable[[CellBasis], StrainOperator]:
-    """The strain operator that suits an element: :func:`b_bar` where it would lock, the plain one elsewhere.
-
-    Parameters
-    ----------
-    basis
-        Basis of a vector element.
-    flows
-        Whether a material may flow at constant volume.
+    """The strain operator that suits an element: :func:`b_bar` where it would lock as a material flows, or plain.
 
     Examples
     --------
@@ -59,12 +52,7 @@ def _gradients(basis: CellBasis) -> ndarray:
 
 
 def plane_strain(basis: CellBasis) -> StrainOperator:
-    """Plane strain: the out-of-plane strain is zero, the out-of-plane stress is not.
-
-    Parameters
-    ----------
-    basis
-        Basis of a two-dimensional vector element.
+    """Plane strain of a plane vector element: the out-of-plane strain is zero, the out-of-plane stress is not.
 
     Examples
     --------
@@ -90,11 +78,6 @@ def b_bar(basis: CellBasis) -> StrainOperator:
     with the averaged volumetric strain they do not.  In plane strain the deviatoric part keeps its own out-of-plane
     component, so the out-of-plane strain is zero on average over an element only.
 
-    Parameters
-    ----------
-    basis
-        Basis of a vector element.
-
     Examples
     --------
     >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
@@ -116,15 +99,10 @@ def axisymmetric(basis: CellBasis) -> StrainOperator:
     Loads must be per radian too: boundary forces with the radius as a factor, and
     ``weight(..., axisymmetric=True)``. On the axis the radial displacement has to be fixed.
 
-    Parameters
-    ----------
-    basis
-        Basis of a two-dimensional vector element on a mesh with x >= 0.
-
     Raises
     ------
     ValueError
-        Elements beyond the axis.
+        A basis in space, or elements beyond the axis.
 
     Examples
     --------
@@ -144,12 +122,7 @@ def axisymmetric(basis: CellBasis) -> StrainOperator:
 
 
 def three_dimensional(basis: CellBasis) -> StrainOperator:
-    """Strains in three dimensions: xx, yy, zz, xy, yz, zx (engineering shears).
-
-    Parameters
-    ----------
-    basis
-        Basis of a vector element on tetrahedra or hexahedra.
+    """Strains of tetrahedra and hexahedra: xx, yy, zz, xy, yz, zx (engineering shears).
 
     Raises
     ------

@@ -3,27 +3,20 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 
+from .errors import names_of
 from .forms import Form
 
 
 def reduced_parts(forms: Mapping[str, Form], reduce: str | Collection[str] | None,
                   exclude: str | Collection[str]) -> dict[str, tuple[str, ...]]:
-    """Parts to reduce by form: names of regions, or ``""`` for a form as a whole.
-
-    Parameters
-    ----------
-    forms
-        Forms by name.
-    reduce, exclude
-        Names of forms and of regions that are reduced, by default all that have a strength, and that are not.
+    """Parts to reduce by form: names of regions, or ``""`` for a form as a whole; by default all that have a strength.
 
     Raises
     ------
     ValueError
         A name that does not exist or has no strength, or nothing to reduce.
     """
-    exclude = {exclude} if isinstance(exclude, str) else set(exclude)
-    named = set() if reduce is None else {reduce} if isinstance(reduce, str) else set(reduce)
+    exclude, named = set(names_of(exclude)), set(names_of(reduce or ()))
     known = sorted({*forms, *(region for form in forms.values() for region in form.materials)})
     for name in sorted(named | exclude):
         if name not in known:

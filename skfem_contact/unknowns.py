@@ -62,28 +62,21 @@ class Field:
         """Number of the unknown behind the last one."""
         return self.first + self.places.shape[1]
 
+    @property
+    def numbers(self) -> ndarray:
+        """Numbers of its unknowns."""
+        return np.arange(self.first, self.end)
+
 
 @dataclass(frozen=True, eq=False)
 class Unknowns:
-    """All unknowns of an analysis.
-
-    Attributes
-    ----------
-    fields
-        Its fields in their order, without gaps; the first are the displacements.
-    """
+    """All unknowns of an analysis: its fields in their order, without gaps; the first are the displacements."""
 
     fields: tuple[Field, ...]
 
     @classmethod
     def of(cls, displacements: ndarray, fields: Iterable[Field]) -> Unknowns:
-        """Displacements at their places, (dim, N), and the fields that forms bring.
-
-        Raises
-        ------
-        ValueError
-            Fields that overlap, or that leave a gap between them.
-        """
+        """Displacements at their places, (dim, N), and the fields that forms bring, which may leave no gap."""
         brought = {(field.name, field.first, field.end): field for field in fields}  # parts of the ground share theirs
         given = sorted(brought.values(), key=lambda field: field.first)
         known = [Field("displacement", displacements, 0)]
@@ -235,17 +228,7 @@ def rollers(basis: CellBasis, part: str | None = None, base: Literal["fixed", "r
 def rigid_modes(locations: ndarray, unknowns: ndarray) -> ndarray:
     """Small rigid motions of a body: translations, then rotations about its centre, scaled by its size.
 
-    Parameters
-    ----------
-    locations
-        Place of each unknown, (dim, N); the components of a node follow each other.
-    unknowns
-        Those of the body.
-
-    Returns
-    -------
-    ndarray
-        Displacements, (len(unknowns), 3), in three dimensions (len(unknowns), 6).
+    From the places of all unknowns, (dim, N), and the n numbers of the body's: displacements, (n, 3), in space (n, 6).
 
     Examples
     --------

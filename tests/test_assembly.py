@@ -23,7 +23,7 @@ from skfem import (
 )
 
 import skfem_contact as sc
-from skfem_contact.assembly import Pattern, element_stiffness, strain_matrix
+from skfem_contact.assembly import Pattern, element_stiffness, force_matrix
 
 # Both sides sum the same products in another order: some hundred roundings of 1e-16.
 ROUND_OFF = 1e-13
@@ -296,14 +296,14 @@ def test_matrices_that_share_a_pattern_are_independent(rng):
     assert np.array_equal(form.assemble(basis.zeros(), form.initial_state()).stiffness.toarray(), before)
 
 
-def test_strain_matrix_and_element_matrices(rng):
+def test_forces_and_element_matrices(rng):
     """[X] Plain sums over random operators."""
     B, D = rng.standard_normal((3, 2, 4, 6)), rng.standard_normal((3, 2, 4, 4))
     dofs = rng.permutation(18).reshape(6, 3)
-    x = rng.standard_normal(18)
-    # sums of six and 48 products of order one
-    strain = (strain_matrix(B, dofs, 18) @ x).reshape(4, 3, 2)
-    np.testing.assert_allclose(strain, np.einsum("eqcb,be->ceq", B, x[dofs]), atol=1e-14)
+    stress, weight, force = rng.standard_normal((4, 3, 2)), rng.random((3, 2)), np.zeros(18)
+    # sums of eight and 48 products of order one
+    force[dofs] = np.einsum("eqcb,ceq,eq->be", B, stress, weight)
+    np.testing.assert_allclose(force_matrix(B, weight, dofs, 18) @ stress.ravel(), force, atol=1e-14)
     np.testing.assert_allclose(element_stiffness(B, D), np.einsum("eqci,eqcd,eqdj->eij", B, D, B), atol=1e-13)
 
 

@@ -278,6 +278,9 @@ def test_bad_weights():
         sc.weight(basis, {"a": 1.0, "all": 2.0})
     with pytest.raises(ValueError, match="finite numbers"):
         sc.weight(basis, {"a": np.nan})
+    forms = {"ground": sc.SolidForm(basis, sc.LinearElastic(E=1.0, nu=0.3))}
+    with pytest.raises(ValueError, match="9 elements get their K0 twice"):
+        sc.k0_state(forms, basis.zeros(), np.arange(2), unit_weights=20.0, K0={"a": 0.5, "all": 0.6})
 
 
 @pytest.mark.parametrize("direction", [(0.0, -2.0), (0.0, 0.0, -1.0), (np.nan, 1.0), -1.0])

@@ -105,6 +105,20 @@ def test_the_same_bounds_as_by_name() -> None:
     assert f"bounds: factor of safety in [{named.lower:.5g}" in str(found)
 
 
+def test_the_same_bounds_with_contact() -> None:
+    """[X] A search holds contact in its first geometry; its bounds are those of the pair as given."""
+    mesh = sc.join_bodies(square(ElementTriP2()).mesh, bodies={"lower": "low", "upper": "high"})
+    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=3)
+    forms = {name: sc.SolidForm(basis.with_elements(name), SOIL) for name in ("lower", "upper")}
+    forms["joint"] = sc.ContactPair(basis, "upper|lower", "lower|upper", sc.Coulomb(mu=0.3))
+    fixed = np.hstack([basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1")])
+    load = sc.traction(basis, "top", (0.0, -15.0))
+    found = quiet(sc.strength_reduction, forms, fixed, load, certify={"elements": 100})
+    named = quiet(sc.bounds, forms, fixed, tractions={"top": (0.0, -15.0)}, elements=100)
+    assert found.proven.lower == pytest.approx(named.lower, rel=1e-6)
+    assert found.proven.upper == pytest.approx(named.upper, rel=1e-6)
+
+
 def test_limit_load_after_a_stage() -> None:
     """[X] What the start carries stays, the other load is multiplied: 2 c tan(55°) less half of the weight."""
     forms, fixed, basis = column()

@@ -12,7 +12,7 @@ import skfem_contact
 PACKAGE = Path(skfem_contact.__file__).parent
 #: Rooms from the ground up: a room may use what stands before it. Those of one entry know nothing of each other.
 ROOMS = (
-    {"errors"}, {"progress", "remarks", "sparse", "states", "tables"}, {"unknowns"}, {"forms"}, {"strain", "assembly"},
+    {"errors"}, {"display", "remarks", "sparse", "states"}, {"unknowns"}, {"forms"}, {"strain", "assembly"},
     {"materials", "mesh", "loads", "surfaces"},
     {"regions", "targets"}, {"solid", "contact", "links"}, {"solvers"}, {"nonlinear"}, {"stages"},
     {"limit_analysis"}, {"collapse"}, {"water"}, {"post"},

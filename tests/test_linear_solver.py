@@ -109,6 +109,20 @@ def test_floating_body_is_named(blocks, engine, symmetric):
     assert len(error.value.unknowns) >= len(blocks.upper) - 2 * (N + 1)
 
 
+def test_floating_body_is_named_by_a_careful_factor(blocks, monkeypatch):
+    """[X] Factors that an engine scales as an earlier matrix may give no numbers: they name nothing."""
+    factor = superlu.SuperLU.factor
+
+    def stale(self, A, symmetric, careful=False):
+        solve = factor(self, A, symmetric, careful)
+        return solve if careful else lambda b: np.nan * solve(b)
+
+    monkeypatch.setattr(superlu.SuperLU, "factor", stale)
+    with pytest.raises(SingularSystem) as error:
+        DirectSolver(blocks.locations, blocks.free, "superlu").factor(blocks.stiffness(0.0))
+    assert set(error.value.unknowns) <= set(blocks.upper)
+
+
 @pytest.mark.parametrize("penalty", [1e0, 1e6])
 def test_sliding_body_is_named(blocks, engine, penalty):
     """[X] Contact without friction, of any stiffness: all horizontal unknowns of the upper block."""

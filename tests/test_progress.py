@@ -7,7 +7,7 @@ import sys
 import numpy as np
 
 import skfem_contact as sc
-from skfem_contact.progress import progress_bar
+from skfem_contact.display import progress_bar
 
 
 class Terminal:

@@ -56,7 +56,7 @@ def test_factor_lies_above_the_rigorous_lower_bound(reference):
     """H1 [B]: limit analysis has 1.375 to 1.385; a coarse mesh of quadratic triangles reads up to 7 % more."""
     assert 1.375 < reference.factor < 1.07 * 1.385
     assert reference.bracket[1] - reference.bracket[0] <= 0.0025  # a quarter of the default tolerance
-    assert reference.stop.kind == "plateau" and reference.criterion == str(reference.stop)
+    assert reference.stop.kind == "plateau"
 
 
 @pytest.mark.parametrize("psi", [20.0, 0.0])
@@ -91,7 +91,7 @@ def test_soil_that_was_reduced_by_its_factor_has_factor_one(reference):
     soil = sc.MohrCoulomb(**SOIL).reduced(reference.factor)
     result = reduce(*slope(c=soil.c, phi=soil.phi, psi=soil.psi))
     assert result.factor == pytest.approx(1.0, abs=0.003)
-    assert "elastic" not in result.criterion  # the plateau, or that the first equilibrium is on it
+    assert "elastic" not in str(result.stop)  # the plateau, or that the first equilibrium is on it
 
 
 def test_what_is_elastic_until_it_collapses():

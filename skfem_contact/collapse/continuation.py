@@ -11,22 +11,24 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from typing import Any, Literal, Protocol
+from dataclasses import replace
+from typing import Any, Protocol
 
 import numpy as np
 from numpy import ndarray
 
 from ..errors import NoEquilibrium, NotConverged
-from ..forms import Form
+from ..forms import Form, as_forms
 from ..nonlinear.evaluation import Evaluation
 from ..nonlinear.line_search import Search
 from ..nonlinear.newton import Newton, iterate
 from ..nonlinear.system import System
 from ..solvers.direct import SingularSystem
 from ..stages.result import Result, StageResult
-from ..stages.setup import build_system, check_load, left_by
-from .result import Stop, no_collapse_below
+from ..stages.setup import build_system, forms_there, not_there, on_all
+from ..stages.supports import all_unknowns, as_unknowns
+from .history import Fall, Point, SearchLog, kind_of
+from .result import Found, Stop, no_collapse_below
 
 #: Relative step of the difference quotient by the parameter.
 _DIFFERENCE = 1e-6
@@ -43,10 +45,6 @@ _MOST_STEPS = 100
 _CHORD = 0.7
 
 
-class Fall(NotConverged):
-    """An equilibrium was found, but below the last one: the step was too long, or the curve has a peak."""
-
-
 class Branch(Protocol):
     """A problem that depends on one parameter."""
 
@@ -60,95 +58,31 @@ class Branch(Protocol):
         """Forms and load at a value of the parameter."""
 
 
-@dataclass(frozen=True)
-class Point:
-    """An equilibrium on the curve of parameter over work.
-
-    Attributes
-    ----------
-    x
-        Displacements, (N,).
-    states
-        Accepted states of the forms.
-    parameter
-        Factor of safety or load multiplier.
-    work
-        Work of the reference load since the curve's first point.
-    residuals
-        History of the residual.
-    """
-
-    x: ndarray
-    states: Mapping[str, Any]
-    parameter: float
-    work: float = 0.0
-    residuals: tuple[float, ...] = (0.0,)
-
-    @property
-    def iterations(self) -> int:
-        """Number of tangents factored on the way from the last point to this one."""
-        return len(self.residuals) - 1
-
-
-class Report(Protocol):
-    """Hears of every step."""
-
-    def accept(self, point: Point) -> None:
-        """An equilibrium."""
-
-    def reject(self, parameter: float, error: NotConverged, work: float) -> None:
-        """A step that failed, after the last parameter."""
-
-
-@dataclass(frozen=True)
-class Curve:
-    """Points of the curve, why it ends, and a value of the parameter that it does not reach.
-
-    Attributes
-    ----------
-    points
-        Equilibria in the order they were found.
-    stop
-        Why it ends there.
-    above
-        The smallest parameter that is known not to be reached; infinite where nothing is known.
-    """
-
-    points: tuple[Point, ...]
-    stop: Stop
-    above: float = np.inf
-
-    @property
-    def highest(self) -> Point:
-        """The point of the largest parameter."""
-        return max(self.points, key=lambda point: point.parameter)
-
-
 def last_stage(start: Result | StageResult | None) -> StageResult | None:
     """The stage that a search starts from: the last one of a result."""
     return start[-1] if isinstance(start, Result) else start
 
 
-def starting_point(system: System, last: StageResult | None) -> tuple[System, Point]:
-    """Where a search starts, at the end of a stage or with unstrained bodies, and the system with its geometry there.
+def loaded_start(forms: Mapping[str, Form], fixed: ndarray, load: ndarray | None, start: Result | StageResult | None,
+                 solver: Any) -> tuple[dict[str, Form], System, Point, ndarray]:
+    """The forms that are there, their system, where a search starts, and the load, by default that of the start.
 
-    What follows displaced bodies is held where it is: limits are those of one geometry, whatever the stiffness.
+    What a stage has left out stays where it is.  What follows displaced bodies is held, in the system, in the geometry
+    of the start: limits are those of one geometry, whatever the stiffness.
     """
+    last, given = last_stage(start), as_forms(forms)
+    if load is None and last is None:
+        raise ValueError("there is no load: give `load`, or a `start` that carries one")
+    there, unknowns = given if last is None else forms_there(last, forms, "start"), all_unknowns(given)
+    system = build_system(there, np.union1d(as_unknowns(fixed), not_there(given, there, unknowns)), unknowns, solver)
     x = np.zeros(system.size) if last is None else last.x
     states = {name: form.initial_state() for name, form in system.forms.items()} if last is None else last.states
     held = {name: form.first_geometry(x, states[name]) for name, form in system.forms.items()}
-    forms, states = ({name: pair[i] for name, pair in held.items()} for i in (0, 1))
-    return system.with_forms(forms), Point(x, states, 0.0)
-
-
-def loaded_start(forms: Mapping[str, Form], fixed: ndarray, load: ndarray | None, start: Result | StageResult | None,
-                 solver: Any) -> tuple[System, Point, ndarray]:
-    """System, starting point and load, by default that of the stage from which a search starts."""
-    last = last_stage(start)
-    if load is None and last is None:
-        raise ValueError("there is no load: give `load`, or a `start` that carries one")
-    whole, origin = starting_point(build_system(*left_by(last, forms, fixed), solver=solver), last)
-    return whole, origin, check_load(load if last is None or load is not None else last.load, whole.unknowns)
+    in_place, states = ({name: pair[i] for name, pair in held.items()} for i in (0, 1))
+    load = on_all(last.load if last is not None and load is None else load, unknowns, "the load")
+    if not load.any():
+        raise ValueError("the load is zero: nothing drives a collapse")
+    return system.forms, system.with_forms(in_place), Point(x, states, 0.0), load
 
 
 def remainder(points: list[Point] | tuple[Point, ...]) -> float:
@@ -167,34 +101,19 @@ def remainder(points: list[Point] | tuple[Point, ...]) -> float:
 
 
 def follow(branch: Branch, control: ndarray, points: list[Point], newton: Newton, tolerance: float,
-           report: Report, relative: bool = False, highest: float = np.inf, growth: float = GROWTH,
-           longest: float = np.inf, until: float = 0.0) -> Curve:
+           log: SearchLog, relative: bool = False, highest: float = np.inf, growth: float = GROWTH,
+           longest: float = np.inf, until: float = 0.0) -> Found:
     """Follow the curve until it has levelled off.
 
     Parameters
     ----------
-    branch
-        The problem.
-    control
-        Reference load whose work is prescribed, (N,).
-    points
-        Two points to start from, or more.
-    newton
-        Settings of Newton's method.
-    tolerance
-        The curve ends when its last slope lets the parameter rise by no more than this.
-    relative
-        Whether the tolerance is a share of the parameter.
-    highest
-        The curve ends when the parameter exceeds this.
-    report
-        Told of every new point and of every step that failed.
-    growth
-        Ratio of a step to the one before; the step after one that failed does not grow, those after it grow less.
-    longest
-        Work of the longest step.
-    until
-        Largest displacement that a curve that has levelled off must have reached.
+    branch, control, points
+        The problem, the load whose work is prescribed, and two points to start from.
+    tolerance, relative, highest, until
+        The curve ends when its last slope lets the parameter rise by no more than this, or this share, and its
+        displacements have come so far; or when the parameter exceeds `highest`.
+    growth, longest
+        Ratio of a step to the one before, and work of the longest one; after one that failed they grow less.
     """
     points, length, failures, vain = list(points), min(points[-1].work - points[-2].work, longest), Counter[str](), 0
     while len(points) < _MOST_STEPS:
@@ -205,40 +124,34 @@ def follow(branch: Branch, control: ndarray, points: list[Point], newton: Newton
             if until == 0.0 and point.parameter < last.parameter - margin:
                 raise Fall("the curve falls", point.x, point.residuals)
         except NotConverged as error:
-            report.reject(last.parameter, error, last.work + length)
+            log.reject(last.parameter, error, last.work + length)
             rise = length * (last.parameter - points[-2].parameter) / (last.work - points[-2].work)
             if isinstance(error, NoEquilibrium) and rise < margin:
-                return Curve(tuple(points), Stop("collapse", str(error)), last.parameter + rise)
+                return Found(points, Stop("collapse", str(error)), last.parameter + rise)
             kind = kind_of(error)
             failures[kind] += 1
             vain += max(len(error.residuals) - 1, 0)
             if kind != "collapse" and (failures[kind] > _CUTS[kind] or vain > _VAIN):
-                return Curve(tuple(points), Stop(kind, str(error)))
+                return Found(points, Stop(kind, str(error)))
             length, growth = 0.5 * length, min(growth, _CAUTIOUS)
             continue
         points.append(point)
-        report.accept(point)
+        log.accept(point)
         left = remainder(points)
         reached = np.abs(point.x - points[0].x).max() >= until
         if reached and left < margin:
             best = max(point.parameter for point in points)
             stop = Stop("plateau", f"the curve may rise by {max(left, 0.0):.2g} more")
-            return Curve(tuple(points), stop, best + (left if left > 0.0 else margin))
+            return Found(points, stop, best + (left if left > 0.0 else margin))
         if point.parameter > highest:
-            return Curve(tuple(points), no_collapse_below(highest))
+            return Found(points, no_collapse_below(highest))
         length = length if failures else min(growth * length, longest)
         failures.clear()
-    return Curve(tuple(points), Stop("steps", f"{_MOST_STEPS} of them without a plateau"))
+    return Found(points, Stop("steps", f"{_MOST_STEPS} of them without a plateau"))
 
 
 def correct(branch: Branch, control: ndarray, points: list[Point], work: float, newton: Newton) -> Point:
-    """The equilibrium at which the reference load has done some work, starting from an extrapolation.
-
-    Raises
-    ------
-    NotConverged
-        Newton's method found none.
-    """
+    """The equilibrium at which the reference load has done some work, starting from an extrapolation."""
     before, last = points[-2:]
     share = (work - last.work) / (last.work - before.work)
     # the curve bends: the parameter's extrapolation is a cautious one
@@ -284,8 +197,3 @@ def as_collapse(error: NotConverged, system: System) -> NotConverged:
         return error
     return NoEquilibrium("all points flow at once, and nothing resists any more", error.x, error.residuals,
                          error.unknown)
-
-
-def kind_of(error: NotConverged) -> Literal["collapse", "peak", "stall"]:
-    """How a step failed."""
-    return "collapse" if isinstance(error, NoEquilibrium) else "peak" if isinstance(error, Fall) else "stall"

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy import ndarray
 
+from ..display import progress_bar
 from ..errors import NotConverged
 from ..forms import Form
 from ..limit_analysis import beside
@@ -14,13 +15,11 @@ from ..materials.reduction import Flow, check_reduction
 from ..nonlinear.line_search import Search
 from ..nonlinear.newton import Newton
 from ..nonlinear.system import System
-from ..progress import progress_bar
 from ..solvers.threads import single_threaded
 from ..stages.result import Result, StageResult
-from ..stages.setup import build_system, check_load, left_by
-from .continuation import GROWTH, Point, follow, last_stage, starting_point
-from .history import SearchLog
-from .result import LOAD, CollapseResult, Found, conclude
+from .continuation import GROWTH, follow, last_stage, loaded_start
+from .history import Point, SearchLog
+from .result import LOAD, CollapseResult, conclude
 
 _CUTS = 10
 #: Growth of the steps where friction lags behind by one of them.
@@ -54,10 +53,8 @@ def limit_load(forms: Mapping[str, Form], fixed: ndarray, load: ndarray, start: 
 
     Parameters
     ----------
-    forms
-        Solids and contact pairs by name; those that ``start`` does not hold are not there.
-    fixed
-        Unknowns that are held where they are.
+    forms, fixed, solver, progress
+        As for :func:`strength_reduction`.
     load
         Reference load, (N,).
     start
@@ -75,10 +72,6 @@ def limit_load(forms: Mapping[str, Form], fixed: ndarray, load: ndarray, start: 
         its own friction, and in long steps it carries more than the given law: `longest` keeps them short.
     newton
         Settings of Newton's method; by default the residual is at most 0.03 ``tol`` of the load.
-    solver
-        A scikit-fem linear solver ``(A, b) -> x``.
-    progress
-        Show a progress bar; by default where the output is a terminal.
     longest
         Work of the longest step over that of the first one.  Steps grow up to it; without it, until the end.
     until
@@ -116,30 +109,24 @@ def limit_load(forms: Mapping[str, Form], fixed: ndarray, load: ndarray, start: 
     check_reduction(1.0, flow)
     if not tol > 0 or not step > 0 or not longest > 0:
         raise ValueError(f"tol, step and longest must be positive, not {tol!r}, {step!r} and {longest!r}")
-    last = last_stage(start)
-    there, held, unknowns = left_by(last, forms, fixed)
-    given = there
+    given, system, origin, reference = loaded_start(forms, fixed, load, start, solver)
     if flow != "given":
-        there = {name: form.reduced(1.0, flow, form.strengths) for name, form in there.items()}
-    system, origin = starting_point(build_system(there, held, unknowns, solver), last)
-    reference = check_load(load, system.unknowns)
+        system = system.with_forms({name: form.reduced(1.0, flow, form.strengths)
+                                    for name, form in system.forms.items()})
+    last = last_stage(start)
     dead = np.zeros(system.size) if last is None else last.load
     proven = beside(certify, given, system.fixed, dead, reference, flow=flow, progress=progress)
     branch = _Load(system, dead, reference)
     newton = newton or Newton(tolerance=0.03 * tol, max_iterations=30)
     with progress_bar(progress, desc=LOAD, bar_format="{desc} {postfix} {elapsed}") as bar:
-        log = SearchLog(system.forms, bar)
-        log.begin(origin)
+        log = SearchLog(system.forms, bar, origin)
         points = [origin, _first(branch, origin, step, newton, log)]
-        curve = follow(branch, reference, points, newton, tol, log, relative=True, highest=highest,
+        found = follow(branch, reference, points, newton, tol, log, relative=True, highest=highest,
                        growth=_SMALL_GROWTH if flow == "lagged" else GROWTH, longest=longest * points[-1].work,
                        until=until)
-    end = curve.points[-1]
-    value = curve.highest.parameter
-    found = Found(value, (value, curve.above), curve.stop, curve.points, end, end.x - curve.points[-2].x)
-    result = conclude(LOAD, found, system, branch.at(end.parameter)[1], log.steps, "continuation", flow)
-    result.warn(stacklevel=3)
-    return result.beside(proven, tol * abs(value), stacklevel=3)
+    end = found.points[-1]
+    result = conclude(LOAD, found, end, system, branch.at(end.parameter)[1], log.steps, "continuation", flow)
+    return result.beside(proven, tol * abs(result.value), stacklevel=3)
 
 
 def _first(branch: _Load, origin: Point, step: float, newton: Newton, log: SearchLog) -> Point:

@@ -5,21 +5,19 @@ import warnings
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 from numpy import ndarray
 
+from ..display import html_table
 from ..errors import AnalysisWarning
-from ..forms import Form
+from ..forms import Form, solids_of
 from ..limit_analysis import Bounds
 from ..materials.reduction import dilates_less
 from ..nonlinear.system import System
 from ..stages.result import StageResult
-from ..tables import html_table
-
-if TYPE_CHECKING:
-    from .continuation import Point
+from .history import Point, Step
 
 FACTOR, LOAD = "factor of safety", "limit load"
 
@@ -37,12 +35,6 @@ class Stop:
         their number did.
     text
         What a reader should know of it.
-
-    Examples
-    --------
-    >>> from skfem_contact.collapse.result import Stop
-    >>> print(Stop("highest", "there is no collapse below 100"))
-    highest: there is no collapse below 100
     """
 
     kind: Literal["plateau", "collapse", "peak", "stall", "highest", "steps"]
@@ -63,34 +55,30 @@ def no_collapse_below(highest: float) -> Stop:
 
 
 @dataclass(frozen=True)
-class Step:
-    """A step of a search.
+class Found:
+    """What a search ends with.
 
     Attributes
     ----------
-    parameter
-        Factor of safety or load multiplier.
-    outcome
-        ``"equilibrium"``, ``"collapse"``, ``"stall"``, or ``"peak"``: an equilibrium below the last one.
-    iterations
-        Number of tangents factored.
-    residual
-        Relative residual at the end.
-    displacement
-        Largest displacement since the start.
-    yielding
-        Share of the points of all solids that flowed in this step.
-    work
-        Work of the reference load since the start.
+    points
+        Equilibria in the order they were found.
+    stop
+        Why it ends there.
+    above
+        The smallest parameter that is known not to be reached; infinite where nothing is known.
+    motion
+        Displacements at collapse, (N,); by default those from the last equilibrium but one to the last.
     """
 
-    parameter: float
-    outcome: Literal["equilibrium", "collapse", "peak", "stall"]
-    iterations: int
-    residual: float
-    displacement: float
-    yielding: float
-    work: float
+    points: Sequence[Point]
+    stop: Stop
+    above: float = np.inf
+    motion: ndarray | None = None
+
+    @property
+    def highest(self) -> Point:
+        """The equilibrium of the largest parameter."""
+        return max(self.points, key=lambda point: point.parameter)
 
 
 @dataclass(frozen=True)
@@ -162,11 +150,6 @@ class CollapseResult:
         return self.value
 
     @property
-    def criterion(self) -> str:
-        """What stopped the search, in words."""
-        return str(self.stop)
-
-    @property
     def x(self) -> ndarray:
         """Displacements, (N,)."""
         return self.end.x
@@ -227,17 +210,14 @@ class CollapseResult:
             return f"; with psi < phi a path may end like this: flow='davis_b'{lagged} goes on (Davis is safe{safe})"
         return ""
 
-    def warn(self, stacklevel: int) -> None:
-        """Warn where the search has shown no limit, and where a structure is unstable under its own load."""
+    def beside(self, proven: Bounds | None, tol: float, stacklevel: int) -> CollapseResult:
+        """The result with its bounds; warn of a search without limit, a factor below 1, a value beyond its bounds."""
         if not self.stop.shows_limit:
             warnings.warn(f"no collapse was shown: the search for the {self.what} ended at {self.value:.4g} with a "
                           f"{self.stop}{self._advice()}", AnalysisWarning, stacklevel=stacklevel + 1)
         elif self.what == FACTOR and self.value < 1.0:
             warnings.warn(f"the structure is unstable under its own load: its factor of safety is {self.value:.3f}",
                           AnalysisWarning, stacklevel=stacklevel + 1)
-
-    def beside(self, proven: Bounds | None, tol: float, stacklevel: int) -> CollapseResult:
-        """The result with its bounds, and a warning where it lies outside of them by more than `tol`."""
         if proven is None:
             return self
         where = f"the {self.what} {self.value:.4g} lies {{}} [{proven.lower:.4g}, {proven.upper:.4g}], its bounds: "
@@ -252,7 +232,7 @@ class CollapseResult:
 
 def describe_mesh(forms: Mapping[str, Form]) -> str:
     """Elements and unknowns in one line, such as ``576 ElementTriP2, 2442 unknowns``."""
-    bases = [form.basis for form in forms.values() if form.basis is not None]
+    bases = [form.basis for form in solids_of(forms).values()]
     count = Counter[str]()
     for basis in bases:
         count[type(basis.elem.elem).__name__] += basis.nelems
@@ -260,40 +240,19 @@ def describe_mesh(forms: Mapping[str, Form]) -> str:
     return f"{elements}, {bases[0].N} unknowns" if bases else "no elements"
 
 
-class Found(NamedTuple):
-    """What a search ends with: value, bracket, why, equilibria, the one that counts, and the motion at collapse."""
-
-    value: float
-    bracket: tuple[float, float]
-    stop: Stop
-    points: Sequence[Point]
-    end: Point
-    motion: ndarray
-
-
-def conclude(what: str, found: Found, system: System, load: ndarray, steps: Sequence[Step], method: str, flow: str,
-             reduced: tuple[str, ...] = (), davis: CollapseResult | None = None) -> CollapseResult:
-    """The result of a search.
-
-    Parameters
-    ----------
-    what
-        :data:`FACTOR` or :data:`LOAD`.
-    found
-        What the search ended with.
-    system, load
-        Forms and load at the end.
-    steps, method, flow, reduced, davis
-        As for :class:`CollapseResult`.
-    """
-    mechanism = found.motion / (np.abs(found.motion).max() or 1.0)
+def conclude(what: str, found: Found, last: Point, system: System, load: ndarray, steps: Sequence[Step], method: str,
+             flow: str, reduced: tuple[str, ...] = (), davis: CollapseResult | None = None) -> CollapseResult:
+    """The result of a search whose `last` equilibrium, with its forms and load, other analyses start from."""
+    motion = found.points[-1].x - found.points[-2].x if found.motion is None else found.motion
+    mechanism = motion / (np.abs(motion).max() or 1.0)
     bands = {name: band for name, form in system.forms.items() if (band := form.shear_strain(mechanism)) is not None}
     less = any(dilates_less(material) for form in system.forms.values() for material in form.materials.values())
     iterations = sum(step.iterations for step in steps)
     residual = next(step.residual for step in reversed(steps) if step.outcome == "equilibrium")
-    released = {name: form.released(found.end.x, found.end.states[name]) for name, form in system.forms.items()}
+    released = {name: form.released(last.x, last.states[name]) for name, form in system.forms.items()}
     forms, states = ({name: pair[i] for name, pair in released.items()} for i in (0, 1))
-    end = StageResult(what, found.end.x, load, states, (iterations,), residual, forms=forms)
-    return CollapseResult(what, found.value, found.bracket, found.stop, method, flow, reduced,
+    end = StageResult(what, last.x, load, states, (iterations,), residual, forms=forms)
+    value = found.highest.parameter
+    return CollapseResult(what, value, (value, found.above), found.stop, method, flow, reduced,
                           describe_mesh(system.forms), tuple(steps), end, mechanism, bands,
                           tuple((point.parameter, point.x) for point in found.points), less, davis)

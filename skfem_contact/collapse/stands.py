@@ -51,7 +51,7 @@ def stands(forms: Mapping[str, Form], fixed: ndarray, load: ndarray | None = Non
     >>> [sc.stands({"clay": column}, fixed, sc.traction(basis, "top", (0., -q))) for q in (19.9, 40.)]
     [True, False]
     """
-    system, origin, load = loaded_start(forms, fixed, load, start, solver)
+    _, system, origin, load = loaded_start(forms, fixed, load, start, solver)
     try:
         system.equilibrium(origin.x, origin.states, load, origin.x[system.fixed],
                            newton or Newton(tolerance=3e-4, max_iterations=60), ("energy", "residual"), at_least=1,

@@ -3,12 +3,14 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Collection, Mapping
+from dataclasses import replace
 from functools import partial
 from typing import Any, Literal
 
 import numpy as np
 from numpy import ndarray
 
+from ..display import progress_bar
 from ..errors import NoEquilibrium, NotConverged
 from ..forms import Form
 from ..limit_analysis import beside
@@ -16,12 +18,11 @@ from ..materials.reduction import Flow, associated_bound, check_reduction, dilat
 from ..nonlinear.line_search import Search
 from ..nonlinear.newton import Newton
 from ..nonlinear.system import System
-from ..progress import progress_bar
 from ..solvers.threads import single_threaded
 from ..stages.result import Result, StageResult
 from ..targets import reduced_parts
-from .continuation import Point, as_collapse, follow, loaded_start
-from .history import SearchLog
+from .continuation import as_collapse, follow, loaded_start
+from .history import Point, SearchLog
 from .result import FACTOR, CollapseResult, Found, Stop, conclude, no_collapse_below
 
 logger = logging.getLogger("skfem_contact")
@@ -174,31 +175,30 @@ def strength_reduction(forms: Mapping[str, Form], fixed: ndarray, load: ndarray 
     check_reduction(1.0, flow)
     if not tol > 0 or not step > 0 or not highest > 1:
         raise ValueError(f"tol and step must be positive and highest above 1, not {tol!r}, {step!r} and {highest!r}")
-    whole, origin, load = loaded_start(forms, fixed, load, start, solver)
+    given, whole, origin, load = loaded_start(forms, fixed, load, start, solver)
     branch = _Strength(whole, load, reduced_parts(whole.forms, reduce, exclude), flow)
     free = flow == "given" and any(dilates_less(material) for material in branch.materials)
     newton = newton or Newton(tolerance=(_LOOSE if free else _BALANCE) * tol, max_iterations=30)
-    proven = beside(certify, whole.forms, whole.fixed, load, None, reduce, exclude, flow, progress)
+    proven = beside(certify, given, whole.fixed, load, None, reduce, exclude, flow, progress)
     search = partial(_search, origin=origin, newton=newton, tol=tol, step=max(step, tol), highest=highest)
     with progress_bar(progress, desc=FACTOR, bar_format="{desc} {postfix} {elapsed}") as bar:
         davis = _davis(branch, search, bar) if free else None
         result = search(branch, method=method, bar=bar, davis=davis)
-    result.warn(stacklevel=3)
     return result.beside(proven, tol, stacklevel=3)
 
 
 def _search(branch: _Strength, origin: Point, newton: Newton, tol: float, step: float, highest: float,
             method: str, bar: Any, davis: CollapseResult | None = None) -> CollapseResult:
-    log = SearchLog(branch.whole.forms, bar)
+    log = SearchLog(branch.whole.forms, bar, origin)
     if davis is not None:
         branch.safe, branch.above = davis.factor, branch.bound(davis)
     first = _first(branch, origin, newton, log)
     search = _continuation if method == "continuation" else _bracket
     found = search(branch, first, newton, tol, step, highest, log)
     if np.isfinite(branch.above) and found.stop.kind != "collapse":
-        found = found._replace(bracket=(found.value, max(found.value, branch.above)))
-    system, load = branch.at(found.value)
-    return conclude(FACTOR, found, system, load, log.steps, method, branch.flow, branch.names, davis)
+        found = replace(found, above=max(found.highest.parameter, branch.above))
+    system, load = branch.at(found.highest.parameter)
+    return conclude(FACTOR, found, found.highest, system, load, log.steps, method, branch.flow, branch.names, davis)
 
 
 def _davis(branch: _Strength, search: Callable[..., CollapseResult], bar: Any) -> CollapseResult | None:
@@ -212,7 +212,6 @@ def _davis(branch: _Strength, search: Callable[..., CollapseResult], bar: Any) -
 
 def _first(branch: _Strength, origin: Point, newton: Newton, log: SearchLog) -> Point:
     """The first equilibrium: at factor 1, or below where there is none."""
-    log.begin(origin)
     error: NotConverged | None = None
     for factor in (factor for factor in _FIRST if factor < branch.above):
         try:
@@ -243,16 +242,14 @@ def _continuation(branch: _Strength, first: Point, newton: Newton, tol: float, s
     points, failed = _approach(branch, first, newton, _OPEN * tol, step, highest, log)
     last = points[-1]
     if len(points) > 1:
-        curve = follow(branch, branch.load, points, newton, _OPEN * tol, log, highest=highest)
-        best, motion = curve.highest, curve.points[-1].x - curve.points[-2].x
-        return Found(best.parameter, (best.parameter, curve.above), curve.stop, curve.points, best, motion)
+        return follow(branch, branch.load, points, newton, _OPEN * tol, log, highest=highest)
     if failed is None:
-        return Found(last.parameter, (last.parameter, np.inf), no_collapse_below(highest), points, last, 0 * last.x)
-    where = "the first equilibrium is at its limit" if log.ever_yielding else "the bodies are elastic up to there"
+        return Found(points, no_collapse_below(highest), motion=0 * last.x)
+    flowed = any(step.yielding > 0.0 for step in log.steps)
+    where = "the first equilibrium is at its limit" if flowed else "the bodies are elastic up to there"
     shown = isinstance(failed, NoEquilibrium)
     above = log.steps[-1].parameter if shown else np.inf
-    stop = Stop("collapse" if shown else "stall", where)
-    return Found(last.parameter, (last.parameter, above), stop, points, last, _motion(last, failed))
+    return Found(points, Stop("collapse" if shown else "stall", where), above, _motion(last, failed))
 
 
 def _motion(last: Point, failed: NotConverged | None) -> ndarray:
@@ -309,4 +306,4 @@ def _bracket(branch: _Strength, first: Point, newton: Newton, tol: float, step: 
         stop = Stop("stall", f"at {above:.4f} neither equilibrium nor collapse was found ({higher}): {failed}")
     else:
         stop = Stop("collapse", f"at {shown:.4f}")
-    return Found(last.parameter, (last.parameter, shown), stop, points, last, _motion(last, failed))
+    return Found(points, stop, shown, _motion(last, failed))

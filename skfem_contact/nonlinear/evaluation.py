@@ -16,10 +16,8 @@ class Evaluation:
 
     Attributes
     ----------
-    z
-        Unknowns: displacements, and whatever else is sought.
-    responses
-        Answers of the forms.
+    z, responses
+        Unknowns: displacements, and whatever else is sought; answers of the forms.
     residual
         Load less internal forces, zero at the fixed unknowns, (N,).
     norm

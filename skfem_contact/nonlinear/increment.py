@@ -34,14 +34,8 @@ def solve_increment(system: System, x: ndarray, states: Mapping[str, Any], load:
     themselves (:meth:`~skfem_contact.forms.Form.begin`).  What is found is assembled again by the forms as given, from
     the states that it leaves: only if that balances is it an answer.
 
-    Parameters
-    ----------
-    system, x, states, load, prescribed, newton
-        As for :meth:`System.equilibrium`.
-    start
-        Displacements to start from; where that fails, and by default, `x`.
-    try_recovery
-        Whether to search along the energy, and by easier forms, too: this takes several times as long as the rest.
+    Where it fails from the start, `x` is tried; to search along the energy and by easier forms, too (`try_recovery`),
+    takes several times as long as the rest.
 
     Raises
     ------
@@ -51,7 +45,7 @@ def solve_increment(system: System, x: ndarray, states: Mapping[str, Any], load:
     """
     searches: tuple[Search, ...] = ("residual", "energy") if try_recovery else ("residual",)
     given = system
-    system = _with(given, {name: form.begin(states[name]) for name, form in given.forms.items()})
+    system = given.with_forms({name: form.begin(states[name]) for name, form in given.forms.items()})
     if start is not None:
         try:
             return _solve(given, system, x, states, load, prescribed, newton, searches, start)
@@ -85,15 +79,9 @@ def _solve(given: System, system: System, x: ndarray, states: Mapping[str, Any],
             check(given, system, new, states, load, newton)
             return replace(new, residuals=residuals, equilibria=count)
         states = {**states, **{name: state for name, (_, state) in changed.items()}}
-        system = _with(system, {**system.forms, **{name: form for name, (form, _) in changed.items()}})
+        system = system.with_forms({**system.forms, **{name: form for name, (form, _) in changed.items()}})
         x, start = new.x, None
     raise NotConverged(f"the increment was solved {_MOST} times and {list(changed)} still changes")
-
-
-def _with(system: System, forms: Mapping[str, Any]) -> System:
-    """The system with other forms; the same one where they are the same."""
-    same = all(form is system.forms[name] for name, form in forms.items())
-    return system if same else system.with_forms(forms)
 
 
 def check(given: System, system: System, found: Equilibrium, states: Mapping[str, Any], load: ndarray,
@@ -114,13 +102,6 @@ def _easier(system: System, states: Mapping[str, Any], load: ndarray, error: Not
 
     Bodies that move freely need to be held, and points that chatter an easier law.  Where none chatters the bodies may
     be about to lift off: a residual that hardly changes is that of a body that flies away.
-
-    Parameters
-    ----------
-    system, states, load
-        As for :meth:`System.equilibrium`.
-    error
-        How it failed.
     """
     loose = isinstance(error, NoEquilibrium) or isinstance(error.__cause__, SingularSystem)
     if not loose:
@@ -136,7 +117,7 @@ def _easier(system: System, states: Mapping[str, Any], load: ndarray, error: Not
 
 def _begin(system: System, states: Mapping[str, Any], failures: Mapping[str, Failure]) -> System:
     """The system with what its forms begin with after failures."""
-    return _with(system, {name: form.begin(states[name], failures[name]) for name, form in system.forms.items()})
+    return system.with_forms({name: form.begin(states[name], failures[name]) for name, form in system.forms.items()})
 
 
 def _candidates(system: System, x: ndarray, states: Mapping[str, Any], load: ndarray) -> list[dict[str, Any]]:

@@ -73,27 +73,14 @@ def iterate(now: Evaluation, evaluate: Callable[[ndarray], Evaluation],
 
     Parameters
     ----------
-    now
-        Where to start.
-    evaluate
-        Evaluation at some unknowns.
     direction
         Newton step at an evaluation, with the tangent or with the damped one.
-    settings
-        Tolerance and number of iterations.
-    search
-        Line search.
     far
         Whether one is so far away that the search along the energy shows a collapse.
     at_least
         Number of iterations even if the residual is small from the start.
     damp
         Damp the tangent from the start, not only where the iterations make no progress.
-
-    Raises
-    ------
-    NoEquilibrium, NotConverged
-        There is no solution; none was found.
     """
     norms, sizes, damped = [now.norm], [unbalanced(now)], damp
     met, counted = {now.active}, 0

@@ -1,6 +1,8 @@
 """How large the increments of a stage are, and how much is tried to find an equilibrium in each."""
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy import ndarray
 
@@ -21,6 +23,8 @@ _NARROW = 0.02
 _ROUND_OFF = 1e-9
 #: Steps in time keep their length, and with it their matrix, until they may be longer by this, and at most this much.
 _WORTH, _TWICE = 1.5, 2.0
+#: What remains of the largest step by which the estimated error is allowed, and the least share of a step tried.
+_SAFE, _LEAST = 0.9, 0.1
 
 
 class Stepping:
@@ -44,6 +48,10 @@ class Stepping:
     >>> stepping.accept(stepping.fraction, iterations=5)
     >>> stepping.fraction
     0.75
+    >>> stepping.too_long({"water": (4.0, 1.0)})        # an error four times as large as allowed: half would do
+    True
+    >>> stepping.fraction
+    0.475
     """
 
     def __init__(self, increments: int) -> None:
@@ -51,6 +59,7 @@ class Stepping:
         self._reached, self._failed, self._collapsed, self._shortest = 0.0, np.inf, np.inf, 1.0
         #: Whether the attempt before this one failed.
         self.cut = False
+        self._growth, self._compared = np.inf, dict[str, float]()
 
     @property
     def fraction(self) -> float:
@@ -79,20 +88,30 @@ class Stepping:
         """Whether an equilibrium and a collapse are next to each other."""
         return self._collapsed - self._reached <= _NARROW * self._reached
 
-    def shorten(self, share: float) -> None:
-        """An equilibrium was found, after a step too long in time."""
-        self._size = share * (self.fraction - self._reached)
-        self._shortest = min(self._shortest, self._size)
+    def too_long(self, errors: Mapping[str, tuple[float, float]]) -> bool:
+        """Whether a step is to be taken anew, shorter, by the errors in time of its forms and what they compare with.
 
-    def accept(self, fraction: float, iterations: int, equilibria: int = 1, growth: float = np.inf) -> None:
-        """An equilibrium was found, or several in a row; the next step in time may be longer by some factor."""
+        They are compared with the most that there was to compare them with in the stage.
+        """
+        worst = 0.0
+        for name, (error, size) in errors.items():
+            largest = self._compared[name] = max(size, self._compared.get(name, 0.0))
+            worst = max(worst, error / largest if error > 0.0 else 0.0)
+        self._growth = max(_SAFE / float(np.sqrt(worst)), _LEAST) if worst > 0.0 else np.inf
+        if self._growth < _SAFE:
+            self._size = self._growth * (self.fraction - self._reached)
+            self._shortest = min(self._shortest, self._size)
+        return self._growth < _SAFE
+
+    def accept(self, fraction: float, iterations: int, equilibria: int = 1) -> None:
+        """An equilibrium was found, or several in a row."""
         self._reached, self.cut = fraction, False
         self._failed, self._collapsed = (f if f > fraction + _ROUND_OFF else np.inf
                                          for f in (self._failed, self._collapsed))
-        if growth < 1.0:
-            self._size *= growth
-        elif iterations <= _EASY * equilibria and growth >= _WORTH:
-            self._size = max(self._size, min(min(_TWICE, growth) * self._size, self._largest))
+        if self._growth < 1.0:
+            self._size *= self._growth
+        elif iterations <= _EASY * equilibria and self._growth >= _WORTH:
+            self._size = max(self._size, min(min(_TWICE, self._growth) * self._size, self._largest))
 
     def reject(self, error: NotConverged) -> None:
         """None was found."""

@@ -13,7 +13,7 @@ from numpy import ndarray
 from scipy.sparse import csr_matrix
 
 from ..errors import NoEquilibrium, NotConverged
-from ..forms import Form, Response, answers, are_symmetric
+from ..forms import Form, Response, answers
 from ..solvers.direct import LinearSolver, SingularSystem, Solve
 from ..sparse import Total, with_data
 from ..unknowns import Unknowns
@@ -47,19 +47,7 @@ class Equilibrium:
 
 
 class System:
-    """Forms, supports and a linear solver.
-
-    Parameters
-    ----------
-    forms
-        Forms by name.
-    unknowns
-        All unknowns, field by field.
-    fixed
-        Those whose values are prescribed.
-    solver
-        Linear solver: ``factor(K) -> solve``.
-    """
+    """Forms, all unknowns, those that are fixed, and a linear solver."""
 
     def __init__(self, forms: Mapping[str, Form], unknowns: Unknowns, fixed: ndarray, solver: LinearSolver) -> None:
         self.forms, self.unknowns, self.fixed = dict(forms), unknowns, fixed
@@ -68,7 +56,9 @@ class System:
         self._scale = unknowns.scale
 
     def with_forms(self, forms: Mapping[str, Form]) -> System:
-        """The system with other forms on the same unknowns."""
+        """The system with other forms on the same unknowns; itself where they are the same."""
+        if all(form is self.forms.get(name) for name, form in forms.items()):
+            return self
         new = copy(self)
         new.forms = dict(forms)
         vars(new).pop("symmetric", None)
@@ -76,13 +66,12 @@ class System:
 
     def over(self, duration: float) -> System:
         """The system of a step in time; itself where time matters to none of its forms."""
-        forms = {name: form.over(duration) for name, form in self.forms.items()}
-        return self if all(forms[name] is form for name, form in self.forms.items()) else self.with_forms(forms)
+        return self.with_forms({name: form.over(duration) for name, form in self.forms.items()})
 
     @cached_property
     def symmetric(self) -> bool:
         """Whether the tangent is symmetric: that of all forms is."""
-        return are_symmetric(self.forms)
+        return all(form.symmetric for form in self.forms.values())
 
     @property
     def size(self) -> int:
@@ -141,30 +130,22 @@ class System:
         ----------
         x, states
             The last accepted displacements and states.
-        load
-            External forces, (N,).
-        prescribed
-            Values of the fixed unknowns.
-        settings
-            Tolerance and number of iterations.
+        load, prescribed
+            External forces, (N,), and values of the fixed unknowns.
         searches
             Line searches to try, one after the other.
         elastic
             Norm of the displacements that the load causes by elasticity; by default the first step's, or that of
             `x` if it is larger.
-        at_least
-            Number of iterations even if the residual is small from the start.
-        damp
-            Damp the tangent from the start, not only where the iterations make no progress.
+        at_least, damp
+            As for :func:`~skfem_contact.nonlinear.newton.iterate`.
         start
             Displacements to start from; by default `x`.
 
         Raises
         ------
-        NoEquilibrium
-            There is no equilibrium.
-        NotConverged
-            None was found.  The message names the place and the size of the largest unbalanced force.
+        NoEquilibrium, NotConverged
+            There is none; none was found: the message names the largest unbalanced force.
         """
         first: list[float] = [elastic] if elastic > 0.0 else []
         regular: list[csr_matrix] = []

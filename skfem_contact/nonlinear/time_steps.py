@@ -7,7 +7,6 @@ the beginning are asked for: loads may jump there.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -19,9 +18,6 @@ from .system import Equilibrium, System
 
 #: Share of a step that its first part takes, and as much of the second one (Alexander 1977, p. 1012).
 PART = 1.0 - np.sqrt(0.5)
-#: What remains of the largest step by which the estimated error is allowed, and the least share of a step tried.
-_SAFE, _LEAST = 0.9, 0.1
-
 #: Digits of the share of a stage that a step takes: equal steps then are so to the last bit, and share their factor.
 _DIGITS = 12
 
@@ -29,35 +25,20 @@ _DIGITS = 12
 Path = Callable[[float], tuple[ndarray, ndarray]]
 
 
-@dataclass(frozen=True)
-class TimeStep:
-    """Equilibrium at the end of a step, and the allowed and the compared errors of its forms by their names."""
-
-    found: Equilibrium
-    errors: Mapping[str, tuple[float, float]]
-
-
 def solve_step(system: System, x: ndarray, states: Mapping[str, Any], path: Path, span: tuple[float, float],
-               duration: float, newton: Newton, start: ndarray | None, try_recovery: bool) -> TimeStep:
-    """Equilibrium at the end of a step in time.
+               duration: float, newton: Newton, start: ndarray | None, try_recovery: bool
+               ) -> tuple[Equilibrium, dict[str, tuple[float, float]]]:
+    """Equilibrium at the end of a step, and the allowed and the compared errors in time of its forms by name.
 
-    Parameters
-    ----------
-    system, x, states, newton, start, try_recovery
-        As for :func:`solve_increment`.
-    path
-        Loads and prescribed values.
-    span
-        Shares of the stage at the beginning and at the end of the step.
-    duration
-        Time that the stage takes; without any the step is a plain increment.
+    The step goes from one share of the stage to another (`span`); where the stage has no duration it is a plain
+    increment, see :func:`solve_increment`.
     """
     begin, end = span
     duration *= round(end - begin, _DIGITS)
     second_order = {name for name, form in system.forms.items() if form.second_order}
     if not second_order or not duration > 0.0:
         step = system.over(duration)
-        return TimeStep(solve_increment(step, x, states, *path(end), newton, start, try_recovery), {})
+        return solve_increment(step, x, states, *path(end), newton, start, try_recovery), {}
     first = system.over(PART * duration)
     towards = None if start is None else x + PART * (start - x)
     middle = solve_increment(first, x, states, *path(begin + PART * (end - begin)), newton, towards, try_recovery)
@@ -67,34 +48,5 @@ def solve_step(system: System, x: ndarray, states: Mapping[str, Any], path: Path
              else state for name, state in middle.states.items()}
     last = solve_increment(second, middle.x, begun, *path(end), newton, None, try_recovery)
     errors = {name: first.forms[name].time_error(middle.states[name], last.states[name]) for name in second_order}
-    return TimeStep(Equilibrium(last.x, last.states, middle.residuals + last.residuals[1:],
-                                middle.equilibria + last.equilibria), errors)
-
-
-class TimeError:
-    """Compares the errors of steps in time with the most that there was to compare them with in the stage.
-
-    Examples
-    --------
-    >>> error = TimeError()
-    >>> error.growth({"water": (4.0, 1.0)})        # four times as large as allowed: half the step would do
-    0.45
-    >>> error.growth({})
-    inf
-    """
-
-    def __init__(self) -> None:
-        self._largest: dict[str, float] = {}
-
-    def growth(self, errors: Mapping[str, tuple[float, float]]) -> float:
-        """By how much the next step may be longer; below 0.9 the step itself was too long."""
-        worst = 0.0
-        for name, (error, size) in errors.items():
-            largest = self._largest[name] = max(size, self._largest.get(name, 0.0))
-            worst = max(worst, error / largest if error > 0.0 else 0.0)
-        return max(_SAFE / float(np.sqrt(worst)), _LEAST) if worst > 0.0 else np.inf
-
-    @staticmethod
-    def too_large(growth: float) -> bool:
-        """Whether a step is to be taken anew, shorter."""
-        return growth < _SAFE
+    return Equilibrium(last.x, last.states, middle.residuals + last.residuals[1:],
+                       middle.equilibria + last.equilibria), errors

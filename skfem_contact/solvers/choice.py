@@ -48,22 +48,11 @@ class FunctionSolver:
 
 
 def as_solver(solver: Any, locations: ndarray, free: ndarray) -> LinearSolver:
-    """The linear solver of an analysis from what its user gave.
+    """The linear solver of the `free` unknowns, at their places (dim, N), from what a user gave.
 
-    Parameters
-    ----------
-    solver
-        None or the name of an engine for a :class:`DirectSolver`; "amg" for an :class:`AmgSolver`; or a scikit-fem
-        linear solver, that is a function (A, b) -> x such as `skfem.utils.solver_iter_krylov()` returns.
-    locations
-        (dim, N), the place of each unknown.
-    free
-        Indices of the unknowns to solve for.
-
-    Raises
-    ------
-    ValueError
-        `solver` is none of these.
+    That is None or the name of an engine, for a :class:`DirectSolver`; "amg", for an :class:`AmgSolver`; or a
+    scikit-fem linear solver, a function (A, b) -> x such as `skfem.utils.solver_iter_krylov()` returns; others are
+    refused by a ``ValueError``.
 
     Examples
     --------
@@ -85,15 +74,10 @@ def as_solver(solver: Any, locations: ndarray, free: ndarray) -> LinearSolver:
 
 
 def linear_solver(forms: Mapping[str, Form], solver: Any, locations: ndarray, free: ndarray) -> LinearSolver:
-    """The linear solver of an analysis.
+    """The linear solver of an analysis, see :func:`as_solver`: where the tangents of its forms change decides.
 
-    Parameters
-    ----------
-    forms
-        Forms by name: where their tangents change decides.
-    solver, locations, free
-        As for :func:`as_solver`.  A user's own function and multigrid are used for everything; None leaves the choice
-        to what is installed, and multigrid where it pays.
+    A user's own function and multigrid are used for everything; None leaves the choice to what is installed, and
+    multigrid where it pays.
     """
     changing = [form.changing for form in forms.values() if form.changing is not None]
     anywhere = len(changing) < len(forms)

@@ -28,21 +28,7 @@ HOLD = 1e-13  # relative stiffness that is added to find the unknowns that move
 
 
 class SingularSystem(ValueError):
-    """The free unknowns can move without force: a body floats.
-
-    Parameters
-    ----------
-    message
-        What is wrong.
-    unknowns
-        Indices of the unknowns that take part in the free motion.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> str(SingularSystem("body 'wall' floats", np.array([4, 5])))
-    "body 'wall' floats"
-    """
+    """The free unknowns can move without force: a body floats; `unknowns` take part in the motion."""
 
     def __init__(self, message: str, unknowns: ndarray) -> None:
         super().__init__(message)
@@ -96,10 +82,8 @@ class DirectSolver:
 
     Raises
     ------
-    ValueError
-        There is no such engine.
-    ImportError
-        "pardiso" is asked for and not installed.
+    ValueError, ImportError
+        There is no such engine; "pardiso" is asked for and not installed.
 
     Examples
     --------
@@ -115,7 +99,7 @@ class DirectSolver:
 
     def __init__(self, locations: ndarray, free: ndarray, engine: str | None = None) -> None:
         self._locations, self._free = locations, np.asarray(free)
-        self._engine = _engine(engine)
+        self._engine = as_engine(engine)
         self._block: FreeBlock | None = None
         self._last: _Factor | None = None
         logger.info("linear solver: %s", self.name)
@@ -129,19 +113,9 @@ class DirectSolver:
         return f"DirectSolver({self.name}, {len(self._free)} of {self._locations.shape[1]} unknowns)"
 
     def factor(self, K: csr_matrix, symmetric: bool = False) -> Solve:
-        """Factor the free block of K.
+        """Factor the free block of K, (N, N): b (N,) -> x (N,) with K[free, free] x[free] = b[free], zeros elsewhere.
 
-        Parameters
-        ----------
-        K
-            (N, N); nonsymmetric in slip and in non-associated flow.
-        symmetric
-            K is symmetric, of which PARDISO makes use.
-
-        Returns
-        -------
-        callable
-            b (N,) -> x (N,) with K[free, free] x[free] = b[free] and zeros elsewhere.
+        K is nonsymmetric in slip and in non-associated flow; where it is `symmetric` PARDISO makes use of that.
 
         Raises
         ------
@@ -169,8 +143,9 @@ class DirectSolver:
         return factor
 
     def _ordered(self, K: csr_matrix) -> FreeBlock:
-        graph = K[self._free][:, self._free]
-        return FreeBlock(self._free[self._engine.order(graph, self._locations[:, self._free])])
+        block = FreeBlock(self._free)
+        order = self._free[self._engine.order(block.gather(K), self._locations[:, self._free])]
+        return block if np.array_equal(order, self._free) else FreeBlock(order)
 
 
 def fastest_engine() -> str:
@@ -182,7 +157,7 @@ def fastest_engine() -> str:
     return "pardiso"
 
 
-def _engine(name: str | None) -> Engine:
+def as_engine(name: str | None = None) -> Engine:
     """The engine of that name, or the fastest that is installed."""
     name = name or fastest_engine()
     if name not in ENGINES:
@@ -278,7 +253,7 @@ class _Factor:
     def _singular(self) -> SingularSystem:
         """The error that names the unknowns of the softest motion, found with a little stiffness added."""
         self._forget()
-        solve = self._engine.factor((self.A + diags(HOLD * self._scale)).tocsr(), self.symmetric)
+        solve = self._engine.factor((self.A + diags(HOLD * self._scale)).tocsr(), self.symmetric, careful=True)
         motion = _any_motion(len(self._scale))
         for _ in range(2):
             motion = solve(self._scale * motion)

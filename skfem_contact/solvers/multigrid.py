@@ -46,10 +46,8 @@ class AmgSolver:
 
     Parameters
     ----------
-    locations
-        (dim, N), the place of each unknown; the components of a node follow each other.
-    free
-        Indices of the unknowns to solve for; the others are zero in every solution.
+    locations, free
+        As for :class:`DirectSolver`.
     interface
         Unknowns of surfaces in contact.
     most
@@ -88,17 +86,7 @@ class AmgSolver:
         return 0 if self._levels is None else self._levels.last
 
     def factor(self, K: csr_matrix, symmetric: bool = False) -> Solve:
-        """Prepare the solution of K[free, free] x[free] = b[free] for any b (N,).
-
-        Raises
-        ------
-        SingularSystem
-            An unknown meets no stiffness, or the interface can move without force.
-        ValueError
-            K has entries that are not finite.
-        NotConverged
-            By the callable that is returned: the iterations do not converge, with new levels either.
-        """
+        """As :meth:`DirectSolver.factor`; the callable raises NotConverged where the iterations do not converge."""
         if len(self._unknowns) == 0:
             return np.zeros_like
         block = self._without_held(self._block.gather(K))
@@ -225,15 +213,7 @@ def _krylov(method: str, A: bsr_matrix, b: ndarray, cycle: LinearOperator, toler
 
 
 class AmgOrDirect:
-    """Algebraic multigrid while it takes less time than a factorisation; once it does not, a direct solver for good.
-
-    Parameters
-    ----------
-    locations, free, interface
-        As for :class:`AmgSolver`.
-    engine
-        The direct solver's, which decides how many iterations pay.
-    """
+    """Algebraic multigrid while it takes less time than a factorisation; once it does not, a direct solver for good."""
 
     def __init__(self, locations: ndarray, free: ndarray, interface: ndarray, engine: str) -> None:
         self._locations, self._free, self._engine = locations, free, engine

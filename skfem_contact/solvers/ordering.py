@@ -26,19 +26,9 @@ def nested_dissection(graph: csr_matrix, locations: ndarray) -> ndarray:
     vertex cover). On graded meshes they are far fewer than a straight line
     passes by. Unknowns at one place stay together.
 
-    Parameters
-    ----------
-    graph
-        (N, N) matrix whose nonzero pattern couples the unknowns; it need not be
-        symmetric.
-    locations
-        (dim, N), the place of each unknown, in any unit of length. Unknowns at
-        one place need not be coupled.
-
-    Returns
-    -------
-    ndarray
-        (N,) permutation: the unknown that is eliminated first, second, ...
+    `graph`, (N, N), couples the unknowns by its nonzero pattern, which need not be
+    symmetric; `locations`, (dim, N), are their places; the answer, (N,), is the unknown
+    that is eliminated first, second, ...
 
     References
     ----------

@@ -82,7 +82,7 @@ class _Analysis:
         self._last: csr_matrix | None = None
         n, indptr, indices = pattern.shape[0], pattern.indptr, pattern.indices
         row = np.repeat(np.arange(n), np.diff(indptr))
-        self._stored = np.flatnonzero(indices >= row) if symmetric else np.arange(pattern.nnz)
+        self._stored = np.flatnonzero(indices >= row) if symmetric else slice(None)
         self._rows = np.cumsum(np.bincount(row[self._stored] + 1, minlength=n + 1), dtype=np.int32) + 1
         self._columns = indices[self._stored].astype(np.int32) + 1
         self._call = _Call(library, SYMMETRIC if symmetric else UNSYMMETRIC)

@@ -35,19 +35,7 @@ _SINGULAR = 1e-13  # ratio of the pivots to their row's stiffness that is left t
 
 
 class SchurSolver:
-    """A linear solver that keeps its factors while the tangent changes on an interface only.
-
-    Parameters
-    ----------
-    solver
-        Solver for all other tangents.
-    locations
-        Place of each unknown, (dim, N).
-    free
-        Unknowns to solve for.
-    interface
-        Unknowns of the contact surfaces.
-    """
+    """A linear solver that keeps its factors while the tangent changes on an interface only; `solver` has the rest."""
 
     def __init__(self, solver: LinearSolver, locations: ndarray, free: ndarray, interface: ndarray) -> None:
         self._solver, self._locations = solver, locations

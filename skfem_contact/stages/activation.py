@@ -11,8 +11,8 @@ from scipy.sparse import csr_matrix, diags_array
 
 from ..contact.penalty import choose_penalties
 from ..contact.prestress import prestressed
-from ..errors import look_up
-from ..forms import Form, as_forms, carried
+from ..errors import look_up, names_of
+from ..forms import Form, as_forms, carried, solids_of
 from ..remarks import Remark
 from ..solvers.choice import as_solver
 from ..sparse import padded
@@ -22,7 +22,7 @@ from .supports import all_unknowns, as_unknowns, check_supports
 
 if TYPE_CHECKING:
     from .result import StageResult
-    from .stage import Stage
+    from .run import Stage
 
 #: Springs to the ground, as a share of the stiffness, that hold what a new body does not share with others.
 _LOOSE = 1e-9
@@ -36,16 +36,12 @@ class Phase:
 
     Attributes
     ----------
-    unknowns
-        All unknowns, those of forms that are not there included.
-    before
-        Forms that are active before, by name: as they are then.
-    forms
-        Forms that are active in the stage, by name.
+    unknowns, load, prescribed
+        All unknowns, those of forms that are not there included, and loads and displacements of all, (N,).
+    before, forms
+        Forms that are active before, as they are then, and in the stage.
     fixed
         Unknowns that are supported, or held because no active solid has them.
-    load, prescribed
-        Loads and prescribed displacements of all unknowns, (N,).
     changed
         Whether the stage begins with anything else than the one before ended with.
     remarks
@@ -64,17 +60,6 @@ class Phase:
 
 def plan(forms: Mapping[str, Form], stages: Sequence[Stage], fixed: ndarray, start: StageResult | None) -> list[Phase]:
     """What is there in every stage; all of it is checked before anything is computed.
-
-    Parameters
-    ----------
-    forms
-        All forms; contact pairs without a penalty get one.
-    stages
-        Stages in their order.
-    fixed
-        Unknowns that are supported at first.
-    start
-        What the first stage starts from, if anything.
 
     Raises
     ------
@@ -120,26 +105,22 @@ def _at_first(forms: Mapping[str, Form], stages: Sequence[Stage], start: StageRe
     later: set[str] = set()
     seen: set[str] = set()
     for stage in stages:
-        later |= set(_names(stage.activate)) - seen
-        seen |= set(_names(stage.activate)) | set(_names(stage.deactivate))
+        later |= set(names_of(stage.activate)) - seen
+        seen |= set(names_of(stage.activate)) | set(names_of(stage.deactivate))
     return set(forms) - later
-
-
-def _names(given: str | Sequence[str]) -> tuple[str, ...]:
-    return (given,) if isinstance(given, str) else tuple(given)
 
 
 def _after(stage: Stage, forms: Mapping[str, Form], active: set[str]) -> set[str]:
     """Names of what is active in a stage."""
-    for name in (*_names(stage.activate), *_names(stage.deactivate), *stage.change):
+    for name in (*names_of(stage.activate), *names_of(stage.deactivate), *stage.change):
         look_up(name, forms, "form")
-    for name in _names(stage.activate):
+    for name in names_of(stage.activate):
         if name in active:
             raise ValueError(f"'{name}' is activated, but it is active already")
-    for name in _names(stage.deactivate):
+    for name in names_of(stage.deactivate):
         if name not in active:
             raise ValueError(f"'{name}' is deactivated, but it is not active")
-    return (active | set(_names(stage.activate))) - set(_names(stage.deactivate))
+    return (active | set(names_of(stage.activate))) - set(names_of(stage.deactivate))
 
 
 def _changed(name: str, old: Form, new: Form) -> Form:
@@ -234,18 +215,10 @@ def goes_on_otherwise(phase: Phase, last: StageResult) -> bool:
 def placed(x: ndarray, new: Mapping[str, Form], known: ndarray, fixed: ndarray) -> ndarray:
     """Displacements with the nodes of new solids carried along by those that they share with old ones.
 
-    They move as if the new solids were an elastic attachment of the old ones; bodies that share no node stay.
-
-    Parameters
-    ----------
-    x
-        Displacements, (N,).
-    new
-        The new forms; solids among them are placed.
-    known, fixed
-        Unknowns of the old solids, and those that are held or not there.
+    They move as if the new solids were an elastic attachment of the old ones, whose unknowns are `known`; bodies that
+    share no node stay.
     """
-    solids = {name: form for name, form in new.items() if form.basis is not None}
+    solids = solids_of(new)
     own = np.setdiff1d(unknowns_of(solids), np.union1d(known, fixed))
     if len(own) == 0 or not x.any():
         return x
@@ -263,15 +236,7 @@ def placed(x: ndarray, new: Mapping[str, Form], known: ndarray, fixed: ndarray) 
 
 
 def check_start(forms: Mapping[str, Form], start: StageResult) -> None:
-    """Refuse a start of another mesh, or whose contact pairs have got another penalty since.
-
-    Parameters
-    ----------
-    forms
-        Forms that are active in it.
-    start
-        What the first stage starts from.
-    """
+    """Refuse a start of another mesh, or whose contact pairs have got another penalty since."""
     for name, form in forms.items():
         try:
             form.check_start(start.x, start.states[name])

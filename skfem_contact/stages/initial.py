@@ -14,14 +14,13 @@ from scipy.spatial import cKDTree
 from ..contact.penalty import choose_penalties
 from ..contact.prestress import prestressed
 from ..errors import AnalysisWarning, check_basis, look_up, place
-from ..forms import Form, as_forms, carried
+from ..forms import Form, as_forms, carried, solids_of
+from ..loads import by_element
 from ..materials.elastic import LinearElastic
 from .activation import acts_on, among, check_contacts
-from .reset import reset_displacements
-from .result import Result, StageResult
-from .run import run
+from .result import Result, StageResult, reset_displacements
+from .run import Stage, run
 from .setup import build_system, on_all, unknowns_of
-from .stage import Stage
 from .supports import all_unknowns, as_unknowns
 
 #: Forces out of balance, as a share of the load, of which a warning is given.
@@ -96,12 +95,10 @@ def k0_state(forms: Mapping[str, Form], load: ndarray, fixed: ndarray, unit_weig
 
     Parameters
     ----------
-    forms
-        Solids and contact pairs that are there at first. Other bodies of the mesh stay where they are.
+    forms, fixed, name
+        As for :func:`given_state`.
     load
         External forces: weight, surcharge and :func:`water_load`, (N,).
-    fixed
-        Unknowns that are held.
     unit_weights
         As for :func:`weight`: one number, or by subdomain; subdomains that are not named are weightless.
     K0
@@ -112,8 +109,6 @@ def k0_state(forms: Mapping[str, Form], load: ndarray, fixed: ndarray, unit_weig
         Pore pressure as a function of the place, for instance :func:`hydrostatic`; with it stresses are effective,
         everywhere. A wall that is wished in place, which has no pores, begins as the ground in its place: with that
         weight and with :func:`water_load` on it too. Both become its own in the next stage.
-    name
-        Name of the state in the result.
 
     Returns
     -------
@@ -143,7 +138,7 @@ def k0_state(forms: Mapping[str, Form], load: ndarray, fixed: ndarray, unit_weig
     check_basis(basis)
     mesh = basis.mesh
     elements = np.concatenate([form.elements for form in _solids(forms).values()])
-    overburden, ratios = _overburden(mesh, elements, unit_weights), _by_element(mesh, K0)
+    overburden, ratios = _overburden(mesh, elements, unit_weights), by_element(mesh, K0, "K0", np.nan)
     missing = elements[np.isnan(ratios[elements])]
     if len(missing):
         tags = [tag for tag, part in (mesh.subdomains or {}).items() if np.isin(part, missing).any()]
@@ -166,19 +161,12 @@ def gravity_state(forms: Mapping[str, Form], load: ndarray, fixed: ndarray,
 
     Parameters
     ----------
-    forms
-        Solids and contact pairs that are there at first. Other bodies of the mesh stay where they are. Excess pressures
-        of :class:`PoreWater` are zero.
-    load
-        External forces, (N,).
-    fixed
-        Unknowns that are held.
+    forms, load, fixed, name
+        As for :func:`given_state`. Excess pressures of :class:`PoreWater` are zero.
     K0
         Where it is given, for all regions or by the name of a region, gravity first acts on elastic ground with
         Poisson's ratio K0 / (1 + K0), which gives this ratio under a level surface; then the ground's own
         materials find their equilibrium.
-    name
-        Name of the state in the result.
     increments
         Number of increments to begin with.
 
@@ -228,8 +216,7 @@ def gravity_state(forms: Mapping[str, Form], load: ndarray, fixed: ndarray,
 
 def _without_water(forms: Mapping[str, Form]) -> dict[str, Form]:
     """The forms but those that bring fields that do not move, or act on these."""
-    still = {key: np.arange(field.first, field.end) for key, form in forms.items() for field in form.fields
-             if not field.moves}
+    still = {key: field.numbers for key, form in forms.items() for field in form.fields if not field.moves}
     return {key: form for key, form in forms.items() if key not in still and not any(
         np.isin(form.joins, numbers).any() for numbers in still.values() if form.joins is not None)}
 
@@ -247,8 +234,7 @@ def _with_water(forms: Mapping[str, Form], result: Result) -> Result:
 
 
 def _solids(forms: Mapping[str, Form]) -> dict[str, Any]:
-    found = {name: form for name, form in forms.items() if form.basis is not None}
-    if not found:
+    if not (found := solids_of(forms)):
         raise ValueError("there is no SolidForm among the forms: nothing carries load")
     return found
 
@@ -325,16 +311,6 @@ def _overburden(mesh: Any, elements: ndarray, unit_weights: float | Mapping[str,
         weights[k] = next(iter(here.values()), 0.0)
     above = np.append(np.cumsum((weights * np.diff(levels))[::-1])[::-1], 0.0)
     return lambda y: np.interp(y, levels, above)
-
-
-def _by_element(mesh: Any, values: float | Mapping[str, float]) -> ndarray:
-    """Values of all elements of the mesh; NaN where none is given."""
-    if not isinstance(values, Mapping):
-        return np.full(mesh.nelements, float(values))
-    result = np.full(mesh.nelements, np.nan)
-    for name, value in values.items():
-        result[look_up(name, mesh.subdomains or {}, "subdomain")] = value
-    return result
 
 
 def _elastic(material: Any, K0: float) -> LinearElastic:

@@ -1,10 +1,10 @@
-"""Results of stages: printed as a table, saved to one file and resumed from it."""
+"""Results of stages: printed as a table, saved to one file and resumed from it, counted anew."""
 from __future__ import annotations
 
 import json
 import os
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from tempfile import NamedTemporaryFile
@@ -16,10 +16,10 @@ import numpy as np
 from numpy import ndarray
 
 from ..contact.penalty import choose_penalties
+from ..display import html_table
 from ..errors import look_up
-from ..forms import Form
+from ..forms import Form, as_forms
 from ..states import arrays_of, with_arrays
-from ..tables import html_table
 
 if TYPE_CHECKING:
     from ..post import ContactReport, SectionForces, Sections, Tractions
@@ -260,3 +260,40 @@ def _stage_in(arrays: Mapping[str, ndarray], i: int, head: Mapping[str, Any], gi
             raise ValueError(f"'{name}' is another form there: its mesh, its element or its settings differ")
     return StageResult(head["name"], arrays[f"{i}/x"], arrays[f"{i}/load"], states, tuple(head["iterations"]),
                        head["residual"], head["fraction"], head["summary"], there, head.get("time", 0.0))
+
+
+def reset_displacements(forms: Mapping[str, Form], result: Result) -> Result:
+    """Count displacements from the end of a result on: they become zero, and all that is carried stays.
+
+    Parameters
+    ----------
+    forms
+        The forms of the analysis; those that the last stage does not hold are left out.
+    result
+        Its result.
+
+    Returns
+    -------
+    Result
+        The same stages; the last one has no displacements.
+
+    Examples
+    --------
+    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+    >>> import skfem_contact as sc
+    >>> basis = Basis(MeshQuad().refined(1).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+    >>> forms = {"ground": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=.3))}
+    >>> fixed = basis.get_dofs("bottom").all()
+    >>> gravity = [sc.Stage("gravity", sc.weight(basis, 20.))]
+    >>> start = sc.reset_displacements(forms, sc.run(forms, gravity, fixed))
+    >>> bool(start["gravity"].x.any()), bool(start["gravity"].states["ground"].stress.any())
+    (False, True)
+    """
+    last = result[-1]
+    given = as_forms(forms)
+    states = {name: look_up(name, given, "form").completed(given).moved_back(last.x, state)
+              for name, state in last.states.items()}
+    x = np.zeros_like(last.x)
+    for still in (each.numbers for form in given.values() for each in form.fields if not each.moves):
+        x[still] = last.x[still]
+    return Result((*result.stages[:-1], replace(last, x=x, states=states)))

@@ -1,30 +1,97 @@
-"""Stages that follow each other, each starting from what the bodies carry."""
+"""Stages of an analysis, that follow each other: each starts from what the bodies carry."""
 from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 from numpy import ndarray
 
+from ..display import progress_bar
 from ..errors import NotConverged, place
-from ..forms import as_forms
+from ..forms import Form, as_forms
 from ..nonlinear.newton import Newton
 from ..nonlinear.stepping import Predictor, Stepping
 from ..nonlinear.system import System
-from ..nonlinear.time_steps import TimeError, solve_step
-from ..progress import progress_bar
+from ..nonlinear.time_steps import solve_step
 from ..remarks import Remarks
 from ..solvers.threads import single_threaded
 from .activation import Phase, among, begin, check_start, goes_on_otherwise, plan
 from .result import Result, StageResult
 from .setup import system_of
-from .stage import Stage
 from .supports import as_unknowns
 
 logger = logging.getLogger("skfem_contact")
+
+
+@dataclass(frozen=True)
+class Stage:
+    """A stage of the analysis.
+
+    Parameters
+    ----------
+    name
+        Its name in the result.
+    load
+        External forces at its end, (N,): the whole load, not the increment.
+    prescribed
+        Displacements at its end, (N,), of which the values at the fixed unknowns count.  By default they
+        stay where they are.
+    increments
+        Number of increments to begin with; they are cut where Newton fails and grow where it is easy.
+    activate
+        Names of forms that become active; they are inactive before. Solids start stress-free in the deformed ground:
+        nodes that they share with it are where it has brought them, the others follow. Contact starts without
+        traction, with the gaps of the mesh; but where it replaces a pair between the same surfaces that is
+        deactivated in this stage, it takes over its tractions.
+    deactivate
+        Names of forms that are taken away. What they carried is released in proportion over the stage.
+    change
+        Forms that are replaced from this stage on, with other materials (``form.with_materials``) or another law
+        (``pair.with_law``). They go on from what the old ones carry.
+    fixed
+        Supported unknowns from this stage on; by default those of the stage before. Reactions that are lost are
+        released in proportion over the stage.
+    duration
+        Time that the stage takes, for forms to which it matters (:meth:`Form.over`); load and prescribed displacements
+        go from their last values to those of the stage in proportion to it. Beside :class:`PoreWater` increments are
+        cut and grow with their estimated error in time, too.
+
+    Notes
+    -----
+    Nodes of bodies that are not there stay where they are, and no load may act on them.
+
+    Examples
+    --------
+    A column on which a layer is placed, and from which it is taken away again:
+
+    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+    >>> import skfem_contact as sc
+    >>> mesh = MeshQuad().refined(1).with_defaults().with_subdomains({
+    ...     "ground": lambda x: x[1] < .5, "fill": lambda x: x[1] > .5})
+    >>> basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+    >>> soil = sc.LinearElastic(E=1e3, nu=0.)
+    >>> forms = {name: sc.SolidForm(basis.with_elements(name), soil) for name in ("ground", "fill")}
+    >>> ground, both = sc.weight(basis, {"ground": 20.}), sc.weight(basis, 20.)
+    >>> stages = [sc.Stage("ground", ground), sc.Stage("filled", both, activate="fill"),
+    ...           sc.Stage("cleared", ground, deactivate="fill")]
+    >>> result = sc.run(forms, stages, fixed=basis.get_dofs("bottom").all())
+    >>> surface = basis.nodal_dofs[1, mesh.p[1] == .5]
+    >>> [float(f"{stage.x[surface][0]:.6f}") for stage in result]
+    [-0.0025, -0.0075, -0.0025]
+    """
+
+    name: str
+    load: ndarray
+    prescribed: ndarray | None = None
+    increments: int = 1
+    activate: str | Sequence[str] = ()
+    deactivate: str | Sequence[str] = ()
+    change: Mapping[str, Form] = field(default_factory=dict)
+    fixed: ndarray | None = None
+    duration: float = 0.0
 
 
 @single_threaded
@@ -125,14 +192,14 @@ def _increments(system: System, predictor: Predictor, stage: Stage, phase: Phase
                 released: ndarray, newton: Newton) -> Iterator[StageResult]:
     """Accepted increments of a stage, one after the other."""
     path = _path(stage, phase, last.load, last.x[system.fixed], released)
-    stepping, error_in_time, began = Stepping(stage.increments), TimeError(), last.time
+    stepping, began = Stepping(stage.increments), last.time
     while last.fraction < 1.0:
-        done, fraction = last.fraction, stepping.fraction
+        fraction = stepping.fraction
         time = began + fraction * stage.duration
         start = None if stepping.cut else predictor.start(*path(fraction), time)
         try:
-            step = solve_step(system, last.x, last.states, path, (done, fraction), stage.duration, newton, start,
-                              stepping.try_recovery)
+            new, errors = solve_step(system, last.x, last.states, path, (last.fraction, fraction), stage.duration,
+                                     newton, start, stepping.try_recovery)
         except NotConverged as error:
             stepping.reject(error)
             logger.info("stage '%s': increment to %.4f failed, cut to %.4f: %s", stage.name, fraction, stepping.size,
@@ -141,13 +208,11 @@ def _increments(system: System, predictor: Predictor, stage: Stage, phase: Phase
                 where = _place(system, error.unknown)
                 raise NotConverged(f"stage '{stage.name}' {stepping}: {error}{where}{_so_far(system, last)}") from error
             continue
-        new, growth = step.found, error_in_time.growth(step.errors)
-        if error_in_time.too_large(growth):
-            stepping.shorten(growth)
-            logger.info("stage '%s': step to %.3g too long, cut by %.2f", stage.name, time, growth)
+        if stepping.too_long(errors):
+            logger.info("stage '%s': step to %.3g too long, cut to %.4f", stage.name, time, stepping.size)
             continue
         logger.info("stage '%s': %.2f%% in %d iterations", stage.name, 100 * fraction, new.iterations)
-        stepping.accept(fraction, new.iterations, new.equilibria, growth)
+        stepping.accept(fraction, new.iterations, new.equilibria)
         load, _ = path(fraction)
         summary = {name: form.summary(new.states[name]) for name, form in system.forms.items()}
         last = StageResult(stage.name, new.x, load, new.states, (*last.iterations, new.iterations),

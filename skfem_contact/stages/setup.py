@@ -9,7 +9,7 @@ from numpy import ndarray
 
 from ..contact.penalty import choose_penalties
 from ..errors import look_up
-from ..forms import Form, as_forms
+from ..forms import Form, as_forms, solids_of
 from ..nonlinear.system import System
 from ..solvers.choice import linear_solver
 from ..unknowns import Unknowns
@@ -19,24 +19,7 @@ from .supports import all_unknowns, as_unknowns, check_supports
 
 def build_system(forms: Mapping[str, Any], fixed: ndarray, unknowns: Unknowns | None = None, solver: Any = None
                  ) -> System:
-    """Complete the forms, check the supports and choose a linear solver.
-
-    Parameters
-    ----------
-    forms
-        Forms by name.
-    fixed
-        Unknowns that are held.
-    unknowns
-        All unknowns; by default those of the forms.
-    solver
-        A scikit-fem linear solver ``(A, b) -> x``; by default a direct one.
-
-    Raises
-    ------
-    ValueError
-        See :func:`~skfem_contact.stages.supports.check_supports`.
-    """
+    """The system of some forms, completed, once their supports are checked; by default among their own unknowns."""
     given, fixed = as_forms(forms), as_unknowns(fixed)
     unknowns = unknowns or all_unknowns(given)
     check_supports(given, fixed, unknowns)
@@ -50,32 +33,6 @@ def system_of(forms: Mapping[str, Form], fixed: ndarray, unknowns: Unknowns, sol
     return System(there, unknowns, fixed, linear_solver(there, solver, unknowns.places, free))
 
 
-def left_by(start: StageResult | None, forms: Mapping[str, Form], fixed: ndarray
-            ) -> tuple[dict[str, Form], ndarray, Unknowns]:
-    """The forms that a stage has left there, the unknowns that are held, for what is gone stays where it is, and all.
-
-    Parameters
-    ----------
-    start
-        The stage that is gone on from; with none all forms are there.
-    forms
-        Solids and contact pairs by name. Penalties are chosen from all of them, as the stages do.
-    fixed
-        Unknowns that are supported.
-
-    Raises
-    ------
-    ValueError
-        The stage holds forms that are not given.
-    """
-    if start is None:
-        given = as_forms(forms)
-        return given, as_unknowns(fixed), all_unknowns(given)
-    there, given = forms_there(start, forms, "start"), as_forms(forms)
-    unknowns = all_unknowns(given)
-    return there, np.union1d(as_unknowns(fixed), not_there(given, there, unknowns)), unknowns
-
-
 def forms_there(stage: StageResult, forms: Mapping[str, Form], what: str = "stage") -> dict[str, Form]:
     """The forms that a stage holds, with penalties chosen from all; a ``ValueError`` where one is not given."""
     for name in stage.states:
@@ -85,24 +42,15 @@ def forms_there(stage: StageResult, forms: Mapping[str, Form], what: str = "stag
 
 def unknowns_of(forms: Mapping[str, Form]) -> ndarray:
     """Unknowns of the solids, and those that other forms bring."""
-    found = [np.unique(form.basis.element_dofs) for form in forms.values() if form.basis is not None]
+    found = [np.unique(form.basis.element_dofs) for form in solids_of(forms).values()]
     found += [form.carries for form in forms.values() if form.carries is not None]
-    found += [np.arange(field.first, field.end) for form in forms.values() if form.carries is None
-              for field in form.fields]
+    found += [field.numbers for form in forms.values() if form.carries is None for field in form.fields]
     return np.unique(np.concatenate(found)) if found else np.zeros(0, int)
 
 
 def not_there(forms: Mapping[str, Form], there: Mapping[str, Form], unknowns: Unknowns) -> ndarray:
     """Unknowns that some of the forms would carry, or that fields have, but nothing carries that is there."""
     return np.setdiff1d(np.union1d(unknowns_of(forms), unknowns.brought), unknowns_of(there))
-
-
-def check_load(load: Any, unknowns: Unknowns) -> ndarray:
-    """A load on all unknowns, or a ``ValueError``: wrong size, NaN, or zero everywhere."""
-    load = on_all(load, unknowns, "the load")
-    if not load.any():
-        raise ValueError("the load is zero: nothing drives a collapse")
-    return load
 
 
 def on_all(values: Any, unknowns: Unknowns, what: str) -> ndarray:

@@ -9,7 +9,7 @@ from numpy import ndarray
 from skfem import CellBasis
 
 from ..errors import place
-from ..forms import Form
+from ..forms import Form, solids_of
 from ..mesh.check import check_mesh
 from ..mesh.join import bodies
 from ..unknowns import Unknowns, rigid_modes
@@ -29,21 +29,12 @@ def check_supports(forms: Mapping[str, Form], fixed: ndarray, unknowns: Unknowns
     Bodies are held when their fixed unknowns leave them no rigid motion.  Bodies that contact pairs join
     count as one, and those that meet a rigid obstacle pass: contact may hold them. Other forms may hold what they like.
 
-    Parameters
-    ----------
-    forms
-        Forms by name.
-    fixed
-        Fixed unknowns.
-    unknowns
-        All unknowns.
-
     Raises
     ------
     ValueError
         No solid, fixed unknowns that do not exist, or a loose body.
     """
-    solids = {name: form for name, form in forms.items() if form.basis is not None}
+    solids = solids_of(forms)
     if len(fixed) and (fixed.min() < 0 or fixed.max() >= unknowns.size):
         raise ValueError(f"fixed unknowns must lie between 0 and {unknowns.size - 1}")
     if not solids and all(form.joins is not None for form in forms.values()):
@@ -68,21 +59,16 @@ def check_supports(forms: Mapping[str, Form], fixed: ndarray, unknowns: Unknowns
 
 
 def all_unknowns(forms: Mapping[str, Form], size: int | None = None) -> Unknowns:
-    """The unknowns of all forms.
+    """The unknowns of all forms of an analysis, also of those that are not there yet.
 
-    Parameters
-    ----------
-    forms
-        All forms of the analysis, also those that are not there yet.
-    size
-        Number of displacements, where no form knows it; without a solid nobody knows where they are.
+    Where no form knows the number of displacements it is `size`; without a solid nobody knows where they are.
 
     Raises
     ------
     ValueError
         Bad mesh, forms of different bases, or no form that knows how many unknowns there are.
     """
-    bases = {name: form.basis for name, form in forms.items() if form.basis is not None}
+    bases = {name: form.basis for name, form in solids_of(forms).items()}
     first = min((field.first for form in forms.values() for field in form.fields), default=None)
     sizes = {name: form.size for name, form in forms.items() if form.size is not None and not form.fields}
     if len(set(sizes.values())) > 1:
