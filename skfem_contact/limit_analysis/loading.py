@@ -13,8 +13,10 @@ from skfem import Basis, CellBasis
 from ..errors import look_up
 from ..loads import by_element
 from ..unknowns import linear_element
-from .model import Field, Traction
+from .triangles import Tag
 
+#: A traction or a pressure: a function of places (2, n).
+Field = Callable[[ndarray], ndarray]
 #: A traction: (t_x, t_y), or a function of places (2, n) with values (2, n).
 TractionLike = ArrayLike | Callable[[ndarray], ndarray]
 #: A pressure of water, positive: a function of places (2, n), or values at the nodes of the mesh.
@@ -30,15 +32,47 @@ class Site(NamedTuple):
     fixed: ndarray
 
 
-class Given(NamedTuple):
-    """Loads in the user's units: body forces (n_elements, 2), tractions, pressure of water, and what it presses on."""
+class Traction(NamedTuple):
+    """A traction on named facets, (2, n) at places (2, n), and whether it is multiplied."""
+
+    tag: Tag
+    value: Field
+    live: bool
+
+
+class Distributed(NamedTuple):
+    """Loads in any units, by elements and places of the mesh.
+
+    Attributes
+    ----------
+    dead, live
+        Body forces that are fixed, and multiplied, (n_elements, 2).
+    tractions
+        On boundaries.
+    water
+        Pressure in the pores, positive: everything but rigid bodies has pores.
+    wetted
+        Boundaries that the water presses on from outside.
+    remarks
+        What was simplified.
+    """
 
     dead: ndarray
     live: ndarray
-    tractions: tuple[Traction, ...]
+    tractions: tuple[Traction, ...] = ()
     water: Field | None = None
-    wetted: tuple[str, ...] = ()
+    wetted: tuple[Tag, ...] = ()
     remarks: tuple[str, ...] = ()
+
+    def scaled(self, centre: ndarray, size: float, stress: float) -> Distributed:
+        """The same at places from a centre, in units of a size and of a stress."""
+        def field(value: Field) -> Field:
+            return lambda x: np.asarray(value(centre[:, None] + size * x)) / stress
+
+        tractions = tuple(traction._replace(value=field(traction.value)) for traction in self.tractions)
+        water = None if self.water is None else field(self.water)
+        unit = size / stress
+        return self._replace(dead=self.dead * unit, live=self.live * unit, tractions=tractions, water=water)
 
 
 @dataclass(frozen=True)
@@ -57,7 +91,7 @@ class Loads:
         """Whether a load is multiplied; otherwise the strength is reduced."""
         return bool(self.live)
 
-    def on(self, site: Site) -> Given:
+    def on(self, site: Site) -> Distributed:
         """The loads on a mesh, checked."""
         basis = site.basis
         known = {"weight", *self.tractions}
@@ -75,7 +109,8 @@ class Loads:
         if not body.any() and not tractions and water is None:
             raise ValueError("there is no load: give `weight`, `tractions` or `water`")
         linear = any(callable(value) for value in self.tractions.values())
-        return Given(dead, live, tractions, water, self.wetted, ("tractions are linear along every facet",) * linear)
+        remarks = ("tractions are linear along every facet",) * linear
+        return Distributed(dead, live, tractions, water, self.wetted, remarks)
 
 
 def _traction(name: str, value: TractionLike) -> Field:

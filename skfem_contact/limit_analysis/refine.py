@@ -83,7 +83,7 @@ def singular_points(model: Model, triangles: Triangles) -> ndarray:
 def _kinds(model: Model, triangles: Triangles) -> ndarray:
     """What is given on every facet: which supports, loads and contacts, and a rigid body beside it."""
     mesh, tags = triangles.mesh, triangles.tags
-    names = [("held", 0), ("held", 1), *(t.tag for t in model.tractions)]
+    names = [("held", 0), ("held", 1), *(t.tag for t in model.loads.tractions)]
     names += [tag for contact in model.contacts for tag in (contact.slave, contact.master)]
     kinds = np.zeros((mesh.nfacets, len(names) + 1), bool)
     for i, name in enumerate(names):

@@ -2,42 +2,19 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-from numpy import ndarray
 
 from ..materials import LinearElastic, MohrCoulomb, Tresca, VonMises
-from ..materials.reduction import reduced_strength
+from ..materials.reduction import Flow
 from ..solid import SolidForm
 from ..strain import axisymmetric
-from .strength import FLAT
+from .strength import FLAT, Soil
 
 
-class Strengths(NamedTuple):
-    """Arrays with one value for each element of a mesh; elastic ones have c = inf: they are rigid.
-
-    Attributes
-    ----------
-    c, t, tension
-        Cohesion, tan phi and tensile strength (inf without).
-    reduced
-        Whether the factor acts.
-    """
-
-    c: ndarray
-    t: ndarray
-    tension: ndarray
-    reduced: ndarray
-
-    @property
-    def rigid(self) -> ndarray:
-        """Elements that nothing makes yield."""
-        return np.isinf(self.c)
-
-
-def strengths(solids: Mapping[str, SolidForm], targets: Mapping[str, Collection[str] | None], flow: str) -> Strengths:
-    """Strength of all elements of the mesh; those of no solid are rigid.
+def strengths(solids: Mapping[str, SolidForm], targets: Mapping[str, Collection[str]], flow: Flow) -> Soil:
+    """Strength of all elements of the mesh; elastic ones and those of no solid are rigid.
 
     Parameters
     ----------
@@ -49,21 +26,14 @@ def strengths(solids: Mapping[str, SolidForm], targets: Mapping[str, Collection[
         ``"associated"``, or ``"davis_a"`` for the associated soil of less strength.
     """
     n = next(iter(solids.values())).basis.mesh.nelements
-    found = Strengths(np.full(n, np.inf), np.zeros(n), np.full(n, np.inf), np.zeros(n, bool))
+    found = Soil(np.full(n, np.inf), np.zeros(n), np.full(n, np.inf), np.zeros(n, bool))
     for name, form in solids.items():
-        elements = form.elements
         for region in form.regions:
-            where = elements[region.elements]
+            where = form.elements[region.elements]
             c, t, tension = _parameters(region.material, flow, f"{name}.{region.name}")
             found.c[where], found.t[where], found.tension[where] = c, t, tension
-            found.reduced[where] = region.name in (targets.get(name) or ())
+            found.reduced[where] = region.name in targets.get(name, ())
     return found
-
-
-def dilates_less(solids: Mapping[str, SolidForm]) -> bool:
-    """Whether a material flows with less dilation than friction."""
-    soils = [m for form in solids.values() for m in form.materials.values() if isinstance(m, MohrCoulomb)]
-    return any(bool(np.any(np.less(soil.psi, soil.phi))) for soil in soils)
 
 
 def check_solids(solids: Mapping[str, SolidForm]) -> None:
@@ -81,7 +51,7 @@ def check_solids(solids: Mapping[str, SolidForm]) -> None:
         raise ValueError(f"the solids {', '.join(solids)} share elements: each must belong to one of them")
 
 
-def _parameters(material: Any, flow: str, name: str) -> tuple[Any, Any, Any]:
+def _parameters(material: Any, flow: Flow, name: str) -> tuple[Any, Any, Any]:
     """Cohesion, tan phi and tensile strength in plane strain."""
     if isinstance(material, LinearElastic):
         return np.inf, 0.0, np.inf
@@ -91,7 +61,7 @@ def _parameters(material: Any, flow: str, name: str) -> tuple[Any, Any, Any]:
         c, t, tension = material.c, 0.0, np.inf
     else:
         if flow != "associated":
-            material = reduced_strength(material, 1.0, flow)
+            material = material.reduced(1.0, flow)
         c, t = material.c, np.tan(np.radians(material.phi))
         tension = np.inf if material.tension is None else material.tension
     if np.any((np.asarray(t) > 0) & (np.asarray(t) < FLAT)):

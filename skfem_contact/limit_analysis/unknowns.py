@@ -1,42 +1,57 @@
 """Velocities that are free: without those that are held, tied ones once, and rigid bodies with their motions."""
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy import ndarray
-from scipy.sparse import csr_matrix
+from scipy.linalg import null_space
+from scipy.sparse import coo_matrix, csr_matrix, hstack
+from scipy.sparse.csgraph import connected_components
 
+from ..unknowns import rigid_modes
 from .elements import Elements
-from .normal_matrix import Block
 
 #: Of a rigid body's motions, those that its supports resist by less than this share are free.
 _FREE = 1e-9
 
 
-@dataclass(frozen=True)
-class Unknowns:
-    """Reduction of all velocities of the elements, (n,), to the free ones, (m,).
+class Block(NamedTuple):
+    """Operators of equal shape: B (n, n_points, 3, n_local), its points (n, n_points) and unknowns (n, n_local).
+
+    An unknown of -1 is none.
+    """
+
+    B: ndarray
+    points: ndarray
+    dofs: ndarray
+
+    def stiffness(self, D: ndarray) -> ndarray:
+        """Sum of B^T D B over the points of each, (n, n_local, n_local), with D (n_points, 3, 3) of all points."""
+        n, width = self.dofs.shape
+        DB = np.matmul(D[self.points], self.B).reshape(n, -1, width)
+        return np.matmul(self.B.reshape(n, -1, width).transpose(0, 2, 1), DB)
+
+
+class Unknowns(NamedTuple):
+    """Reduction of all velocities of the elements, (n,), to the free ones, (m,), of which the motions are the last.
 
     Attributes
     ----------
     number
-        Free unknown of each velocity; -1 where it is held, -2 - b in the rigid body b.
+        Free unknown of each velocity, (n,); -1 where it is held or in a rigid body.
     motions
-        Velocities (n, k) of the free motions of each rigid body.
-    first
-        Number of its first motion among the free unknowns.
+        Velocities of the free motions of the rigid bodies, (n, n_motions).
     places
         Where the free unknowns live, (2, m).
     """
 
     number: ndarray
-    motions: tuple[ndarray, ...]
-    first: tuple[int, ...]
+    motions: ndarray
     places: ndarray
 
     @classmethod
-    def of(cls, elements: Elements, used: ndarray, held: ndarray, tied: ndarray, rigid: list[ndarray]) -> Unknowns:
+    def of(cls, elements: Elements, used: ndarray, held: ndarray, tied: ndarray, rigid: ndarray) -> Unknowns:
         """Number the free unknowns.
 
         Parameters
@@ -48,34 +63,27 @@ class Unknowns:
         tied
             Pairs of velocities that are equal, (2, n).
         rigid
-            Velocities of every rigid body.
+            Number of the rigid body of every triangle, -1 for none.
         """
         n = elements.n
-        same = np.arange(n)
-        for one, other in tied.T:  # few, and chains may occur
-            same[same == same[one]] = same[other]
-        number = np.full(n, -1)
-        fixed = np.zeros(n, bool)
-        fixed[held] = True
-        fixed = np.isin(same, same[fixed])
-        body = np.full(n, -1)
-        for b, dofs in enumerate(rigid):
-            body[np.isin(same, same[dofs])] = b
+        same = connected_components(coo_matrix((np.ones(tied.shape[1]), tuple(tied)), shape=(n, n)), directed=False)[1]
+        fixed, body = np.isin(same, same[held]), np.full(n, -1)
+        for b in range(rigid.max() + 1):
+            body[np.isin(same, same[elements.dofs[rigid == b]])] = b
         plain = np.zeros(n, bool)
         plain[used] = True
-        plain &= ~fixed & (body < 0)
-        roots, which = np.unique(same[plain], return_inverse=True)
-        number[plain] = which
-        places, motions, first, m = [elements.places[:, roots]], [], [], len(roots)
-        for b in range(len(rigid)):
+        plain = np.flatnonzero(plain & ~fixed & (body < 0))
+        number = np.full(n, -1)
+        _, first, number[plain] = np.unique(same[plain], return_index=True, return_inverse=True)
+        motions, places = [np.zeros((n, 0))], [elements.places[:, plain[first]]]
+        for b in range(rigid.max() + 1):
             mine = np.flatnonzero(body == b)
-            free = _free_motions(elements, mine, mine[fixed[mine]])
-            number[mine] = -2 - b
-            motions.append(free)
-            first.append(m)
+            whole = rigid_modes(elements.places, mine)
+            free = whole @ null_space(whole[fixed[mine]], rcond=_FREE) if fixed[mine].any() else whole
+            motions.append(np.zeros((n, free.shape[1])))
+            motions[-1][mine] = free
             places.append(np.repeat(elements.places[:, mine].mean(axis=1, keepdims=True), free.shape[1], 1))
-            m += free.shape[1]
-        return cls(number, tuple(motions), tuple(first), np.hstack(places))
+        return cls(number, np.hstack(motions), np.hstack(places))
 
     @property
     def size(self) -> int:
@@ -86,40 +94,17 @@ class Unknowns:
     def matrix(self) -> csr_matrix:
         """All velocities from the free ones, (n, m)."""
         plain = np.flatnonzero(self.number >= 0)
-        rows, columns, data = [plain], [self.number[plain]], [np.ones(len(plain))]
-        for b, (motion, start) in enumerate(zip(self.motions, self.first)):
-            mine = np.flatnonzero(self.number == -2 - b)
-            k = motion.shape[1]
-            rows.append(np.repeat(mine, k))
-            columns.append(np.tile(start + np.arange(k), len(mine)))
-            data.append(motion[mine].ravel())
-        entries = np.concatenate(data), (np.concatenate(rows), np.concatenate(columns))
-        return csr_matrix(entries, shape=(len(self.number), self.size))
+        shape = len(self.number), self.size - self.motions.shape[1]
+        single = csr_matrix((np.ones(len(plain)), (plain, self.number[plain])), shape=shape)
+        return csr_matrix(hstack([single, csr_matrix(self.motions)]))
 
     def reduced(self, B: ndarray, points: ndarray, dofs: ndarray) -> list[Block]:
         """Operators of the free unknowns; those at rigid bodies have more columns and are a block of their own."""
-        number = self.number[dofs]
-        touching = (number < -1).any(axis=1)
-        blocks = [Block(B[~touching], points[~touching], number[~touching])]
-        if touching.any():
-            blocks.append(self._at_bodies(B[touching], points[touching], dofs[touching]))
+        touching = np.isin(dofs, np.flatnonzero(self.motions.any(axis=1))).any(axis=1)
+        blocks = [Block(B[~touching], points[~touching], self.number[dofs[~touching]])]
+        B, points, dofs = B[touching], points[touching], dofs[touching]
+        motion = self.motions[dofs]  # (n, n_local, n_motions)
+        last = np.arange(self.size - motion.shape[2], self.size)
+        unknowns = np.hstack([self.number[dofs], np.where(motion.any(axis=1), last, -1)])
+        blocks.append(Block(np.concatenate([B, np.einsum("epsl,elk->epsk", B, motion)], axis=3), points, unknowns))
         return [block for block in blocks if len(block.B)]
-
-    def _at_bodies(self, B: ndarray, points: ndarray, dofs: ndarray) -> Block:
-        number = self.number[dofs]
-        columns, unknowns = [B * (number >= 0)[:, None, None]], [np.maximum(number, -1)]
-        for b, (motion, start) in enumerate(zip(self.motions, self.first)):
-            mine, k = number == -2 - b, motion.shape[1]
-            columns.append(np.einsum("epsl,elk->epsk", B * mine[:, None, None], motion[dofs]))
-            unknowns.append(np.where(mine.any(axis=1)[:, None], start + np.arange(k), -1))
-        return Block(np.concatenate(columns, axis=3), points, np.hstack(unknowns))
-
-
-def _free_motions(elements: Elements, mine: ndarray, held: ndarray) -> ndarray:
-    """Motions of a rigid body, as columns over all velocities, that leave its held ones at rest."""
-    whole = elements.rigid_motions(elements.places[:, mine].mean(axis=1))
-    if not len(held):
-        return whole
-    _, size, modes = np.linalg.svd(whole[held])
-    size = np.append(size, np.zeros(3 - len(size)))
-    return whole @ modes[size <= _FREE * max(1.0, size[0])].T

@@ -10,8 +10,7 @@ from numpy import ndarray
 
 from ..errors import AnalysisWarning, place
 from ..loads import traction, water_load, weight
-from .loading import Given, PressureLike, Site, pressure
-from .model import Field, Traction
+from .loading import Distributed, Field, PressureLike, Site, Traction, pressure
 
 #: What distributed loads may leave of a vector, as a share of it: other rules of integration do.
 _LEFT = 1e-8
@@ -33,7 +32,7 @@ class Vectors:
         """Whether a load is multiplied; otherwise the strength is reduced."""
         return self.live is not None
 
-    def on(self, site: Site) -> Given:
+    def on(self, site: Site) -> Distributed:
         """Weights of subdomains and tractions on boundaries that add up to the vectors."""
         basis, parts = site.basis, _Parts(site)
         dead, water = self.dead[:basis.N], None
@@ -44,9 +43,9 @@ class Vectors:
                 dead = dead - water_load(basis.with_elements(site.porous), self.water, self.wetted)
         body, tractions = parts.of(dead, False)
         if self.live is None:
-            return Given(body, 0 * body, tractions, water, self.wetted)
+            return Distributed(body, 0 * body, tractions, water, self.wetted)
         pulled, pushed = parts.of(self.live[:basis.N], True)
-        return Given(body, pulled, tractions + pushed, water, self.wetted)
+        return Distributed(body, pulled, tractions + pushed, water, self.wetted)
 
 
 class _Parts:
