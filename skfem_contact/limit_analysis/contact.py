@@ -1,12 +1,13 @@
 """Contacts of both bounds: joints between facets that coincide, which the other side's nodes are put into first."""
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 from numpy import ndarray
 from scipy.spatial import cKDTree
+from skfem import MeshTri
 
 from .elements import Elements
 from .strength import Interface
@@ -81,7 +82,7 @@ def _closed(triangles: Triangles, contact: Contact) -> Triangles:
         return triangles
     p = mesh.p.copy()
     p[:, slave[near]] = p[:, master[nearest[near]]]
-    return triangles.moved(p)
+    return replace(triangles, mesh=MeshTri(p, mesh.t, validate=False))
 
 
 def pairs(contact: Contact, triangles: Triangles) -> tuple[ndarray, ndarray, ndarray]:

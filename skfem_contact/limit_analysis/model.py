@@ -74,17 +74,7 @@ class Model:
 
 
 def discretise(model: Model, triangles: Triangles, elements: Elements) -> Program:
-    """The program of one bound on a mesh.
-
-    Parameters
-    ----------
-    model
-        What carries and what loads.
-    triangles
-        A refinement of its first mesh, with contacts that match.
-    elements
-        :func:`~.elements.stress_elements` or :func:`~.elements.velocity_elements` of it.
-    """
+    """The program of the bound that some elements give, on a refinement of the first mesh whose contacts match."""
     rigid = model.rigid[triangles.origin]
     soft = np.flatnonzero(rigid < 0)
     joints, tied = joined(model.contacts, triangles, elements)

@@ -116,15 +116,7 @@ class Program:
 
 
 class NormalMatrix:
-    """Sum of B^T D B over all points, for many D (n_points, 3, 3): a stiffness matrix, whose order is found once.
-
-    Parameters
-    ----------
-    blocks
-        Operators.
-    places
-        Where the unknowns live, (2, m).
-    """
+    """Sum of B^T D B over all points, for many D (n_points, 3, 3): a stiffness matrix, whose order is found once."""
 
     def __init__(self, blocks: list[Block], places: ndarray) -> None:
         self.blocks, self._places = blocks, places

@@ -13,16 +13,17 @@ from skfem import CellBasis, Mesh
 
 from ..contact.laws import Coulomb, Tied
 from ..contact.pair import ContactPair
-from ..materials.reduction import dilates_less
+from ..materials import LinearElastic, MohrCoulomb, Tresca, VonMises
+from ..materials.reduction import Flow, dilates_less
 from ..solid import SolidForm
 from ..stages.supports import as_unknowns
+from ..strain import axisymmetric
 from ..targets import reduced_parts
 from .contact import Contact
 from .geometry import Geometry, geometry
 from .loading import Distributed, Loads, Site
 from .model import Model
-from .soils import check_solids, strengths
-from .strength import Soil
+from .strength import FLAT, Soil
 from .triangles import Tag, Triangles
 from .vectors import Vectors
 
@@ -66,10 +67,9 @@ def read(forms: Mapping[str, Any], fixed: ndarray, loads: Loads | Vectors, reduc
          exclude: str | Collection[str], associated: bool) -> Problem:
     """Check everything, then translate it."""
     solids, pairs = _by_kind(forms)
-    check_solids(solids)
     basis = next(iter(solids.values())).basis
     targets = {} if loads.multiplied else reduced_parts(forms, reduce, exclude)
-    soil = strengths(solids, targets, "associated")
+    soil = _strengths(solids, targets, "associated")
     elements = np.sort(np.concatenate([form.elements for form in solids.values()]))
     if soil.rigid[elements].all() and not pairs:
         raise ValueError("nothing can yield: all solids are elastic, which bounds take for rigid")
@@ -81,10 +81,10 @@ def read(forms: Mapping[str, Any], fixed: ndarray, loads: Loads | Vectors, reduc
     unit = _unit_of_stress(soil, given, shape)
     model = Model(shape.triangles, soil.over(unit), _rigid_bodies(shape.triangles, soil.rigid),
                   given.scaled(shape.centre, shape.size, unit), _contacts(pairs, targets, unit))
+    less = any(dilates_less(material) for form in solids.values() for material in form.materials.values())
     davis = None
-    if any(dilates_less(material) for form in solids.values() for material in form.materials.values()) \
-            and not associated:
-        davis = replace(model, soil=strengths(solids, targets, "davis_a").over(unit))
+    if less and not associated:
+        davis = replace(model, soil=_strengths(solids, targets, "davis_a").over(unit))
     names = tuple(f"{name}.{part}" if part else name for name, parts in targets.items() for part in parts)
     return Problem(model, davis, basis.mesh, shape, unit, loads.multiplied, bool((soil.c == 0).any()), names,
                    _remarks(solids, shape, given, soil))
@@ -102,7 +102,56 @@ def _by_kind(forms: Mapping[str, Any]) -> tuple[dict[str, SolidForm], dict[str, 
     first = next(iter(solids.values())).basis.mesh
     if any(form.basis.mesh is not first and form.basis.mesh != first for form in solids.values()):
         raise ValueError("all solids must be parts of one mesh: join them with join_bodies")
+    _check_solids(solids)
     return solids, pairs
+
+
+def _check_solids(solids: Mapping[str, SolidForm]) -> None:
+    """Refuse what has no bounds: space, axial symmetry, other materials, overlapping solids."""
+    for name, form in solids.items():
+        if form.basis.mesh.dim() != 2 or form.strain is axisymmetric:
+            kind = "axially symmetric" if form.basis.mesh.dim() == 2 else "in three dimensions"
+            raise ValueError(f"bounds are for plane strain, but '{name}' is {kind}")
+        for region, material in form.materials.items():
+            if not isinstance(material, (LinearElastic, MohrCoulomb, Tresca, VonMises)):
+                raise ValueError(f"there are no bounds for {type(material).__name__}, the material of '{region}' in "
+                                 f"'{name}'; there are for MohrCoulomb, Tresca, VonMises and, rigid, LinearElastic")
+    elements = np.concatenate([form.elements for form in solids.values()])
+    if len(np.unique(elements)) < len(elements):
+        raise ValueError(f"the solids {', '.join(solids)} share elements: each must belong to one of them")
+
+
+def _strengths(solids: Mapping[str, SolidForm], targets: Mapping[str, Collection[str]], flow: Flow) -> Soil:
+    """Strength of all elements of the mesh; elastic ones and those of no solid are rigid."""
+    n = next(iter(solids.values())).basis.mesh.nelements
+    found = Soil(np.full(n, np.inf), np.zeros(n), np.full(n, np.inf), np.zeros(n, bool))
+    for name, form in solids.items():
+        for region in form.regions:
+            where = form.elements[region.elements]
+            c, t, tension = _parameters(region.material, flow, f"{name}.{region.name}")
+            found.c[where], found.t[where], found.tension[where] = c, t, tension
+            found.reduced[where] = region.name in targets.get(name, ())
+    return found
+
+
+def _parameters(material: Any, flow: Flow, name: str) -> tuple[Any, Any, Any]:
+    """Cohesion, tan phi and tensile strength in plane strain."""
+    if isinstance(material, LinearElastic):
+        return np.inf, 0.0, np.inf
+    if isinstance(material, VonMises):  # what flows in plane strain has the mean of the others as third stress
+        c, t, tension = material.strength / np.sqrt(3), 0.0, np.inf
+    elif isinstance(material, Tresca):
+        c, t, tension = material.c, 0.0, np.inf
+    else:
+        if flow != "associated":
+            material = material.reduced(1.0, flow)
+        c, t = material.c, np.tan(np.radians(material.phi))
+        tension = np.inf if material.tension is None else material.tension
+    if np.any((np.asarray(t) > 0) & (np.asarray(t) < FLAT)):
+        raise ValueError(f"a friction angle of '{name}' lies between 0 and {np.degrees(FLAT):.2f} degrees; make it 0")
+    if np.any((np.asarray(c) == 0) & (np.asarray(t) == 0)):
+        raise ValueError(f"'{name}' has neither cohesion nor friction")
+    return c, t, tension
 
 
 def _unknowns(fixed: ndarray, basis: CellBasis) -> ndarray:

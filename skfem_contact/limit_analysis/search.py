@@ -49,15 +49,7 @@ class Found(NamedTuple):
 
 
 class Search:
-    """Meshes, their bounds and the best of them.
-
-    Parameters
-    ----------
-    problem
-        What is bounded.
-    bar
-        A ``tqdm`` progress bar.
-    """
+    """Meshes, their bounds and the best of them; a bar shows how far it is."""
 
     def __init__(self, problem: Problem, bar: tqdm[Any]) -> None:
         self.problem, self.model, self.live, self._bar = problem, problem.model, problem.live, bar
@@ -76,8 +68,7 @@ class Search:
     @property
     def gap(self) -> float:
         """Difference of the best bounds as a share of their mean."""
-        low, high = self.lower.proof.value, self.upper.proof.value
-        return relative_gap(low, high)
+        return relative_gap(self.lower.proof.value, self.upper.proof.value)
 
     @property
     def overloaded(self) -> bool:

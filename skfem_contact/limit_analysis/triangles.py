@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy import ndarray
@@ -48,17 +48,7 @@ class Triangles:
     @property
     def rooted(self) -> Triangles:
         """The same triangles, as the ones that later ones are parts of."""
-        return Triangles(self.mesh, self.origin, np.arange(len(self.origin)), self.tags)
-
-    @property
-    def longest(self) -> ndarray:
-        """Longest facet of every triangle, (n_elements,)."""
-        lengths = np.round(facet_lengths(self.mesh), _DIGITS)[self.mesh.t2f]
-        return np.take_along_axis(self.mesh.t2f, lengths.argmax(axis=0)[None], 0)[0]
-
-    def moved(self, p: ndarray) -> Triangles:
-        """The same triangles with their nodes elsewhere."""
-        return Triangles(MeshTri(p, self.mesh.t, validate=False), self.origin, self.parent, self.tags)
+        return replace(self, parent=np.arange(len(self.origin)))
 
     def refined(self, elements: ndarray) -> Triangles:
         """Some triangles in four, their neighbours so that no angle becomes small.
@@ -66,10 +56,11 @@ class Triangles:
         A facet is halved only together with the longest one of its triangle (A. Plaza, G. F. Carey, Applied Numerical
         Mathematics 32 (2000) 195-218).
         """
-        cut = np.zeros(self.mesh.nfacets, dtype=bool)
-        cut[self.mesh.t2f[:, elements]] = True
-        longest = self.longest
-        while (missing := longest[cut[self.mesh.t2f].any(axis=0) & ~cut[longest]]).size:
+        sides, cut = self.mesh.t2f, np.zeros(self.mesh.nfacets, dtype=bool)
+        cut[sides[:, elements]] = True
+        lengths = np.round(facet_lengths(self.mesh), _DIGITS)[sides]
+        longest = np.take_along_axis(sides, lengths.argmax(axis=0)[None], 0)[0]
+        while (missing := longest[cut[sides].any(axis=0) & ~cut[longest]]).size:
             cut[missing] = True
         return self.halved(np.flatnonzero(cut))
 
@@ -123,15 +114,9 @@ def facet_lengths(mesh: MeshTri) -> ndarray:
 
 def find_facets(mesh: MeshTri, ends: ndarray) -> ndarray:
     """Numbers of the facets with the given ends, (2, n)."""
-    known = _keys(mesh.facets, mesh.nvertices)
-    order = np.argsort(known)
-    place = np.searchsorted(known[order], _keys(ends, mesh.nvertices))
-    return np.unique(order[place])
-
-
-def _keys(ends: ndarray, n: int) -> ndarray:
-    low, high = np.sort(ends.astype(np.int64), axis=0)
-    return low * n + high
+    known, wanted = (low * mesh.nvertices + high for low, high in
+                     (np.sort(pairs.astype(np.int64), axis=0) for pairs in (mesh.facets, ends)))
+    return np.flatnonzero(np.isin(known, wanted))
 
 
 def outward_normals(mesh: MeshTri, facets: ndarray, elements: ndarray) -> ndarray:

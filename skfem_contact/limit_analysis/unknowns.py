@@ -52,19 +52,7 @@ class Unknowns(NamedTuple):
 
     @classmethod
     def of(cls, elements: Elements, used: ndarray, held: ndarray, tied: ndarray, rigid: ndarray) -> Unknowns:
-        """Number the free unknowns.
-
-        Parameters
-        ----------
-        elements
-            The elements of a bound.
-        used, held
-            Velocities that act on something, and those that are zero.
-        tied
-            Pairs of velocities that are equal, (2, n).
-        rigid
-            Number of the rigid body of every triangle, -1 for none.
-        """
+        """Free are those that are used and not held; pairs (2, n) are tied, triangles of rigid >= 0 bodies."""
         n = elements.n
         same = connected_components(coo_matrix((np.ones(tied.shape[1]), tuple(tied)), shape=(n, n)), directed=False)[1]
         fixed, body = np.isin(same, same[held]), np.full(n, -1)
