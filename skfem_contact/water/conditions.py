@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy import ndarray
@@ -12,8 +12,8 @@ from skfem import CellBasis
 
 from ..errors import look_up, place
 
-#: Head on a boundary: a number, or a function of places (dim, ...).
-Head = float | Callable[[ndarray], ndarray]
+#: Head or pressure on a boundary: a number, or a function of places (dim, ...).
+Given = float | Callable[[ndarray], ndarray]
 
 #: Heads and heights that differ by less than this part of the model's size are the same.
 _SAME = 1e-9
@@ -40,29 +40,31 @@ class Conditions:
     face: ndarray
     passing: Mapping[str, ndarray]
 
-    def lowered(self, datum: float) -> Conditions:
-        """The same with heads that count from another height."""
-        return replace(self, head=self.head - datum)
+
+def nodes_on(basis: CellBasis, boundary: str) -> ndarray:
+    """Nodes of the porous ground of a basis of heads or pressures on a boundary."""
+    facets = look_up(boundary, basis.mesh.boundaries or {}, "boundary")
+    found = np.intersect1d(basis.mesh.facets[:, facets], basis.element_dofs)
+    if len(found) == 0:
+        raise ValueError(f"boundary '{boundary}' has no node of the porous ground")
+    return found
 
 
-def conditions(basis: CellBasis, head: Mapping[str, Head], face: str | Sequence[str]) -> Conditions:
-    """Conditions at the nodes from those on boundaries; a head holds at and below its own height.
+def values_at(given: Given, x: ndarray, what: str) -> ndarray:
+    """What is given, at places (dim, n)."""
+    values = np.asarray(given(x) if callable(given) else given, dtype=float)
+    if values.shape not in ((), x.shape[1:]) or not np.isfinite(values).all():
+        raise ValueError(f"the {what} must be a finite number, or a function of places that gives one for each")
+    return np.broadcast_to(values, x.shape[1:])
 
-    Raises
-    ------
-    ValueError
-        Unknown boundaries, heads that are not finite, that lie below their whole boundary or contradict each other,
-        boundaries without porous ground.
-    """
+
+def conditions(basis: CellBasis, head: Mapping[str, Given], face: str | Sequence[str]) -> Conditions:
+    """Conditions at the nodes from those on boundaries; a head holds at and below its own height."""
     mesh, faces = basis.mesh, (face,) if isinstance(face, str) else tuple(face)
     if not isinstance(head, Mapping) or not head:
         raise ValueError("there is no head: give {boundary: head} for the boundaries at which water stands")
-    porous = np.unique(basis.element_dofs)
-    passing = {name: np.asarray(look_up(name, mesh.boundaries or {}, "boundary")) for name in (*head, *faces)}
-    nodes = {name: np.intersect1d(mesh.facets[:, facets], porous) for name, facets in passing.items()}
-    for name, found in nodes.items():
-        if len(found) == 0:
-            raise ValueError(f"boundary '{name}' has no node of the porous ground")
+    nodes = {name: nodes_on(basis, name) for name in (*head, *faces)}
+    passing = {name: np.asarray(mesh.boundaries[name]) for name in nodes}
     values, by = np.full(basis.N, np.nan), np.zeros(basis.N, dtype=object)
     tolerance = _SAME * float(np.ptp(mesh.p, axis=1).max())
     for name, value in head.items():
@@ -80,13 +82,9 @@ def conditions(basis: CellBasis, head: Mapping[str, Head], face: str | Sequence[
     return Conditions(held, values, on_face & ~held, passing)
 
 
-def _below(name: str, value: Head, x: ndarray, tolerance: float) -> tuple[ndarray, ndarray]:
+def _below(name: str, value: Given, x: ndarray, tolerance: float) -> tuple[ndarray, ndarray]:
     """Which nodes of a boundary lie at or below the given head, and the heads of all."""
-    heads = np.asarray(value(x) if callable(value) else value, dtype=float)
-    if heads.shape not in ((), x.shape[1:]) or not np.isfinite(heads).all():
-        raise ValueError(f"the head of boundary '{name}' must be a finite number, or a function of places that gives "
-                         "one for each")
-    heads = np.broadcast_to(heads, x.shape[1:])
+    heads = values_at(value, x, f"head of boundary '{name}'")
     wet = x[-1] <= heads + tolerance
     if not wet.any():
         raise ValueError(f"the head of boundary '{name}', {heads.max():.4g} at most, is below all of it, from "
@@ -95,13 +93,7 @@ def _below(name: str, value: Head, x: ndarray, tolerance: float) -> tuple[ndarra
 
 
 def check_connected(basis: CellBasis, held: ndarray, tie: csr_matrix) -> None:
-    """Every part of the ground that is connected, by elements or by tied nodes, needs a head.
-
-    Raises
-    ------
-    ValueError
-        With the place of a part that has none.
-    """
+    """Refuse parts of the ground, connected by elements or by tied nodes, that have no head."""
     dofs, porous = basis.element_dofs, np.unique(basis.element_dofs)
     first = np.broadcast_to(dofs[0], dofs.shape)
     graph = csr_matrix((np.ones(dofs.size), (first.ravel(), dofs.ravel())), shape=tie.shape) + tie

@@ -22,21 +22,9 @@ _LOST = 1e12
 
 
 def drainage_remarks(water: PoreWater, fixed: ndarray, held: ndarray, duration: float) -> Iterator[Remark]:
-    """Remarks on a stage.
+    """Remarks on a stage in which unknowns are fixed, others held for there is nothing; refuses what has no answer.
 
-    Parameters
-    ----------
-    water
-        The form, complete.
-    fixed, held
-        Unknowns that are supported, and those of what is not there.
-    duration
-        Time from when loads, supports or anything else began to change to the end of the stage; zero without any.
-
-    Raises
-    ------
-    ValueError
-        No duration, ground that is not there, or pressures that nothing determines.
+    The duration is from when loads, supports or anything else began to change to the end; zero without any.
     """
     if not duration > 0.0:
         raise ValueError("PoreWater needs time: give Stage(duration=...), a short one for what happens at once, or "
@@ -46,8 +34,8 @@ def drainage_remarks(water: PoreWater, fixed: ndarray, held: ndarray, duration: 
         raise ValueError(f"PoreWater is active in ground that is not there: {water!r}")
     drained = np.intersect1d(fixed, water.carries)
     _check_determined(water, fixed, drained)
-    assert water.skeleton is not None
-    diffusivity = water.skeleton.modulus * np.linalg.eigvalsh(water.mobility)[:, -1]
+    assert water.stiffness is not None
+    diffusivity = water.stiffness[0] * np.linalg.eigvalsh(water.mobility)[:, -1]
     used = basis.mesh.p[:, np.unique(basis.mesh.t[:, water.elements])]
     length = float(np.ptp(used, axis=1).max())
     time = float(diffusivity.max()) * duration / length**2, float(diffusivity.min()) * duration / length**2

@@ -10,7 +10,8 @@ from numpy import ndarray
 from scipy.sparse import csr_matrix
 
 from ..forms import Form, Response
-from .pore_water import Given, PoreWater
+from .conditions import Given
+from .pore_water import PoreWater
 
 #: Conductance of the face over that of the ground beside it: pressures exceed zero by a hundredth of the drop in an
 #: element. By 1e4, and steps of 1e4 h² / c_v, SuperLU has been seen to pass LAPACK illegal sizes.

@@ -24,11 +24,6 @@ def tied_heads(basis: CellBasis, joints: Sequence[tuple[str, str]], held: ndarra
 
     A node on the side with the smaller facets has the head of the place on the other side that is nearest to it, unless
     its head is given.
-
-    Raises
-    ------
-    ValueError
-        Unknown boundaries, sides that are nowhere next to each other, bodies that are tied in a circle.
     """
     mesh, n = basis.mesh, basis.N
     tie, tied = lil_matrix(eye(n)), np.zeros(n, dtype=bool)
@@ -58,19 +53,7 @@ def open_joints(basis: CellBasis, joints: Sequence[tuple[str, str]], conductance
                 ) -> tuple[coo_matrix, ndarray]:
     """Water that leaves the nodes through joints, (N, N), by the pressures, and the facets that face each other.
 
-    Parameters
-    ----------
-    basis
-        Basis of the pressures.
-    joints
-        Pairs of boundaries.
-    conductance
-        Water that leaves the nodes by a pressure of one there, (N,).
-
-    Raises
-    ------
-    ValueError
-        As :func:`tied_heads`, and a side without porous ground.
+    The conductance is the water that leaves the nodes of the ground by a pressure of one there, (N,).
     """
     n, mesh, facets = basis.N, basis.mesh, [np.zeros(0, int)]
     apart = csr_matrix(eye(n) - tied_heads(basis, joints, np.zeros(n, dtype=bool)))

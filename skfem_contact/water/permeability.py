@@ -23,13 +23,7 @@ _MOST = 1e10
 
 
 def regions(basis: CellBasis, values: T | Mapping[str, T], what: str) -> list[tuple[ndarray, T]]:
-    """Which elements of a basis have which value, where one is given for all or one for each subdomain.
-
-    Raises
-    ------
-    ValueError
-        An unknown subdomain, or elements of the basis without a value or with two.
-    """
+    """Which elements of a basis have which value, where one is given for all or one for each subdomain."""
     here = elements_of(basis)
     if not isinstance(values, Mapping):
         return [(np.arange(len(here)), values)]
@@ -47,13 +41,7 @@ def regions(basis: CellBasis, values: T | Mapping[str, T], what: str) -> list[tu
 
 
 def permeability_tensors(basis: CellBasis, k: Permeability | Mapping[str, Permeability]) -> ndarray:
-    """Tensor of permeability of every element of a basis, (n_elements, dim, dim).
-
-    Raises
-    ------
-    ValueError
-        What :func:`regions` refuses, and permeabilities that are not positive or too far apart.
-    """
+    """Tensor of permeability of every element of a basis, (n_elements, dim, dim)."""
     dim = basis.mesh.dim()
     tensors = np.empty((basis.nelems, dim, dim))
     found: list[float] = []
