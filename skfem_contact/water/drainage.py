@@ -34,8 +34,9 @@ def drainage_remarks(water: PoreWater, fixed: ndarray, held: ndarray, duration: 
         raise ValueError(f"PoreWater is active in ground that is not there: {water!r}")
     drained = np.intersect1d(fixed, water.carries)
     _check_determined(water, fixed, drained)
-    assert water.stiffness is not None
-    diffusivity = water.stiffness[0] * np.linalg.eigvalsh(water.mobility)[:, -1]
+    around = water.around
+    assert around is not None
+    diffusivity = around.modulus * np.linalg.eigvalsh(water.mobility)[:, -1]
     used = basis.mesh.p[:, np.unique(basis.mesh.t[:, water.elements])]
     length = float(np.ptp(used, axis=1).max())
     time = float(diffusivity.max()) * duration / length**2, float(diffusivity.min()) * duration / length**2
@@ -46,13 +47,13 @@ def drainage_remarks(water: PoreWater, fixed: ndarray, held: ndarray, duration: 
         if worst > _LOST:
             raise ValueError(text)
         yield Remark("units", abs(np.log10(worst)), text)
-    for name, joined in water.touching.items():
+    for name, joined in around.touching.items():
         if len(pressed := _under_pressure(water, joined, drained)):
             yield Remark("friction", len(pressed),
                          f"'{name}' carries the pressure of the water as well, at {len(pressed)} nodes that are not "
                          "drained: friction there counts the total stress, not the effective one")
     if not (fixed >= water.first).any():
-        if not water.leaks:
+        if not around.leaks:
             yield Remark("sealed", 0.0, "no pore pressure is held: no water can leave the ground")
         return
     shortest = _resolved(water, drained, diffusivity)

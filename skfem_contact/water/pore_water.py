@@ -20,7 +20,7 @@ from ..unknowns import Field, elements_of, first_behind, nodes
 from .conditions import Given, nodes_on, values_at
 from .drainage import drainage_remarks
 from .permeability import Permeability, permeability_tensors, regions
-from .porous import PoreState, Porous, stiffness
+from .porous import PoreState, Porous, Surroundings
 
 #: Water out of balance is measured by what nodes store in a step, or by this share of what flows in and out of them: at
 #: the usual tolerance that is 1e-14, its round-off in ground a small part of which is 1e8 times as permeable.
@@ -127,8 +127,7 @@ class PoreWater(Form):
         self.size = self.first + self._places.shape[1]
         self.carries = self.first + np.unique(self.porous.pressures.element_dofs)
         self.fields = (Field("pore pressure", self._places, self.first, moves=False),)
-        self.stiffness: tuple[ndarray, ndarray] | None = None
-        self.leaks, self.touching = False, dict[str, ndarray]()
+        self.around: Surroundings | None = None
         self._duration: float | None = None
 
     def __repr__(self) -> str:
@@ -212,38 +211,33 @@ class PoreWater(Form):
 
     def completed(self, forms: Mapping[str, Form]) -> PoreWater:
         """The form with the stiffness of the ground, by which pressures are scaled and stabilised."""
-        if self.stiffness is not None:
+        if self.around is not None:
             return self
-        new = self._on(stiffness(self.porous.basis, forms))
-        own = np.unique(self.porous.basis.element_dofs)
-        new.leaks = any(np.isin(form.joins, self.carries).any() for form in forms.values() if form.joins is not None)
-        new.touching = {name: form.joins for name, form in forms.items()
-                        if form.unilateral and form.joins is not None and np.isin(form.joins, own).any()}
-        return new
+        return self._among(Surroundings.of(self.porous.basis, self.carries, forms))
 
     def continues(self, old: Form) -> PoreWater:
         """The form in the place of one of the same ground, from whose pressures it goes on."""
         if not isinstance(old, PoreWater) or not np.array_equal(old.carries, self.carries):
             raise ValueError("its elements are others")
-        return self if old.stiffness is None else self._on(old.stiffness)
+        return self if old.around is None else self._among(old.around)
 
-    def _on(self, stiffness: tuple[ndarray, ndarray]) -> PoreWater:
+    def _among(self, around: Surroundings) -> PoreWater:
         """The form, complete."""
         new, basis = copy(self), self.porous.basis
-        new.stiffness = modulus, _ = stiffness
-        new.capacity = self.porous.at_nodes(1.0 / modulus + self.storage)
-        scale = float(modulus.mean() / (basis.dx.sum(axis=1) ** (1.0 / basis.mesh.dim())).mean())
-        new.fields = (replace(self.fields[0], scale=scale),)
+        new.around = around
+        new.capacity = self.porous.at_nodes(1.0 / around.modulus + self.storage)
+        size = basis.dx.sum(axis=1) ** (1.0 / basis.mesh.dim())
+        new.fields = (replace(self.fields[0], scale=float(around.modulus.mean() / size.mean())),)
         return new
 
     @cached_property
     def _kept(self) -> csr_matrix:
         """Less what the ground and the water store, symmetric with what the pressures do to the ground."""
-        assert self.stiffness is not None
+        assert self.around is not None
         parts = self.porous
         kept = self.storage[:, None, None] * parts.mass
         if parts.linear:
-            kept = kept + parts.spread / (2.0 * self.stiffness[1])[:, None, None]
+            kept = kept + parts.spread / (2.0 * self.around.shear)[:, None, None]
         return parts.symmetric(self.first, -parts.coupling, -kept)
 
     @cached_property

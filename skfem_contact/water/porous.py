@@ -3,6 +3,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy import ndarray
@@ -105,23 +106,45 @@ def _at_nodes(basis: CellBasis, values: ndarray) -> ndarray:
     return np.bincount(basis.element_dofs.T.ravel(), values.ravel(), minlength=basis.N)
 
 
-def stiffness(basis: CellBasis, forms: Mapping[str, Form]) -> tuple[ndarray, ndarray]:
-    """Moduli of the ground, (n_elements,): in compression without lateral strain, and in shear."""
-    mesh, here = basis.mesh, elements_of(basis)
-    moduli = np.full((2, mesh.nelements), np.nan)
-    for name, form in forms.items():
-        for region in form.regions if isinstance(form, SolidForm) else ():
-            elements = form.elements[region.elements]
-            D = region.material.elasticity(4 if mesh.dim() == 2 else 6)
-            moduli[0, elements], moduli[1, elements] = D[..., 0, 0], D[..., 3, 3]
-            if isinstance(region.material, Undrained) and np.isin(elements, here).any():
-                raise ValueError(f"region '{region.name}' of '{name}' is Undrained and has PoreWater too: its "
-                                 f"water would count twice; give its soil alone, {region.material.soil!r}")
-    lost = here[np.isnan(moduli[0, here])]
-    if len(lost):
-        raise ValueError(f"there is PoreWater in {len(lost)} elements of no SolidForm, the first at "
-                         f"{place(mesh.p[:, mesh.t[:, lost[0]]].mean(axis=1))}")
-    return moduli[0, here], moduli[1, here]
+class Surroundings(NamedTuple):
+    """What the water takes from the other forms.
+
+    Attributes
+    ----------
+    modulus, shear
+        Stiffness of the ground in compression without lateral strain, and in shear, (n_elements,).
+    leaks
+        Whether water leaves through another form.
+    touching
+        Displacements that contact acts on, by its name.
+    """
+
+    modulus: ndarray
+    shear: ndarray
+    leaks: bool
+    touching: Mapping[str, ndarray]
+
+    @classmethod
+    def of(cls, basis: CellBasis, carries: ndarray, forms: Mapping[str, Form]) -> Surroundings:
+        """From the forms around the ground of a basis and its unknown pressures; all of it must belong to solids."""
+        mesh, here = basis.mesh, elements_of(basis)
+        modulus, shear = np.full((2, mesh.nelements), np.nan)
+        for name, form in forms.items():
+            for region in form.regions if isinstance(form, SolidForm) else ():
+                elements = form.elements[region.elements]
+                D = region.material.elasticity(4 if mesh.dim() == 2 else 6)
+                modulus[elements], shear[elements] = D[..., 0, 0], D[..., 3, 3]
+                if isinstance(region.material, Undrained) and np.isin(elements, here).any():
+                    raise ValueError(f"region '{region.name}' of '{name}' is Undrained and has PoreWater too: its "
+                                     f"water would count twice; give its soil alone, {region.material.soil!r}")
+        lost = here[np.isnan(modulus[here])]
+        if len(lost):
+            raise ValueError(f"there is PoreWater in {len(lost)} elements of no SolidForm, the first at "
+                             f"{place(mesh.p[:, mesh.t[:, lost[0]]].mean(axis=1))}")
+        joins = {name: form.joins for name, form in forms.items() if form.joins is not None}
+        touching = {name: at for name, at in joins.items()
+                    if forms[name].unilateral and np.isin(at, basis.element_dofs).any()}
+        return cls(modulus[here], shear[here], any(np.isin(at, carries).any() for at in joins.values()), touching)
 
 
 @dataclass(frozen=True)
