@@ -20,11 +20,10 @@ from ..stages.supports import as_unknowns
 from ..strain import axisymmetric
 from ..targets import reduced_parts
 from .contact import Contact
-from .geometry import Geometry, geometry
 from .loading import Distributed, Loads, Site
 from .model import Model
 from .strength import FLAT, Soil
-from .triangles import Tag, Triangles
+from .triangles import Geometry, Tag, Triangles, geometry
 from .vectors import Vectors
 
 

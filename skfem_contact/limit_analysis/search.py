@@ -114,8 +114,7 @@ class Search:
             proof = prove_lower(program, found, self.live)
             if np.isfinite(proof.value) or proof.residual > UNBALANCED:  # which no reserve mends
                 break
-        self._certified("lower", program, found, proof)
-        return Found(self.triangles, program, found, proof)
+        return self._found("lower", program, found, proof)
 
     def _solve_upper(self) -> Found:
         """Upper bound on the present triangles."""
@@ -123,9 +122,7 @@ class Search:
         factor = 1.0 if self.live else self._factor * _ABOVE
         goal = Goal(factor, _AIM * self._accuracy, not self.live, _VOLUME[1])
         found = solve(program, goal, self._accuracy)
-        proof = prove_upper(program, found, self.live)
-        self._certified("upper", program, found, proof)
-        return Found(self.triangles, program, found, proof)
+        return self._found("upper", program, found, prove_upper(program, found, self.live))
 
     def _factor_of_fixed_loads(self) -> float:
         """Upper bound of their factor of safety, where no multiplier was shown to be borne.
@@ -140,13 +137,15 @@ class Search:
         goal = Goal(1.0, _AIM * self._accuracy, True, _VOLUME[1])
         return prove_upper(fixed, solve(fixed, goal, self._accuracy), False).value
 
-    def _certified(self, kind: str, program: Program, found: Solution, proof: Proof) -> None:
+    def _found(self, kind: str, program: Program, solution: Solution, proof: Proof) -> Found:
+        """A bound on the present triangles, noted."""
         if not self.live:
-            self._factor = float(np.clip(found.factor, 1.0 / HIGHEST, HIGHEST))
-        believed, n = float(found.theta if self.live else found.factor), self.triangles.mesh.nelements
-        self.history.append(Certificate(kind, n, program.size, proof.value, believed, proof.residual, found.iterations,
-                                        process_time() - self._began))
+            self._factor = float(np.clip(solution.factor, 1.0 / HIGHEST, HIGHEST))
+        believed, n = float(solution.theta if self.live else solution.factor), self.triangles.mesh.nelements
+        self.history.append(Certificate(kind, n, program.size, proof.value, believed, proof.residual,
+                                        solution.iterations, process_time() - self._began))
         self._bar.set_postfix_str(f"{kind} bound {proof.value:.5g}, {n} triangles")
+        return Found(self.triangles, program, solution, proof)
 
     def estimate(self, weaker: Model) -> float:
         """What another, weaker model bears on the last triangles."""
