@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy import ndarray
-from skfem import FacetBasis
 
 from ..remarks import Remark
 
@@ -93,7 +92,9 @@ def _resolved(water: PoreWater, drained: ndarray, diffusivity: ndarray) -> float
     side, element = np.nonzero(corners[mesh.facets].all(axis=0)[sides])
     if len(element) == 0:
         return 0.0
-    area = FacetBasis(mesh, water.porous.pressures.elem, facets=sides[side, element]).dx.sum(axis=1)
+    corner = mesh.p[:, mesh.facets[:, sides[side, element]]]
+    area = np.linalg.norm(corner[:, 1] - corner[:, 0] if mesh.dim() == 2 else
+                          0.5 * np.cross(corner[:, 2] - corner[:, 0], corner[:, -1] - corner[:, 1], axis=0), axis=0)
     simplex = len(mesh.t) == mesh.dim() + 1
     across = (mesh.dim() if simplex else 1) * basis.dx.sum(axis=1)[element] / area
     return float((across**2 / 6.0 / diffusivity[element]).max())
