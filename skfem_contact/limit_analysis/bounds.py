@@ -11,14 +11,14 @@ from skfem import MeshTri
 from tqdm import tqdm
 
 from ..errors import AnalysisWarning
+from ..loads import Pressure
 from ..solvers.threads import single_threaded
 from .certify import dissipation
-from .loading import Loads, PressureLike, TractionLike
+from .loading import Loads, TractionLike, Vectors
 from .reading import Problem, read
 from .result import Bounds
 from .search import Found, Search
 from .triangles import Triangles
-from .vectors import Vectors
 
 #: Share of the upper bound below which a lower one is none.
 _NOTHING = 1e-3
@@ -28,7 +28,7 @@ _OPTIONS: dict[str, Any] = {"water": None, "wetted": (), "gap": 0.01, "elements"
 
 @single_threaded
 def bounds(forms: Mapping[str, Any], fixed: ndarray, weight: float | Mapping[str, float] = 0.0,
-           tractions: Mapping[str, TractionLike] | None = None, water: PressureLike | None = None,
+           tractions: Mapping[str, TractionLike] | None = None, water: Pressure | None = None,
            wetted: str | Collection[str] = (), seismic: float = 0.0, reduce: str | Collection[str] | None = None,
            exclude: str | Collection[str] = (), live: str | Collection[str] = (),
            flow: Literal["given", "associated"] = "given", gap: float = 0.01, elements: int = 20_000,

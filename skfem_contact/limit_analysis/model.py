@@ -7,12 +7,11 @@ import numpy as np
 from numpy import ndarray
 
 from .contact import Contact, joined
-from .elements import Elements, gradients
+from .elements import Block, Elements, Unknowns, gradients
 from .loading import Distributed
 from .program import Program
 from .strength import Soil, Strength
 from .triangles import Triangles, outward_normals
-from .unknowns import Block, Unknowns
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,8 @@ from scipy.sparse import csr_matrix
 from ..solvers.direct import ENGINES, fastest_engine
 from ..sparse import FreeBlock, Gathering, Total
 from .contact import Joint
+from .elements import Block, Unknowns
 from .strength import Cones, Strength
-from .unknowns import Block, Unknowns
 
 #: Shares of the diagonal that are added, one after the other, until the matrix has a factor: equations of the lower
 #: bound depend on each other where two straight lines cross at a node.

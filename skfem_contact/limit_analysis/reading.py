@@ -20,11 +20,10 @@ from ..stages.supports import as_unknowns
 from ..strain import axisymmetric
 from ..targets import reduced_parts
 from .contact import Contact
-from .loading import Distributed, Loads, Site
+from .loading import Distributed, Loads, Site, Vectors
 from .model import Model
 from .strength import FLAT, Soil
 from .triangles import Geometry, Tag, Triangles, geometry
-from .vectors import Vectors
 
 
 @dataclass(frozen=True)

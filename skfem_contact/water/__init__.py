@@ -1,6 +1,6 @@
 """Water in the ground: steady seepage, confined or with a free surface, and consolidation."""
 
-from .face import SeepageFace
+from .drainage import SeepageFace
 from .pore_water import PoreWater
 from .porous import PoreState
 from .retention import Ramp, Retention, VanGenuchten

@@ -18,8 +18,8 @@ from ..sparse import with_data
 from ..strain import StrainOperator, plane_strain
 from ..unknowns import Field, elements_of, first_behind, nodes
 from .conditions import Given, nodes_on, values_at
+from .darcy import Permeability, permeability_tensors, regions
 from .drainage import drainage_remarks
-from .permeability import Permeability, permeability_tensors, regions
 from .porous import PoreState, Porous, Surroundings
 
 #: Water out of balance is measured by what nodes store in a step, or by this share of what flows in and out of them: at

@@ -16,7 +16,7 @@ from ..materials import Undrained
 from ..solid import SolidForm
 from ..strain import StrainOperator, axisymmetric
 from ..unknowns import elements_of, linear_element
-from .joints import open_joints, pressed
+from .conditions import open_joints, pressed
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,10 +12,8 @@ from skfem import CellBasis, FacetBasis, LinearForm
 from ..errors import AnalysisWarning, look_up, place
 from ..unknowns import elements_of
 from .balance import WaterBalance
-from .conditions import Given, check_connected, conditions
-from .darcy import DarcyFlow, head_basis
-from .joints import tied_heads
-from .permeability import Permeability, permeability_tensors, regions
+from .conditions import Given, check_connected, conditions, tied_heads
+from .darcy import DarcyFlow, Permeability, head_basis, permeability_tensors, regions
 from .places import Interpolation, zero_lines
 from .retention import Ramp, Retention
 
