@@ -113,23 +113,24 @@ def joined(contacts: tuple[Contact, ...], triangles: Triangles, elements: Elemen
     joints, tied = [], [np.zeros((2, 0), int)]
     for contact in contacts:
         one, other, turned = pairs(contact, triangles)
-        same = elements.facets[one], elements.on_facets(other, turned)
+        sides = elements.facets[one], elements.on_facets(other, turned)
         if contact.tied:
-            tied.append(np.stack([dofs.ravel() for dofs in same]))
+            tied.append(np.stack([dofs.ravel() for dofs in sides]))
         elif len(one):
-            joints.append(_joint(contact, triangles, elements, one, other, np.hstack([d.reshape(len(one), -1)
-                                                                                       for d in same])))
+            jump = _jumps(contact, triangles, elements, one)
+            of_points = (np.full(jump.shape[0] * jump.shape[1], x)
+                         for x in (contact.a, contact.mu, contact.tension, contact.reduced))
+            joints.append(Joint(one, other, np.concatenate([-jump, jump], axis=3),
+                                np.hstack([dofs.reshape(len(one), -1) for dofs in sides]), Interface(*of_points)))
     return joints, np.hstack(tied)
 
 
-def _joint(contact: Contact, triangles: Triangles, elements: Elements, one: ndarray, other: ndarray, dofs: ndarray
-           ) -> Joint:
-    normal = outward_normals(triangles.mesh, one, triangles.mesh.f2t[0, one])
+def _jumps(contact: Contact, triangles: Triangles, elements: Elements, slave: ndarray) -> ndarray:
+    """Opening, slip and nothing times weight, of the master's velocities, (n, n_points, 3, n_local)."""
+    normal = outward_normals(triangles.mesh, slave, triangles.mesh.f2t[0, slave])
     tangent = np.stack([-normal[1], normal[0]])
     smooth = contact.a == 0 and contact.mu == 0
     axes = np.stack([normal, 0.0 * tangent if smooth else tangent, 0 * normal]).transpose(2, 0, 1)
-    weight = facet_lengths(triangles.mesh)[one] / len(elements.jump)
-    jump = np.einsum("pl,fic,f->fpilc", elements.jump, axes, weight).reshape(len(one), len(elements.jump), 3, -1)
-    n = jump.shape[0] * jump.shape[1]
-    strength = Interface(*(np.full(n, x) for x in (contact.a, contact.mu, contact.tension, contact.reduced)))
-    return Joint(one, other, np.concatenate([-jump, jump], axis=3), dofs, strength)
+    weight = facet_lengths(triangles.mesh)[slave] / len(elements.jump)
+    jump = np.einsum("pl,fic,f->fpilc", elements.jump, axes, weight)
+    return jump.reshape(*jump.shape[:3], -1)

@@ -67,13 +67,18 @@ class Elements:
         """Number of unknown velocities."""
         return self.places.shape[1]
 
-    def load(self, body: ndarray, facets: ndarray, tractions: ndarray) -> ndarray:
-        """Power of body forces (n_elements, 2) and of tractions (n_facets, 2 ends, 2), linear on each facet, (n,)."""
-        f, (_, area), lengths = np.zeros(self.n), gradients(self.mesh), facet_lengths(self.mesh)[facets]
-        part = (body * area[:, None] / self.inside.shape[1])[:, None]
-        np.add.at(f, self.inside, np.broadcast_to(part, self.inside.shape))
-        np.add.at(f, self.facets[facets], np.einsum("pe,fec,f->fpc", self.ends, tractions, lengths))
-        return f
+    def of_body(self, forces: ndarray) -> ndarray:
+        """Power of body forces (n_elements, 2), (n,)."""
+        power, area = np.zeros(self.n), gradients(self.mesh)[1]
+        part = (forces * area[:, None] / self.inside.shape[1])[:, None]
+        np.add.at(power, self.inside, np.broadcast_to(part, self.inside.shape))
+        return power
+
+    def of_tractions(self, facets: ndarray, tractions: ndarray) -> ndarray:
+        """Power of tractions (n_facets, 2 ends, 2), linear on each facet, (n,)."""
+        power, lengths = np.zeros(self.n), facet_lengths(self.mesh)[facets]
+        np.add.at(power, self.facets[facets], np.einsum("pe,fec,f->fpc", self.ends, tractions, lengths))
+        return power
 
     def on_facets(self, facets: ndarray, turned: ndarray) -> ndarray:
         """Unknowns of some facets, those at the ends exchanged where turned."""

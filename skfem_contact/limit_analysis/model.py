@@ -42,14 +42,12 @@ class Model:
 
     def power(self, triangles: Triangles, elements: Elements) -> tuple[ndarray, ndarray]:
         """Power of the fixed and of the multiplied loads, (n,) each."""
-        none = np.zeros(0, int), np.zeros((0, 2, 2))
-        total = [elements.load(body[triangles.origin], *none) for body in (self.loads.dead, self.loads.live)]
-        weightless = np.zeros((len(triangles.origin), 2))
+        total = [elements.of_body(forces[triangles.origin]) for forces in (self.loads.dead, self.loads.live)]
         for tag, value, live in self.loads.tractions:
             facets = triangles.tags[tag]
             places = triangles.mesh.p[:, triangles.mesh.facets[:, facets]]  # (2, 2 ends, n)
             values = np.asarray(value(places.reshape(2, -1))).reshape(places.shape).T
-            total[live] += elements.load(weightless, facets, values)
+            total[live] += elements.of_tractions(facets, values)
         if self.loads.water is not None:
             total[0] += self._power_of_water(self.loads.water(triangles.mesh.p), triangles, elements)
         return total[0], total[1]
@@ -69,7 +67,8 @@ class Model:
         side = np.append(inside[1, edge], np.zeros(len(wetted), bool)).astype(int)
         sign = np.repeat([1.0, -1.0], (len(edge), len(wetted)))
         normal = outward_normals(mesh, facets, mesh.f2t[side, facets])
-        return elements.load(body, facets, (sign * u[mesh.facets[:, facets]]).T[:, :, None] * normal.T[:, None])
+        pressed = (sign * u[mesh.facets[:, facets]]).T[:, :, None] * normal.T[:, None]
+        return elements.of_body(body) + elements.of_tractions(facets, pressed)
 
 
 def discretise(model: Model, triangles: Triangles, elements: Elements) -> Program:
