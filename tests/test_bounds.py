@@ -199,7 +199,7 @@ def test_equilibrium_that_is_not_reached_proves_nothing() -> None:
     loads = Loads(case["weight"], 0.0, {}, None, (), ())
     problem = read(case["forms"], case["fixed"], loads, None, (), False)
     found = Search(problem, _Silent()).lower
-    program = found.parts.program
+    program = found.program
     assert certify.prove_lower(program, found.solution, False).value == pytest.approx(found.proof.value)
     program.dead = program.dead + 1e9  # more than the metric can balance within its repetitions
     assert certify.prove_lower(program, found.solution, False).value < found.proof.value

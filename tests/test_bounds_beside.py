@@ -14,8 +14,7 @@ from skfem import Basis, ElementQuad2, ElementTriP1, ElementTriP2, ElementVector
 
 import skfem_contact as sc
 import skfem_contact.plot as plot
-from skfem_contact.limit_analysis.loading import Site
-from skfem_contact.limit_analysis.vectors import Vectors
+from skfem_contact.limit_analysis.loading import Site, Vectors
 
 sys.path.append(str(Path(__file__).parents[1] / "examples" / "4_benchmarks"))
 from bound_cases import ground, slope_mesh

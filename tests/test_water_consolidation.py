@@ -288,6 +288,10 @@ def test_seepage_face():
     np.testing.assert_allclose([settlement(basis, result[name]) / FINAL for name in ("long", "half", "double")],
                                [1.0, 1.0, 2.0], rtol=1e-3)  # fmt: skip
     np.testing.assert_allclose(water.pressure(result["half"].x), -0.5 * LOAD, rtol=1e-3)
+    same = sc.Stage("same", 2.0 * load, duration=1.0 / C_V, change={"water": layer()[1]["water"]})
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # nor is it after a change of the water
+        sc.run(forms, [same], fixed, start=result, **QUIET)
     sc.check_form(forms["face"].over(0.1), result["half"].x, None)
 
 

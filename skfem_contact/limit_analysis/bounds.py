@@ -1,4 +1,4 @@
-"""Certified bounds of factors of safety and limit loads, on meshes refined where they differ."""
+"""Certified bounds of factors of safety and limit loads: alone, and beside what a search has found."""
 from __future__ import annotations
 
 import warnings
@@ -7,23 +7,28 @@ from typing import Any, Literal
 
 import numpy as np
 from numpy import ndarray
+from skfem import MeshTri
 from tqdm import tqdm
 
 from ..errors import AnalysisWarning
+from ..loads import Pressure
 from ..solvers.threads import single_threaded
-from .loading import Loads, PressureLike, TractionLike
+from .certify import dissipation
+from .loading import Loads, TractionLike, Vectors
 from .reading import Problem, read
-from .report import report
 from .result import Bounds
-from .search import Search
+from .search import Found, Search
+from .triangles import Triangles
 
 #: Share of the upper bound below which a lower one is none.
 _NOTHING = 1e-3
+#: What may be asked for beside a search: arguments of :func:`bounds`.
+_OPTIONS: dict[str, Any] = {"water": None, "wetted": (), "gap": 0.01, "elements": 20_000, "seconds": np.inf}
 
 
 @single_threaded
 def bounds(forms: Mapping[str, Any], fixed: ndarray, weight: float | Mapping[str, float] = 0.0,
-           tractions: Mapping[str, TractionLike] | None = None, water: PressureLike | None = None,
+           tractions: Mapping[str, TractionLike] | None = None, water: Pressure | None = None,
            wetted: str | Collection[str] = (), seismic: float = 0.0, reduce: str | Collection[str] | None = None,
            exclude: str | Collection[str] = (), live: str | Collection[str] = (),
            flow: Literal["given", "associated"] = "given", gap: float = 0.01, elements: int = 20_000,
@@ -95,35 +100,60 @@ def bounds(forms: Mapping[str, Any], fixed: ndarray, weight: float | Mapping[str
     >>> print(f"{found.lower:.3f} {found.upper:.3f}")
     2.000 2.000
     """
-    check_settings(gap, elements, seconds)
     if flow not in ("given", "associated"):
         raise ValueError(f"flow must be 'given' or 'associated', not {flow!r}")
-    loads = Loads(weight, seismic, dict(tractions or {}), water, names_of(wetted), names_of(live))
-    problem = read(forms, fixed, loads, reduce, exclude, flow == "associated")
-    return bracket(problem, gap, elements, seconds, progress, stacklevel=5)
+    loads = Loads(weight, seismic, dict(tractions or {}), water, _names(wetted), _names(live))
+    return _bracket(forms, fixed, loads, reduce, exclude, flow, gap, elements, seconds, progress, stacklevel=5)
 
 
-def check_settings(gap: float, elements: int, seconds: float) -> None:
-    """Refuse limits that nothing can keep."""
-    if not (0 < gap < np.inf) or not elements > 0 or not seconds > 0:
-        raise ValueError(f"gap, elements and seconds must be positive, not {gap!r}, {elements!r} and {seconds!r}")
+def beside(certify: bool | Mapping[str, Any], forms: Mapping[str, Any], fixed: ndarray, dead: ndarray,
+           live: ndarray | None, reduce: str | Collection[str] | None = None, exclude: str | Collection[str] = (),
+           flow: str = "given", progress: bool | None = None) -> Bounds | None:
+    """Bounds of what a search looks for; None unless they are asked for.
+
+    Parameters
+    ----------
+    certify
+        Whether, or arguments of :func:`bounds`: water, wetted, gap, elements, seconds.
+    forms, fixed, reduce, exclude, flow, progress
+        As for the search.
+    dead, live
+        Load vectors, fixed and multiplied, (N,); live is None where the strength is reduced.
+
+    Raises
+    ------
+    ValueError
+        As :func:`bounds`; other arguments; loads that are not distributed, see :class:`Vectors`.
+    """
+    if certify is False:
+        return None
+    if certify is not True and (not isinstance(certify, Mapping) or set(certify) - set(_OPTIONS)):
+        raise ValueError(f"certify must be True, or arguments of bounds among {', '.join(_OPTIONS)}, not {certify!r}")
+    given = _OPTIONS | (dict(certify) if isinstance(certify, Mapping) else {})
+    loads = Vectors(dead, live, given["water"], _names(given["wetted"]))
+    return _bracket(forms, fixed, loads, reduce, exclude, flow, given["gap"], given["elements"], given["seconds"],
+                    progress, stacklevel=6)
 
 
-def names_of(names: str | Collection[str]) -> tuple[str, ...]:
+def _names(names: str | Collection[str]) -> tuple[str, ...]:
     """One name, or several."""
     return (names,) if isinstance(names, str) else tuple(names)
 
 
-def bracket(problem: Problem, gap: float, elements: int, seconds: float, progress: bool | None, stacklevel: int
-            ) -> Bounds:
-    """Bounds of a problem; where they leave something open, a warning at the caller's level."""
+def _bracket(forms: Mapping[str, Any], fixed: ndarray, loads: Loads | Vectors, reduce: str | Collection[str] | None,
+             exclude: str | Collection[str], flow: str, gap: float, elements: int, seconds: float,
+             progress: bool | None, stacklevel: int) -> Bounds:
+    """Bounds of what is given; where they leave something open, a warning at the caller's level."""
+    if not (0 < gap < np.inf) or not elements > 0 or not seconds > 0:
+        raise ValueError(f"gap, elements and seconds must be positive, not {gap!r}, {elements!r} and {seconds!r}")
+    problem = read(forms, fixed, loads, reduce, exclude, flow == "associated")
     with tqdm(desc="bounds", disable=None if progress is None else not progress,
               bar_format="{desc} {postfix} {elapsed}") as bar:
         search = Search(problem, bar)
         search.run(gap, elements, seconds)
         davis = None if problem.davis is None else search.estimate(problem.davis)
     _tell(search, gap, stacklevel)
-    return report(search, davis)
+    return _result(search, davis)
 
 
 def _tell(search: Search, gap: float, stacklevel: int) -> None:
@@ -143,3 +173,36 @@ def _tell(search: Search, gap: float, stacklevel: int) -> None:
     elif search.gap > gap:
         warnings.warn(f"the bounds [{low:.5g}, {high:.5g}] differ by {search.gap:.2%}, more than the {gap:.2%} that "
                       "were asked for: allow more `elements` or `seconds`", AnalysisWarning, stacklevel=stacklevel)
+
+
+def _result(search: Search, davis: float | None) -> Bounds:
+    """What was found, in the user's units; an estimate may take the place of the lower bound."""
+    problem, low, high = search.problem, search.lower, search.upper
+    velocity = (high.program.unknowns.matrix @ high.proof.field).reshape(-1, 2).T
+    stress = np.full((3, low.triangles.mesh.nelements, 3), np.nan)
+    stress[:, low.program.soft] = problem.stress * low.program.of_triangles(low.proof.field).transpose(2, 0, 1)
+    return Bounds(
+        lower=float(low.proof.value if davis is None else davis), upper=float(high.proof.value),
+        estimate=davis is not None, what="limit load" if search.live else "factor of safety", reduced=problem.reduced,
+        mesh=_named(problem, high.triangles), mechanism=velocity / (np.abs(velocity).max() or 1.0),
+        dissipation=_shares(high, search.live), stress_mesh=_named(problem, low.triangles), stress=stress,
+        history=tuple(search.history), remarks=problem.remarks)
+
+
+def _named(problem: Problem, triangles: Triangles) -> MeshTri:
+    """The mesh in the user's coordinates, with the names of the given one."""
+    shape, given = problem.geometry, problem.mesh
+    origin = triangles.origin
+    subdomains = {name: np.flatnonzero(np.isin(origin, part)) for name, part in (given.subdomains or {}).items()}
+    boundaries = {name: facets for name, facets in triangles.tags.items() if isinstance(name, str)}
+    return MeshTri(shape.centre[:, None] + shape.size * triangles.mesh.p, triangles.mesh.t, validate=False,
+                   _boundaries=boundaries, _subdomains=subdomains)
+
+
+def _shares(high: Found, live: bool) -> ndarray:
+    """Share of the dissipation in every triangle; the rest is in contacts."""
+    factor = high.proof.value if np.isfinite(high.proof.value) and not live else 1.0
+    spent = dissipation(high.program, high.program.strains(high.proof.field), factor)
+    shares = np.zeros(high.triangles.mesh.nelements)
+    shares[high.program.soft] = high.program.of_triangles(spent).sum(axis=1) / (spent.sum() or 1.0)
+    return shares

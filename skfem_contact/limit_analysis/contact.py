@@ -1,13 +1,13 @@
 """Contacts of both bounds: joints between facets that coincide, which the other side's nodes are put into first."""
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 from numpy import ndarray
 from scipy.spatial import cKDTree
+from skfem import MeshTri
 
 from .elements import Elements
 from .strength import Interface
@@ -25,13 +25,10 @@ class Contact:
 
     Attributes
     ----------
-    name
-        For messages.
     slave, master
         Tags of the facets.
     """
 
-    name: str
     slave: str
     master: str
     a: float = 0.0
@@ -78,34 +75,27 @@ def _closed(triangles: Triangles, contact: Contact) -> Triangles:
     """The slave's nodes moved onto those of the master that they nearly coincide with."""
     mesh = triangles.mesh
     slave, master = (np.unique(mesh.facets[:, triangles.tags[tag]]) for tag in (contact.slave, contact.master))
-    distance, nearest = _nearest(mesh.p[:, slave], mesh.p[:, master])
+    distance, nearest = map(np.asarray, cKDTree(mesh.p[:, master].T).query(mesh.p[:, slave].T))
     size = facet_lengths(mesh)[triangles.tags[contact.slave]].min(initial=np.inf)
     near = (distance > 0) & (distance <= 2 * _SAME * size)
     if not near.any():
         return triangles
     p = mesh.p.copy()
     p[:, slave[near]] = p[:, master[nearest[near]]]
-    return triangles.moved(p)
-
-
-def _nearest(points: ndarray, others: ndarray) -> tuple[ndarray, ndarray]:
-    """Distance of every point from the nearest one of the others, and which one it is."""
-    distance, which = cKDTree(others.T).query(points.T)
-    return np.asarray(distance), np.asarray(which)
+    return replace(triangles, mesh=MeshTri(p, mesh.t, validate=False))
 
 
 def pairs(contact: Contact, triangles: Triangles) -> tuple[ndarray, ndarray, ndarray]:
     """Facets of slave and master that coincide, and whether the master's run the other way."""
-    mesh = triangles.mesh
-    one, other = triangles.tags[contact.slave], triangles.tags[contact.master]
-    middle = mesh.p[:, mesh.facets].mean(axis=1)
+    mesh, one, other = triangles.mesh, triangles.tags[contact.slave], triangles.tags[contact.master]
     if not len(one) or not len(other):
-        return np.zeros((2, 0), int)[0], np.zeros(0, int), np.zeros(0, bool)
-    distance, nearest = _nearest(middle[:, one], middle[:, other])
-    found = distance <= 1e-9 * facet_lengths(mesh)[one]
+        return np.zeros(0, int), np.zeros(0, int), np.zeros(0, bool)
+    middle, length = mesh.p[:, mesh.facets].mean(axis=1), facet_lengths(mesh)[one]
+    distance, nearest = map(np.asarray, cKDTree(middle[:, other].T).query(middle[:, one].T))
+    found = distance <= 1e-9 * length
     one, other = one[found], other[nearest[found]]
     ends = mesh.p[:, mesh.facets[0, one]] - mesh.p[:, mesh.facets[0, other]]
-    return one, other, np.linalg.norm(ends, axis=0) > 0.5 * facet_lengths(mesh)[one]
+    return one, other, np.linalg.norm(ends, axis=0) > 0.5 * length[found]
 
 
 class Joint(NamedTuple):
@@ -118,29 +108,29 @@ class Joint(NamedTuple):
     strength: Interface
 
 
-def joints(contacts: tuple[Contact, ...], triangles: Triangles, elements: Elements) -> Iterator[Joint]:
-    """All contacts that can part or slip."""
+def joined(contacts: tuple[Contact, ...], triangles: Triangles, elements: Elements) -> tuple[list[Joint], ndarray]:
+    """Contacts that can part or slip; and of the others the pairs of velocities that are the same, (2, n)."""
+    joints, tied = [], [np.zeros((2, 0), int)]
     for contact in contacts:
         one, other, turned = pairs(contact, triangles)
-        if contact.tied or not len(one):
-            continue
-        normal = outward_normals(triangles.mesh, one, triangles.mesh.f2t[0, one])
-        tangent = np.stack([-normal[1], normal[0]])
-        smooth = contact.a == 0 and contact.mu == 0
-        axes = np.stack([normal, 0.0 * tangent if smooth else tangent, 0 * normal]).transpose(2, 0, 1)
-        shares, weight = elements.jumps(one)
-        jump = np.einsum("pl,fic,f->fpilc", shares, axes, weight).reshape(len(one), len(shares), 3, -1)
-        dofs = [elements.on_facets(one).reshape(len(one), -1), elements.on_facets(other, turned).reshape(len(one), -1)]
-        n = jump.shape[0] * jump.shape[1]
-        strength = Interface(*(np.full(n, x) for x in (contact.a, contact.mu, contact.tension, contact.reduced)))
-        yield Joint(one, other, np.concatenate([-jump, jump], axis=3), np.hstack(dofs), strength)
-
-
-def tied_velocities(contacts: tuple[Contact, ...], triangles: Triangles, elements: Elements) -> ndarray:
-    """Pairs of velocities that are the same, (2, n)."""
-    tied = [np.zeros((2, 0), int)]
-    for contact in contacts:
+        sides = elements.facets[one], elements.on_facets(other, turned)
         if contact.tied:
-            one, other, turned = pairs(contact, triangles)
-            tied.append(np.stack([elements.on_facets(one).ravel(), elements.on_facets(other, turned).ravel()]))
-    return np.unique(np.hstack(tied), axis=1)
+            tied.append(np.stack([dofs.ravel() for dofs in sides]))
+        elif len(one):
+            jump = _jumps(contact, triangles, elements, one)
+            of_points = (np.full(jump.shape[0] * jump.shape[1], x)
+                         for x in (contact.a, contact.mu, contact.tension, contact.reduced))
+            joints.append(Joint(one, other, np.concatenate([-jump, jump], axis=3),
+                                np.hstack([dofs.reshape(len(one), -1) for dofs in sides]), Interface(*of_points)))
+    return joints, np.hstack(tied)
+
+
+def _jumps(contact: Contact, triangles: Triangles, elements: Elements, slave: ndarray) -> ndarray:
+    """Opening, slip and nothing times weight, of the master's velocities, (n, n_points, 3, n_local)."""
+    normal = outward_normals(triangles.mesh, slave, triangles.mesh.f2t[0, slave])
+    tangent = np.stack([-normal[1], normal[0]])
+    smooth = contact.a == 0 and contact.mu == 0
+    axes = np.stack([normal, 0.0 * tangent if smooth else tangent, 0 * normal]).transpose(2, 0, 1)
+    weight = facet_lengths(triangles.mesh)[slave] / len(elements.jump)
+    jump = np.einsum("pl,fic,f->fpilc", elements.jump, axes, weight)
+    return jump.reshape(*jump.shape[:3], -1)

@@ -1,4 +1,4 @@
-r"""Elements of both bounds: linear stresses that jump, and quadratic velocities that do not.
+r"""Velocities of both bounds, and which are free: elements of stresses that jump, and of velocities that do not.
 
 Both are operators :math:`B` from unknown velocities to strains times weight at the corners of straight triangles, so
 that :math:`\sum \sigma : B v` is the power of the stresses (A. Makrodimopoulos, C. M. Martin, International Journal for
@@ -7,156 +7,122 @@ Geomechanics 31 (2007) 835-865).  Components are xx, yy, xy; shear strains are e
 """
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy import ndarray
-from skfem import MeshTri
+from scipy.linalg import null_space
+from scipy.sparse import coo_matrix, csr_matrix, hstack
+from scipy.sparse.csgraph import connected_components
+from skfem import CellBasis, ElementTriP2, ElementVector, MeshTri
 
+from ..strain import plane_strain
+from ..unknowns import rigid_modes
 from .triangles import facet_lengths
 
 #: Corners at the ends of the three facets of a triangle.
 _ENDS = ((0, 1), (1, 2), (0, 2))
+#: The corners of the reference triangle.
+_CORNERS = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+#: Of a rigid body's motions, those that its supports resist by less than this share are free.
+_FREE = 1e-9
 
 
-class Elements(ABC):
-    """What both kinds share.
+@dataclass(frozen=True)
+class Elements:
+    """Velocities on a mesh of triangles, and what strains and loads make of them.
 
     Attributes
     ----------
-    n
-        Number of unknown velocities.
+    mesh
+        Straight triangles.
     B
         Strains times weight by velocities, (n_elements, 3 corners, 3, n_local).
     dofs
-        Unknowns of every triangle, (n_elements, n_local).
+        Unknowns of every triangle, (n_elements, n_local); x and y take turns.
     places
-        Where each unknown lives, (2, n).
+        Where each unknown lives, (2, n): motions of rigid bodies are velocities there.
+    facets
+        Unknowns of all facets, (n_facets, n_places, 2 components): at their ends first.
+    inside
+        Those that take equal parts of a body force, (n_elements, n_places, 2 components).
+    ends
+        Forces at the places of a facet by linear tractions at its ends, as shares of its length, (n_places, 2).
+    jump
+        Points of a jump along a facet, of equal weight: shares of its places in them, (n_points, n_places).
     """
 
-    n: int
+    mesh: MeshTri
     B: ndarray
     dofs: ndarray
     places: ndarray
+    facets: ndarray
+    inside: ndarray
+    ends: ndarray
+    jump: ndarray
 
-    def __init__(self, mesh: MeshTri) -> None:
-        self.mesh, self.lengths = mesh, facet_lengths(mesh)
-        self.gradient, self.area = gradients(mesh)
+    @property
+    def n(self) -> int:
+        """Number of unknown velocities."""
+        return self.places.shape[1]
 
-    @abstractmethod
-    def load(self, body: ndarray, facets: ndarray, tractions: ndarray) -> ndarray:
-        """Power of body forces (n_elements, 2) and of tractions (n_facets, 2 ends, 2), linear on each facet, (n,)."""
+    def of_body(self, forces: ndarray) -> ndarray:
+        """Power of body forces (n_elements, 2), (n,)."""
+        power, area = np.zeros(self.n), gradients(self.mesh)[1]
+        part = (forces * area[:, None] / self.inside.shape[1])[:, None]
+        np.add.at(power, self.inside, np.broadcast_to(part, self.inside.shape))
+        return power
 
-    @abstractmethod
-    def on_facets(self, facets: ndarray, turned: ndarray | None = None) -> ndarray:
-        """Unknowns of facets, (n_facets, n_places, 2 components); the ends come first, exchanged where turned."""
+    def of_tractions(self, facets: ndarray, tractions: ndarray) -> ndarray:
+        """Power of tractions (n_facets, 2 ends, 2), linear on each facet, (n,)."""
+        power, lengths = np.zeros(self.n), facet_lengths(self.mesh)[facets]
+        np.add.at(power, self.facets[facets], np.einsum("pe,fec,f->fpc", self.ends, tractions, lengths))
+        return power
 
-    @abstractmethod
-    def of_elements(self, elements: ndarray) -> ndarray:
-        """All unknowns that act on some triangles."""
-
-    @abstractmethod
-    def rigid_motions(self, centre: ndarray) -> ndarray:
-        """Unknowns of the motions of a rigid body: along x, along y and about a centre, (n, 3)."""
-
-    @abstractmethod
-    def jumps(self, facets: ndarray) -> tuple[ndarray, ndarray]:
-        """Points of a jump along facets: shares (n_points, n_places) of the places in them, and weight (n_facets,)."""
+    def on_facets(self, facets: ndarray, turned: ndarray) -> ndarray:
+        """Unknowns of some facets, those at the ends exchanged where turned."""
+        found = self.facets[facets]
+        found[turned, :2] = found[turned, 1::-1]
+        return found
 
 
-class StressElements(Elements):
+def stress_elements(mesh: MeshTri) -> Elements:
     """Lower bound: linear stresses in equilibrium within every triangle and at both ends of every facet.
 
-    The unknown velocities are the multipliers of these equations, two of a triangle and four of a facet.
+    The unknown velocities are the multipliers of these equations, two of a triangle and four of a facet: linear
+    tractions do the work of a rigid motion on its velocities (2 v_a + v_b) / 3 and (v_a + 2 v_b) / 3.
     """
-
-    def __init__(self, mesh: MeshTri) -> None:
-        super().__init__(mesh)
-        ne, nf = mesh.nelements, mesh.nfacets
-        self.n = 4 * nf + 2 * ne
-        self.B = np.zeros((ne, 3, 3, 14))
-        self.B[..., :2] = -_strain(self.gradient[:, :, None] * self.area[:, None, None, None])  # -div sigma
-        for m, ends in enumerate(_ENDS):
-            normal = -self.gradient[:, 3 - sum(ends)] * self.area[:, None]  # outward, times half the length
-            for slot, corner in enumerate(ends):
-                self.B[:, corner, :, 2 + 4 * m + 2 * slot:][..., :2] = _strain(normal[:, None])
-        inside = 4 * nf + 2 * np.arange(ne)[:, None] + [0, 1]
-        self.dofs = np.hstack([inside, (4 * mesh.t2f.T[:, :, None] + np.arange(4)).reshape(ne, 12)])
-        middles = mesh.p[:, mesh.facets].mean(axis=1), mesh.p[:, mesh.t].mean(axis=1)
-        self.places = np.hstack([np.repeat(middles[0], 4, 1), np.repeat(middles[1], 2, 1)])
-
-    def load(self, body: ndarray, facets: ndarray, tractions: ndarray) -> ndarray:
-        """Power of the loads."""
-        f = np.zeros(self.n)
-        f[4 * self.mesh.nfacets:] = (body * self.area[:, None]).ravel()
-        np.add.at(f, self.on_facets(facets), 0.5 * self.lengths[facets, None, None] * tractions)
-        return f
-
-    def on_facets(self, facets: ndarray, turned: ndarray | None = None) -> ndarray:
-        """Unknowns of facets."""
-        return 4 * facets[:, None, None] + 2 * _slots(facets, turned)[:, :, None] + [0, 1]
-
-    def of_elements(self, elements: ndarray) -> ndarray:
-        """Unknowns of triangles and of their facets."""
-        return np.unique(self.dofs[elements])
-
-    def rigid_motions(self, centre: ndarray) -> ndarray:
-        """Motions such that linear tractions do the right work: (2 v_a + v_b) / 3 and (v_a + 2 v_b) / 3 at the ends."""
-        ends = self.mesh.p[:, self.mesh.facets]  # (2, 2 ends, nf)
-        shares = np.array([[2, 1], [1, 2]]) / 3
-        slots = np.einsum("se,cef->cfs", shares, ends).reshape(2, -1)
-        return _motions(np.hstack([slots, self.mesh.p[:, self.mesh.t].mean(axis=1)]), centre)
-
-    def jumps(self, facets: ndarray) -> tuple[ndarray, ndarray]:
-        """The tractions at both ends."""
-        return np.eye(2), self.lengths[facets] / 2
+    ne, nf = mesh.nelements, mesh.nfacets
+    gradient, area = gradients(mesh)
+    B = np.zeros((ne, 3, 3, 14))
+    B[..., :2] = -_strain(gradient[:, :, None] * area[:, None, None, None])  # -div sigma
+    for m, ends in enumerate(_ENDS):
+        normal = -gradient[:, 3 - sum(ends)] * area[:, None]  # outward, times half the length
+        for slot, corner in enumerate(ends):
+            B[:, corner, :, 2 + 4 * m + 2 * slot:][..., :2] = _strain(normal[:, None])
+    facets = np.arange(4 * nf).reshape(nf, 2, 2)
+    inside = 4 * nf + np.arange(2 * ne).reshape(ne, 1, 2)
+    a, b = mesh.p[:, mesh.facets].transpose(1, 0, 2)
+    thirds = np.stack([2 * a + b, a + 2 * b], axis=2).reshape(2, -1) / 3
+    places = np.repeat(np.hstack([thirds, mesh.p[:, mesh.t].mean(axis=1)]), 2, axis=1)
+    dofs = np.hstack([inside[:, 0], facets[mesh.t2f.T].reshape(ne, 12)])
+    return Elements(mesh, B, dofs, places, facets, inside, ends=np.eye(2) / 2, jump=np.eye(2))
 
 
-class VelocityElements(Elements):
+def velocity_elements(mesh: MeshTri) -> Elements:
     """Upper bound: quadratic velocities; flow rule and dissipation at the corners hold for the whole triangle.
 
     Strains are linear, the flow rule is convex, and so is the dissipation: its mean at the corners is not less than the
-    integral.
+    integral.  Jumps are given by their Bernstein coefficients: where these obey a convex rule, the jump does all along.
     """
-
-    def __init__(self, mesh: MeshTri) -> None:
-        super().__init__(mesh)
-        nv = mesh.nvertices
-        self.n = 2 * (nv + mesh.nfacets)
-        g, corner = self.gradient, np.eye(3)
-        by_corner = [(4 * corner[:, i] - 1)[None, :, None] * g[:, None, i] for i in range(3)]
-        by_middle = [4 * (corner[:, i, None] * g[:, None, j] + corner[:, j, None] * g[:, None, i]) for i, j in _ENDS]
-        self.B = _strain(np.stack(by_corner + by_middle, axis=2)) * (self.area / 3)[:, None, None, None]
-        nodes = np.vstack([mesh.t, nv + mesh.t2f]).T
-        self.dofs = (2 * nodes[..., None] + np.arange(2)).reshape(mesh.nelements, 12)
-        self.nodes = np.hstack([mesh.p, mesh.p[:, mesh.facets].mean(axis=1)])
-        self.places = np.repeat(self.nodes, 2, axis=1)
-
-    def load(self, body: ndarray, facets: ndarray, tractions: ndarray) -> ndarray:
-        """Power of the loads."""
-        f = np.zeros(self.n)
-        third = (body * self.area[:, None] / 3)[:, None]
-        np.add.at(f, self.dofs[:, 6:].reshape(-1, 3, 2), np.broadcast_to(third, (len(body), 3, 2)))
-        ends = tractions * self.lengths[facets, None, None] / 6
-        np.add.at(f, self.on_facets(facets), np.concatenate([ends, 2 * ends.sum(axis=1, keepdims=True)], axis=1))
-        return f
-
-    def on_facets(self, facets: ndarray, turned: ndarray | None = None) -> ndarray:
-        """Unknowns of facets."""
-        ends = np.take_along_axis(self.mesh.facets[:, facets].T, _slots(facets, turned), 1)
-        return 2 * np.column_stack([ends, self.mesh.nvertices + facets])[:, :, None] + [0, 1]
-
-    def of_elements(self, elements: ndarray) -> ndarray:
-        """Unknowns of triangles."""
-        return np.unique(self.dofs[elements])
-
-    def rigid_motions(self, centre: ndarray) -> ndarray:
-        """Motions of the nodes."""
-        return _motions(self.nodes, centre)
-
-    def jumps(self, facets: ndarray) -> tuple[ndarray, ndarray]:
-        """Bernstein coefficients of the quadratic jump: where they obey a convex rule, the jump does all along."""
-        return np.array([[1, 0, 0], [0, 1, 0], [-0.5, -0.5, 2.0]]), self.lengths[facets] / 3
+    basis = CellBasis(mesh, ElementVector(ElementTriP2()), quadrature=(_CORNERS, np.full(3, 1 / 6)))
+    B, weight = plane_strain(basis)
+    ends, middles = basis.nodal_dofs.T[mesh.facets.T], basis.facet_dofs.T
+    dofs = basis.element_dofs.T
+    return Elements(mesh, B[:, :, [0, 1, 3]] * weight[:, :, None, None], dofs, basis.doflocs,
+                    facets=np.concatenate([ends, middles[:, None]], axis=1), inside=dofs[:, 6:].reshape(-1, 3, 2),
+                    ends=np.array([[1, 0], [0, 1], [2, 2]]) / 6, jump=np.array([[1, 0, 0], [0, 1, 0], [-0.5, -0.5, 2]]))
 
 
 def gradients(mesh: MeshTri) -> tuple[ndarray, ndarray]:
@@ -176,14 +142,83 @@ def _strain(gradient: ndarray) -> ndarray:
     return B.reshape(*B.shape[:-2], -1)
 
 
-def _slots(facets: ndarray, turned: ndarray | None) -> ndarray:
-    """Numbers of the ends of facets, (n_facets, 2)."""
-    turned = np.zeros(len(facets), bool) if turned is None else turned
-    return np.where(turned[:, None], [1, 0], [0, 1])
+class Block(NamedTuple):
+    """Operators of equal shape: B (n, n_points, 3, n_local), its points (n, n_points) and unknowns (n, n_local).
+
+    An unknown of -1 is none.
+    """
+
+    B: ndarray
+    points: ndarray
+    dofs: ndarray
+
+    def stiffness(self, D: ndarray) -> ndarray:
+        """Sum of B^T D B over the points of each, (n, n_local, n_local), with D (n_points, 3, 3) of all points."""
+        n, width = self.dofs.shape
+        DB = np.matmul(D[self.points], self.B).reshape(n, -1, width)
+        return np.matmul(self.B.reshape(n, -1, width).transpose(0, 2, 1), DB)
 
 
-def _motions(places: ndarray, centre: ndarray) -> ndarray:
-    """Rigid motions at places (2, n), both components of a place in turn, (2 n, 3)."""
-    x, y = places - np.reshape(centre, (2, 1))
-    one, zero = np.ones_like(x), np.zeros_like(x)
-    return np.stack([np.stack([one, zero, -y]), np.stack([zero, one, x])]).transpose(2, 0, 1).reshape(-1, 3)
+class Unknowns(NamedTuple):
+    """Reduction of all velocities of the elements, (n,), to the free ones, (m,), of which the motions are the last.
+
+    Attributes
+    ----------
+    number
+        Free unknown of each velocity, (n,); -1 where it is held or in a rigid body.
+    motions
+        Velocities of the free motions of the rigid bodies, (n, n_motions).
+    places
+        Where the free unknowns live, (2, m).
+    """
+
+    number: ndarray
+    motions: ndarray
+    places: ndarray
+
+    @classmethod
+    def of(cls, elements: Elements, used: ndarray, held: ndarray, tied: ndarray, rigid: ndarray) -> Unknowns:
+        """Free are those that are used and not held; pairs (2, n) are tied, triangles of rigid >= 0 bodies."""
+        n = elements.n
+        same = connected_components(coo_matrix((np.ones(tied.shape[1]), tuple(tied)), shape=(n, n)), directed=False)[1]
+        fixed, body = np.isin(same, same[held]), np.full(n, -1)
+        for b in range(rigid.max() + 1):
+            body[np.isin(same, same[elements.dofs[rigid == b]])] = b
+        plain = np.zeros(n, bool)
+        plain[used] = True
+        plain = np.flatnonzero(plain & ~fixed & (body < 0))
+        number = np.full(n, -1)
+        _, first, number[plain] = np.unique(same[plain], return_index=True, return_inverse=True)
+        motions, places = [np.zeros((n, 0))], [elements.places[:, plain[first]]]
+        for b in range(rigid.max() + 1):
+            mine = np.flatnonzero(body == b)
+            whole = rigid_modes(elements.places, mine)
+            free = whole @ null_space(whole[fixed[mine]], rcond=_FREE) if fixed[mine].any() else whole
+            motions.append(np.zeros((n, free.shape[1])))
+            motions[-1][mine] = free
+            places.append(np.repeat(elements.places[:, mine].mean(axis=1, keepdims=True), free.shape[1], 1))
+        return cls(number, np.hstack(motions), np.hstack(places))
+
+    @property
+    def size(self) -> int:
+        """Number of free unknowns."""
+        return self.places.shape[1]
+
+    @property
+    def matrix(self) -> csr_matrix:
+        """All velocities from the free ones, (n, m)."""
+        plain = np.flatnonzero(self.number >= 0)
+        shape = len(self.number), self.size - self.motions.shape[1]
+        single = csr_matrix((np.ones(len(plain)), (plain, self.number[plain])), shape=shape)
+        return csr_matrix(hstack([single, csr_matrix(self.motions)]))
+
+    def reduced(self, B: ndarray, points: ndarray, dofs: ndarray) -> list[Block]:
+        """Operators of the free unknowns; those at rigid bodies have more columns and are a block of their own."""
+        touching = np.isin(dofs, np.flatnonzero(self.motions.any(axis=1))).any(axis=1)
+        blocks = [Block(B[~touching], points[~touching], self.number[dofs[~touching]])]
+        B, points, dofs = B[touching], points[touching], dofs[touching]
+        motion = self.motions[dofs]  # (n, n_local, n_motions)
+        last = np.arange(self.size - motion.shape[2], self.size)
+        unknowns = np.hstack([self.number[dofs], np.where(motion.any(axis=1), last, -1)])
+        blocks.append(Block(np.concatenate([B, np.einsum("epsl,elk->epsk", B, motion)], axis=3), points, unknowns))
+        return [block for block in blocks if len(block.B)]

@@ -10,6 +10,7 @@ not (friction alone bears any load), and F is moved until none is left.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy import ndarray
@@ -96,15 +97,7 @@ class Goal:
 
 
 def solve(program: Program, goal: Goal, accuracy: float) -> Solution:
-    """Go to the optimum, or as close to it as round-off allows.
-
-    Parameters
-    ----------
-    program, goal
-        What is solved.
-    accuracy
-        Gap, as a share of the objective, at which an iterate is good enough.
-    """
+    """Go to where the gap is this share of the objective, or as close to the optimum as round-off allows."""
     path = _Path(program, goal, accuracy)
     while path.iterations < _MOST and path.F <= HIGHEST and not path.arrived():
         try:
@@ -128,7 +121,6 @@ class _Path:
         self.e = (self.h + least) * self.moving
         self.f0 = program.dead + program.live * self.moving
         self.f1 = program.live * (not self.moving)
-        self.force = np.abs(self.f0).max() + np.abs(self.f1).max()
         self.theta, self.y, self.sigma = 0.0, np.zeros(program.size), np.zeros((n, 3))
         self.s, self.z = np.zeros((2, len(cones.at), 3))
         self.s[:, 0] = self.h + least
@@ -295,8 +287,7 @@ class _Path:
         return Solution(self.theta, self.F, self.sigma, self.y, self.metric, self.inner, self.iterations)
 
 
-@dataclass(frozen=True)
-class _Direction:
+class _Direction(NamedTuple):
     sigma: ndarray
     y: ndarray
     theta: float

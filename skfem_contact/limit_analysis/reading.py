@@ -13,16 +13,17 @@ from skfem import CellBasis, Mesh
 
 from ..contact.laws import Coulomb, Tied
 from ..contact.pair import ContactPair
+from ..materials import LinearElastic, MohrCoulomb, Tresca, VonMises
+from ..materials.reduction import Flow, dilates_less
 from ..solid import SolidForm
 from ..stages.supports import as_unknowns
+from ..strain import axisymmetric
 from ..targets import reduced_parts
 from .contact import Contact
-from .geometry import Geometry, geometry
-from .loading import Given, Loads, Site
-from .model import Field, Model, Traction, Water
-from .soils import Strengths, check_solids, dilates_less, strengths
-from .triangles import Tag, Triangles
-from .vectors import Vectors
+from .loading import Distributed, Loads, Site, Vectors
+from .model import Model
+from .strength import FLAT, Soil
+from .triangles import Geometry, Tag, Triangles, geometry
 
 
 @dataclass(frozen=True)
@@ -64,29 +65,27 @@ def read(forms: Mapping[str, Any], fixed: ndarray, loads: Loads | Vectors, reduc
          exclude: str | Collection[str], associated: bool) -> Problem:
     """Check everything, then translate it."""
     solids, pairs = _by_kind(forms)
-    check_solids(solids)
     basis = next(iter(solids.values())).basis
     targets = {} if loads.multiplied else reduced_parts(forms, reduce, exclude)
-    found = strengths(solids, targets, "associated")
+    soil = _strengths(solids, targets, "associated")
     elements = np.sort(np.concatenate([form.elements for form in solids.values()]))
-    if found.rigid[elements].all() and not pairs:
+    if soil.rigid[elements].all() and not pairs:
         raise ValueError("nothing can yield: all solids are elastic, which bounds take for rigid")
     fixed = _unknowns(fixed, basis)
     shape = geometry(basis, elements, fixed)
-    given = loads.on(Site(basis, elements, elements[~found.rigid[elements]], fixed))
-    unit = _unit_of_stress(found, given, shape)
-    contacts = _contacts(pairs, targets, unit)
-    rigid = _rigid_bodies(shape.triangles, found.rigid)
-    model = Model(shape.triangles, found.c / unit, found.t, found.tension / unit, found.reduced, rigid,
-                  *_scaled(given, shape, unit, found.rigid), contacts=contacts)
+    given = loads.on(Site(basis, elements, elements[~soil.rigid[elements]], fixed))
+    for tag in (*(traction.tag for traction in given.tractions), *given.wetted):
+        _check_boundary(tag, shape.triangles)
+    unit = _unit_of_stress(soil, given, shape)
+    model = Model(shape.triangles, soil.over(unit), _rigid_bodies(shape.triangles, soil.rigid),
+                  given.scaled(shape.centre, shape.size, unit), _contacts(pairs, targets, unit))
+    less = any(dilates_less(material) for form in solids.values() for material in form.materials.values())
     davis = None
-    if dilates_less(solids) and not associated:
-        weaker = strengths(solids, targets, "davis_a")
-        davis = replace(model, c=weaker.c / unit, t=weaker.t)
-    names = tuple(name if regions is None else f"{name}.{region}"
-                  for name, regions in targets.items() for region in regions or ("",))
-    return Problem(model, davis, basis.mesh, shape, unit, loads.multiplied,
-                   bool((found.c == 0).any()), names, _remarks(solids, shape, given, found))
+    if less and not associated:
+        davis = replace(model, soil=_strengths(solids, targets, "davis_a").over(unit))
+    names = tuple(f"{name}.{part}" if part else name for name, parts in targets.items() for part in parts)
+    return Problem(model, davis, basis.mesh, shape, unit, loads.multiplied, bool((soil.c == 0).any()), names,
+                   _remarks(solids, shape, given, soil))
 
 
 def _by_kind(forms: Mapping[str, Any]) -> tuple[dict[str, SolidForm], dict[str, ContactPair]]:
@@ -101,7 +100,56 @@ def _by_kind(forms: Mapping[str, Any]) -> tuple[dict[str, SolidForm], dict[str, 
     first = next(iter(solids.values())).basis.mesh
     if any(form.basis.mesh is not first and form.basis.mesh != first for form in solids.values()):
         raise ValueError("all solids must be parts of one mesh: join them with join_bodies")
+    _check_solids(solids)
     return solids, pairs
+
+
+def _check_solids(solids: Mapping[str, SolidForm]) -> None:
+    """Refuse what has no bounds: space, axial symmetry, other materials, overlapping solids."""
+    for name, form in solids.items():
+        if form.basis.mesh.dim() != 2 or form.strain is axisymmetric:
+            kind = "axially symmetric" if form.basis.mesh.dim() == 2 else "in three dimensions"
+            raise ValueError(f"bounds are for plane strain, but '{name}' is {kind}")
+        for region, material in form.materials.items():
+            if not isinstance(material, (LinearElastic, MohrCoulomb, Tresca, VonMises)):
+                raise ValueError(f"there are no bounds for {type(material).__name__}, the material of '{region}' in "
+                                 f"'{name}'; there are for MohrCoulomb, Tresca, VonMises and, rigid, LinearElastic")
+    elements = np.concatenate([form.elements for form in solids.values()])
+    if len(np.unique(elements)) < len(elements):
+        raise ValueError(f"the solids {', '.join(solids)} share elements: each must belong to one of them")
+
+
+def _strengths(solids: Mapping[str, SolidForm], targets: Mapping[str, Collection[str]], flow: Flow) -> Soil:
+    """Strength of all elements of the mesh; elastic ones and those of no solid are rigid."""
+    n = next(iter(solids.values())).basis.mesh.nelements
+    found = Soil(np.full(n, np.inf), np.zeros(n), np.full(n, np.inf), np.zeros(n, bool))
+    for name, form in solids.items():
+        for region in form.regions:
+            where = form.elements[region.elements]
+            c, t, tension = _parameters(region.material, flow, f"{name}.{region.name}")
+            found.c[where], found.t[where], found.tension[where] = c, t, tension
+            found.reduced[where] = region.name in targets.get(name, ())
+    return found
+
+
+def _parameters(material: Any, flow: Flow, name: str) -> tuple[Any, Any, Any]:
+    """Cohesion, tan phi and tensile strength in plane strain."""
+    if isinstance(material, LinearElastic):
+        return np.inf, 0.0, np.inf
+    if isinstance(material, VonMises):  # what flows in plane strain has the mean of the others as third stress
+        c, t, tension = material.strength / np.sqrt(3), 0.0, np.inf
+    elif isinstance(material, Tresca):
+        c, t, tension = material.c, 0.0, np.inf
+    else:
+        if flow != "associated":
+            material = material.reduced(1.0, flow)
+        c, t = material.c, np.tan(np.radians(material.phi))
+        tension = np.inf if material.tension is None else material.tension
+    if np.any((np.asarray(t) > 0) & (np.asarray(t) < FLAT)):
+        raise ValueError(f"a friction angle of '{name}' lies between 0 and {np.degrees(FLAT):.2f} degrees; make it 0")
+    if np.any((np.asarray(c) == 0) & (np.asarray(t) == 0)):
+        raise ValueError(f"'{name}' has neither cohesion nor friction")
+    return c, t, tension
 
 
 def _unknowns(fixed: ndarray, basis: CellBasis) -> ndarray:
@@ -113,27 +161,13 @@ def _unknowns(fixed: ndarray, basis: CellBasis) -> ndarray:
     return fixed
 
 
-def _unit_of_stress(found: Strengths, given: Given, shape: Geometry) -> float:
+def _unit_of_stress(soil: Soil, given: Distributed, shape: Geometry) -> float:
     """A typical strength: what all stresses are divided by."""
-    c = found.c[np.isfinite(found.c) & (found.c > 0)]
+    c = soil.c[np.isfinite(soil.c) & (soil.c > 0)]
     if len(c):
         return float(np.median(c))
     heaviest = float(np.abs(given.dead + given.live).max())
     return heaviest * shape.size or 1.0
-
-
-def _scaled(given: Given, shape: Geometry, stress: float, rigid: ndarray
-            ) -> tuple[ndarray, ndarray, tuple[Traction, ...], Water | None]:
-    """Body forces, fixed and multiplied, tractions and water in units of the model."""
-    def field(value: Field) -> Field:
-        return lambda x: np.asarray(value(shape.centre[:, None] + shape.size * x)) / stress
-
-    for tag in (*(traction.tag for traction in given.tractions), *given.wetted):
-        _check_boundary(tag, shape.triangles)
-    tractions = tuple(traction._replace(value=field(traction.value)) for traction in given.tractions)
-    water = None if given.water is None else Water(field(given.water), ~rigid, given.wetted)
-    unit = shape.size / stress
-    return given.dead * unit, given.live * unit, tractions, water
 
 
 def _check_boundary(name: Tag, triangles: Triangles) -> None:
@@ -159,12 +193,12 @@ def _contacts(pairs: Mapping[str, ContactPair], targets: Mapping[str, Any], stre
         seen.update(sides)
         law = pair.law
         if isinstance(law, Tied):
-            contacts.append(Contact(name, *sides, tied=True))
+            contacts.append(Contact(*sides, tied=True))
         elif isinstance(law, Coulomb):
             if np.ndim(law.mu) or np.ndim(law.adhesion) or np.ndim(law.tension):
                 raise ValueError(f"contact '{name}' has another strength at every point: bounds know one for a contact")
             strength = float(law.adhesion) / stress, float(law.mu), float(law.tension) / stress
-            contacts.append(Contact(name, *sides, *strength, name in targets))
+            contacts.append(Contact(*sides, *strength, name in targets))
         else:
             raise ValueError(f"there are no bounds for {type(law).__name__}, the law of '{name}'; there are for "
                              "Coulomb and Tied")
@@ -189,13 +223,13 @@ def _rigid_bodies(triangles: Triangles, rigid: ndarray) -> ndarray:
     return result
 
 
-def _remarks(solids: Mapping[str, SolidForm], shape: Geometry, given: Given, found: Strengths) -> tuple[str, ...]:
+def _remarks(solids: Mapping[str, SolidForm], shape: Geometry, given: Distributed, soil: Soil) -> tuple[str, ...]:
     """What was simplified."""
     remarks = []
-    elastic = [name for name, form in solids.items() if found.rigid[form.elements].any()]
+    elastic = [name for name, form in solids.items() if soil.rigid[form.elements].any()]
     if elastic:
         remarks.append(f"elastic bodies have no limit and count as rigid: {', '.join(elastic)}")
-    if (found.c == 0).any():
+    if (soil.c == 0).any():
         remarks.append("soil without cohesion: at a free surface the lower bound is zero; a small cohesion mends it")
     if shape.curved:
         remarks.append("curved sides are straight between the nodes at their ends")

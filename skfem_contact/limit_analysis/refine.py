@@ -5,7 +5,7 @@ import numpy as np
 from numpy import ndarray
 
 from .model import Model
-from .triangles import Triangles, facet_lengths
+from .triangles import Triangles
 
 #: Share of the gap that lies in the triangles which are refined.
 _SHARE = 0.5
@@ -20,28 +20,16 @@ _REENTRANT, _LEVEL = 185.0, 150.0
 def gap_of_elements(dissipation: ndarray, stress: ndarray, strain: ndarray) -> ndarray:
     """Dissipation less the power of the stresses of the lower bound, by triangle: their sum is the gap.
 
-    Parameters
-    ----------
-    dissipation
-        At the corners of every triangle, times weight, (n, 3).
-    stress, strain
-        Stresses, and strains times weight, at the corners, (n, 3 corners, 3).
+    All are values at the corners, (n, 3, ...); dissipation and strain times weight.
     """
     mass = (np.ones((3, 3)) + np.eye(3)) / 4  # of linear functions, over a third of the area
     return np.abs(dissipation.sum(axis=1) - np.einsum("evc,ewc,vw->e", stress, strain, mass))
 
 
 def gap_of_facets(dissipation: ndarray, tractions: ndarray, jump: ndarray) -> ndarray:
-    """The same by facet of a contact: tractions are linear, jumps quadratic, given by their Bernstein coefficients.
+    """The same by facet of a contact, with tractions (normal, tangential) at its ends, (n, 2, 2).
 
-    Parameters
-    ----------
-    dissipation
-        At the points of every facet, times weight, (n, 3).
-    tractions
-        Normal and tangential, at the ends, (n, 2, 2).
-    jump
-        Coefficients times weight, (n, 3, 3).
+    Jumps are quadratic: they are given, times weight, by their Bernstein coefficients, (n, 3, 3).
     """
     mass = np.array([[0.75, 0.25, 0.5], [0.25, 0.75, 0.5]])
     return np.abs(dissipation.sum(axis=1) - np.einsum("fsc,fpc,sp->f", tractions, jump[..., :2], mass))
@@ -83,7 +71,7 @@ def singular_points(model: Model, triangles: Triangles) -> ndarray:
 def _kinds(model: Model, triangles: Triangles) -> ndarray:
     """What is given on every facet: which supports, loads and contacts, and a rigid body beside it."""
     mesh, tags = triangles.mesh, triangles.tags
-    names = [("held", 0), ("held", 1), *(t.tag for t in model.tractions)]
+    names = [("held", 0), ("held", 1), *(t.tag for t in model.loads.tractions)]
     names += [tag for contact in model.contacts for tag in (contact.slave, contact.master)]
     kinds = np.zeros((mesh.nfacets, len(names) + 1), bool)
     for i, name in enumerate(names):
@@ -94,10 +82,8 @@ def _kinds(model: Model, triangles: Triangles) -> ndarray:
 
 def _interior_angles(triangles: Triangles, rigid: ndarray) -> ndarray:
     """Sum of the angles of all triangles that can yield at every vertex, in degrees."""
-    mesh = triangles.mesh
-    length = facet_lengths(mesh)[mesh.t2f]  # of facets (0, 1), (1, 2), (0, 2)
-    total = np.zeros(mesh.nvertices)
-    for corner, (a, b, c) in enumerate(((0, 2, 1), (0, 1, 2), (1, 2, 0))):
-        cosine = (length[a] ** 2 + length[b] ** 2 - length[c] ** 2) / (2 * length[a] * length[b])
-        np.add.at(total, mesh.t[corner], np.where(rigid < 0, np.degrees(np.arccos(np.clip(cosine, -1, 1))), 0.0))
-    return total
+    t = triangles.mesh.t[:, rigid < 0]
+    corner = triangles.mesh.p[:, t]
+    (ax, ay), (bx, by) = (np.roll(corner, -k, axis=1) - corner for k in (1, 2))
+    angle = np.degrees(np.arctan2(np.abs(ax * by - ay * bx), ax * bx + ay * by))
+    return np.bincount(t.ravel(), angle.ravel(), minlength=triangles.mesh.nvertices)

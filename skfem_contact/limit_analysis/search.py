@@ -10,9 +10,10 @@ from tqdm import tqdm
 
 from .certify import UNBALANCED, Proof, dissipation, prove_lower, prove_upper
 from .contact import Joint, matched
-from .elements import StressElements, VelocityElements, gradients
+from .elements import gradients, stress_elements, velocity_elements
 from .interior_point import HIGHEST, Goal, Solution, solve
-from .model import Discretisation, Model, discretise
+from .model import Model, discretise
+from .program import Program
 from .reading import Problem
 from .refine import fanned, gap_of_elements, gap_of_facets, marked, singular_points
 from .result import Certificate, relative_gap
@@ -42,21 +43,13 @@ class Found(NamedTuple):
     """A bound on a mesh."""
 
     triangles: Triangles
-    parts: Discretisation
+    program: Program
     solution: Solution
     proof: Proof
 
 
 class Search:
-    """Meshes, their bounds and the best of them.
-
-    Parameters
-    ----------
-    problem
-        What is bounded.
-    bar
-        A ``tqdm`` progress bar.
-    """
+    """Meshes, their bounds and the best of them; a bar shows how far it is."""
 
     def __init__(self, problem: Problem, bar: tqdm[Any]) -> None:
         self.problem, self.model, self.live, self._bar = problem, problem.model, problem.live, bar
@@ -75,8 +68,7 @@ class Search:
     @property
     def gap(self) -> float:
         """Difference of the best bounds as a share of their mean."""
-        low, high = self.lower.proof.value, self.upper.proof.value
-        return relative_gap(low, high)
+        return relative_gap(self.lower.proof.value, self.upper.proof.value)
 
     @property
     def overloaded(self) -> bool:
@@ -94,7 +86,7 @@ class Search:
             grown = finer.mesh.nelements > _GROWN * self.last[0].triangles.mesh.nelements
             if grown or self._gain > _GAIN * self.gap or self.gap < gap + 2 * self._gain:
                 self._note(lower=self._solve_lower(self.model))
-        if self.gap > gap and self.last[0].parts.elements.mesh is not self.triangles.mesh:
+        if self.gap > gap and self.last[0].triangles.mesh is not self.triangles.mesh:
             self._note(lower=self._solve_lower(self.model))
 
     def _note(self, lower: Found | None = None, upper: Found | None = None) -> None:
@@ -113,27 +105,24 @@ class Search:
     def _solve_lower(self, model: Model) -> Found:
         """Lower bound on the present triangles, which become those whose parts later ones are."""
         self.triangles = self.triangles.rooted
-        parts = discretise(model, self.triangles, StressElements)
+        program = discretise(model, self.triangles, stress_elements(self.triangles.mesh))
         for reserve in _RESERVES:
             goal = Goal(1.0 if self.live else self._factor, 0.0, not self.live, _VOLUME[0], 1.0 + reserve)
-            found = solve(parts.program, goal, self._accuracy)
+            found = solve(program, goal, self._accuracy)
             if found.factor > HIGHEST:
                 raise ValueError(f"the factor exceeds {HIGHEST:g}: there is no collapse")
-            proof = prove_lower(parts.program, found, self.live)
+            proof = prove_lower(program, found, self.live)
             if np.isfinite(proof.value) or proof.residual > UNBALANCED:  # which no reserve mends
                 break
-        self._certified("lower", parts, found, proof)
-        return Found(self.triangles, parts, found, proof)
+        return self._found("lower", program, found, proof)
 
     def _solve_upper(self) -> Found:
         """Upper bound on the present triangles."""
-        parts = discretise(self.model, self.triangles, VelocityElements)
+        program = discretise(self.model, self.triangles, velocity_elements(self.triangles.mesh))
         factor = 1.0 if self.live else self._factor * _ABOVE
         goal = Goal(factor, _AIM * self._accuracy, not self.live, _VOLUME[1])
-        found = solve(parts.program, goal, self._accuracy)
-        proof = prove_upper(parts.program, found, self.live)
-        self._certified("upper", parts, found, proof)
-        return Found(self.triangles, parts, found, proof)
+        found = solve(program, goal, self._accuracy)
+        return self._found("upper", program, found, prove_upper(program, found, self.live))
 
     def _factor_of_fixed_loads(self) -> float:
         """Upper bound of their factor of safety, where no multiplier was shown to be borne.
@@ -141,20 +130,22 @@ class Search:
         Whatever the live load, the mechanism of fixed loads that are too much goes on: its multiplier has no optimum,
         and where the iteration for it ends is left to round-off.
         """
-        program = self.upper.parts.program
+        program = self.upper.program
         if not self.live or np.isfinite(self.lower.proof.value) or not np.any(program.dead):
             return np.inf
         fixed = program.of_fixed_loads()
         goal = Goal(1.0, _AIM * self._accuracy, True, _VOLUME[1])
         return prove_upper(fixed, solve(fixed, goal, self._accuracy), False).value
 
-    def _certified(self, kind: str, parts: Discretisation, found: Solution, proof: Proof) -> None:
+    def _found(self, kind: str, program: Program, solution: Solution, proof: Proof) -> Found:
+        """A bound on the present triangles, noted."""
         if not self.live:
-            self._factor = float(np.clip(found.factor, 1.0 / HIGHEST, HIGHEST))
-        believed = float(found.theta if self.live else found.factor)
-        self.history.append(Certificate(kind, parts.elements.mesh.nelements, parts.program.size, proof.value, believed,
-                                        proof.residual, found.iterations, process_time() - self._began))
-        self._bar.set_postfix_str(f"{kind} bound {proof.value:.5g}, {parts.elements.mesh.nelements} triangles")
+            self._factor = float(np.clip(solution.factor, 1.0 / HIGHEST, HIGHEST))
+        believed, n = float(solution.theta if self.live else solution.factor), self.triangles.mesh.nelements
+        self.history.append(Certificate(kind, n, program.size, proof.value, believed, proof.residual,
+                                        solution.iterations, process_time() - self._began))
+        self._bar.set_postfix_str(f"{kind} bound {proof.value:.5g}, {n} triangles")
+        return Found(self.triangles, program, solution, proof)
 
     def estimate(self, weaker: Model) -> float:
         """What another, weaker model bears on the last triangles."""
@@ -170,21 +161,22 @@ class Search:
 
     def _gap_of_elements(self) -> ndarray:
         """Contributions of all triangles to the gap between the last bounds; those of contacts count for both sides."""
-        below, (_, parts, found, proof) = self.last
-        strain = parts.program.strains(proof.field)
+        below, (_, program, found, proof) = self.last
+        strain = program.strains(proof.field)
         factor = 1.0 if self.live else proof.value if np.isfinite(proof.value) else found.factor
-        spent = dissipation(parts.program, strain, factor)
+        spent = dissipation(program, strain, factor)
         stress = _interpolated(below, self.triangles)
-        gap, n = np.zeros(self.triangles.mesh.nelements), 3 * len(parts.soft)
-        gap[parts.soft] = gap_of_elements(spent[:n].reshape(-1, 3), stress[parts.soft], strain[:n].reshape(-1, 3, 3))
-        for joint in parts.joints:
+        gap, soft = np.zeros(self.triangles.mesh.nelements), program.soft
+        gap[soft] = gap_of_elements(program.of_triangles(spent), stress[soft], program.of_triangles(strain))
+        n = 3 * len(soft)
+        for joint in program.joints:
             at = slice(n, n + 3 * len(joint.slave))
             n = at.stop
             for facets in (joint.slave, joint.master):
                 owner = self.triangles.mesh.f2t[0, facets]
                 values = gap_of_facets(spent[at].reshape(-1, 3), _tractions(self.triangles, joint, facets, stress),
                                        strain[at].reshape(-1, 3, 3))
-                gap[owner] += np.where(np.isin(owner, parts.soft), values, 0.0)
+                gap[owner] += np.where(np.isin(owner, soft), values, 0.0)
         return gap
 
 
@@ -206,8 +198,7 @@ def _interpolated(below: Found, triangles: Triangles) -> ndarray:
     """Stresses of a coarser mesh at the corners of the triangles, (n_elements, 3 corners, 3)."""
     coarse, parent = below.triangles.mesh, triangles.parent
     stress = np.zeros((coarse.nelements, 3, 3))
-    soft = below.parts.soft
-    stress[soft] = below.proof.field[:3 * len(soft)].reshape(-1, 3, 3)
+    stress[below.program.soft] = below.program.of_triangles(below.proof.field)
     gradient = gradients(coarse)[0][parent]  # (n, 3 corners, 2)
     away = triangles.mesh.p[:, triangles.mesh.t] - coarse.p[:, coarse.t[0, parent]][:, None]  # from the first corner
     shares = np.einsum("eic,cve->evi", gradient, away)

@@ -10,7 +10,7 @@ An interface with adhesion a, friction :math:`\mu` and tensile strength T:
 """
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy import ndarray
@@ -76,7 +76,7 @@ class Cones:
 
 @dataclass(frozen=True)
 class Soil:
-    """Mohr-Coulomb soil in plane strain at n points; stresses are xx, yy, xy.
+    """Mohr-Coulomb soil in plane strain, of n points or elements; stresses are xx, yy, xy.
 
     Attributes
     ----------
@@ -93,6 +93,19 @@ class Soil:
 
     volume = np.array([1.0, 1.0, 0.0])
     _shear = np.array([[0.5, -0.5, 0.0], [0.0, 0.0, 1.0]])
+
+    @property
+    def rigid(self) -> ndarray:
+        """Where nothing makes it yield: c = inf."""
+        return np.isinf(self.c)
+
+    def at(self, points: ndarray) -> Soil:
+        """That of some of its points."""
+        return Soil(self.c[points], self.t[points], self.tension[points], self.reduced[points])
+
+    def over(self, stress: float) -> Soil:
+        """The same in another unit of stress."""
+        return replace(self, c=self.c / stress, tension=self.tension / stress)
 
     @property
     def cut(self) -> ndarray:

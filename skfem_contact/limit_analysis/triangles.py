@@ -1,17 +1,20 @@
-"""Straight triangles that remember where they come from while facets are halved."""
+"""Straight triangles from the bases of some solids, which remember where they come from while facets are halved."""
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy import ndarray
-from skfem import MeshTri
+from skfem import CellBasis, Mesh, MeshTri
+
+from ..errors import place
 
 #: Name of some facets: a boundary of the user's, or ("held", component).
 Tag = str | tuple[str, int]
-
-
+#: Distance of a node in the middle of a straight facet from it, as a share of the facet.
+_STRAIGHT = 1e-6
 #: Digits of lengths, of order one, that decide how triangles are divided: round-off must not.
 _DIGITS = 9
 
@@ -48,17 +51,7 @@ class Triangles:
     @property
     def rooted(self) -> Triangles:
         """The same triangles, as the ones that later ones are parts of."""
-        return Triangles(self.mesh, self.origin, np.arange(len(self.origin)), self.tags)
-
-    @property
-    def longest(self) -> ndarray:
-        """Longest facet of every triangle, (n_elements,)."""
-        lengths = np.round(facet_lengths(self.mesh), _DIGITS)[self.mesh.t2f]
-        return np.take_along_axis(self.mesh.t2f, lengths.argmax(axis=0)[None], 0)[0]
-
-    def moved(self, p: ndarray) -> Triangles:
-        """The same triangles with their nodes elsewhere."""
-        return Triangles(MeshTri(p, self.mesh.t, validate=False), self.origin, self.parent, self.tags)
+        return replace(self, parent=np.arange(len(self.origin)))
 
     def refined(self, elements: ndarray) -> Triangles:
         """Some triangles in four, their neighbours so that no angle becomes small.
@@ -66,10 +59,11 @@ class Triangles:
         A facet is halved only together with the longest one of its triangle (A. Plaza, G. F. Carey, Applied Numerical
         Mathematics 32 (2000) 195-218).
         """
-        cut = np.zeros(self.mesh.nfacets, dtype=bool)
-        cut[self.mesh.t2f[:, elements]] = True
-        longest = self.longest
-        while (missing := longest[cut[self.mesh.t2f].any(axis=0) & ~cut[longest]]).size:
+        sides, cut = self.mesh.t2f, np.zeros(self.mesh.nfacets, dtype=bool)
+        cut[sides[:, elements]] = True
+        lengths = np.round(facet_lengths(self.mesh), _DIGITS)[sides]
+        longest = np.take_along_axis(sides, lengths.argmax(axis=0)[None], 0)[0]
+        while (missing := longest[cut[sides].any(axis=0) & ~cut[longest]]).size:
             cut[missing] = True
         return self.halved(np.flatnonzero(cut))
 
@@ -123,15 +117,9 @@ def facet_lengths(mesh: MeshTri) -> ndarray:
 
 def find_facets(mesh: MeshTri, ends: ndarray) -> ndarray:
     """Numbers of the facets with the given ends, (2, n)."""
-    known = _keys(mesh.facets, mesh.nvertices)
-    order = np.argsort(known)
-    place = np.searchsorted(known[order], _keys(ends, mesh.nvertices))
-    return np.unique(order[place])
-
-
-def _keys(ends: ndarray, n: int) -> ndarray:
-    low, high = np.sort(ends.astype(np.int64), axis=0)
-    return low * n + high
+    known, wanted = (low * mesh.nvertices + high for low, high in
+                     (np.sort(pairs.astype(np.int64), axis=0) for pairs in (mesh.facets, ends)))
+    return np.flatnonzero(np.isin(known, wanted))
 
 
 def outward_normals(mesh: MeshTri, facets: ndarray, elements: ndarray) -> ndarray:
@@ -141,3 +129,70 @@ def outward_normals(mesh: MeshTri, facets: ndarray, elements: ndarray) -> ndarra
     normal = np.stack([along[1], -along[0]])
     inward = mesh.p[:, mesh.t[:, elements]].mean(axis=1) - a
     return normal * -np.sign((normal * inward).sum(axis=0))
+
+
+class Geometry(NamedTuple):
+    """Triangles in coordinates of order one: x = origin + size * those; `origin` counts the elements of the mesh."""
+
+    triangles: Triangles
+    centre: ndarray
+    size: float
+    curved: bool
+
+
+def geometry(basis: CellBasis, elements: ndarray, fixed: ndarray) -> Geometry:
+    """Triangles of some elements of a basis' mesh; unknowns must be held along whole facets of its boundary."""
+    mesh = basis.mesh
+    corners = mesh.t[:, elements]
+    nodes, t = np.unique(corners, return_inverse=True)
+    t, p = t.reshape(corners.shape), mesh.p[:, nodes]
+    low, high = p.min(axis=1), p.max(axis=1)
+    centre, size = 0.5 * (low + high), float((high - low).max())
+    facets = np.unique(mesh.t2f[:, elements])
+    count = np.bincount(mesh.t2f[:, elements].ravel(), minlength=mesh.nfacets)
+    outer = facets[count[facets] == 1]
+    held = _held(basis, elements, outer, fixed)
+    tags: dict[Tag, ndarray] = {("held", k): outer[held[k]] for k in (0, 1)}
+    for name, named in (mesh.boundaries or {}).items():
+        named = np.unique(np.asarray(named))
+        tags[name] = named[count[named] > 0]
+    number = np.full(mesh.p.shape[1], -1)
+    number[nodes] = np.arange(len(nodes))
+    ends = {tag: number[mesh.facets[:, named]] for tag, named in tags.items()}
+    p, t, origin = _triangulated((p - centre[:, None]) / size, t)
+    return Geometry(Triangles.of(p, t, elements[origin], ends), centre, size, _curved(mesh, facets))
+
+
+def _triangulated(p: ndarray, t: ndarray) -> tuple[ndarray, ndarray, ndarray]:
+    """Triangles as they are, and quadrilaterals in four around their middles; with the element that each is part of."""
+    n = t.shape[1]
+    if len(t) == 3:
+        return p, t, np.arange(n)
+    middle = p.shape[1] + np.arange(n)
+    parts = [np.stack([t[i], t[(i + 1) % 4], middle]) for i in range(4)]
+    return np.hstack([p, p[:, t].mean(axis=1)]), np.hstack(parts), np.tile(np.arange(n), 4)
+
+
+def _held(basis: CellBasis, elements: ndarray, outer: ndarray, fixed: ndarray) -> list[ndarray]:
+    """Which facets of the boundary are held in x and in y, (n,) each: all of their unknowns are."""
+    held = []
+    for k in (0, 1):
+        dofs = basis.nodal_dofs[k, basis.mesh.facets[:, outer]]
+        if len(basis.facet_dofs):
+            dofs = np.vstack([dofs, basis.facet_dofs[k, outer]])
+        held.append(np.asarray(np.isin(dofs, fixed).all(axis=0)))
+        alone = np.setdiff1d(np.intersect1d(fixed, basis.dofs.element_dofs[k::2, elements]), dofs[:, held[k]])
+        if len(alone):
+            raise ValueError(f"the node at {place(basis.doflocs[:, alone[0]])} is held in {'xy'[k]} though no facet of "
+                             "the boundary there is: bounds need supports along facets")
+    return held
+
+
+def _curved(mesh: Mesh, facets: ndarray) -> bool:
+    """Whether a facet of a mesh of second order is curved."""
+    if mesh.doflocs.shape[1] == mesh.nvertices:
+        return False
+    ends = mesh.p[:, mesh.facets[:, facets]]
+    middle = mesh.doflocs[:, mesh.dofs.facet_dofs[0, facets]]
+    off = np.linalg.norm(middle - ends.mean(axis=1), axis=0)
+    return bool((off > _STRAIGHT * np.linalg.norm(ends[:, 0] - ends[:, 1], axis=0)).any())

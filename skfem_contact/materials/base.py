@@ -48,16 +48,26 @@ class Material(Protocol):
         """Elastic stiffness, (ncomp, ncomp), or (n_elements, ncomp, ncomp) where a parameter is an array."""
 
     def update(self, strain_increment: Array, stress: Array, internal: Array) -> Update:
-        """Stress and internal variables after ``strain_increment`` from an accepted state."""
+        """Stress, internal variables and tangent after a strain increment.
+
+        Parameters
+        ----------
+        strain_increment : ndarray, shape (ncomp, n_elements, ...)
+            With engineering shear strains; 4 components (xx, yy, zz, xy) or 6 (xx, yy, zz, xy, yz, zx).
+        stress : ndarray, same shape
+            Accepted stress, tension positive.
+        internal : ndarray, shape (n_internal, n_elements, ...)
+            Accepted internal variables.
+
+        Raises
+        ------
+        ValueError
+            If the shapes do not fit each other or the parameters.
+        """
 
 
 def as_parameter(name: str, value: ArrayLike) -> Parameter:
     """A finite float, or a read-only array with one finite value an element.
-
-    Raises
-    ------
-    ValueError
-        If ``value`` is no number or one-dimensional array of numbers, or is not finite.
 
     Examples
     --------
@@ -101,12 +111,7 @@ def require(name: str, value: Parameter, holds: Any, demand: str) -> None:
 
 
 def warn_of_radians(**angles: Parameter) -> None:
-    """Warn of angles that may have been meant in radians: all of them less than a right angle is there.
-
-    Examples
-    --------
-    >>> warn_of_radians(phi=30.0, psi=0.0)
-    """
+    """Warn of angles that may have been meant in radians: all of them less than a right angle is there."""
     for name, angle in angles.items():
         largest = float(np.max(angle))
         if 0.0 < largest < np.pi / 2:
@@ -114,12 +119,7 @@ def warn_of_radians(**angles: Parameter) -> None:
 
 
 def require_same_length(**parameters: Parameter | None) -> None:
-    """Raise a ValueError if arrays among the parameters do not have one common length.
-
-    Examples
-    --------
-    >>> require_same_length(E=np.ones(2), nu=0.3)
-    """
+    """Raise a ValueError if arrays among the parameters do not have one common length."""
     lengths = {name: value.size for name, value in parameters.items() if isinstance(value, np.ndarray)}
     if len(set(lengths.values())) > 1:
         listed = ", ".join(f"{name} has {length}" for name, length in lengths.items())
@@ -128,11 +128,6 @@ def require_same_length(**parameters: Parameter | None) -> None:
 
 def along_elements(value: Parameter, shape: tuple[int, ...]) -> Parameter:
     """Parameter at the points of a field of the given shape (ncomp, n_elements, ...); a float stays one.
-
-    Raises
-    ------
-    ValueError
-        If an array has not one value an element.
 
     Examples
     --------

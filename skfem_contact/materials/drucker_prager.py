@@ -22,10 +22,8 @@ class DruckerPrager(ConePlasticity):
 
     Parameters
     ----------
-    E : float or ndarray
-        Young's modulus (stress), positive; a float or one value an element.
-    nu : float or ndarray
-        Poisson's ratio, -1 < nu < 0.5; a float or one value an element.
+    E, nu : float or ndarray
+        As those of :class:`LinearElastic`.
     k : float or ndarray
         Shear strength sqrt(J2) without mean stress, not negative; a float or one value an element.
     alpha : float or ndarray
@@ -58,9 +56,7 @@ class DruckerPrager(ConePlasticity):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        require("k", self.k, np.greater_equal(self.k, 0), "not be negative")
-        require("alpha", self.alpha, np.greater_equal(self.alpha, 0), "not be negative")
-        require("beta", self.beta, np.greater_equal(self.beta, 0), "not be negative")
+        self._not_negative("k", "alpha", "beta")
         require("beta", self.beta, np.less_equal(self.beta, self.alpha), "not exceed alpha")
 
     @classmethod
@@ -77,15 +73,6 @@ class DruckerPrager(ConePlasticity):
         ----------
         E, nu, c, phi, psi : float or ndarray
             As those of `MohrCoulomb`.
-
-        Returns
-        -------
-        DruckerPrager
-
-        Raises
-        ------
-        ValueError
-            If a parameter is out of its range for `MohrCoulomb`.
 
         Examples
         --------
@@ -113,10 +100,6 @@ class DruckerPrager(ConePlasticity):
         flow : str
             ``"given"``, or ``"associated"``: beta = alpha. A cone of less dilatancy has no other: Davis' strength is
             that of c and phi on a plane.
-
-        Returns
-        -------
-        DruckerPrager
 
         Raises
         ------

@@ -17,18 +17,6 @@ class Isotropic:
 
     Parameters are floats, or arrays with one value an element of the region. Two materials are equal only if
     they are the same object, because parameters may be arrays.
-
-    Parameters
-    ----------
-    E : float or ndarray
-        Young's modulus (stress), positive.
-    nu : float or ndarray
-        Poisson's ratio, -1 < nu < 0.5.
-
-    Raises
-    ------
-    ValueError
-        If a parameter is out of its range, not finite, or arrays differ in length.
     """
 
     E: Parameter
@@ -42,6 +30,12 @@ class Isotropic:
         require_same_length(**{field.name: getattr(self, field.name) for field in fields(self)})
         require("E", self.E, np.greater(self.E, 0), "be positive")
         require("nu", self.nu, np.greater(self.nu, -1) & np.less(self.nu, 0.5), "lie between -1 and 0.5")
+
+    def _not_negative(self, *names: str) -> None:
+        """Refuse negative values of some parameters."""
+        for name in names:
+            if (value := getattr(self, name)) is not None:
+                require(name, value, np.greater_equal(value, 0), "not be negative")
 
     def _with(self, **changes: Parameter | None) -> Any:
         """The material with other parameters, which need not be checked: they follow from those that were."""
@@ -83,14 +77,7 @@ class Isotropic:
         return stiffness
 
     def elastic_stress(self, strain_increment: Array, stress: Array) -> Array:
-        """Stress if the strain increment is elastic: a new array, shape (ncomp, ...).
-
-        Raises
-        ------
-        ValueError
-            If the arrays differ in shape or are not (4 or 6, n_elements, ...), or a parameter array does not
-            have one value an element.
-        """
+        """Stress if the strain increment is elastic: a new array, shape (ncomp, ...)."""
         if strain_increment.shape != stress.shape or stress.ndim < 2 or stress.shape[0] not in (4, 6):
             raise ValueError(
                 "strain increment and stress must share a shape (4 or 6, n_elements, ...), "
@@ -145,30 +132,6 @@ class LinearElastic(Isotropic):
         return True
 
     def update(self, strain_increment: Array, stress: Array, internal: Array) -> Update:
-        """Stress after a strain increment; no point is ever plastic.
-
-        Parameters
-        ----------
-        strain_increment : ndarray, shape (ncomp, n_elements, ...)
-            With engineering shear strains.
-        stress : ndarray, same shape
-            Accepted stress, tension positive.
-        internal : ndarray, shape (0, ...)
-            Handed back.
-
-        Returns
-        -------
-        Update
-
-        Raises
-        ------
-        ValueError
-            If the shapes do not fit each other or the parameters.
-        """
-        ncomp = stress.shape[0]
-        return Update(
-            self.elastic_stress(strain_increment, stress),
-            internal,
-            np.empty(0, dtype=np.intp),
-            lambda: np.empty((0, ncomp, ncomp)),
-        )
+        """Stress after a strain increment, see :meth:`Material.update`; no point is ever plastic."""
+        new, tangent = self.elastic_stress(strain_increment, stress), np.empty((0, len(stress), len(stress)))
+        return Update(new, internal, np.empty(0, dtype=np.intp), lambda: tangent)

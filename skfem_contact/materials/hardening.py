@@ -43,10 +43,8 @@ class HardeningMohrCoulomb(IsotropicPlasticity):
 
     Parameters
     ----------
-    E : float or ndarray
-        Young's modulus (stress), positive; a float or one value an element.
-    nu : float or ndarray
-        Poisson's ratio, -1 < nu < 0.5; a float or one value an element.
+    E, nu : float or ndarray
+        As those of :class:`LinearElastic`.
     c, c_end : float or ndarray
         First and last cohesion (stress), not negative; floats or one value an element.
     phi, phi_end : float or ndarray
@@ -92,13 +90,11 @@ class HardeningMohrCoulomb(IsotropicPlasticity):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        for name in ("c", "c_end"):
-            require(name, getattr(self, name), np.greater_equal(getattr(self, name), 0), "not be negative")
+        self._not_negative("c", "c_end", "psi")
         for name in ("phi", "phi_end"):
             angle = getattr(self, name)
             require(name, angle, np.greater_equal(angle, 0) & np.less(angle, 90), "lie in [0, 90) degrees")
             require("psi", self.psi, np.less_equal(self.psi, angle), f"not exceed {name}")
-        require("psi", self.psi, np.greater_equal(self.psi, 0), "not be negative")
         warn_of_radians(phi=np.maximum(self.phi, self.phi_end))
         require("strain_end", self.strain_end, np.greater(self.strain_end, 0), "be positive")
 
@@ -113,10 +109,6 @@ class HardeningMohrCoulomb(IsotropicPlasticity):
             Positive.
         flow : str
             ``"given"``; or, where phi = phi_end, ``"associated"`` or one of Davis' as for `MohrCoulomb`.
-
-        Returns
-        -------
-        HardeningMohrCoulomb
 
         Raises
         ------

@@ -23,10 +23,8 @@ class MohrCoulomb(PyramidPlasticity):
 
     Parameters
     ----------
-    E : float or ndarray
-        Young's modulus (stress), positive; a float or one value an element.
-    nu : float or ndarray
-        Poisson's ratio, -1 < nu < 0.5; a float or one value an element.
+    E, nu : float or ndarray
+        As those of :class:`LinearElastic`.
     c : float or ndarray
         Cohesion (stress), not negative; a float or one value an element.
     phi : float or ndarray
@@ -64,14 +62,11 @@ class MohrCoulomb(PyramidPlasticity):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        require("c", self.c, np.greater_equal(self.c, 0), "not be negative")
+        self._not_negative("c", "psi", "tension")
         in_range = np.greater_equal(self.phi, 0) & np.less(self.phi, 90)
         require("phi", self.phi, in_range, "lie in [0, 90) degrees")
-        require("psi", self.psi, np.greater_equal(self.psi, 0), "not be negative")
         require("psi", self.psi, np.less_equal(self.psi, self.phi), "not exceed phi")
         warn_of_radians(phi=self.phi)
-        if self.tension is not None:
-            require("tension", self.tension, np.greater_equal(self.tension, 0), "not be negative")
 
     def reduced(self, factor: float, flow: Flow = "given") -> MohrCoulomb | AssociatedSubstitute:
         """The material with its strength, c, tan(phi) and tension, divided by a factor.
@@ -88,8 +83,8 @@ class MohrCoulomb(PyramidPlasticity):
 
         Returns
         -------
-        MohrCoulomb
-            Or, with a flow that lags, its associated substitute.
+        MohrCoulomb or AssociatedSubstitute
+            The latter with a flow that lags.
 
         Raises
         ------

@@ -73,26 +73,7 @@ class IsotropicPlasticity(Isotropic):
         """Return descending principal trial stresses (3, n), all of them outside, to the yield surface."""
 
     def update(self, strain_increment: Array, stress: Array, internal: Array) -> Update:
-        """Stress, internal variable and tangent after a strain increment.
-
-        Parameters
-        ----------
-        strain_increment : ndarray, shape (ncomp, n_elements, ...)
-            With engineering shear strains; 4 components (xx, yy, zz, xy) or 6 (xx, yy, zz, xy, yz, zx).
-        stress : ndarray, same shape
-            Accepted stress, tension positive.
-        internal : ndarray, shape (1, n_elements, ...)
-            Accepted accumulated equivalent plastic shear strain.
-
-        Returns
-        -------
-        Update
-
-        Raises
-        ------
-        ValueError
-            If the shapes do not fit each other or the parameters.
-        """
+        """Stress, internal variable and tangent after a strain increment, see :meth:`Material.update`."""
         result = self.elastic_stress(strain_increment, stress)
         internal = internal.copy()
         constants = self._constants()

@@ -1,4 +1,4 @@
-"""Return mapping to the hexagonal pyramid of Mohr and Coulomb, and its limit, the prism of Tresca.
+"""Return mapping to the pyramid of Mohr and Coulomb with its tension cut-off, and its limit, the prism of Tresca.
 
 In principal stresses s1 >= s2 >= s3 the yield function is (1 + sin phi) s1 - (1 - sin phi) s3 - strength,
 and the plastic potential is the same with psi. Evaluation stresses return by Koiter's rule to a face, an edge or
@@ -22,7 +22,6 @@ from numpy.typing import NDArray
 from .base import Array, Parameter
 from .plastic import ROUND_OFF, IsotropicPlasticity, Return, chosen
 from .spectral import extremes
-from .tension import tension_return
 
 _Weights = tuple[Parameter, Parameter]
 _FACE: _Weights = (1.0, 1.0)
@@ -80,14 +79,49 @@ def _return_with_cut_off(trial: Array, k: PyramidConstants) -> Return:
 
     torn = np.flatnonzero(values[0] > k.tension)
     at = chosen(k, torn)
-    lateral = ((1 + at.sin_phi) * at.tension - at.strength) / (1 - at.sin_phi)
-    cut_off = tension_return(trial[:, torn], at.lam, at.mu, at.tension, lateral)
+    cut_off = _to_cut_off(trial[:, torn], at, at.tension)
     values[:, torn] = cut_off.values
 
     def moduli() -> Array:
         result = np.empty((3, *trial.shape))
         result[:, :, sheared] = shear.moduli()
         result[:, :, torn] = cut_off.moduli()
+        return result
+
+    return Return(values, moduli)
+
+
+def _to_cut_off(trial: Array, k: PyramidConstants, tension: Parameter) -> Return:
+    """Return principal trial stresses (3, n) whose return to the pyramid alone exceeds the tensile strength.
+
+    The three planes s_i = tension have associated flow and are combined with the faces of the pyramid by
+    Koiter's rule. The returned stress lies on one, two or three of the planes, or where they cut the pyramid; there
+    s1 and s3 = lateral are given, and s2 is free, or equals one of them at the end of that line.
+    """
+    s1, s2, s3 = trial
+    lam, mu = k.lam, k.mu
+    lateral = ((1 + k.sin_phi) * tension - k.strength) / (1 - k.sin_phi)
+    poisson = lam / (2 * (lam + mu))
+    constrained = lam / (lam + 2 * mu)
+
+    middle = s2 - constrained * (s1 - tension)
+    two_planes = middle > tension
+    smallest = np.where(two_planes, s3 - poisson * (s1 + s2 - 2 * tension), s3 - constrained * (s1 - tension))
+    sheared = smallest < lateral
+    between = s2 - poisson * (s1 - tension + s3 - lateral)
+    middle = np.where(sheared, np.maximum(between, lateral), middle)
+    values = np.stack(
+        (np.broadcast_to(tension, s1.shape), np.minimum(middle, tension), np.clip(smallest, lateral, tension))
+    )
+
+    def moduli() -> Array:
+        result = np.zeros((3, *trial.shape))
+        one_plane = ~two_planes & ~sheared
+        result[1, 1] = result[2, 2] = np.where(one_plane, lam + 2 * mu - lam * constrained, 0)
+        result[1, 2] = result[2, 1] = np.where(one_plane, lam - lam * constrained, 0)
+        young = 2 * mu * (1 + poisson)
+        result[2, 2] += np.where(two_planes & ~sheared & (smallest < tension), young, 0)
+        result[1, 1] += np.where(sheared & (lateral < between) & (between < tension), young, 0)
         return result
 
     return Return(values, moduli)
@@ -176,14 +210,7 @@ def _to_edge_or_apex(trial: Array, k: PyramidConstants) -> tuple[Array, _Weights
     Along the flow direction of the face one pair of principal stresses meets first, and the return goes on
     along that edge; the multipliers of both its faces grow all the way. The other pair can meet at the apex
     only, which the return reaches if it would change the order of the largest and the smallest stress.
-
-    Returns
-    -------
-    values : ndarray, shape (3, n)
-    weights : tuple of ndarray
-        Of the edges.
-    apex : ndarray of int
-        The points at the apex.
+    Beside the stresses: the weights of the edges, and the points at the apex.
     """
     minor_pair = (trial[1] - trial[2]) * (1 + k.sin_psi) <= (trial[0] - trial[1]) * (1 - k.sin_psi)
     weights = np.where(minor_pair, 1.0, 0.5), np.where(minor_pair, 0.5, 1.0)

@@ -52,15 +52,7 @@ class Frame(Protocol):
 
 
 def principal(stress: Array) -> Frame:
-    """Principal stresses and directions.
-
-    Parameters
-    ----------
-    stress : ndarray, shape (4, n) or (6, n)
-
-    Returns
-    -------
-    Frame
+    """Principal stresses and directions of stresses (4, n) or (6, n).
 
     Examples
     --------

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
-from .base import Parameter, require
+from .base import Parameter
 from .pyramid import PyramidConstants, PyramidPlasticity
 from .reduction import Flow, check_reduction
 
@@ -17,10 +15,8 @@ class Tresca(PyramidPlasticity):
 
     Parameters
     ----------
-    E : float or ndarray
-        Young's modulus (stress), positive; a float or one value an element.
-    nu : float or ndarray
-        Poisson's ratio, -1 < nu < 0.5; a float or one value an element.
+    E, nu : float or ndarray
+        As those of :class:`LinearElastic`.
     c : float or ndarray
         Shear strength (stress), not negative; a float or one value an element.
 
@@ -47,26 +43,12 @@ class Tresca(PyramidPlasticity):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        require("c", self.c, np.greater_equal(self.c, 0), "not be negative")
+        self._not_negative("c")
 
     def reduced(self, factor: float, flow: Flow = "given") -> Tresca:
-        """The material with its shear strength divided by a factor.
+        """The material with its shear strength divided by a positive factor.
 
-        Parameters
-        ----------
-        factor : float
-            Positive.
-        flow : str
-            Without effect: the volume never changes.
-
-        Returns
-        -------
-        Tresca
-
-        Raises
-        ------
-        ValueError
-            If the factor is not positive, or the flow unknown.
+        The flow, one of those of :meth:`MohrCoulomb.reduced`, has no effect: the volume never changes.
 
         Examples
         --------

@@ -123,21 +123,7 @@ class Undrained:
         return stiffness
 
     def update(self, strain_increment: Array, stress: Array, internal: Array) -> Update:
-        """Stress, internal variables and tangent after a strain increment.
-
-        Parameters
-        ----------
-        strain_increment : ndarray, shape (ncomp, n_elements, ...)
-            With engineering shear strains.
-        stress : ndarray, same shape
-            Accepted stress of soil and water, tension positive.
-        internal : ndarray, shape (n_internal, n_elements, ...)
-            Accepted internal variables of the soil and the excess pore pressure.
-
-        Returns
-        -------
-        Update
-        """
+        """As :meth:`Material.update`, of the stress of soil and water; the last internal variable is the pressure."""
         before, own = internal[-1], slice(0, self.soil.n_internal)
         pressure = before - along_elements(self.bulk_modulus, stress.shape) * strain_increment[:3].sum(axis=0)
         effective = stress.copy()

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .base import Parameter, require
+from .base import Parameter
 from .cone import ConeConstants, ConePlasticity
 from .reduction import Flow, check_reduction
 
@@ -17,10 +17,8 @@ class VonMises(ConePlasticity):
 
     Parameters
     ----------
-    E : float or ndarray
-        Young's modulus (stress), positive; a float or one value an element.
-    nu : float or ndarray
-        Poisson's ratio, -1 < nu < 0.5; a float or one value an element.
+    E, nu : float or ndarray
+        As those of :class:`LinearElastic`.
     strength : float or ndarray
         Yield stress in uniaxial tension, not negative; a float or one value an element. A soil of shear
         strength c in plane strain has sqrt(3) c.
@@ -48,26 +46,12 @@ class VonMises(ConePlasticity):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        require("strength", self.strength, np.greater_equal(self.strength, 0), "not be negative")
+        self._not_negative("strength")
 
     def reduced(self, factor: float, flow: Flow = "given") -> VonMises:
-        """The material with its strength divided by a factor.
+        """The material with its strength divided by a positive factor.
 
-        Parameters
-        ----------
-        factor : float
-            Positive.
-        flow : str
-            Without effect: the volume never changes.
-
-        Returns
-        -------
-        VonMises
-
-        Raises
-        ------
-        ValueError
-            If the factor is not positive, or the flow unknown.
+        The flow, one of those of :meth:`MohrCoulomb.reduced`, has no effect: the volume never changes.
 
         Examples
         --------

@@ -1,8 +1,8 @@
 """Water in the ground: steady seepage, confined or with a free surface, and consolidation."""
 
-from .face import SeepageFace
-from .pore_state import PoreState
+from .drainage import SeepageFace
 from .pore_water import PoreWater
+from .porous import PoreState
 from .retention import Ramp, Retention, VanGenuchten
 from .seepage import Seepage, seepage
 

@@ -73,14 +73,7 @@ class _Unbalanced(RuntimeError):
 class WaterBalance:
     """Newton's method for the heads; at seepage faces either the pressure or the flow is zero.
 
-    Parameters
-    ----------
-    flow, given
-        Flow and conditions.
-    tie
-        Heads of all nodes from those of the nodes that are not tied to others, (N, N).
-    places
-        Of the nodes, (dim, N).
+    The tie gives the heads of all nodes from those of the nodes that are not tied to others, (N, N).
     """
 
     def __init__(self, flow: DarcyFlow, given: Conditions, tie: csr_matrix, places: ndarray) -> None:

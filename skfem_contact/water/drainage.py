@@ -1,18 +1,24 @@
-"""Where water leaves the ground, and whether a mesh and a stage can show it: asked before an analysis starts."""
+"""Where water leaves the ground: faces that none enters, and whether a mesh and a stage can show what leaves."""
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from collections.abc import Collection, Iterator
+from copy import copy
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy import ndarray
-from skfem import FacetBasis
+from scipy.sparse import csr_matrix
 
+from ..forms import Form, Response
 from ..remarks import Remark
+from .conditions import Given
 
 if TYPE_CHECKING:
     from .pore_water import PoreWater
 
+#: Conductance of the face over that of the ground beside it: pressures exceed zero by a hundredth of the drop in an
+#: element. By 1e4, and steps of 1e4 h² / c_v, SuperLU has been seen to pass LAPACK illegal sizes.
+_OPEN = 1e2
 #: A pressure of one everywhere that strains nothing beyond this share of what it does without supports is undetermined.
 _RIGID = 1e-12
 #: Degrees of consolidation, T = c_v t / H², that no stage of an analysis has in any sensible units.
@@ -21,22 +27,81 @@ _LEAST, _MOST = 1e-10, 1e8
 _LOST = 1e12
 
 
-def drainage_remarks(water: PoreWater, fixed: ndarray, held: ndarray, duration: float) -> Iterator[Remark]:
-    """Remarks on a stage.
+class SeepageFace(Form):
+    r"""Boundary where water leaves the ground if its pressure would be positive, and none enters: as rain would.
+
+    The condition of contact, with the pressure for the gap: at the nodes flows
+    :math:`c \langle p_0 + p \rangle`, with the pressure :math:`p_0` at the beginning and the excess p of
+    :class:`PoreWater`. Where unknowns are held, those under a level for instance, it says nothing.
 
     Parameters
     ----------
     water
-        The form, complete.
-    fixed, held
-        Unknowns that are supported, and those of what is not there.
-    duration
-        Time from when loads, supports or anything else began to change to the end of the stage; zero without any.
+        The ground's water.
+    boundaries
+        Names of boundaries.
+    pressure
+        Pore pressure there at the beginning, a number or a function of places (dim, n): :func:`hydrostatic`.
 
     Raises
     ------
     ValueError
-        No duration, ground that is not there, or pressures that nothing determines.
+        As :meth:`PoreWater.unknowns`; pressures that are not finite.
+
+    Examples
+    --------
+    Water leaves a layer under load, and none comes back when the load goes: the ground stays where it is.
+
+    >>> import numpy as np
+    >>> from skfem import Basis, ElementTriP2, ElementVector, MeshTri
+    >>> import skfem_contact as sc
+    >>> mesh = MeshTri.init_tensor(np.array([0., .1]), np.linspace(0, 1, 6)).with_defaults()
+    >>> basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
+    >>> pores = sc.PoreWater(basis, k=1e-4, unit_weight=10.)
+    >>> forms = {"clay": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.)), "water": pores,
+    ...          "face": sc.SeepageFace(pores, "top", 0.)}
+    >>> load = sc.traction(basis, "top", (0., -100.))
+    >>> stages = [sc.Stage("load", load, duration=100.), sc.Stage("unload", 0 * load, duration=100.)]
+    >>> result = sc.run(forms, stages, sc.rollers(basis, base="rollers"))
+    >>> top = basis.get_dofs("top").all("u^2")
+    >>> [round(float(stage.x[top].mean()), 4) for stage in result]
+    [-0.01, -0.01]
+    """
+
+    symmetric, second_order, unilateral = True, True, True
+
+    def __init__(self, water: PoreWater, boundaries: str | Collection[str], pressure: Given = 0.0) -> None:
+        names = (boundaries,) if isinstance(boundaries, str) else tuple(boundaries)
+        self.joins = self._at = water.unknowns(*names) if names else np.zeros(0, int)
+        self._limit = -water.prescribed(dict.fromkeys(names, pressure))[self._at]
+        self._conductance = _OPEN * water.porous.conductance[self._at - water.first]
+        self._duration = 0.0
+
+    def __repr__(self) -> str:
+        return f"<SeepageFace {len(self._at)} nodes>"
+
+    def over(self, duration: float) -> SeepageFace:
+        """The form of a step in time."""
+        new = copy(self)
+        new._duration = duration
+        return new
+
+    def initial_state(self, x: ndarray | None = None) -> None:
+        """It remembers nothing."""
+
+    def assemble(self, x: ndarray, state: Any) -> Response:
+        """Water that leaves in the step."""
+        above, n = x[self._at] - self._limit, len(x)
+        force, slope = np.zeros(n), np.where(above > 0.0, -self._duration * self._conductance, 0.0)
+        force[self._at] = slope * above
+        K = csr_matrix((slope, (self._at, self._at)), shape=(n, n))
+        return Response(force, lambda: None, lambda: K, active=(above > 0.0).tobytes())
+
+
+def drainage_remarks(water: PoreWater, fixed: ndarray, held: ndarray, duration: float) -> Iterator[Remark]:
+    """Remarks on a stage in which unknowns are fixed, others held for there is nothing; refuses what has no answer.
+
+    The duration is from when loads, supports or anything else began to change to the end; zero without any.
     """
     if not duration > 0.0:
         raise ValueError("PoreWater needs time: give Stage(duration=...), a short one for what happens at once, or "
@@ -46,8 +111,9 @@ def drainage_remarks(water: PoreWater, fixed: ndarray, held: ndarray, duration: 
         raise ValueError(f"PoreWater is active in ground that is not there: {water!r}")
     drained = np.intersect1d(fixed, water.carries)
     _check_determined(water, fixed, drained)
-    assert water.skeleton is not None
-    diffusivity = water.skeleton.modulus * np.linalg.eigvalsh(water.mobility)[:, -1]
+    around = water.around
+    assert around is not None
+    diffusivity = around.modulus * np.linalg.eigvalsh(water.mobility)[:, -1]
     used = basis.mesh.p[:, np.unique(basis.mesh.t[:, water.elements])]
     length = float(np.ptp(used, axis=1).max())
     time = float(diffusivity.max()) * duration / length**2, float(diffusivity.min()) * duration / length**2
@@ -58,13 +124,13 @@ def drainage_remarks(water: PoreWater, fixed: ndarray, held: ndarray, duration: 
         if worst > _LOST:
             raise ValueError(text)
         yield Remark("units", abs(np.log10(worst)), text)
-    for name, joined in water.touching.items():
+    for name, joined in around.touching.items():
         if len(pressed := _under_pressure(water, joined, drained)):
             yield Remark("friction", len(pressed),
                          f"'{name}' carries the pressure of the water as well, at {len(pressed)} nodes that are not "
                          "drained: friction there counts the total stress, not the effective one")
     if not (fixed >= water.first).any():
-        if not water.leaks:
+        if not around.leaks:
             yield Remark("sealed", 0.0, "no pore pressure is held: no water can leave the ground")
         return
     shortest = _resolved(water, drained, diffusivity)
@@ -104,7 +170,9 @@ def _resolved(water: PoreWater, drained: ndarray, diffusivity: ndarray) -> float
     side, element = np.nonzero(corners[mesh.facets].all(axis=0)[sides])
     if len(element) == 0:
         return 0.0
-    area = FacetBasis(mesh, water.porous.pressures.elem, facets=sides[side, element]).dx.sum(axis=1)
+    corner = mesh.p[:, mesh.facets[:, sides[side, element]]]
+    area = np.linalg.norm(corner[:, 1] - corner[:, 0] if mesh.dim() == 2 else
+                          0.5 * np.cross(corner[:, 2] - corner[:, 0], corner[:, -1] - corner[:, 1], axis=0), axis=0)
     simplex = len(mesh.t) == mesh.dim() + 1
     across = (mesh.dim() if simplex else 1) * basis.dx.sum(axis=1)[element] / area
     return float((across**2 / 6.0 / diffusivity[element]).max())

@@ -11,24 +11,20 @@ from numpy import ndarray
 from scipy.sparse import csr_matrix, diags_array
 from skfem import CellBasis
 
-from ..errors import check_basis, check_quadrature, look_up
+from ..errors import check_basis, check_quadrature
 from ..forms import Form, Response
 from ..remarks import Remark
 from ..sparse import with_data
 from ..strain import StrainOperator, plane_strain
 from ..unknowns import Field, elements_of, first_behind, nodes
+from .conditions import Given, nodes_on, values_at
+from .darcy import Permeability, permeability_tensors, regions
 from .drainage import drainage_remarks
-from .permeability import Permeability, permeability_tensors, regions
-from .pore_state import PoreState
-from .porous import Porous
-from .skeleton import Skeleton
+from .porous import PoreState, Porous, Surroundings
 
 #: Water out of balance is measured by what nodes store in a step, or by this share of what flows in and out of them: at
 #: the usual tolerance that is 1e-14, its round-off in ground a small part of which is 1e8 times as permeable.
 _FLOWING = 1e-6
-
-#: Values on a boundary: a number, or a function of places (dim, ...).
-Given = float | Callable[[ndarray], ndarray]
 
 
 class PoreWater(Form):
@@ -131,8 +127,7 @@ class PoreWater(Form):
         self.size = self.first + self._places.shape[1]
         self.carries = self.first + np.unique(self.porous.pressures.element_dofs)
         self.fields = (Field("pore pressure", self._places, self.first, moves=False),)
-        self.skeleton: Skeleton | None = None
-        self.leaks, self.touching = False, dict[str, ndarray]()
+        self.around: Surroundings | None = None
         self._duration: float | None = None
 
     def __repr__(self) -> str:
@@ -175,11 +170,7 @@ class PoreWater(Form):
         values = np.zeros(self.size)
         for name, given in pressures.items():
             at = self._at(name)
-            value = np.asarray(given(self._places[:, at - self.first]) if callable(given) else given, dtype=float)
-            if value.shape not in ((), at.shape) or not np.isfinite(value).all():
-                raise ValueError(f"the pressure of boundary '{name}' must be a finite number, or a function of places "
-                                 "that gives one for each")
-            values[at] = value
+            values[at] = values_at(given, self._places[:, at - self.first], f"pressure of boundary '{name}'")
         return values
 
     def pressure(self, x: ndarray) -> ndarray:
@@ -214,49 +205,39 @@ class PoreWater(Form):
         return float((state.stored - state.first).sum())
 
     def _at(self, boundary: str) -> ndarray:
-        mesh = self.porous.basis.mesh
-        facets = np.asarray(look_up(boundary, mesh.boundaries or {}, "boundary"))
-        found = np.intersect1d(self.first + mesh.facets[:, facets], self.carries)
-        if len(found) == 0:
-            raise ValueError(f"boundary '{boundary}' has no node of the porous ground")
-        return found
+        return self.first + nodes_on(self.porous.pressures, boundary)
 
     # -- what an analysis asks -------------------------------------------------------------------------------
 
     def completed(self, forms: Mapping[str, Form]) -> PoreWater:
         """The form with the stiffness of the ground, by which pressures are scaled and stabilised."""
-        if self.skeleton is not None:
+        if self.around is not None:
             return self
-        new = self._on(Skeleton.of(self.porous.basis, forms))
-        own = np.unique(self.porous.basis.element_dofs)
-        new.leaks = any(np.isin(form.joins, self.carries).any() for form in forms.values() if form.joins is not None)
-        new.touching = {name: form.joins for name, form in forms.items()
-                        if form.unilateral and form.joins is not None and np.isin(form.joins, own).any()}
-        return new
+        return self._among(Surroundings.of(self.porous.basis, self.carries, forms))
 
     def continues(self, old: Form) -> PoreWater:
         """The form in the place of one of the same ground, from whose pressures it goes on."""
         if not isinstance(old, PoreWater) or not np.array_equal(old.carries, self.carries):
             raise ValueError("its elements are others")
-        return self if old.skeleton is None else self._on(old.skeleton)
+        return self if old.around is None else self._among(old.around)
 
-    def _on(self, skeleton: Skeleton) -> PoreWater:
+    def _among(self, around: Surroundings) -> PoreWater:
         """The form, complete."""
-        new = copy(self)
-        new.skeleton = skeleton
-        new.capacity = self.porous.at_nodes(1.0 / skeleton.modulus + self.storage)
-        scale = float(skeleton.modulus.mean() / skeleton.size.mean())
-        new.fields = (replace(self.fields[0], scale=scale),)
+        new, basis = copy(self), self.porous.basis
+        new.around = around
+        new.capacity = self.porous.at_nodes(1.0 / around.modulus + self.storage)
+        size = basis.dx.sum(axis=1) ** (1.0 / basis.mesh.dim())
+        new.fields = (replace(self.fields[0], scale=float(around.modulus.mean() / size.mean())),)
         return new
 
     @cached_property
     def _kept(self) -> csr_matrix:
         """Less what the ground and the water store, symmetric with what the pressures do to the ground."""
-        assert self.skeleton is not None
+        assert self.around is not None
         parts = self.porous
         kept = self.storage[:, None, None] * parts.mass
         if parts.linear:
-            kept = kept + parts.spread / (2.0 * self.skeleton.shear)[:, None, None]
+            kept = kept + parts.spread / (2.0 * self.around.shear)[:, None, None]
         return parts.symmetric(self.first, -parts.coupling, -kept)
 
     @cached_property

@@ -1,17 +1,22 @@
-"""Water in the pores of elements: what its pressure does to them, what they store, and what flows through them."""
+"""Ground with water in its pores: what pressures do to its elements, what these store, and what flows through them."""
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy import ndarray
 from scipy.sparse import coo_matrix, csr_matrix
 from skfem import CellBasis
 
+from ..errors import place
+from ..forms import Form
+from ..materials import Undrained
+from ..solid import SolidForm
 from ..strain import StrainOperator, axisymmetric
-from ..unknowns import linear_element
-from .joints import open_joints, pressed
+from ..unknowns import elements_of, linear_element
+from .conditions import open_joints, pressed
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,3 +104,66 @@ class Porous:
 def _at_nodes(basis: CellBasis, values: ndarray) -> ndarray:
     """Sums of what the corners of the elements have, (n_elements, n_corners)."""
     return np.bincount(basis.element_dofs.T.ravel(), values.ravel(), minlength=basis.N)
+
+
+class Surroundings(NamedTuple):
+    """What the water takes from the other forms.
+
+    Attributes
+    ----------
+    modulus, shear
+        Stiffness of the ground in compression without lateral strain, and in shear, (n_elements,).
+    leaks
+        Whether water leaves through another form.
+    touching
+        Displacements that contact acts on, by its name.
+    """
+
+    modulus: ndarray
+    shear: ndarray
+    leaks: bool
+    touching: Mapping[str, ndarray]
+
+    @classmethod
+    def of(cls, basis: CellBasis, carries: ndarray, forms: Mapping[str, Form]) -> Surroundings:
+        """From the forms around the ground of a basis and its unknown pressures; all of it must belong to solids."""
+        mesh, here = basis.mesh, elements_of(basis)
+        modulus, shear = np.full((2, mesh.nelements), np.nan)
+        for name, form in forms.items():
+            for region in form.regions if isinstance(form, SolidForm) else ():
+                elements = form.elements[region.elements]
+                D = region.material.elasticity(4 if mesh.dim() == 2 else 6)
+                modulus[elements], shear[elements] = D[..., 0, 0], D[..., 3, 3]
+                if isinstance(region.material, Undrained) and np.isin(elements, here).any():
+                    raise ValueError(f"region '{region.name}' of '{name}' is Undrained and has PoreWater too: its "
+                                     f"water would count twice; give its soil alone, {region.material.soil!r}")
+        lost = here[np.isnan(modulus[here])]
+        if len(lost):
+            raise ValueError(f"there is PoreWater in {len(lost)} elements of no SolidForm, the first at "
+                             f"{place(mesh.p[:, mesh.t[:, lost[0]]].mean(axis=1))}")
+        joins = {name: form.joins for name, form in forms.items() if form.joins is not None}
+        touching = {name: at for name, at in joins.items()
+                    if forms[name].unilateral and np.isin(at, basis.element_dofs).any()}
+        return cls(modulus[here], shear[here], any(np.isin(at, carries).any() for at in joins.values()), touching)
+
+
+@dataclass(frozen=True)
+class PoreState:
+    """What the water in the ground around the nodes remembers, (n,) each, of all vertices of the mesh.
+
+    Attributes
+    ----------
+    stored
+        Volume of water, more than in undeformed ground.
+    first
+        The same when the ground became active.
+    entered
+        Water that has entered at the nodes since: not zero only where pressures are given, or other ground begins.
+    pressure
+        Excess pore pressure, positive in compression.
+    """
+
+    stored: ndarray
+    first: ndarray
+    entered: ndarray
+    pressure: ndarray

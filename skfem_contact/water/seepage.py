@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy import ndarray
@@ -12,12 +12,9 @@ from skfem import CellBasis, FacetBasis, LinearForm
 from ..errors import AnalysisWarning, look_up, place
 from ..unknowns import elements_of
 from .balance import WaterBalance
-from .conditions import Head, check_connected, conditions
-from .darcy import DarcyFlow, head_basis
-from .free_surface import zero_lines
-from .joints import tied_heads
-from .permeability import Permeability, permeability_tensors, regions
-from .places import Interpolation
+from .conditions import Given, check_connected, conditions, tied_heads
+from .darcy import DarcyFlow, Permeability, head_basis, permeability_tensors, regions
+from .places import Interpolation, zero_lines
 from .retention import Ramp, Retention
 
 _RAMP = Ramp()
@@ -137,7 +134,7 @@ class Seepage:
         ValueError
             A place outside of the porous ground.
         """
-        return self._interpolation(np.asarray(x, dtype=float))
+        return Interpolation(self.basis.mesh, elements_of(self.basis), self.head)(np.asarray(x, dtype=float))
 
     def pressure_at(self, x: ndarray) -> ndarray:
         """Pore pressure at places (dim, ...): what takes a function such as :func:`hydrostatic` takes this too.
@@ -160,10 +157,6 @@ class Seepage:
         """
         return zero_lines(self.basis.mesh, elements_of(self.basis), self.head - self.basis.mesh.p[-1, :len(self.head)])
 
-    @property
-    def _interpolation(self) -> Interpolation:
-        return Interpolation(self.basis.mesh, elements_of(self.basis), self.head)
-
     def _size(self, facets: ndarray) -> ndarray:
         """Area of a boundary that belongs to each node, (n_nodes,)."""
         size, nodes = np.zeros(len(self.head)), np.unique(self.basis.mesh.facets[:, facets])
@@ -174,7 +167,7 @@ class Seepage:
         return size
 
 
-def seepage(basis: CellBasis, k: Permeability | Mapping[str, Permeability], head: Mapping[str, Head],
+def seepage(basis: CellBasis, k: Permeability | Mapping[str, Permeability], head: Mapping[str, Given],
             face: str | Sequence[str] = (), joints: Sequence[tuple[str, str]] = (),
             retention: Retention | Mapping[str, Retention] = _RAMP, unit_weight: float = 9.81,
             axisymmetric: bool = False) -> Seepage:
@@ -257,7 +250,8 @@ def seepage(basis: CellBasis, k: Permeability | Mapping[str, Permeability], head
     flow = DarcyFlow(porous, tensors, axisymmetric, datum)
     tie = tied_heads(porous, joints, given.held)
     check_connected(porous, given.held, tie)
-    found = WaterBalance(flow, given.lowered(datum), tie, porous.mesh.p[:, :porous.N]).solve(laws)
+    lowered = replace(given, head=given.head - datum)
+    found = WaterBalance(flow, lowered, tie, porous.mesh.p[:, :porous.N]).solve(laws)
     velocity = flow.velocity(found.head, found.relative)
     _warn_of_dry_ground(porous, tensors, found.relative, velocity)
     heads = np.full(porous.N, np.nan)
