@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 from numpy import ndarray
 
-#: What becomes of gaps and overlaps; a number: an interference, whatever is meshed.
+#: What becomes of gaps and overlaps; a number: they touch exactly, and interfere by that much.
 NamedFit = Literal["as meshed", "adjusted", "ramped"]
 Fit = NamedFit | float
 
@@ -37,6 +37,6 @@ def touching(gap: ndarray, meshed: ndarray, size: ndarray, fit: Fit, bonded: boo
     ramped = fit == "ramped" or not isinstance(fit, str)
     if ramped:
         moved = np.zeros_like(gap)
-    nothing = (_ADJUSTED if bonded or fit == "adjusted" else TOUCHING) * size
+    nothing = (_ADJUSTED if bonded or fit == "adjusted" or not isinstance(fit, str) else TOUCHING) * size
     offset = np.where(np.abs(gap - moved) <= nothing, gap, moved)
     return np.minimum(gap, offset) if ramped else offset

@@ -65,7 +65,7 @@ class ContactPair(Answers):
         ``None``: penalty; or :class:`AugmentedLagrangian`, whose result does not depend on the penalty.
     initial
         ``"as meshed"``: gaps and overlaps count; ``"adjusted"``: what lies within half a segment touches exactly;
-        ``"ramped"``: overlaps are resolved in steps; a number: an interference of bodies meshed to fit, in steps, too.
+        ``"ramped"``: overlaps are resolved in steps; a number: an interference of adjusted bodies, too.
     share
         Share of the contact work, 1/2 for each of two pairs with the roles swapped (:func:`two_pass`).
     tangent
