@@ -44,10 +44,18 @@ def penetration(points: SlavePoints, state: ContactState) -> float:
     return float(np.max((state.offset - state.gap)[closed] / points.size[closed], initial=0.0))
 
 
-def passed_through(depth: ndarray, accepted: ContactState, candidate: ContactState) -> int:
-    """Number of points that were outside the master, or near its surface, and are deep inside now."""
+def passed_through(pair: ContactPair, x: ndarray, accepted: ContactState, found: ContactState) -> int:
+    """Number of points that were outside the master, or near its surface, and are deep inside now, or beyond it."""
+    points, closest = pair.points(accepted), accepted.closest
+    depth = pair.depth(points)
     was_outside = np.isfinite(accepted.gap) & (accepted.gap >= -depth)
-    return int((was_outside & (candidate.gap < -depth)).sum())
+    passed = was_outside & (found.gap < -depth)
+    left = np.flatnonzero(was_outside & closest.exist & (accepted.gap <= depth) & (found.status == Status.OPEN))
+    slave, nodes = pair._places(x)
+    touched = pair.master.at(*closest.take(left), nodes)
+    way = points.positions(slave)[left] - touched.x[0]
+    passed[left] |= np.einsum("nc,nc->n", way, touched.normal) < -depth[left]
+    return int(passed.sum())
 
 
 def remarks(pair: ContactPair, x: ndarray, state: ContactState) -> Iterator[Remark]:

@@ -294,7 +294,7 @@ class ContactPair(Answers):
             Points have passed through the master.
         """
         points = self.points(accepted)
-        if passed := passed_through(self.depth(points), accepted, found):
+        if passed := passed_through(self, x, accepted, found):
             raise IncrementTooLarge(f"{passed} of {len(points.weight)} points of '{self.slave.name}' have passed "
                                     f"through '{self.master.name}', or the penalty, "
                                     f"{self.penalties(accepted)[0]:.3g}, is soft")
