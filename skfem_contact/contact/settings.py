@@ -4,6 +4,7 @@ from __future__ import annotations
 from typing import Any, get_args
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from ..errors import is_number
 from ..surfaces.surface import Surface
@@ -14,15 +15,23 @@ from .laws import InterfaceLaw
 #: Nodes of facets whose corners have negative areas: where a facet is closed in part, multipliers there double the
 #: pressure at the edge of the contact, of a sphere on a block with 4 elements in its half-width.
 _NEGATIVE = 8
+#: Cosine of the angle between facets, above which they face the same way.
+_SAME_WAY = 0.5
 #: Round-off of the axis, as a share of a facet.
 _ON_AXIS = 1e-9
 
 
 def check_surfaces(slave: Surface, master: Surface) -> None:
-    """Refuse surfaces that share nodes, and axial symmetry of what has none."""
+    """Refuse surfaces that share nodes or face the same way, and axial symmetry of what has none."""
     if np.isin(slave.dofs[:, 0], master.dofs[:, 0]).any():
         raise ValueError(f"slave '{slave.name}' and master '{master.name}' share nodes: a body cannot touch "
                          "itself there; separate the bodies with join_bodies")
+    # what is not finite is told of by a run
+    here, there = (np.nan_to_num(surface.centres.x[0]) for surface in (slave, master))
+    opposite = cKDTree(there).query(here)[1]
+    if (np.einsum("nc,nc->n", slave.centres.normal, master.centres.normal[opposite]) > _SAME_WAY).all():
+        raise ValueError(f"slave '{slave.name}' and master '{master.name}' face the same way, and cannot touch: take "
+                         "the boundary on the other side of the body; a rigid line is free to the left of its way")
     if not isinstance(slave.axisymmetric, bool):
         raise ValueError(f"axisymmetric must be True or False, not {slave.axisymmetric!r}")
     if slave.axisymmetric and (slave.dim == 3 or slave.nodes[:, 0].min() < -_ON_AXIS * slave.spacing):
