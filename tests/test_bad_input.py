@@ -391,6 +391,13 @@ def test_bad_increments(increments):
         run(forms, [sc.Stage("rest", basis.zeros(), None, increments)], fixed)
 
 
+@pytest.mark.parametrize("duration", [-1.0, np.nan, np.inf, "2"])
+def test_bad_duration(duration):
+    basis, forms, _, fixed = problem()
+    with pytest.raises(ValueError, match="stage 'rest': the duration must not be negative"):
+        run(forms, [sc.Stage("rest", basis.zeros(), duration=duration)], fixed)
+
+
 @pytest.mark.parametrize("fixed", [[-1], [72], [0.5], np.zeros(72, bool), "a:bottom", None])
 def test_bad_fixed_unknowns(fixed):
     _, forms, stages, _ = problem()

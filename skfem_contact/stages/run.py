@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy import ndarray
 
-from ..errors import NotConverged, place
+from ..errors import NotConverged, is_number, place
 from ..forms import as_forms
 from ..nonlinear.newton import Newton
 from ..nonlinear.stepping import Predictor, Stepping
@@ -203,7 +203,7 @@ def _checked(stages: Sequence[Stage], start: Any, newton: Any) -> Sequence[Stage
 
 
 def _check_names(stages: Sequence[Stage], before: list[str]) -> None:
-    """No two stages have the same name, and increments are numbers."""
+    """No two stages have the same name, increments and durations are numbers."""
     names = before + [stage.name for stage in stages]
     for stage in stages:
         if names.count(stage.name) > 1:
@@ -211,3 +211,6 @@ def _check_names(stages: Sequence[Stage], before: list[str]) -> None:
             raise ValueError(f"{which} '{stage.name}'")
         if not isinstance(stage.increments, (int, np.integer)) or stage.increments < 1:
             raise ValueError(f"stage '{stage.name}': increments must be at least 1 and whole, not {stage.increments!r}")
+        if stage.duration != 0.0 and not is_number(stage.duration, 0.0, np.inf):
+            raise ValueError(f"stage '{stage.name}': the duration must not be negative, but finite, unlike "
+                             f"{stage.duration!r}")
