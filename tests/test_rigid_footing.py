@@ -123,3 +123,17 @@ def test_bad_input():
         sc.run({"cap": sc.RigidFooting(basis, "top")}, [sc.Stage("load", basis.zeros())], fixed=[])
     with pytest.raises(ValueError, match="force must be finite"):
         sc.RigidFooting(basis, "top").load((0.0, np.nan), at=(0.0, 1.0))
+
+
+def test_a_footing_that_is_held_besides():
+    """To hold all of its nodes leaves the multipliers unknown, which is told; a single one leads the others."""
+    basis = Basis(ground(4, 5.0), ElementVector(ElementQuad2()), intorder=4)
+    footing = sc.RigidFooting(basis, "footing", rotates=False)
+    forms = {"ground": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=NU)), "footing": footing}
+    across, moved = basis.get_dofs("footing").all("u^1"), basis.zeros()
+    moved[across] = 0.1
+    stage, fixed = sc.Stage("push", basis.zeros(), prescribed=moved), sc.rollers(basis)
+    with pytest.raises(sc.NotConverged, match="the force of a rigid footing at"):
+        sc.run(forms, [stage], np.append(fixed, across), progress=False)
+    pushed = sc.run(forms, [stage], np.append(fixed, across[0]), progress=False)["push"]
+    assert pushed.x[across] == pytest.approx(0.1)

@@ -168,10 +168,12 @@ def _path(stage: Stage, phase: Phase, load: ndarray, held: ndarray, released: nd
 
 
 def _place(system: System, unknown: int | None) -> str:
-    """Where an unknown is, for a message."""
+    """Where an unknown is, and what it is unless a displacement, for a message."""
     if unknown is None:
         return ""
-    return f", at {place(system.unknowns.places[:, unknown])}"
+    field = next(field for field in reversed(system.unknowns.fields) if field.first <= unknown)
+    what = f"the {field.name} " if field.first else ""
+    return f", {what}at {place(system.unknowns.places[:, unknown])}"
 
 
 def _so_far(system: System, last: StageResult) -> str:
