@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from footing_meshes import graded
+from helpers import grid, vector_basis
 from skfem import Basis, ElementQuad2, ElementTetP1, ElementTriP2, ElementVector, MeshQuad, MeshTet
 
 import skfem_contact as sc
@@ -137,3 +138,20 @@ def test_a_footing_that_is_held_besides():
         sc.run(forms, [stage], np.append(fixed, across), progress=False)
     pushed = sc.run(forms, [stage], np.append(fixed, across[0]), progress=False)["push"]
     assert pushed.x[across] == pytest.approx(0.1)
+
+
+def test_a_footing_on_contact_goes_on_from_a_start():
+    """Its multipliers stand behind the displacements that the contact knows."""
+    meshes = {name: grid("Q1", np.linspace(0, 1, 4), np.linspace(k, k + 1, 4)) for k, name in enumerate("ab")}
+    basis = vector_basis(sc.join_bodies(meshes), "Q1", intorder=2)
+    forms = {
+        "bodies": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=0.3)),
+        "joint": sc.ContactPair(basis, "b:bottom", "a:top", sc.Coulomb(0.3)),
+        "footing": (footing := sc.RigidFooting(basis, "b:top")),
+    }
+    down, fixed = footing.load((0.0, -FORCE), at=(0.6, 2.0)), basis.get_dofs("a:bottom").all()
+    stages = [sc.Stage("half", 0.5 * down), sc.Stage("whole", down)]
+    both = sc.run(forms, stages, fixed, progress=False)
+    start = sc.run(forms, stages[:1], fixed, progress=False)
+    again = sc.run(forms, stages[1:], fixed, start=start, progress=False)
+    assert again["whole"].x == pytest.approx(both["whole"].x, abs=1e-12)
