@@ -470,3 +470,29 @@ def test_a_disc_that_springs_hold_does_not_fall_through() -> None:
     load = sc.weight(basis, {"base": 0.0, "disc": 7.0})
     stage = sc.run(forms, [sc.Stage("weight", load)], basis.get_dofs("base:bottom").all(), progress=False)["weight"]
     assert abs(stage.report("joint").force[1]) == pytest.approx(-load.sum(), rel=0.01)  # the springs carry a little
+
+
+@pytest.mark.parametrize("quadrature", ["nodal", 2, "segments"])
+def test_friction_of_points_that_have_just_closed(quadrature) -> None:
+    """[X] mu N = 12 on the sliding block's points; those of the base close ahead of it, which is told."""
+    bodies = {
+        "base": grid("Q1", np.linspace(0, 4, 17), [-0.5, -0.25, 0.0]),
+        "block": grid("Q1", np.linspace(1, 2, 6), [0.0, 0.25, 0.5]),
+    }
+    basis = vector_basis(sc.join_bodies(bodies), "Q1", intorder=2)
+    top = basis.get_dofs("block:top").all("u^1")
+    fixed, load, moved = np.append(basis.get_dofs("base:bottom").all(), top), basis.zeros(), basis.zeros()
+    load[basis.get_dofs("block:top").all("u^2")] = -40.0 / 6
+    moved[top] = 0.8
+    pulls = []
+    for sides in (("block:bottom", "base:top"), ("base:top", "block:bottom")):
+        solid = sc.SolidForm(basis, sc.LinearElastic(E=1e5, nu=0.2))
+        forms = {"solid": solid, "joint": sc.ContactPair(basis, *sides, sc.Coulomb(0.3), quadrature)}
+        held = sc.run(forms, [sc.Stage("press", load)], fixed, progress=False)
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            slid = sc.run(forms, [sc.Stage("pull", load, moved, 2)], fixed, start=held, progress=False)["pull"]
+        told = any("have only just closed" in str(warning.message) for warning in caught)
+        pulls.append((abs(slid.report("joint").force[0]), told))
+    assert pulls[0][0] == pytest.approx(12.0, rel=1e-3) and not pulls[0][1]
+    assert pulls[1][0] < 11.0 and pulls[1][1]
