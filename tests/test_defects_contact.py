@@ -417,6 +417,22 @@ def test_overlaps_of_straight_facets_are_told(rule, disc: int, ring: int) -> Non
     assert "overlap" not in told
 
 
+def test_a_pressure_at_the_start_is_no_overlap() -> None:
+    """[X] Ground at rest beside a wall, facet on facet: its pressure grows along each of them, and nothing overlaps."""
+    depths = np.linspace(0, 4, 4)
+    bodies = {"soil": grid("Q1", np.linspace(0, 4, 4), depths), "wall": grid("Q1", [4, 5], depths)}
+    basis = vector_basis(sc.join_bodies(bodies), "Q1", intorder=2)
+    ground = sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3))
+    joint = sc.ContactPair(basis, "soil:right", "wall:left", sc.Coulomb(), penalty=5e3)
+    forms, load = {"ground": ground, "joint": joint}, sc.weight(basis, 20.0)
+    fixed = np.append(basis.get_dofs({"soil:bottom", "wall:bottom", "wall:right"}).all(), sc.rollers(basis))
+    start = sc.k0_state(forms, load, fixed, 20.0, K0=0.5)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        sc.run(forms, [sc.Stage("more", 1.01 * load)], fixed, start=start, progress=False)
+    assert "overlap" not in "; ".join(str(warning.message) for warning in caught)
+
+
 @pytest.mark.parametrize("n", [40, 128])
 def test_nodes_at_joints_are_told(n: int) -> None:
     """[X] Nodes that face joints belong to the facet before: a torque without friction, of sin(pi/n), which is told."""

@@ -161,7 +161,8 @@ def _on_facets(pair: ContactPair, state: ContactState, meshed: ndarray) -> Itera
     force = points.weight * np.abs(state.traction[0])
     if not force.any():
         return
-    overlap = np.maximum(state.offset - meshed, 0.0)
+    # what counts as touching may lie deeper where bodies start with a pressure: that moves nothing apart
+    overlap = np.maximum(np.minimum(state.offset, state.gap) - meshed, 0.0)
     overlap[(overlap > pair.depth(points)) | (overlap < TOUCHING * points.size)] = 0.0
     penalty = pair.penalties(state)[0]
     in_series = 1.0 / (1.0 / penalty + 1.0 / (pair.stiffness or penalty))
