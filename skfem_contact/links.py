@@ -259,7 +259,7 @@ class RigidFooting(MatrixForm):
     """A boundary that moves as a rigid body: below a footing, a cap or a platen that is much stiffer than the ground.
 
     Small displacements: it may sink and turn, and what it rests on sticks to it.  Multipliers, unknowns behind the
-    displacements, keep all of its motions at zero but the rigid ones.
+    displacements, keep all of its motions at zero but the rigid ones; to prescribe one of these, hold a single node.
 
     Parameters
     ----------

@@ -104,6 +104,20 @@ def test_empty_boundary():
         pair(with_boundary(nothing=np.zeros(0, int)), slave="nothing")
 
 
+@pytest.mark.parametrize(
+    "slave, master",
+    [
+        ("b:top", "a:top"),
+        ("a:bottom", sc.rigid_line((2, 0), (-2, 0))),
+        ("b:top", sc.rigid_circle((0.5, 4), 2, hole=True)),
+    ],
+)
+def test_slave_and_master_that_face_the_same_way(slave, master):
+    """Bodies fell as far as these sides are apart, without a word."""
+    with pytest.raises(ValueError, match="face the same way, and cannot touch"):
+        pair(slave=slave, master=master)
+
+
 @pytest.mark.parametrize("slave", ["a:top", "a:left"])
 def test_slave_and_master_that_share_nodes(slave):
     with pytest.raises(ValueError, match=f"slave '{slave}' and master 'a:top' share nodes"):
@@ -378,6 +392,13 @@ def test_bad_increments(increments):
     basis, forms, _, fixed = problem()
     with pytest.raises(ValueError, match="stage 'rest': increments must be at least 1"):
         run(forms, [sc.Stage("rest", basis.zeros(), None, increments)], fixed)
+
+
+@pytest.mark.parametrize("duration", [-1.0, np.nan, np.inf, "2"])
+def test_bad_duration(duration):
+    basis, forms, _, fixed = problem()
+    with pytest.raises(ValueError, match="stage 'rest': the duration must not be negative"):
+        run(forms, [sc.Stage("rest", basis.zeros(), duration=duration)], fixed)
 
 
 @pytest.mark.parametrize("fixed", [[-1], [72], [0.5], np.zeros(72, bool), "a:bottom", None])

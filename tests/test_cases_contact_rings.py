@@ -46,8 +46,9 @@ FIT = {"interference": 0.02, "a": 10.0, "b": 20.0, "c": 40.0, "inner": (210e3, 0
 
 def fitted(element: str, n_inner: int, n_outer: int, **options) -> tuple[float, float]:
     """Mean and root mean square deviation from it, over the exact pressure, of a ring pressed into another one."""
+    overlap = 0.02 if isinstance(options.get("initial", "as meshed"), str) else 0.0
     meshes = {
-        "inner": quarter(np.linspace(10, 20.02, n_inner // 2 + 1), n_inner, element),
+        "inner": quarter(np.linspace(10, 20 + overlap, n_inner // 2 + 1), n_inner, element),
         "outer": quarter(np.linspace(20, 40, n_outer // 2 + 1), n_outer, element),
     }
     basis = vector_basis(sc.join_bodies(meshes), element)
@@ -83,6 +84,14 @@ def test_press_fit_of_polygons():
     assert mean == pytest.approx(1.0, abs=3e-3)  # measured 0.14 %
     assert scatter < 1e-6
     assert abs(fitted("Q1", 20, 30)[0] - 1) > 0.05  # the documented pitfall; measured 17 %
+
+
+@pytest.mark.parametrize(("element", "n_inner", "n_outer"), [("Q1", 20, 30), ("Q1", 30, 20), ("Q2", 20, 28)])
+def test_interference_of_meshes_that_do_not_match(element: str, n_inner: int, n_outer: int):
+    """[X] B10 with the interference as a number: what sides of different lengths gape is no part of it."""
+    mean, scatter = fitted(element, n_inner, n_outer, initial=0.02)
+    assert mean == pytest.approx(1.0, abs=3e-3)  # polygons of 80 sides: their radius differs by 0.1 %; measured 0.27 %
+    assert scatter < 0.01  # of such polygons under load, slipping by half a thousandth; measured 0.8 %
 
 
 # -- disc in a ring -----------------------------------------------------------------------------------------

@@ -418,6 +418,22 @@ def test_overlaps_of_straight_facets_are_warned_of(rule, disc: int, ring: int) -
     assert "overlap" not in remarks
 
 
+def test_a_pressure_at_the_start_is_no_overlap() -> None:
+    """[X] Ground at rest beside a wall, facet on facet: its pressure grows along each of them, and nothing overlaps."""
+    depths = np.linspace(0, 4, 4)
+    bodies = {"soil": grid("Q1", np.linspace(0, 4, 4), depths), "wall": grid("Q1", [4, 5], depths)}
+    basis = vector_basis(sc.join_bodies(bodies), "Q1", intorder=2)
+    ground = sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3))
+    joint = sc.ContactPair(basis, "soil:right", "wall:left", sc.Coulomb(), penalty=5e3)
+    forms, load = {"ground": ground, "joint": joint}, sc.weight(basis, 20.0)
+    fixed = np.append(basis.get_dofs({"soil:bottom", "wall:bottom", "wall:right"}).all(), sc.rollers(basis))
+    start = sc.k0_state(forms, load, fixed, 20.0, K0=0.5)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        sc.run(forms, [sc.Stage("more", 1.01 * load)], fixed, start=start, progress=False)
+    assert "overlap" not in "; ".join(str(warning.message) for warning in caught)
+
+
 @pytest.mark.parametrize("n", [40, 128])
 def test_nodes_at_joints_are_warned_of(n: int) -> None:
     """[X] Nodes that face joints belong to the facet before: a torque without friction, of sin(pi/n): a warning."""
@@ -451,3 +467,50 @@ def test_facets_in_space_are_warned_of() -> None:
     assert f"{np.sin(np.pi / 40):.1%} of their pressure acts along the surface" in remarks
     assert "smoothing" not in remarks
     assert "torque" not in fitted_in_space(40, 40)
+
+
+# -- bodies that only soft springs hold -----------------------------------------------------------------------------
+
+
+def test_a_disc_that_springs_hold_does_not_fall_through() -> None:
+    """[X] Without contact it would sink by 4 radii, where nothing of its round side lies opposite the base any more."""
+    disc = grid("Q1", np.linspace(-np.pi / 2, np.pi / 2, 25), np.linspace(0.5, 1.0, 4))
+    angle, radius = disc.p
+    disc = replace(disc, doflocs=np.stack((radius * np.sin(angle), 1.0 - radius * np.cos(angle))))
+    disc = disc.with_boundaries({"round": disc.boundaries["top"]})
+    base = grid("Q1", np.linspace(-2, 2, 41), np.linspace(-2, 0, 11))
+    basis = vector_basis(sc.join_bodies({"disc": disc, "base": base}), "Q1", intorder=2)
+    forms = {
+        "bodies": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3)),
+        "joint": sc.ContactPair(basis, "base:top", "disc:round", sc.Coulomb()),
+        "held": sc.Spring(basis, [(-1.0, 1.0), (1.0, 1.0)], stiffness=1.0),
+    }
+    load = sc.weight(basis, {"base": 0.0, "disc": 7.0})
+    stage = sc.run(forms, [sc.Stage("weight", load)], basis.get_dofs("base:bottom").all(), progress=False)["weight"]
+    assert abs(stage.report("joint").force[1]) == pytest.approx(-load.sum(), rel=0.01)  # the springs carry a little
+
+
+@pytest.mark.parametrize("quadrature", ["nodal", 2, "segments"])
+def test_friction_of_points_that_have_just_closed(quadrature) -> None:
+    """[X] mu N = 12 on the sliding block's points; those of the base close ahead of it, which is told."""
+    bodies = {
+        "base": grid("Q1", np.linspace(0, 4, 17), [-0.5, -0.25, 0.0]),
+        "block": grid("Q1", np.linspace(1, 2, 6), [0.0, 0.25, 0.5]),
+    }
+    basis = vector_basis(sc.join_bodies(bodies), "Q1", intorder=2)
+    top = basis.get_dofs("block:top").all("u^1")
+    fixed, load, moved = np.append(basis.get_dofs("base:bottom").all(), top), basis.zeros(), basis.zeros()
+    load[basis.get_dofs("block:top").all("u^2")] = -40.0 / 6
+    moved[top] = 0.8
+    pulls = []
+    for sides in (("block:bottom", "base:top"), ("base:top", "block:bottom")):
+        solid = sc.SolidForm(basis, sc.LinearElastic(E=1e5, nu=0.2))
+        forms = {"solid": solid, "joint": sc.ContactPair(basis, *sides, sc.Coulomb(0.3), quadrature)}
+        held = sc.run(forms, [sc.Stage("press", load)], fixed, progress=False)
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            slid = sc.run(forms, [sc.Stage("pull", load, moved, 2)], fixed, start=held, progress=False)["pull"]
+        told = any("have only just closed" in str(warning.message) for warning in caught)
+        pulls.append((abs(slid.report("joint").force[0]), told))
+    assert pulls[0][0] == pytest.approx(12.0, rel=1e-3) and not pulls[0][1]
+    assert pulls[1][0] < 11.0 and pulls[1][1]

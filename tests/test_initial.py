@@ -123,6 +123,8 @@ def test_level_ground_is_demanded():
         sc.k0_state(forms, basis.zeros(), fixed, 20.0, {"soil": 0.5})
     with pytest.raises(ValueError, match="there is no subdomain 'clay'"):
         sc.k0_state(forms, basis.zeros(), fixed, 20.0, {"clay": 0.5})
+    with pytest.raises(ValueError, match="K0 must be a number, not negative, unlike"):
+        sc.k0_state(forms, basis.zeros(), fixed, 20.0, -0.5)
     with pytest.raises(ValueError, match="the stress of 'all' must be finite and of shape"):
         sc.given_state(forms, basis.zeros(), fixed, lambda x: np.zeros((3, *x.shape[1:])))
 

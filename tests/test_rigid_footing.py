@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from footing_meshes import graded
+from helpers import grid, vector_basis
 from skfem import Basis, ElementQuad2, ElementTetP1, ElementTriP2, ElementVector, MeshQuad, MeshTet
 
 import skfem_contact as sc
@@ -123,3 +124,34 @@ def test_bad_input():
         sc.run({"cap": sc.RigidFooting(basis, "top")}, [sc.Stage("load", basis.zeros())], fixed=[])
     with pytest.raises(ValueError, match="force must be finite"):
         sc.RigidFooting(basis, "top").load((0.0, np.nan), at=(0.0, 1.0))
+
+
+def test_a_footing_that_is_held_besides():
+    """To hold all of its nodes leaves the multipliers unknown, which is told; a single one leads the others."""
+    basis = Basis(ground(4, 5.0), ElementVector(ElementQuad2()), intorder=4)
+    footing = sc.RigidFooting(basis, "footing", rotates=False)
+    forms = {"ground": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=NU)), "footing": footing}
+    across, moved = basis.get_dofs("footing").all("u^1"), basis.zeros()
+    moved[across] = 0.1
+    stage, fixed = sc.Stage("push", basis.zeros(), prescribed=moved), sc.rollers(basis)
+    with pytest.raises(sc.NotConverged, match="the force of a rigid footing at"):
+        sc.run(forms, [stage], np.append(fixed, across), progress=False)
+    pushed = sc.run(forms, [stage], np.append(fixed, across[0]), progress=False)["push"]
+    assert pushed.x[across] == pytest.approx(0.1)
+
+
+def test_a_footing_on_contact_goes_on_from_a_start():
+    """Its multipliers stand behind the displacements that the contact knows."""
+    meshes = {name: grid("Q1", np.linspace(0, 1, 4), np.linspace(k, k + 1, 4)) for k, name in enumerate("ab")}
+    basis = vector_basis(sc.join_bodies(meshes), "Q1", intorder=2)
+    forms = {
+        "bodies": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=0.3)),
+        "joint": sc.ContactPair(basis, "b:bottom", "a:top", sc.Coulomb(0.3)),
+        "footing": (footing := sc.RigidFooting(basis, "b:top")),
+    }
+    down, fixed = footing.load((0.0, -FORCE), at=(0.6, 2.0)), basis.get_dofs("a:bottom").all()
+    stages = [sc.Stage("half", 0.5 * down), sc.Stage("whole", down)]
+    both = sc.run(forms, stages, fixed, progress=False)
+    start = sc.run(forms, stages[:1], fixed, progress=False)
+    again = sc.run(forms, stages[1:], fixed, start=start, progress=False)
+    assert again["whole"].x == pytest.approx(both["whole"].x, abs=1e-12)

@@ -32,6 +32,8 @@ _RIPPLE = 0.05
 _SIDEWAYS, _AT_JOINT = 1e-3, 0.01
 #: A gap below this share of the coordinates is nothing: bodies that touch unloaded go on touching when they move.
 ROUND_OFF = 8 * np.finfo(float).eps
+#: Share of the pressure on points that have only just closed beside others that slide, likewise.
+_CLOSED = 0.05
 #: Round-off of the shear of sticking points, as a share of the largest traction, that is remarked on.
 _LOST = 1e-3
 #: Tractions below this share of what round-off may leave are none: a broken bond, contact that carries nothing.
@@ -45,6 +47,7 @@ def remarks(pair: ContactPair, x: ndarray, state: ContactState) -> Iterator[Rema
         meshed = pair.interface.closest(None, state.cuts).gap
     yield from _on_enforcement(pair, x, state, meshed)
     yield from _on_facets(pair, state, meshed)
+    yield from _on_sliding(pair, state)
     slave, master, points = pair.slave, pair.master, pair.points(state)
     lost_bond = _without_bond(pair.law, state)
     if lost_bond.any():
@@ -133,7 +136,8 @@ def _on_facets(pair: ContactPair, state: ContactState, meshed: ndarray) -> Itera
     force = points.weight * np.abs(state.traction[0])
     if not force.any():
         return
-    overlap = np.maximum(state.offset - meshed, 0.0)
+    # what counts as touching may lie deeper where bodies start with a pressure: that moves nothing apart
+    overlap = np.maximum(np.minimum(state.offset, state.gap) - meshed, 0.0)
     overlap[(overlap > pair.interface.depth(points)) | (overlap < TOUCHING * points.size)] = 0.0
     penalty = pair.penalties(state)[0]
     in_series = 1.0 / (1.0 / penalty + 1.0 / (pair.stiffness or penalty))
@@ -150,6 +154,18 @@ def _on_facets(pair: ContactPair, state: ContactState, meshed: ndarray) -> Itera
                      f"nodes of '{pair.slave.name}' face joints of '{pair.facets.name}' and belong to the facet "
                      f"before: {sideways:.1%} of their pressure acts along the surface, as a torque if it is round; "
                      f'quadrature="segments"{smooth} avoids that')
+
+
+def _on_sliding(pair: ContactPair, state: ContactState) -> Iterator[Remark]:
+    """Points that have only just closed, beside others that have slid by more than a facet: they bear no shear yet."""
+    force = pair.points(state).weight * np.abs(state.traction[0])
+    closed = (state.status == Status.STICK) & ~state.slip.any(axis=0) & ~state.traction[1:].any(axis=0)
+    slid = float(np.linalg.norm(state.slip[:, state.status == Status.SLIP], axis=0).max(initial=0.0))
+    if slid > pair.slave.spacing and (share := float(force[closed].sum() / force.sum())) > _CLOSED:
+        yield Remark("closed", share,
+                     f"{share:.0%} of the pressure acts at points of '{pair.slave.name}' that have only just closed, "
+                     f"without friction yet, while others have slid by {slid:.3g}: take more increments, or the side "
+                     "that stays in contact as the slave")
 
 
 def _within_facets(slave: Surface, points: SlavePoints, values: ndarray) -> ndarray:

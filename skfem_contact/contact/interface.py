@@ -155,6 +155,19 @@ class Interface:
         return variations(self.points(state.cuts).take(at), self.slave, self.master, found.take(at), slave, nodes,
                           state.stick.take(at))
 
+    def passed_through(self, x: ndarray, accepted: ContactState, found: ContactState) -> int:
+        """Number of points that were outside the master, or near its surface, and are deep inside now, or beyond it."""
+        points, (slave, nodes) = self.points(accepted.cuts), self.places(x)
+        depth = self.depth(points)
+        was_outside = np.isfinite(accepted.gap) & (accepted.gap >= -depth)
+        passed = was_outside & (found.gap < -depth)
+        left = np.flatnonzero(was_outside & accepted.closest.exist & (accepted.gap <= depth)
+                              & (found.status == Status.OPEN))
+        touched = self.master.at(*accepted.closest.take(left), nodes)
+        offset = points.positions(slave)[left] - touched.x[0]
+        passed[left] |= np.einsum("nc,nc->n", offset, touched.normal) < -depth[left]
+        return int(passed.sum())
+
     # -- ways along the undeformed master, (dim - 1, n) -----------------------------------------------------
 
     def _tangents(self, points: SlavePoints, closest: MaterialPoints) -> ndarray:

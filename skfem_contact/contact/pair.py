@@ -61,7 +61,7 @@ class ContactPair(Answers):
         ``None``: penalty; or :class:`AugmentedLagrangian`, whose result does not depend on the penalty.
     initial
         ``"as meshed"``: gaps and overlaps count; ``"adjusted"``: what lies within half a segment touches exactly;
-        ``"ramped"``: overlaps are resolved in steps; a number: an interference of bodies meshed to fit, in steps, too.
+        ``"ramped"``: overlaps are resolved in steps; a number: an interference of adjusted bodies, too.
     share
         Share of the contact work, 1/2 for each of two pairs with the roles swapped (:func:`two_pass`).
     tangent
@@ -262,9 +262,7 @@ class ContactPair(Answers):
             Points have passed through the master.
         """
         points = self.points(accepted)
-        depth = self.interface.depth(points)
-        was_outside = np.isfinite(accepted.gap) & (accepted.gap >= -depth)
-        if passed := int((was_outside & (found.gap < -depth)).sum()):
+        if passed := self.interface.passed_through(x, accepted, found):
             raise IncrementTooLarge(f"{passed} of {len(points.weight)} points of '{self.slave.name}' have passed "
                                     f"through '{self.master.name}', or the penalty, "
                                     f"{self.penalties(accepted)[0]:.3g}, is soft")

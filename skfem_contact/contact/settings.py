@@ -5,13 +5,14 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy import ndarray
+from scipy.spatial import cKDTree
 
 from ..errors import is_number
 from ..surfaces.surface import Surface
 from .augmented import AugmentedLagrangian
 from .laws import InterfaceLaw
 
-#: What becomes of gaps and overlaps; a number: an interference, whatever is meshed.
+#: What becomes of gaps and overlaps; a number: they touch exactly, and interfere by that much.
 NamedFit = Literal["as meshed", "adjusted", "ramped"]
 Fit = NamedFit | float
 
@@ -22,15 +23,23 @@ _ADJUSTED = 0.5
 #: Nodes of facets whose corners have negative areas: where a facet is closed in part, multipliers there double the
 #: pressure at the edge of the contact, of a sphere on a block with 4 elements in its half-width.
 _NEGATIVE = 8
+#: Cosine of the angle between facets, above which they face the same way.
+_SAME_WAY = 0.5
 #: Round-off of the axis, as a share of a facet.
 _ON_AXIS = 1e-9
 
 
 def check_surfaces(slave: Surface, master: Surface) -> None:
-    """Refuse surfaces that share nodes, and axial symmetry of what has none."""
+    """Refuse surfaces that share nodes or face the same way, and axial symmetry of what has none."""
     if np.isin(slave.dofs[:, 0], master.dofs[:, 0]).any():
         raise ValueError(f"slave '{slave.name}' and master '{master.name}' share nodes: a body cannot touch "
                          "itself there; separate the bodies with join_bodies")
+    # what is not finite is refused by a run
+    here, there = (np.nan_to_num(surface.centres.x[0]) for surface in (slave, master))
+    opposite = cKDTree(there).query(here)[1]
+    if (np.einsum("nc,nc->n", slave.centres.normal, master.centres.normal[opposite]) > _SAME_WAY).all():
+        raise ValueError(f"slave '{slave.name}' and master '{master.name}' face the same way, and cannot touch: take "
+                         "the boundary on the other side of the body; a rigid line is free to the left of its way")
     if not isinstance(slave.axisymmetric, bool):
         raise ValueError(f"axisymmetric must be True or False, not {slave.axisymmetric!r}")
     if slave.axisymmetric and (slave.dim == 3 or slave.nodes[:, 0].min() < -_ON_AXIS * slave.spacing):
@@ -84,6 +93,6 @@ def touching(gap: ndarray, meshed: ndarray, size: ndarray, fit: Fit, bonded: boo
     ramped = fit == "ramped" or not isinstance(fit, str)
     if ramped:
         moved = np.zeros_like(gap)
-    nothing = (_ADJUSTED if bonded or fit == "adjusted" else TOUCHING) * size
+    nothing = (_ADJUSTED if bonded or fit == "adjusted" or not isinstance(fit, str) else TOUCHING) * size
     offset = np.where(np.abs(gap - moved) <= nothing, gap, moved)
     return np.minimum(gap, offset) if ramped else offset

@@ -239,6 +239,6 @@ def check_start(forms: Mapping[str, Form], start: StageResult) -> None:
     """Refuse a start of another mesh, or whose contact pairs have got another penalty since."""
     for name, form in forms.items():
         try:
-            form.check_start(start.x, start.states[name])
+            form.check_start(start.x[:form.size], start.states[name])
         except ValueError as error:
             raise ValueError(f"'{name}' cannot go on from the start: {error}") from None

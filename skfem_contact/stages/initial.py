@@ -143,6 +143,8 @@ def k0_state(forms: Mapping[str, Form], load: ndarray, fixed: ndarray, unit_weig
     if len(missing):
         tags = [tag for tag, part in (mesh.subdomains or {}).items() if np.isin(part, missing).any()]
         raise ValueError(f"{len(missing)} elements have no K0; they lie in the subdomains {tags}")
+    if not ((ratios[elements] >= 0.0) & (ratios[elements] < np.inf)).all():
+        raise ValueError(f"K0 must be a number, not negative, unlike {K0!r}")
 
     def stress(x: ndarray, elements: ndarray) -> ndarray:
         vertical = -surcharge - overburden(x[-1])

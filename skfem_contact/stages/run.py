@@ -10,7 +10,7 @@ import numpy as np
 from numpy import ndarray
 
 from ..display import progress_bar
-from ..errors import NotConverged, place
+from ..errors import NotConverged, is_number, place
 from ..forms import Form, as_forms
 from ..nonlinear.newton import Newton
 from ..nonlinear.stepping import Predictor, Stepping
@@ -233,10 +233,12 @@ def _path(stage: Stage, phase: Phase, load: ndarray, held: ndarray, released: nd
 
 
 def _place(system: System, unknown: int | None) -> str:
-    """Where an unknown is, for a message."""
+    """Where an unknown is, and what it is unless a displacement, for a message."""
     if unknown is None:
         return ""
-    return f", at {place(system.unknowns.places[:, unknown])}"
+    field = next(field for field in reversed(system.unknowns.fields) if field.first <= unknown)
+    what = f"the {field.name} " if field.first else ""
+    return f", {what}at {place(system.unknowns.places[:, unknown])}"
 
 
 def _so_far(system: System, last: StageResult) -> str:
@@ -268,7 +270,7 @@ def _checked(stages: Sequence[Stage], start: Any, newton: Any) -> Sequence[Stage
 
 
 def _check_names(stages: Sequence[Stage], before: list[str]) -> None:
-    """No two stages have the same name, and increments are numbers."""
+    """No two stages have the same name, increments and durations are numbers."""
     names = before + [stage.name for stage in stages]
     for stage in stages:
         if names.count(stage.name) > 1:
@@ -276,3 +278,6 @@ def _check_names(stages: Sequence[Stage], before: list[str]) -> None:
             raise ValueError(f"{which} '{stage.name}'")
         if not isinstance(stage.increments, (int, np.integer)) or stage.increments < 1:
             raise ValueError(f"stage '{stage.name}': increments must be at least 1 and whole, not {stage.increments!r}")
+        if stage.duration != 0.0 and not is_number(stage.duration, 0.0, np.inf):
+            raise ValueError(f"stage '{stage.name}': the duration must not be negative, but finite, unlike "
+                             f"{stage.duration!r}")

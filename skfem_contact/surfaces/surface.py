@@ -172,13 +172,18 @@ class Surface:
         return np.asarray(self.nodes.mean(axis=0))
 
     @cached_property
+    def centres(self) -> Place:
+        """The facets' centres in the reference configuration."""
+        m = len(self.facets)
+        return self.at(np.arange(m), np.tile(self.shape.centre, (m, 1)), self.nodes)
+
+    @cached_property
     def directions(self) -> ndarray:
         """Axes from which the facets' tangents are counted in space, (n_facets, dim).
 
         It is the one that lies most nearly along the surface; facets that it is normal to have another one.
         """
-        m = len(self.facets)
-        squares = self.at(np.arange(m), np.tile(self.shape.centre, (m, 1)), self.nodes).normal**2
+        squares = self.centres.normal**2
         axis = np.argmin(np.round(self.area @ squares / self.area.sum(), 6))
         return np.eye(self.dim)[np.where(squares[:, axis] > _NORMAL, np.argmin(np.round(squares, 6), axis=1), axis)]
 

@@ -111,11 +111,12 @@ class Interference(Recovery):
     offset
         Gap that counts as touching, (n_points,).
     wanted
-        What it is to become: zero for overlaps as meshed, or the interference that is asked for.
+        What it is to become, (n_points,): zero for overlaps as meshed, or the interference that is asked for, from
+        where the meshes fit.
     """
 
     offset: ndarray
-    wanted: float
+    wanted: ndarray
 
     @classmethod
     def begin(cls, pair: ContactPair, accepted: ContactState, failure: Failure | None) -> Interference | None:
@@ -124,8 +125,9 @@ class Interference(Recovery):
         There is nothing to do where it is not to be resolved in steps, or has been: closed points carry tractions then.
         """
         untouched = (accepted.status != Status.OPEN).any() and not accepted.traction.any()
-        wanted = 0.0 if isinstance(pair.initial, str) else pair.initial
-        ramped = (wanted > 0.0 or pair.initial == "ramped") and (accepted.offset != wanted).any()
+        named = isinstance(pair.initial, str)
+        wanted = np.zeros_like(accepted.offset) if named else accepted.offset + pair.initial
+        ramped = (not named or pair.initial == "ramped") and (accepted.offset != wanted).any()
         return cls(accepted.offset, wanted) if failure is None and untouched and ramped else None
 
     def seen(self, state: ContactState) -> ContactState:
