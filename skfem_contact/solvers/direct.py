@@ -253,11 +253,14 @@ class _Factor:
     def _singular(self) -> SingularSystem:
         """The error that names the unknowns of the softest motion, found with a little stiffness added."""
         self._forget()
-        solve = self._engine.factor((self.A + diags(HOLD * self._scale)).tocsr(), self.symmetric, careful=True)
-        motion = _any_motion(len(self._scale))
-        for _ in range(2):
-            motion = solve(self._scale * motion)
-            motion /= np.abs(motion).max()
+        for careful in (False, True):  # scaled as an earlier matrix the first factors may give no numbers
+            solve = self._engine.factor((self.A + diags(HOLD * self._scale)).tocsr(), self.symmetric, careful)
+            motion = _any_motion(len(self._scale))
+            for _ in range(2):
+                motion = solve(self._scale * motion)
+                motion /= np.abs(motion).max()
+            if np.isfinite(motion).all():
+                break
         return _floating(self._order[np.abs(motion) > MOVES], len(motion))
 
 
