@@ -261,7 +261,7 @@ class _Factor:
                 motion /= np.abs(motion).max()
             if np.isfinite(motion).all():
                 break
-        return _floating(self._order[np.abs(motion) > MOVES], len(motion))
+        return _floating(self._order[~(np.abs(motion) <= MOVES)], len(motion))  # all of them without numbers
 
 
 @lru_cache(1)
