@@ -253,14 +253,15 @@ class _Factor:
     def _singular(self) -> SingularSystem:
         """The error that names the unknowns of the softest motion, found with a little stiffness added."""
         self._forget()
-        solve = self._engine.factor((self.A + diags(HOLD * self._scale)).tocsr(), self.symmetric, careful=True)
-        motion = _any_motion(len(self._scale))
-        for _ in range(2):
-            motion = solve(self._scale * motion)
-            motion /= np.abs(motion).max()
-        if not np.isfinite(motion).all():  # PARDISO, where scales of the motions differ by more than round-off
-            return SingularSystem("the system is singular: its solution is not finite", np.sort(self._order))
-        return _floating(self._order[np.abs(motion) > MOVES], len(motion))
+        for careful in (False, True):  # scaled as an earlier matrix the first factors may give no numbers
+            solve = self._engine.factor((self.A + diags(HOLD * self._scale)).tocsr(), self.symmetric, careful)
+            motion = _any_motion(len(self._scale))
+            for _ in range(2):
+                motion = solve(self._scale * motion)
+                motion /= np.abs(motion).max()
+            if np.isfinite(motion).all():
+                break
+        return _floating(self._order[~(np.abs(motion) <= MOVES)], len(motion))  # all of them without numbers
 
 
 @lru_cache(1)
