@@ -238,13 +238,13 @@ def _tangential_part(kinematics: Kinematics, t: ndarray) -> ndarray:
     beta = np.einsum("na,nak->nk", p, on.beta)
     K = (outer(lift(beta[:, None], n[:, None])[:, 0], kinematics.work[:, 0]) + spread(on.alpha, dP)
          + g * spread(beta, dn) - lift(on.beta, P[:, None]).transpose(0, 2, 1) @ on.Xi)
-    by_frame = np.einsum("nc,nacm->nam", t - P, da) - a @ dP
+    by_frame = -a @ dP
     if (spin := _spin(on, n, frame(n, on.direction))) is not None:
         by_frame += np.einsum("nac,nc->na", a, np.cross(n, t))[:, :, None] * spin[:, None]
-    if on.curved:
+    if on.curved:  # else P is t
         bent, by_curvature = _bending(on, p, kinematics.work[:, :1])
         K += g * bent.transpose(0, 2, 1) @ on.Xi
-        by_frame += by_curvature
+        by_frame += by_curvature + np.einsum("nc,nacm->nam", t - P, da)
     return K + on.Xi.transpose(0, 2, 1) @ by_frame
 
 
