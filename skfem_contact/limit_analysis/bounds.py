@@ -10,7 +10,7 @@ from numpy import ndarray
 from skfem import MeshTri
 from tqdm import tqdm
 
-from ..errors import AnalysisWarning
+from ..errors import AnalysisWarning, names_of
 from ..loads import Pressure
 from ..solvers.threads import single_threaded
 from .certify import dissipation
@@ -102,7 +102,7 @@ def bounds(forms: Mapping[str, Any], fixed: ndarray, weight: float | Mapping[str
     """
     if flow not in ("given", "associated"):
         raise ValueError(f"flow must be 'given' or 'associated', not {flow!r}")
-    loads = Loads(weight, seismic, dict(tractions or {}), water, _names(wetted), _names(live))
+    loads = Loads(weight, seismic, dict(tractions or {}), water, names_of(wetted), names_of(live))
     return _bracket(forms, fixed, loads, reduce, exclude, flow, gap, elements, seconds, progress, stacklevel=5)
 
 
@@ -130,14 +130,9 @@ def beside(certify: bool | Mapping[str, Any], forms: Mapping[str, Any], fixed: n
     if certify is not True and (not isinstance(certify, Mapping) or set(certify) - set(_OPTIONS)):
         raise ValueError(f"certify must be True, or arguments of bounds among {', '.join(_OPTIONS)}, not {certify!r}")
     given = _OPTIONS | (dict(certify) if isinstance(certify, Mapping) else {})
-    loads = Vectors(dead, live, given["water"], _names(given["wetted"]))
+    loads = Vectors(dead, live, given["water"], names_of(given["wetted"]))
     return _bracket(forms, fixed, loads, reduce, exclude, flow, given["gap"], given["elements"], given["seconds"],
                     progress, stacklevel=6)
-
-
-def _names(names: str | Collection[str]) -> tuple[str, ...]:
-    """One name, or several."""
-    return (names,) if isinstance(names, str) else tuple(names)
 
 
 def _bracket(forms: Mapping[str, Any], fixed: ndarray, loads: Loads | Vectors, reduce: str | Collection[str] | None,

@@ -9,7 +9,7 @@ import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix
 
-from ..solvers.direct import ENGINES, fastest_engine
+from ..solvers.direct import as_engine
 from ..sparse import FreeBlock, Gathering, Total
 from .contact import Joint
 from .elements import Block, Unknowns
@@ -121,7 +121,7 @@ class NormalMatrix:
     def __init__(self, blocks: list[Block], places: ndarray) -> None:
         self.blocks, self._places = blocks, places
         self._gatherings, self._total = [Gathering(places.shape[1]) for _ in blocks], Total()
-        self._engine = ENGINES[fastest_engine()]()
+        self._engine = as_engine()
         self._ordered: FreeBlock | None = None
 
     def factor(self, D: ndarray) -> Callable[[ndarray], ndarray]:

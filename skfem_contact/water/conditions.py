@@ -10,7 +10,7 @@ from scipy.sparse import coo_matrix, csr_matrix, diags_array, eye, lil_matrix
 from scipy.sparse.csgraph import connected_components
 from skfem import CellBasis, FacetBasis, Mesh
 
-from ..errors import look_up, place
+from ..errors import look_up, names_of, place
 from ..unknowns import elements_of
 
 #: Head or pressure on a boundary: a number, or a function of places (dim, ...).
@@ -66,7 +66,7 @@ def values_at(given: Given, x: ndarray, what: str) -> ndarray:
 
 def conditions(basis: CellBasis, head: Mapping[str, Given], face: str | Sequence[str]) -> Conditions:
     """Conditions at the nodes from those on boundaries; a head holds at and below its own height."""
-    mesh, faces = basis.mesh, (face,) if isinstance(face, str) else tuple(face)
+    mesh, faces = basis.mesh, names_of(face)
     if not isinstance(head, Mapping) or not head:
         raise ValueError("there is no head: give {boundary: head} for the boundaries at which water stands")
     nodes = {name: nodes_on(basis, name) for name in (*head, *faces)}

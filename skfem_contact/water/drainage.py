@@ -9,6 +9,7 @@ import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix
 
+from ..errors import names_of
 from ..forms import Form, Response
 from ..remarks import Remark
 from .conditions import Given
@@ -71,7 +72,7 @@ class SeepageFace(Form):
     symmetric, second_order, unilateral = True, True, True
 
     def __init__(self, water: PoreWater, boundaries: str | Collection[str], pressure: Given = 0.0) -> None:
-        names = (boundaries,) if isinstance(boundaries, str) else tuple(boundaries)
+        names = names_of(boundaries)
         self.joins = self._at = water.unknowns(*names) if names else np.zeros(0, int)
         self._limit = -water.prescribed(dict.fromkeys(names, pressure))[self._at]
         self._conductance = _OPEN * water.porous.conductance[self._at - water.first]
