@@ -283,7 +283,7 @@ class _Factor:
         for _ in range(2):
             motion = solve(self._scale * motion)
             motion /= np.abs(motion).max()
-        return _floating(self._order[np.abs(motion) > MOVES], len(motion))
+        return _floating(self._order[~(np.abs(motion) <= MOVES)], len(motion))  # NaN: PARDISO has found no motion
 
 
 @lru_cache(1)
