@@ -265,6 +265,8 @@ def _stage_in(arrays: Mapping[str, ndarray], i: int, head: Mapping[str, Any], gi
 def reset_displacements(forms: Mapping[str, Form], result: Result) -> Result:
     """Count displacements from the end of a result on: they become zero, and all that is carried stays.
 
+    Contact has followed the bodies and comes back with them: a stage of the same load finds the equilibrium there.
+
     Parameters
     ----------
     forms
