@@ -285,7 +285,7 @@ def test_gravity_with_k0_and_contact():
 
 @pytest.mark.parametrize("quadrature", ["nodal", 2, "segments"])
 def test_gravity_balances_where_the_bodies_are_back(quadrature):
-    """[X] Contact has followed a pile that sinks: forces assembled at rest balance, and are no longer those of before."""
+    """[X] Contact has followed a pile that sinks: forces that are assembled at rest balance."""
     basis, forms, fixed = pile(quadrature)
     load = sc.weight(basis, {"soil": 20.0, "pile": 25.0})
     stage = sc.gravity_state(forms, load, fixed)[0]
