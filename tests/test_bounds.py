@@ -185,6 +185,20 @@ def test_noise(monkeypatch) -> None:
     assert found.lower > 1.3  # equilibrium is restored at little cost
 
 
+def test_overlap(monkeypatch) -> None:
+    """[X] Velocities of a block that is pressed into its base by 1e-3 of the slip are parted: the bound is not lost."""
+    whole = search.solve
+
+    def pressed(program, *args):
+        found, pressing = whole(program, *args), program.forces(program.volume)
+        pressing *= 1e-3 * np.abs(found.velocity).max() / np.abs(pressing).max()
+        return replace(found, velocity=found.velocity + pressing, inner=[])
+
+    monkeypatch.setattr(search, "solve", pressed)
+    found = block(sc.Coulomb(mu=0.0, adhesion=2.5), True, sc.LinearElastic(E=1e5, nu=0.2), elements=100)
+    assert found.upper == pytest.approx(4 * 2.5 / 30, rel=0.05)  # its weight, 10 times the force, is lifted a little
+
+
 @pytest.mark.parametrize("iterations", [3, 8, 12])
 def test_early_stop(monkeypatch, iterations: int) -> None:
     """[X] An iteration that stops early proves less, or nothing, and never too much."""

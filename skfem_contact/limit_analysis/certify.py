@@ -17,7 +17,8 @@ _PLAIN = 1e-5
 #: Equilibrium is repeated until it is violated by less than this share, at most so often; beyond the last, refused. A
 #: pile in the ground (c = 7,500 and 32) leaves 2e-13 after 8 repetitions and 2e-14 after 20.
 _BALANCED, _REPETITIONS, UNBALANCED = 1e-15, 20, 1e-13
-#: How often the change of volume of a velocity is taken out.
+#: How often the change of volume and the overlap of a velocity are taken out: points that stick at the tip of a pile in
+#: the ground are left with an overlap of 1e-9 of the largest strain.
 _SHAPINGS = 8
 #: Stress below this share of the largest is none.
 _NO_STRESS = 1e-12
@@ -149,18 +150,23 @@ def _volume_residual(program: Program, strain: ndarray) -> float:
 
 
 def _shaped(program: Program, found: Solution, velocities: list[ndarray]) -> list[ndarray]:
-    """Velocities without change of volume where there is no friction; they move where the solver's metric is soft."""
-    kept = _kept(program)
-    if not len(kept):
+    """Velocities that keep the volume where there is no friction, and whose bodies do not overlap."""
+    if not len(_kept(program)) and not program.joints:
         return velocities
-    volume = program.volume[kept]
-    stiffness = np.einsum("ni,nij,nj->n", volume, found.metric[kept], volume) / (volume**2).sum(1) ** 2
+    volume = program.volume
+    stiffness = np.einsum("ni,nij,nj->n", volume, found.metric, volume) / (volume**2).sum(1) ** 2
     inverse = program.normal.factor(found.metric)
     shaped = []
     for velocity in velocities:
         for _ in range(_SHAPINGS):
-            stress = np.zeros((program.n_points, 3))
-            stress[kept] = (stiffness * (program.strains(velocity)[kept] * volume).sum(1))[:, None] * volume
-            velocity = velocity - inverse(program.forces(stress))
+            missing = _missing_volume(program, program.strains(velocity), found.factor)
+            velocity = velocity + inverse(program.forces((stiffness * missing)[:, None] * volume))
         shaped.append(velocity)
     return shaped
+
+
+def _missing_volume(program: Program, strain: ndarray, factor: float) -> ndarray:
+    """Change of volume, or opening, that strains lack for being a plastic flow, (n_points,)."""
+    kept, missing = _kept(program), program.of_points(lambda s, points: s.overlap(strain[points], factor))
+    missing[kept] = -(strain[kept] * program.volume[kept]).sum(1)
+    return missing

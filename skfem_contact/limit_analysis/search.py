@@ -112,7 +112,7 @@ class Search:
             if found.factor > HIGHEST:
                 raise ValueError(f"the factor exceeds {HIGHEST:g}: there is no collapse")
             proof = prove_lower(program, found, self.live)
-            if np.isfinite(proof.value) or proof.residual > UNBALANCED:  # which no reserve mends
+            if proof.value > 0 or proof.residual > UNBALANCED:  # the latter is mended by no reserve
                 break
         return self._found("lower", program, found, proof)
 

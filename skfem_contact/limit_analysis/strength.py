@@ -19,6 +19,9 @@ from numpy import ndarray
 FLAT = 1e-3
 #: Change of volume of what must keep it, as a share of the largest shear: round-off of its projection.
 INCOMPRESSIBLE = 1e-12
+#: Lack of opening, as a share of what the slip asks for, up to which an interface yields at some larger factor: with
+#: all of it taken out the yielding ones of a pile in the ground moved so much that no upper bound was left.
+_YIELDING = 0.01
 
 
 @dataclass(frozen=True)
@@ -145,6 +148,10 @@ class Soil:
         found = np.where(none, 0.0, found)
         return np.where(self.reduced, found, np.where(found <= 1.0, 0.0, np.inf))
 
+    def overlap(self, strain: ndarray, factor: float) -> ndarray:
+        """None: triangles do not part."""
+        return np.zeros(len(strain))
+
     def dissipation(self, strain: ndarray, factor: float) -> ndarray:
         """Largest power of admissible stresses on plastic strains (n, 3), at a factor."""
         volume, shear = _circle(strain)
@@ -220,6 +227,12 @@ class Interface:
         found = np.where(needed > round_off, np.where(opening > 0, _ratio(needed, opening), np.inf), 0.0)
         found = np.where(opening < -round_off, np.inf, found)
         return np.where(self.reduced, found, np.where(found <= 1.0, 0.0, np.inf))
+
+    def overlap(self, strain: ndarray, factor: float) -> ndarray:
+        """Twice the opening that jumps (n, 3) lack at a factor; where they lack little the factor of the flow rises."""
+        slip = np.where(self.smooth, 0.0, np.abs(strain[:, 1]))
+        missing = self.t / np.where(self.reduced, factor, 1.0) * slip - strain[:, 0]
+        return np.where(missing > _YIELDING * self.t * slip, 2.0 * missing, 0.0)
 
     def dissipation(self, strain: ndarray, factor: float) -> ndarray:
         """Largest power of admissible tractions on plastic jumps (n, 3), at a factor."""
