@@ -135,7 +135,7 @@ def _changed(name: str, old: Form, new: Form) -> Form:
 def check_contacts(there: Mapping[str, Form], held: ndarray) -> None:
     """Refuse forms that act on bodies that are not there, whose unknowns are held."""
     for name, form in there.items():
-        if form.joins is not None and np.isin(form.joins, held).any():
+        if any(unknowns is not None and np.isin(unknowns, held).any() for unknowns in (form.joins, form.acts_on)):
             raise ValueError(f"'{name}' is active, but acts on a body that is not there: {form!r}")
 
 
