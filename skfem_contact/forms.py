@@ -106,6 +106,8 @@ class Form:
         Unknowns at which its tangent may change while Newton's method iterates; None: anywhere.
     joins
         Unknowns that it couples to each other, -1 among them for a rigid obstacle; None: it may hold any of them.
+    acts_on
+        Unknowns that it acts on, all of which must be there; None: any of them.
     elastic_stiffness
         Stiffness (N, N) by which penalties are chosen and new bodies placed.
     nodes
@@ -145,6 +147,7 @@ class Form:
     unilateral: bool = False
     changing: ndarray | None = None
     joins: ndarray | None = None
+    acts_on: ndarray | None = None
     elastic_stiffness: Any = None
     nodes: tuple[ndarray, ndarray] | None = None
     axisymmetric: bool = False

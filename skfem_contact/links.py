@@ -53,7 +53,7 @@ class MatrixForm(Form):
             raise ValueError(f"K must be a square matrix of finite numbers, not {self.elastic_stiffness.shape}")
         largest = abs(self.elastic_stiffness).max() if self.elastic_stiffness.nnz else 0.0
         self.symmetric = abs(self.elastic_stiffness - self.elastic_stiffness.T).max() <= 1e-12 * largest
-        self.changing = np.zeros(0, int)
+        self.changing, self.acts_on = np.zeros(0, int), self.elastic_stiffness.indices
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self.size} unknowns, {self.elastic_stiffness.nnz} entries>"
@@ -205,7 +205,7 @@ class Bar(Form):
             self._dofs = np.hstack((self._dofs, unknowns_at(basis, b, end_part)))
             self._axis = np.hstack((-axis, axis))
         self.size, self.symmetric, self.unilateral = int(basis.N), True, tension_only
-        self.changing = np.unique(self._dofs)
+        self.changing = self.acts_on = np.unique(self._dofs)
         self._stiffness, self._yield_force = EA / length, yield_force
         self._tension_only, self._least = tension_only, 0.0 if tension_only else -yield_force
         self._jack: float | None = None

@@ -5,7 +5,7 @@ from __future__ import annotations
 import meshio
 import numpy as np
 import pytest
-from helpers import ELEMENTS, distorted, grid, vector_basis
+from helpers import ELEMENTS, IN_SPACE, distorted, grid, vector_basis
 from skfem import Basis, ElementQuad2, ElementTriP2, ElementVector, MeshQuad, MeshQuad2, MeshTri, MeshTri2
 
 import skfem_contact as sc
@@ -154,3 +154,22 @@ def test_solids_that_are_not_there_are_left_out(tmp_path):
         sc.nodal_field({"a": forms["a"]}, step, "ux")
     with pytest.raises(ValueError, match=r"one stage is needed, result\[name of the stage\], not Result"):
         sc.nodal_field(forms, sc.Result((step,)), "ux")
+
+
+@pytest.mark.parametrize("element", IN_SPACE)
+def test_contact_in_space_as_cells(element):
+    """[X] The slave's facets are triangles and quadrilaterals of its area, which carry the pressure."""
+    kind = IN_SPACE[element][0]
+    lower = kind.init_tensor(*[np.linspace(0, 1, 3)] * 3).with_boundaries({"top": lambda x: x[2] == 1.0})
+    upper = kind.init_tensor(*[np.linspace(0, 1, 4)] * 2, np.linspace(1, 2, 2)).with_boundaries(
+        {"bottom": lambda x: x[2] == 1.0})  # fmt: skip
+    basis = vector_basis(sc.join_bodies({"lower": lower, "upper": upper}), element, intorder=4)
+    pair = sc.ContactPair(basis, "upper:bottom", "lower:top", sc.Coulomb(mu=0.3), penalty=1e4)
+    forms = {"body": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3)), "joint": pair}
+    x = basis.zeros()
+    x[2::3] = np.where(basis.doflocs[2, 2::3] >= 1.0, -1e-3, 0.0)
+    states = {name: form.assemble(x, form.initial_state()).state for name, form in forms.items()}
+    grid = sc.to_pyvista(forms, sc.StageResult("s", x, basis.zeros(), states, (), 0.0, forms=forms))
+    cells = grid.extract_cells(np.isfinite(grid.cell_data["pressure"]))
+    assert cells.n_cells == len(pair.slave.facets)
+    assert abs(cells.compute_cell_sizes()["Area"]).sum() == pytest.approx(1.0)

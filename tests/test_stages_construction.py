@@ -281,6 +281,31 @@ def test_contact_with_what_is_not_there():
         sc.run(forms, [sc.Stage("g", own), sc.Stage("away", own, deactivate="block")], fixed, **QUIET)
 
 
+@pytest.mark.parametrize("link", [
+    lambda basis: sc.Bar(basis, (0.0, 10.0), (2.0, 7.0), EA=1e4),
+    lambda basis: sc.Bar(basis, (2.0, 10.0), (5.0, 10.0), EA=1e4, fixed_end=True),
+    lambda basis: sc.Spring(basis, (1.0, 7.0), 100.0, to=(1.0, 10.0)),
+])  # fmt: skip
+def test_links_to_what_is_not_there(link):
+    """Nodes of a body that has gone are held where they are: they are no ground that an anchor may hold on to."""
+    basis, forms, fixed = column()
+    forms["link"] = link(basis)
+    all_there, dug = sc.Stage("g", own_weight(basis, 3)), own_weight(basis, 2)
+    with pytest.raises(ValueError, match="stage 'dig': 'link' is active, but acts on a body that is not there"):
+        sc.run(forms, [all_there, sc.Stage("dig", dug, deactivate="layer 2")], fixed, **QUIET)
+    with pytest.raises(ValueError, match="'link' is active, but acts on a body that is not there"):
+        sc.run(forms, [sc.Stage("g", dug), sc.Stage("fill", all_there.load, activate="layer 2")], fixed, **QUIET)
+    sc.run(forms, [all_there, sc.Stage("dig", dug, deactivate=("layer 2", "link"))], fixed, **QUIET)
+
+
+def test_links_hold_no_body_that_is_not_given():
+    """A bar elsewhere is no reason not to say which unknowns belong to nothing."""
+    basis, forms, fixed = column()
+    there = {"layer 0": forms["layer 0"], "bar": sc.Bar(basis, (0.0, 7.0), (2.0, 5.0), EA=1e4)}
+    with pytest.raises(ValueError, match=r"unknowns belong to no solid .* in the subdomains \['layer 1', 'layer 2'\]"):
+        sc.run(there, [sc.Stage("g", own_weight(basis, 1))], fixed, **QUIET)
+
+
 def test_start_with_another_penalty():
     """Tractions would change with the penalty: refused, with the way out."""
     _, forms, fixed, top, _ = two_blocks(sc.Coulomb(mu=0.5))

@@ -83,3 +83,29 @@ def test_collapse_goes_on_from_what_the_stages_have_left() -> None:
     assert limit.multiplier == pytest.approx(1.0, abs=0.005)  # besides the load that is there
     with pytest.raises(ValueError, match="no form, though the start holds it, 'low'"):
         sc.limit_load({"high": forms["high"]}, fixed, loads[1], start=result)
+
+
+@pytest.mark.parametrize("enforcement", [None, sc.AugmentedLagrangian()])
+def test_end_with_contact_is_a_start(enforcement: sc.AugmentedLagrangian | None) -> None:
+    """Where contact follows the bodies again it carries what it did in its first geometry, and gaps are those there."""
+    ground = MeshQuad.init_tensor(np.linspace(0, 4, 9), np.linspace(0, 2, 5)).with_defaults()
+    block = MeshQuad.init_tensor(np.linspace(1, 2, 4), np.linspace(2, 3, 3)).with_defaults()
+    mesh = sc.join_bodies({"ground": ground, "block": block})
+    basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+    forms = {"ground": sc.SolidForm(basis.with_elements("ground"), sc.Tresca(E=1e3, nu=0.3, c=10.0), strain=sc.b_bar),
+             "block": sc.SolidForm(basis.with_elements("block"), sc.LinearElastic(E=1e5, nu=0.2)),
+             "joint": sc.ContactPair(basis, "block:bottom", "ground:top", sc.Coulomb(mu=0.3), 2,
+                                     enforcement=enforcement)}  # fmt: skip
+    fixed = basis.get_dofs("ground:bottom").all()
+    push = sc.traction(basis, "block:top", (0.0, -1.0))
+    first = sc.run(forms, [sc.Stage("rest", 5.0 * push)], fixed, progress=False)
+    end = sc.limit_load(forms, fixed, load=push, start=first, progress=False).end
+    pair, state = end.forms["joint"], end.states["joint"]
+    assert abs(end.x).max() > 0.1  # of a block of 1
+    again = pair.assemble(end.x, state).state
+    on = state.status != sc.Status.OPEN
+    np.testing.assert_allclose(again.traction[:, on], state.traction[:, on], atol=1e-9 * abs(state.traction).max())
+    np.testing.assert_allclose(state.gap[on], again.gap[on], atol=1e-12)
+    back = sc.run(forms, [sc.Stage("back", 5.0 * push)], fixed, start=end, progress=False)["back"]
+    top = basis.get_dofs("block:top").all("u^2")
+    assert 0.5 * end.x[top].mean() > back.x[top].mean() > end.x[top].mean()  # sunk, and up by what is elastic

@@ -343,6 +343,19 @@ def test_wet_fill_that_comes_and_goes():
     assert (p > 0.5 * LOAD).all()
 
 
+def test_water_that_returns_without_pressure():
+    """[X] Drained ground is in equilibrium: water that comes back, compressible too, moves nothing."""
+    basis, forms, fixed, load = layer(n=4)
+    forms["water"] = sc.PoreWater(basis, MOBILITY, unit_weight=1.0, storage=1.0 / E)
+    stages = [sc.Stage("press", load, duration=0.01 / C_V), sc.Stage("drained", load, deactivate="water"),
+              sc.Stage("wet", load, activate="water", duration=0.01 / C_V)]  # fmt: skip
+    result = sc.run(forms, stages, fixed[fixed < basis.N], **QUIET)
+    assert (forms["water"].pressure(result["press"].x) > 0.3 * LOAD).all()
+    assert abs(forms["water"].pressure(result["wet"].x)).max() < 1e-9 * LOAD
+    np.testing.assert_allclose(result["wet"].x[:basis.N], result["drained"].x[:basis.N], rtol=0.0,
+                               atol=1e-9 * abs(result["drained"].x[:basis.N]).max())  # fmt: skip
+
+
 @pytest.mark.parametrize("K0", [None, 0.5])
 def test_initial_states(K0):
     """[X] Ground at rest has no excess pressure: it goes on as if the water came with the first stage."""

@@ -21,6 +21,7 @@ from numpy import ndarray
 from scipy.sparse import csr_matrix
 
 from ..forms import Form, Response
+from ..surfaces.material_points import behind
 from .laws import Status
 from .state import ContactState
 
@@ -59,7 +60,7 @@ class FirstGeometry(Form):
         self._dofs, self._work = seen.dofs, seen.work
         penalties = pair.penalties(state)
         closing = state.offset - points.at(state.multiplier[0]) / penalties[0]
-        self._gap = (found.gap - closing)[at]
+        self._gap, self._closing = (found.gap - closing)[at], closing[at]
         self._elastic = seen.slip.T + near.at(state.multiplier[1:].T).T / penalties[1]
         self._first = x.take(seen.dofs.clip(0))
 
@@ -84,11 +85,18 @@ class FirstGeometry(Form):
 
     def released(self, x: ndarray, state: HeldState) -> tuple[ContactPair, ContactState]:
         """The pair that follows the bodies, and the state that it has there: with the same tractions."""
-        facet, xi = self.pair.interface.closest(x, state.cuts).closest
-        own = {field.name: getattr(state, field.name) for field in fields(ContactState)}
-        elastic = np.where(state.status == Status.OPEN, 0.0, state.moved - state.origin)
-        own |= {"facet": facet, "position": xi.T, "stick_facet": facet, "stick_point": xi.T}
-        return self.pair, self.pair.interface.with_elastic_slip(ContactState(**own), elastic)
+        pair, own = self.pair, {field.name: getattr(state, field.name) for field in fields(ContactState)}
+        found = pair.interface.closest(x, state.cuts)
+        on = np.flatnonzero((state.status != Status.OPEN) & found.found)
+        seen, closest, offset = pair.interface.variations(x, state, found, on), found.closest, state.offset.copy()
+        facet, xi = closest.facet.copy(), closest.xi.copy()
+        offset[on] += found.gap[on] - state.gap[on]
+        multiplied = self._points.at(state.multiplier[1:].T).T / pair.penalties(state)[1]
+        facet[on], xi[on] = behind(pair.master, pair.interface.places(x)[1], seen.tangents, seen.closest,
+                                   (state.moved - state.origin - multiplied)[:, on].T)
+        own |= {"facet": closest.facet, "position": closest.xi.T, "stick_facet": facet, "stick_point": xi.T,
+                "gap": found.gap, "offset": offset}
+        return pair, ContactState(**own)
 
     def reduced(self, factor: float, flow: str, names: Collection[str]) -> FirstGeometry:
         """The same contact with the strength of its law divided by a factor."""
@@ -111,7 +119,7 @@ class FirstGeometry(Form):
 
         def candidate() -> HeldState:
             motion, origin, gaps, new = state.moved.copy(), state.origin.copy(), state.gap.copy(), internal.copy()
-            motion[:, self._at], gaps[self._at] = moved, gap + state.offset[self._at]
+            motion[:, self._at], gaps[self._at] = moved, gap + self._closing
             origin[:, self._at] = moved
             origin[:, at] -= update.elastic_slip
             traction, status = np.zeros_like(state.traction), np.full(len(gaps), int(Status.OPEN))

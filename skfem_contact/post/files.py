@@ -32,7 +32,7 @@ def export_vtu(file: str | Path, forms: Mapping[str, Any], step: StageResult) ->
     shear) and the equivalent ``plastic_strain``; regions share no points, so that nothing is averaged between them.
     Cells carry means of ``stress`` and ``plastic_strain``, the number of the ``body``, in the order of
     :func:`bodies`, and of the ``region``, counted through the materials of all solids. The slave's facets of every
-    contact pair are line cells with ``pressure``, ``shear``, ``gap``, ``slip`` and ``status``. Quadratic elements
+    contact pair are cells with ``pressure``, ``shear``, ``gap``, ``slip`` and ``status``. Quadratic elements
     stay quadratic.
 
     Parameters
@@ -178,7 +178,7 @@ def _grid(forms: Mapping[str, Any], step: StageResult) -> meshio.Mesh:
     point = np.full(mesh.nodes.max() + 1, -1)
     point[mesh.nodes] = np.arange(len(mesh.nodes))
     for interface in interfaces(forms, step).values():
-        blocks.append((_CELLS[1, interface.facets.shape[1]], point[interface.facets]))
+        blocks.append(vtk_cells(point[interface.facets], dim - 1))
         parts.append(interface.on_facets())
     kinds = {key: values for part in parts for key, values in part.items()}
     cell_data = {key: [part.get(key, _nothing(like, len(cells))) for part, (_, cells) in zip(parts, blocks)]

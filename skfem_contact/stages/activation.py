@@ -135,7 +135,7 @@ def _changed(name: str, old: Form, new: Form) -> Form:
 def check_contacts(there: Mapping[str, Form], held: ndarray) -> None:
     """Refuse forms that act on bodies that are not there, whose unknowns are held."""
     for name, form in there.items():
-        if form.joins is not None and np.isin(form.joins, held).any():
+        if any(unknowns is not None and np.isin(unknowns, held).any() for unknowns in (form.joins, form.acts_on)):
             raise ValueError(f"'{name}' is active, but acts on a body that is not there: {form!r}")
 
 
@@ -182,12 +182,17 @@ def acts_on(load: ndarray, unknowns: ndarray) -> bool:
 def begin(phase: Phase, last: StageResult) -> tuple[ndarray, dict[str, Any], ndarray]:
     """Start of a stage: displacements, states, and forces that are to be released during the stage, (N,).
 
-    New solids are stress-free in the deformed ground. A new contact pair carries no traction, unless it takes the
-    place of one between the same surfaces: then it takes over its tractions, so that nothing moves. What is
-    out of balance then, because a body, a support, strength or the pressure of water has gone, is to be released.
+    New solids are stress-free in the deformed ground, new water is without excess pressure. A new contact pair carries
+    no traction, unless it takes the place of one between the same surfaces: then it takes over its tractions, so that
+    nothing moves. What is out of balance then, because a body, a support, strength or the pressure of water has gone,
+    is to be released.
     """
     new = {name: form for name, form in phase.forms.items() if name not in phase.before}
-    x = placed(last.x, new, unknowns_of(phase.before), phase.fixed)
+    known = unknowns_of(phase.before)
+    x = last.x.copy()
+    for still in (each.numbers for form in new.values() for each in form.fields if not each.moves):
+        x[np.setdiff1d(still, known)] = 0.0
+    x = placed(x, new, known, phase.fixed)
     states = {name: form.initial_state(x[:form.size]) if name in new
               else _inherited(form, phase.before[name], last, name) for name, form in phase.forms.items()}
     for name, form in new.items():

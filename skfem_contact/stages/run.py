@@ -43,9 +43,9 @@ class Stage:
         Number of increments to begin with; they are cut where Newton fails and grow where it is easy.
     activate
         Names of forms that become active; they are inactive before. Solids start stress-free in the deformed ground:
-        nodes that they share with it are where it has brought them, the others follow. Contact starts without
-        traction, with the gaps of the mesh; but where it replaces a pair between the same surfaces that is
-        deactivated in this stage, it takes over its tractions.
+        nodes that they share with it are where it has brought them, the others follow. Water starts without excess
+        pressure where none was active. Contact starts without traction, with the gaps of the mesh; but where it
+        replaces a pair between the same surfaces that is deactivated in this stage, it takes over its tractions.
     deactivate
         Names of forms that are taken away. What they carried is released in proportion over the stage.
     change

@@ -46,9 +46,10 @@ def check_supports(forms: Mapping[str, Form], fixed: ndarray, unknowns: Unknowns
     if count.max() > 1:
         raise ValueError(f"{(count > 1).sum()} elements belong to more than one of the solids {list(solids)}")
     others = [form for form in forms.values() if form.joins is None]
+    linked = [form.acts_on for form in others if form.acts_on is not None]
     carried = np.unique(np.concatenate([form.basis.element_dofs.ravel() for form in solids.values()]))
-    loose = np.setdiff1d(np.arange(basis.N), np.concatenate((carried, fixed)))
-    if len(loose) and not others:
+    loose = np.setdiff1d(np.arange(basis.N), np.concatenate((carried, fixed, *linked)))
+    if len(loose) and len(linked) == len(others):
         raise ValueError(f"{len(loose)} unknowns belong to no solid among the forms and are not fixed; the "
                          f"first is at {place(basis.doflocs[:, loose[0]])}{_without(basis, count)}. Give every body a "
                          "form, also one that is activated later, or leave it out of the mesh")
