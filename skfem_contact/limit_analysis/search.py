@@ -106,15 +106,19 @@ class Search:
         """Lower bound on the present triangles, which become those whose parts later ones are."""
         self.triangles = self.triangles.rooted
         program = discretise(model, self.triangles, stress_elements(self.triangles.mesh))
+        tried: list[tuple[Solution, Proof]] = []
         for reserve in _RESERVES:
             goal = Goal(1.0 if self.live else self._factor, 0.0, not self.live, _VOLUME[0], 1.0 + reserve)
             found = solve(program, goal, self._accuracy)
             if found.factor > HIGHEST:
                 raise ValueError(f"the factor exceeds {HIGHEST:g}: there is no collapse")
             proof = prove_lower(program, found, self.live)
-            if proof.value > 0 or proof.residual > UNBALANCED:  # the latter is mended by no reserve
+            tried.append((found, proof))
+            if proof.value > (-np.inf if self.live else 0.0) or proof.residual > UNBALANCED:  # which no reserve mends
                 break
-        return self._found("lower", program, found, proof)
+        else:
+            del tried[1:]  # in vain
+        return self._found("lower", program, *tried[-1])
 
     def _solve_upper(self) -> Found:
         """Upper bound on the present triangles."""
