@@ -151,7 +151,8 @@ def _volume_residual(program: Program, strain: ndarray) -> float:
 
 def _shaped(program: Program, found: Solution, velocities: list[ndarray]) -> list[ndarray]:
     """Velocities that keep the volume where there is no friction, and whose bodies do not overlap."""
-    if not len(_kept(program)) and not program.joints:
+    kept = _kept(program)
+    if not len(kept) and not program.joints:
         return velocities
     volume = program.volume
     stiffness = np.einsum("ni,nij,nj->n", volume, found.metric, volume) / (volume**2).sum(1) ** 2
@@ -160,7 +161,7 @@ def _shaped(program: Program, found: Solution, velocities: list[ndarray]) -> lis
     for velocity in velocities:
         for _ in range(_SHAPINGS):
             strain = program.strains(velocity)
-            missing = _missing_volume(program, strain, found.factor)
+            missing = _missing_volume(program, kept, strain, found.factor)
             if np.abs(missing).max(initial=0.0) <= _SHAPED * np.abs(strain).max(initial=0.0):
                 break
             velocity = velocity + inverse(program.forces((stiffness * missing)[:, None] * volume))
@@ -168,8 +169,8 @@ def _shaped(program: Program, found: Solution, velocities: list[ndarray]) -> lis
     return shaped
 
 
-def _missing_volume(program: Program, strain: ndarray, factor: float) -> ndarray:
+def _missing_volume(program: Program, kept: ndarray, strain: ndarray, factor: float) -> ndarray:
     """Change of volume, or opening, that strains lack for being a plastic flow, (n_points,)."""
-    kept, missing = _kept(program), program.of_points(lambda s, points: s.overlap(strain[points], factor))
+    missing = program.of_points(lambda s, points: s.overlap(strain[points], factor))
     missing[kept] = -(strain[kept] * program.volume[kept]).sum(1)
     return missing
