@@ -143,7 +143,7 @@ def _out_of_balance(model: Culvert, stage: sc.StageResult) -> float:
 
 
 def _pipe(model: Culvert) -> ndarray:
-    """Unknowns of the pipe."""
+    """Layout of the pipe."""
     return np.unique(model.forms["culvert"].basis.element_dofs)
 
 

@@ -139,7 +139,7 @@ def unknowns_of(basis: Basis, body: str) -> ndarray:
     return dofs.reshape(-1, basis.mesh.dim())
 
 
-def unknowns_at(basis: Basis, body: str, point: tuple[float, float]) -> ndarray:
+def dofs_at(basis: Basis, body: str, point: tuple[float, float]) -> ndarray:
     """The two unknowns of the node of a body at a place."""
     dofs = unknowns_of(basis, body)
     distance = np.linalg.norm(basis.doflocs[:, dofs[:, 0]].T - np.asarray(point), axis=1)

@@ -57,7 +57,7 @@ def crossed_below(x: ndarray, y: ndarray, surface: Callable[[ndarray], ndarray])
 
 
 def held(basis: Basis) -> ndarray:
-    """Unknowns of the base, and those that would leave through the vertical sides."""
+    """Layout of the base, and those that would leave through the vertical sides."""
     x, y = basis.doflocs
     across = np.zeros(basis.N, dtype=bool)
     across[basis.nodal_dofs[0]] = across[basis.facet_dofs[0]] = True

@@ -13,12 +13,12 @@ from scipy.sparse.linalg import eigsh
 from skfem import Basis, ElementHex1, ElementQuad1, ElementTetP2, ElementVector, MeshHex, MeshQuad, MeshTet
 
 import skfem_contact as sc
+from skfem_contact.layout import rigid_modes
 from skfem_contact.solvers import choice, multigrid
 from skfem_contact.solvers.choice import as_solver
 from skfem_contact.solvers.direct import DirectSolver, SingularSystem
 from skfem_contact.solvers.multigrid import AmgSolver
 from skfem_contact.solvers.schur import SchurSolver
-from skfem_contact.unknowns import rigid_modes
 
 needs_pyamg = pytest.mark.skipif(find_spec("pyamg") is None, reason="pyamg is not installed")
 ELASTIC = sc.LinearElastic(E=1e4, nu=0.3)

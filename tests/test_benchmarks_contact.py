@@ -115,7 +115,7 @@ def test_hertz(quadrature: str | int, options: dict, error: float, iterations: i
 
 
 def test_problem_is_the_peers() -> None:
-    """[N] Unknowns and slave nodes of the meshes on which other programs were measured."""
+    """[N] Layout and slave nodes of the meshes on which other programs were measured."""
     problem = hertz(20)
     assert problem.basis.N == 19678
     assert len(problem.face.nodes) == 127

@@ -75,7 +75,7 @@ def test_what_is_not_distributed_is_refused() -> None:
     """A point load, and water that nobody told of: one error, before anything is searched for."""
     forms, fixed, basis = column()
     load = sc.weight(basis, 20.0)
-    load[sc.unknowns_at(basis, (0.5, 1.0)).ravel()[1]] -= 5.0
+    load[sc.dofs_at(basis, (0.5, 1.0)).ravel()[1]] -= 5.0
     with pytest.raises(ValueError, match=r"are left, most at \(0.5, 1\)"):
         sc.strength_reduction(forms, fixed, load, certify=True, progress=False)
     with pytest.raises(ValueError, match="certify must be True, or arguments of bounds among water, wetted, gap"):

@@ -34,7 +34,7 @@ def quarter(r, n: int, element: str) -> Mesh:
 
 
 def symmetric(basis: Basis) -> np.ndarray:
-    """Unknowns that symmetry holds, of two quarters named "inner" and "outer"."""
+    """Layout that symmetry holds, of two quarters named "inner" and "outer"."""
     below, left = (basis.get_dofs({f"inner:{side}", f"outer:{side}"}) for side in ("bottom", "top"))
     return np.union1d(below.all("u^2"), left.all("u^1"))
 

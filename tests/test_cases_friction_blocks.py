@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from helpers import grid, unknowns_at, vector_basis
+from helpers import dofs_at, grid, vector_basis
 
 import skfem_contact as sc
 
@@ -142,7 +142,7 @@ def table(kind: str, quadrature) -> tuple[dict, np.ndarray, int]:
     else:
         edge = [(-4.0, 0.0), (0.0, 0.0)] + ([(0.0, -2.0)] if kind == "corner" else [])
         master = sc.rigid_polyline(edge)
-    drag = unknowns_at(basis, BLOCK, (-1.0, 0.0))[0]
+    drag = dofs_at(basis, BLOCK, (-1.0, 0.0))[0]
     forms = {
         "bodies": sc.SolidForm(basis, materials),
         "floor": sc.ContactPair(basis, "block:bottom", master, sc.Coulomb(0.2), quadrature),

@@ -19,7 +19,7 @@ class String(WithoutState):
     Attributes
     ----------
     dofs, line
-        Unknowns and places of the nodes in their order, (n, 2).
+        Layout and places of the nodes in their order, (n, 2).
     n_unknowns
         Number of all unknowns.
     stiffness, pretension

@@ -8,13 +8,13 @@ from helpers import (
     ELEMENTS,
     body_along,
     closest,
+    dofs_at,
     facing,
     moved_rigidly,
     resultant,
     rotation,
     rough_pair,
     sticking_at,
-    unknowns_at,
     unknowns_of,
 )
 from oracles.nts_reference import CASES, PRINTED, X0, residual, tangent
@@ -61,7 +61,7 @@ def single_point(case: str, shift: np.ndarray | None = None):
     )
     dofs = np.concatenate(
         [
-            unknowns_at(basis, body, place)
+            dofs_at(basis, body, place)
             for body, place in (("slave", slave), ("master", x2), ("master", x1))
         ]
     )

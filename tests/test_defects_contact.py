@@ -426,7 +426,7 @@ def test_a_pressure_at_the_start_is_no_overlap() -> None:
     ground = sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3))
     joint = sc.ContactPair(basis, "soil:right", "wall:left", sc.Coulomb(), penalty=5e3)
     forms, load = {"ground": ground, "joint": joint}, sc.weight(basis, 20.0)
-    fixed = np.append(basis.get_dofs({"soil:bottom", "wall:bottom", "wall:right"}).all(), sc.rollers(basis))
+    fixed = np.append(basis.get_dofs({"soil:bottom", "wall:bottom", "wall:right"}).all(), sc.box_supports(basis))
     start = sc.k0_state(forms, load, fixed, 20.0, K0=0.5)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")

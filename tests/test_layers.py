@@ -12,14 +12,13 @@ import skfem_contact
 PACKAGE = Path(skfem_contact.__file__).parent
 #: Rooms from the ground up: a room may use what stands before it. Those of one entry know nothing of each other.
 ROOMS = (
-    {"errors"}, {"display", "remarks", "sparse", "states"}, {"unknowns"}, {"forms"}, {"strain", "assembly"},
-    {"materials", "mesh", "loads", "surfaces"},
-    {"regions", "targets"}, {"solid", "contact", "links"}, {"solvers"}, {"nonlinear"}, {"stages"},
-    {"limit_analysis"}, {"collapse"}, {"water"}, {"post"},
+    {"errors"}, {"display", "sparse"}, {"layout"}, {"materials", "mesh", "loads", "surfaces"}, {"forms"},
+    {"contact"}, {"solvers"}, {"nonlinear"}, {"stages"},
+    {"limit_analysis"}, {"collapse"}, {"water"}, {"results"},
     {"testing"}, {"plot"}, {"demo", "data"}, {""},
 )  # fmt: skip
 #: A stage's result calls what shows it: the only calls that go up, and at run time only.
-SHORTCUTS = {("stages.result", "post"), ("stages.result", "plot")}
+SHORTCUTS = {("stages.result", "results"), ("stages.result", "plot")}
 #: What these rooms ask a form, a state or a law they ask by its calls.
 ASKING = ("solvers", "nonlinear", "stages", "collapse")
 KINDS = {"Form", "SolidForm", "ContactPair", "SolidState", "ContactState", "Bar", "MatrixForm", "Coulomb", "Tied"}
@@ -106,9 +105,12 @@ def test_contact_and_solids_do_not_know_each_other() -> None:
     """... nor any analysis, not even by a type."""
     for name in TREES:
         room = name.split(".")[0]
-        if room in ("contact", "solid", "links", "materials"):
-            others = {other.split(".")[0] for other in imported(name, typing_too=True)}
-            assert not others & ({"contact", "solid", "links", *ASKING} - {room}), name
+        others = {other.split(".")[0] for other in imported(name, typing_too=True)}
+        if room in ("contact", "forms", "materials"):
+            assert not others & ({"contact", *ASKING} - {room}), name
+        if room == "contact":
+            known = {o for o in imported(name, typing_too=True) if o.startswith("forms.")}
+            assert known <= {"forms.base", "forms.staged"}, name
 
 
 def lines(name: str) -> int:

@@ -443,7 +443,7 @@ def test_diagram_stands_on_the_structure():
 def test_tractions_are_drawn_as_the_slave_exerts_them():
     """[X] Their sum is the opposite of what the report says of the slave; normals are those of the undeformed slave."""
     from skfem_contact.demo import culvert
-    from skfem_contact.post.tractions import interfaces
+    from skfem_contact.results.tractions import interfaces
 
     model = culvert()
     stage = model.result["surcharge"]

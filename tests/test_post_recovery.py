@@ -9,8 +9,8 @@ from skfem import Basis, ElementHex1, ElementQuad1, ElementVector, MeshHex, Mesh
 
 import skfem_contact as sc
 from skfem_contact.demo import culvert
-from skfem_contact.post.recovery import recovered, region_mesh
-from skfem_contact.post.strength import PointStatus, mobilised, point_status
+from skfem_contact.results.recovery import recovered, region_mesh
+from skfem_contact.results.strength import PointStatus, mobilised, point_status
 
 INTORDER = {"P1": 1, "Q1": 2, "P2": 4, "Q2": 4, "QuadS2": 4}
 
@@ -201,7 +201,8 @@ def test_frames_have_pore_pressures_where_there_are_any():
     soil = sc.LinearElastic(E=1e3, nu=0.2)
     for material, there in ((soil, False), (sc.Undrained(soil, nu_u=0.49), True)):
         forms = {"soil": sc.SolidForm(basis, material)}
-        stage = sc.run(forms, [sc.Stage("load", sc.weight(basis, 10.0))], sc.rollers(basis), progress=False)["load"]
+        stages = [sc.Stage("load", sc.weight(basis, 10.0))]
+        stage = sc.run(forms, stages, sc.box_supports(basis), progress=False)["load"]
         frame = sc.to_frame(forms, stage)
         assert ("pore" in frame.columns) == there
         if there:

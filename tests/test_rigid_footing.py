@@ -23,10 +23,10 @@ def ground(n: int, size: float) -> MeshQuad:
 @pytest.fixture(scope="module", params=[True, False], ids=["turns", "guided"])
 def elastic(request):
     basis = Basis(ground(8, 20.0), ElementVector(ElementQuad2()), intorder=4)
-    footing = sc.RigidFooting(basis, "footing", rotates=request.param)
+    footing = sc.RigidBoundary(basis, "footing", rotates=request.param)
     forms = {"ground": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=NU)), "footing": footing}
     load = footing.load((0.0, -FORCE), at=(LEVER, 0.0))
-    return request.param, basis, footing, sc.run(forms, [sc.Stage("load", load)], sc.rollers(basis))["load"]
+    return request.param, basis, footing, sc.run(forms, [sc.Stage("load", load)], sc.box_supports(basis))["load"]
 
 
 def test_rotation_of_a_rigid_strip_on_the_half_plane(elastic):
@@ -59,11 +59,11 @@ def test_collapse_under_a_load_with_a_lever():
     mesh = MeshQuad.init_tensor(np.concatenate((-half[:0:-1], half)), -graded(3.0, 9, 3.0)[::-1])
     mesh = mesh.to_meshtri(style="x").with_boundaries({"footing": lambda p: (p[1] > -1e-9) & (abs(p[0]) < 1 + 1e-9)})
     basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
-    footing = sc.RigidFooting(basis, "footing")
+    footing = sc.RigidBoundary(basis, "footing")
     forms = {"clay": sc.SolidForm(basis, sc.Tresca(E=1e4, nu=0.45, c=c)), "footing": footing}
 
     def capacity(load):
-        return sc.limit_load(forms, sc.rollers(basis), load, step=10.0, progress=False).multiplier
+        return sc.limit_load(forms, sc.box_supports(basis), load, step=10.0, progress=False).multiplier
 
     def at(lever):
         return footing.load((0.0, -1.0), at=(lever, 0.0))
@@ -80,7 +80,7 @@ def test_displacements_are_counted_anew(elastic):
     forms = {"ground": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=NU)), "footing": footing}
     reset = sc.reset_displacements(forms, sc.Result((stage,)))
     stages = [sc.Stage("still", stage.load), sc.Stage("twice", 2.0 * stage.load)]
-    still, twice = list(sc.run(forms, stages, sc.rollers(basis), start=reset))[-2:]
+    still, twice = list(sc.run(forms, stages, sc.box_supports(basis), start=reset))[-2:]
     size = np.abs(stage.x[:basis.N]).max()
     assert np.abs(still.x[:basis.N]).max() < 1e-7 * size
     assert np.abs(twice.x - stage.x)[:basis.N].max() < 1e-7 * size
@@ -89,7 +89,7 @@ def test_displacements_are_counted_anew(elastic):
 def test_a_cap_in_space():
     """[X] A block between rigid platens: nothing but what is asked of it, with all six motions free."""
     basis = Basis(MeshTet().refined(2).with_defaults(), ElementVector(ElementTetP1()), intorder=2)
-    cap = sc.RigidFooting(basis, "top")
+    cap = sc.RigidBoundary(basis, "top")
     at = np.array([0.5, 1.0, 0.5])
     forms = {"block": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.0)), "cap": cap}
     x = sc.run(forms, [sc.Stage("pull", cap.load((0.0, 10.0, 0.0), at))], basis.get_dofs("bottom").all())["pull"].x
@@ -102,11 +102,11 @@ def test_two_footings_one_after_the_other():
         "left": lambda p: (p[1] > 2 - 1e-9) & (abs(p[0] - 2) < 1 + 1e-9),
         "right": lambda p: (p[1] > 2 - 1e-9) & (abs(p[0] - 6) < 1 + 1e-9)})
     basis = Basis(mesh, ElementVector(ElementQuad2()), intorder=4)
-    left = sc.RigidFooting(basis, "left")
-    right = sc.RigidFooting(basis, "right", after=left)
+    left = sc.RigidBoundary(basis, "left")
+    right = sc.RigidBoundary(basis, "right", after=left)
     forms = {"soil": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3)), "left": left, "right": right}
     load = left.load((0.0, -10.0), at=(2.3, 2.0)) + right.load((0.0, -10.0), at=(5.7, 2.0))
-    stage = sc.run(forms, [sc.Stage("load", load)], sc.rollers(basis))["load"]
+    stage = sc.run(forms, [sc.Stage("load", load)], sc.box_supports(basis))["load"]
     sunk = []
     for name, footing in (("left", left), ("right", right)):
         down = basis.get_dofs(name).all("u^2")
@@ -119,21 +119,21 @@ def test_two_footings_one_after_the_other():
 def test_bad_input():
     basis = Basis(MeshQuad().with_defaults(), ElementVector(ElementQuad2()), intorder=4)
     with pytest.raises(ValueError, match=r"no boundary 'tip'; existing: bottom"):
-        sc.RigidFooting(basis, "tip")
+        sc.RigidBoundary(basis, "tip")
     with pytest.raises(ValueError, match="belongs to no solid"):
-        sc.run({"cap": sc.RigidFooting(basis, "top")}, [sc.Stage("load", basis.zeros())], fixed=[])
+        sc.run({"cap": sc.RigidBoundary(basis, "top")}, [sc.Stage("load", basis.zeros())], fixed=[])
     with pytest.raises(ValueError, match="force must be finite"):
-        sc.RigidFooting(basis, "top").load((0.0, np.nan), at=(0.0, 1.0))
+        sc.RigidBoundary(basis, "top").load((0.0, np.nan), at=(0.0, 1.0))
 
 
 def test_a_footing_that_is_held_besides():
     """To hold all of its nodes leaves the multipliers unknown, which is told; a single one leads the others."""
     basis = Basis(ground(4, 5.0), ElementVector(ElementQuad2()), intorder=4)
-    footing = sc.RigidFooting(basis, "footing", rotates=False)
+    footing = sc.RigidBoundary(basis, "footing", rotates=False)
     forms = {"ground": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=NU)), "footing": footing}
     across, moved = basis.get_dofs("footing").all("u^1"), basis.zeros()
     moved[across] = 0.1
-    stage, fixed = sc.Stage("push", basis.zeros(), prescribed=moved), sc.rollers(basis)
+    stage, fixed = sc.Stage("push", basis.zeros(), prescribed=moved), sc.box_supports(basis)
     with pytest.raises(sc.NotConverged, match="the force of a rigid footing at"):
         sc.run(forms, [stage], np.append(fixed, across), progress=False)
     pushed = sc.run(forms, [stage], np.append(fixed, across[0]), progress=False)["push"]
@@ -147,7 +147,7 @@ def test_a_footing_on_contact_goes_on_from_a_start():
     forms = {
         "bodies": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=0.3)),
         "joint": sc.ContactPair(basis, "b:bottom", "a:top", sc.Coulomb(0.3)),
-        "footing": (footing := sc.RigidFooting(basis, "b:top")),
+        "footing": (footing := sc.RigidBoundary(basis, "b:top")),
     }
     down, fixed = footing.load((0.0, -FORCE), at=(0.6, 2.0)), basis.get_dofs("a:bottom").all()
     stages = [sc.Stage("half", 0.5 * down), sc.Stage("whole", down)]

@@ -8,7 +8,7 @@ import warnings
 
 import numpy as np
 import pytest
-from helpers import Springs, grid, unknowns_at, unknowns_of, vector_basis
+from helpers import Springs, dofs_at, grid, unknowns_of, vector_basis
 from scipy.sparse import identity
 from skfem import FacetBasis, LinearForm
 
@@ -202,7 +202,7 @@ def test_block_drawn_off_a_table():
         "joint": sc.ContactPair(basis, "block:bottom", "table:top", sc.Coulomb(0.2), 3, penalty=1e6),
     }
     own = sc.weight(basis, {"block": 25.0})
-    dragged = unknowns_at(basis, "block", (-1.2, 0.0))[:1]  # one corner: a side would keep the block upright
+    dragged = dofs_at(basis, "block", (-1.2, 0.0))[:1]  # one corner: a side would keep the block upright
     fixed = np.concatenate((basis.get_dofs("table:bottom").all(), dragged))
     stages = []
     for k in range(1, 9):

@@ -16,7 +16,7 @@ def slope(material):
     flat = MeshTri.init_tensor(np.linspace(0, 60, 16), np.linspace(0, 1, 6))
     ground = np.interp(flat.p[0], [20, 40], [20, 10])
     basis = Basis(MeshTri(np.stack((flat.p[0], ground * flat.p[1])), flat.t), ElementVector(ElementTriP2()), intorder=2)
-    return {"slope": sc.SolidForm(basis, material)}, sc.rollers(basis), sc.weight(basis, 20.0)
+    return {"slope": sc.SolidForm(basis, material)}, sc.box_supports(basis), sc.weight(basis, 20.0)
 
 
 @pytest.mark.parametrize("material", [

@@ -10,8 +10,8 @@ from helpers import distorted, grid, rough_pair, vector_basis
 from scipy.sparse import identity
 
 import skfem_contact as sc
+from skfem_contact.errors import Remark
 from skfem_contact.materials import HardeningMohrCoulomb
-from skfem_contact.remarks import Remark
 
 STIFF = {"E": 1e4, "nu": 0.3}
 #: Stresses of about 10: all these laws yield at strains of 1e-3.

@@ -287,7 +287,7 @@ def test_ground_at_rest_under_water(element):
              "joint": sc.ContactPair(basis, "block:front", "ground:back", sc.Coulomb(mu=0.5))}  # fmt: skip
     wet = [name for name in mesh.boundaries if ":" in name]  # both sides of the joint too: front and back are z
     load = sc.weight(basis, 20.0) + sc.water_load(basis, water, wet)
-    fixed = sc.rollers(basis)
+    fixed = sc.box_supports(basis)
     start = sc.k0_state(forms, load, fixed, 20.0, 0.5, surcharge=10.0, water=water)["initial"]
     z = np.asarray(forms["soil"].basis.global_coordinates())[2]
     vertical = -10.0 * (2.0 - z)  # 20 a metre less 10 of water

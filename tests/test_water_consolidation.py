@@ -35,7 +35,7 @@ def layer(element: str = "P2", n: int = 20, k: float = MOBILITY, **options):
     strain = sc.b_bar if element == "Q1" else sc.plane_strain
     forms = {"clay": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=NU), strain=strain),
              "water": sc.PoreWater(basis, k, unit_weight=1.0, strain=strain, **options)}  # fmt: skip
-    fixed = np.append(sc.rollers(basis, base="rollers"), forms["water"].unknowns("top"))
+    fixed = np.append(sc.box_supports(basis, base="rollers"), forms["water"].unknowns("top"))
     return basis, forms, fixed, sc.traction(basis, "top", (0.0, -LOAD))
 
 
@@ -108,7 +108,7 @@ def test_in_space(kind, element):
     strain = sc.b_bar if kind is MeshHex else sc.three_dimensional
     forms = {"clay": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=NU), strain=strain),
              "water": sc.PoreWater(basis, MOBILITY, unit_weight=1.0, strain=strain)}  # fmt: skip
-    fixed = np.append(sc.rollers(basis, base="rollers"), forms["water"].unknowns("top"))
+    fixed = np.append(sc.box_supports(basis, base="rollers"), forms["water"].unknowns("top"))
     times = np.array([0.03, 0.197, 0.5])
     result = sc.run(forms, after(times, sc.traction(basis, "top", (0.0, 0.0, -LOAD))), fixed, **QUIET)
     U = [-stage.x[basis.get_dofs("top").all("u^3")].mean() / FINAL for stage in result][1:]
@@ -120,7 +120,7 @@ def test_axial_symmetry():
     basis = ground("P2", width=0.1)
     forms = {"clay": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=NU), strain=sc.axisymmetric),
              "water": sc.PoreWater(basis, MOBILITY, unit_weight=1.0, strain=sc.axisymmetric)}  # fmt: skip
-    fixed = np.append(sc.rollers(basis, base="rollers"), forms["water"].unknowns("top"))
+    fixed = np.append(sc.box_supports(basis, base="rollers"), forms["water"].unknowns("top"))
     load = sc.traction(basis, "top", (0.0, -LOAD), axisymmetric=True)
     result = sc.run(forms, after([0.197], load), fixed, **QUIET)
     assert settlement(basis, result[-1]) / FINAL == pytest.approx(terzaghi([0.197])[0], abs=0.002)
@@ -316,7 +316,7 @@ def test_wet_fill_that_comes_and_goes():
         part = basis.with_elements(name)
         forms[name] = sc.SolidForm(part, material)
         forms[f"water {name}"] = sc.PoreWater(part, MOBILITY, unit_weight=1.0)
-    sides = sc.rollers(basis, base="rollers")
+    sides = sc.box_supports(basis, base="rollers")
     on_low, on_high = (sc.traction(basis, name, (0.0, -LOAD)) for name in ("middle", "top"))
     lower, upper = forms["water low"], forms["water high"]
     stages = [sc.Stage("low", on_low, duration=1e5 / C_V),
@@ -468,7 +468,7 @@ def test_bad_analyses():
     with pytest.raises(ValueError, match=r"after 1.1e.16 times H² / c_v"):
         sc.run({**forms, "water": sc.PoreWater(basis, k=1e12, unit_weight=1.0)},
                [sc.Stage("load", load, duration=1.0)], fixed, **QUIET)  # fmt: skip
-    sealed = np.concatenate((sc.rollers(basis, base="rollers"), basis.get_dofs("top").all("u^2")))
+    sealed = np.concatenate((sc.box_supports(basis, base="rollers"), basis.get_dofs("top").all("u^2")))
     with pytest.raises(ValueError, match="the pore pressure is not determined"):
         sc.run(forms, [sc.Stage("load", load, duration=1.0)], sealed, **QUIET)
 

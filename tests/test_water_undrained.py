@@ -11,7 +11,7 @@ from skfem import Basis, ElementTetP2, ElementTriP2, ElementVector, FacetBasis, 
 from slope_meshes import held, slope_mesh
 
 import skfem_contact as sc
-from skfem_contact.post.strength import PointStatus, mobilised, point_status
+from skfem_contact.results.strength import PointStatus, mobilised, point_status
 
 E, NU, P0 = 1e4, 0.25, 100.0
 BULK = E / 3 / (1 - 2 * NU)

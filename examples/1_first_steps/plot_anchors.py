@@ -47,7 +47,7 @@ print(result)
 # %%
 # The oracle is superposition: the wall without its anchor, under each load and under a force of one along the anchor.
 axis = np.array([8.0, -8.0]) / np.hypot(8.0, 8.0)
-top = sc.unknowns_at(basis, (0.5, 8.0))[0]
+top = sc.dofs_at(basis, (0.5, 8.0))[0]
 unit = basis.zeros()
 unit[top] = axis
 alone = {name: sc.run({"wall": wall}, [sc.Stage(name, load)], fixed, progress=False)[name].x[top] @ axis

@@ -26,7 +26,7 @@ forms = {
     "block": sc.SolidForm(basis.with_elements("block"), sc.LinearElastic(E=3e7, nu=0.2)),
     "joint": sc.ContactPair(basis, slave="sand|block", master="block|sand", law=sc.Coulomb(mu=0.5), quadrature=3),
 }
-fixed = sc.rollers(basis)
+fixed = sc.box_supports(basis)
 weight = sc.weight(basis, {"sand": 18.0, "block": 24.0})
 push = sc.traction(basis, "top", (12.0, -40.0))
 result = sc.run(forms, [sc.Stage("weight", weight), sc.Stage("push", weight + push, increments=3)], fixed)

@@ -2,7 +2,7 @@ r"""
 A rigid footing under a load with a lever
 =========================================
 
-A rough strip footing, 2 m wide, on clay. ``sc.RigidFooting`` lets its line sink and turn, but not bend, and puts a
+A rough strip footing, 2 m wide, on clay. ``sc.RigidBoundary`` lets its line sink and turn, but not bend, and puts a
 force anywhere on it. With the load in its middle it carries :math:`(2 + \pi) c`; nearer to its edge as much as a
 narrower one with the load in the middle (Meyerhof), and more where the clay also holds it down. Units are kN and m.
 """
@@ -24,10 +24,10 @@ mesh = MeshQuad.init_tensor(x, y).to_meshtri(style="x")
 mesh = mesh.with_boundaries({"footing": lambda x: (x[1] > -1e-9) & (abs(x[0]) < 1 + 1e-9)})
 basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
 
-footing = sc.RigidFooting(basis, "footing")
+footing = sc.RigidBoundary(basis, "footing")
 forms = {"clay": sc.SolidForm(basis, sc.Tresca(E=1e4, nu=0.45, c=c)), "footing": footing}
 levers = np.array([0.0, 0.1, 0.2, 0.3, 0.4]) * width
-found = [sc.limit_load(forms, sc.rollers(basis), footing.load((0, -1), at=(lever, 0)), step=20.0, progress=False)
+found = [sc.limit_load(forms, sc.box_supports(basis), footing.load((0, -1), at=(lever, 0)), step=20.0, progress=False)
          for lever in levers]  # fmt: skip
 carried = np.array([collapse.multiplier for collapse in found])
 

@@ -36,7 +36,7 @@ class Bed(sc.Form):
 
 forms = {"beam": sc.SolidForm(basis, sc.LinearElastic(E=3e7, nu=0.2)), "bed": Bed(basis, k=2e4)}
 load = sc.traction(basis, "top", lambda x: (0 * x[0], -200.0 * (x[0] < 2)))
-fixed = sc.unknowns_at(basis, (5.0, 0.0))[0, :1]  # it cannot slide away
+fixed = sc.dofs_at(basis, (5.0, 0.0))[0, :1]  # it cannot slide away
 
 x, state = basis.zeros(), {name: form.initial_state() for name, form in forms.items()}
 for iteration in range(20):

@@ -30,8 +30,8 @@ forms = {name: sc.SolidForm(basis.with_elements(name), sand, sc.b_bar) for name 
 forms["wall"] = sc.SolidForm(basis.with_elements("wall"), sc.LinearElastic(E=3e7, nu=0.2), sc.b_bar)
 forms |= {f"{name}|wall": sc.ContactPair(basis, f"{name}|wall", "wall|ground", skin, quadrature=2) for name in parts}
 
-fixed = sc.rollers(basis)
-prop = sc.unknowns_at(basis, (6.0, 16.0), part="wall")[0, :1]
+fixed = sc.box_supports(basis)
+prop = sc.dofs_at(basis, (6.0, 16.0), part="wall")[0, :1]
 at_rest = dict.fromkeys((*parts, "wall"), 20.0)
 load = {n: sc.weight(basis, {"wall": 25.0} | dict.fromkeys(there, 20.0))
         for n, there in (("wall", parts), ("1", ("soil", "lift 2")), ("2", ("soil",)))}  # fmt: skip

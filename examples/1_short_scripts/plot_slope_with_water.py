@@ -23,7 +23,7 @@ upper = flat.p[1, flat.t].mean(axis=0) > 0.5
 mesh = MeshTri(np.stack((40 * flat.p[0], crest * flat.p[1])), flat.t).with_subdomains(
     {"clay": np.flatnonzero(~upper), "sand": np.flatnonzero(upper)})
 basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
-fixed = sc.rollers(basis)
+fixed = sc.box_supports(basis)
 
 clay = sc.MohrCoulomb(E=2e4, nu=0.3, c=12.0, phi=22.0, psi=22.0)
 sand = sc.MohrCoulomb(E=4e4, nu=0.3, c=3.0, phi=34.0, psi=34.0)

@@ -56,7 +56,7 @@ def in_space(kind):
     form = sc.SolidForm(basis, CLAY, sc.three_dimensional)
     x, y, z = basis.doflocs
     rim = np.hypot(x, y) > 0.98 * np.hypot(x, y).max()
-    base = np.union1d(sc.rollers(basis), np.flatnonzero(rim))
+    base = np.union1d(sc.box_supports(basis), np.flatnonzero(rim))
     below = np.isclose(z, 0) & (np.hypot(x, y) < 1.0001)
     upright = np.flatnonzero(below & (np.arange(basis.N) % 3 == 2))
     area = m * np.sin(np.pi / 4 / m)  # of the quarter of a polygon
@@ -73,7 +73,7 @@ def axisymmetric(kind):
     basis = Basis(mesh.with_defaults(), ElementVector(ElementQuadS2()), intorder=3)
     form = sc.SolidForm(basis, CLAY, sc.axisymmetric)
     below = np.isclose(basis.doflocs[1], 0) & (basis.doflocs[0] < 1.0001)
-    base = np.union1d(sc.rollers(basis), basis.get_dofs("right").all())
+    base = np.union1d(sc.box_supports(basis), basis.get_dofs("right").all())
     upright = np.flatnonzero(below & (np.arange(basis.N) % 2 == 1))
     return press(basis, form, base, upright if kind == "smooth" else np.flatnonzero(below),
                  upright, 0.5)  # fmt: skip

@@ -37,7 +37,7 @@ basis = Basis(mesh, ElementVector(ElementHex1()), intorder=2)
 
 pile = np.unique(basis.get_dofs(elements="pile").all())
 ground = np.unique(basis.get_dofs(elements="soil").all())
-rollers = sc.rollers(basis, base="rollers")  # symmetry, the outer rim and the base
+rollers = sc.box_supports(basis, base="rollers")  # symmetry, the outer rim and the base
 top = basis.get_dofs(lambda x: np.isclose(x[2], 0.0)).all("u^3")
 head = np.intersect1d(top, pile)
 weight = sc.weight(basis, GAMMA)

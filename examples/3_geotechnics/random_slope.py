@@ -33,7 +33,7 @@ def model(n):
     ground = np.interp(mesh.p[0], [2 * height, 4 * height], [2 * height, height])  # falls 1 to 2
     mesh = MeshTri(np.stack((mesh.p[0], ground * mesh.p[1])), mesh.t)
     basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
-    return basis, sc.rollers(basis), sc.weight(basis, unit_weight)
+    return basis, sc.box_supports(basis), sc.weight(basis, unit_weight)
 
 
 @lru_cache(maxsize=2)

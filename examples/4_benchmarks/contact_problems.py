@@ -44,7 +44,7 @@ class Problem:
     basis
         Displacements of both bodies.
     fixed
-        Unknowns that are prescribed.
+        Layout that are prescribed.
     pressed, shifted
         Displacements at the end of the normal and of the tangential loading, (N,).
     """

@@ -101,7 +101,7 @@ for method, (kind, element, order) in ELEMENTS.items():
     basis = Basis(mesh, ElementVector(element()), intorder=order)
     strain = sc.b_bar if element is ElementQuad1 else sc.plane_strain
     water, stages, steps = consolidate(basis, 0.2, sc.traction(basis, "top", (0, -Q)),
-                                       sc.rollers(basis, base="rollers"), "top", times, strain)
+                                       sc.box_supports(basis, base="rollers"), "top", times, strain)
     final = Q * 1.2 * 0.6 / (E * 0.8)
     U = np.array([-stage.x[basis.get_dofs("top").all("u^2")].mean() / final for stage in stages])
     last = stages[-1].states["water"]
@@ -250,7 +250,7 @@ for n in (4, 8) if FULL else (4,):
     basis = Basis(strip(n), ElementVector(ElementTriP2()), intorder=4)
     fixed = np.append(basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1"))
     water, stages, steps = consolidate(basis, 0.3, sc.traction(basis, "strip", (0, -Q)), fixed, "top", times)
-    middle = sc.unknowns_at(basis, (0.0, 0.0))[0, 1]
+    middle = sc.dofs_at(basis, (0.0, 0.0))[0, 1]
     w = np.array([-stage.x[middle] * E / 2.6 / Q for stage in stages])
     errors = [w[np.isclose(times, T)][0] / exact - 1 for T, exact in EXACT.items()]
     row("strip", "P2-P1", n, stages, began, np.abs(errors).max(), steps)
@@ -287,7 +287,7 @@ for n in (4, 8) if FULL else (4,):
     stages = [sc.Stage(f"T = {T:g}", load, duration=d, increments=count)
               for T, d, count in zip(ends, durations, counts.tolist(), strict=True)]
     result = sc.run(forms, stages, np.concatenate((*fixed, forms["water"].unknowns("top"))), progress=False)
-    middle = sc.unknowns_at(basis, (0.0, 0.0))[0, 1]
+    middle = sc.dofs_at(basis, (0.0, 0.0))[0, 1]
     done = list(result)[1:]
     ours = [stage.x for stage in done]
     case = {"case": "strip, Euler"}

@@ -112,7 +112,7 @@ class Block:
 
     @property
     def edges(self) -> ndarray:
-        """Unknowns of the side and the bottom."""
+        """Layout of the side and the bottom."""
         return self.basis.get_dofs({"side", "bottom"}).all()
 
     @property

@@ -18,7 +18,7 @@ import numpy as np
 from numpy import ndarray
 
 from ..errors import NoEquilibrium, NotConverged
-from ..forms import Form, as_forms
+from ..forms.base import Form, as_forms
 from ..nonlinear.evaluation import Evaluation
 from ..nonlinear.line_search import Search
 from ..nonlinear.newton import Newton, iterate
@@ -77,7 +77,7 @@ def loaded_start(forms: Mapping[str, Form], fixed: ndarray, load: ndarray | None
     system = build_system(there, np.union1d(as_unknowns(fixed), not_there(given, there, unknowns)), unknowns, solver)
     x = np.zeros(system.size) if last is None else last.x
     states = {name: form.initial_state() for name, form in system.forms.items()} if last is None else last.states
-    held = {name: form.first_geometry(x, states[name]) for name, form in system.forms.items()}
+    held = {name: form.fixed_geometry(x, states[name]) for name, form in system.forms.items()}
     in_place, states = ({name: pair[i] for name, pair in held.items()} for i in (0, 1))
     load = on_all(last.load if last is not None and load is None else load, unknowns, "the load")
     if not load.any():

@@ -9,7 +9,7 @@ import numpy as np
 from numpy import ndarray
 
 from ..errors import NoEquilibrium, NotConverged
-from ..forms import Form
+from ..forms.base import Form
 
 
 class Fall(NotConverged):

@@ -9,7 +9,7 @@ from numpy import ndarray
 
 from ..display import progress_bar
 from ..errors import NotConverged
-from ..forms import Form
+from ..forms.base import Form
 from ..limit_analysis import beside
 from ..materials.reduction import Flow, check_reduction
 from ..nonlinear.line_search import Search

@@ -12,7 +12,7 @@ from numpy import ndarray
 
 from ..display import html_table
 from ..errors import AnalysisWarning
-from ..forms import Form, solids_of
+from ..forms.base import Form, solids_of
 from ..limit_analysis import Bounds
 from ..materials.reduction import dilates_less
 from ..nonlinear.system import System

@@ -7,7 +7,7 @@ from typing import Any
 from numpy import ndarray
 
 from ..errors import NoEquilibrium, NotConverged
-from ..forms import Form
+from ..forms.base import Form
 from ..nonlinear.newton import Newton
 from ..solvers.threads import single_threaded
 from ..stages.result import Result, StageResult

@@ -12,7 +12,8 @@ from numpy import ndarray
 
 from ..display import progress_bar
 from ..errors import NoEquilibrium, NotConverged
-from ..forms import Form
+from ..forms.base import Form
+from ..forms.targets import reduced_parts
 from ..limit_analysis import beside
 from ..materials.reduction import Flow, associated_bound, check_reduction, dilates_less
 from ..nonlinear.line_search import Search
@@ -20,7 +21,6 @@ from ..nonlinear.newton import Newton
 from ..nonlinear.system import System
 from ..solvers.threads import single_threaded
 from ..stages.result import Result, StageResult
-from ..targets import reduced_parts
 from .continuation import as_collapse, follow, loaded_start
 from .history import Point, SearchLog
 from .result import FACTOR, CollapseResult, Found, Stop, conclude, no_collapse_below
@@ -107,7 +107,7 @@ def strength_reduction(forms: Mapping[str, Form], fixed: ndarray, load: ndarray 
     forms
         Solids and contact pairs by name; those that ``start`` does not hold are not there.
     fixed
-        Unknowns that are held where they are.
+        Layout that are held where they are.
     load
         External forces, (N,); by default those of ``start``.
     start

@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy import ndarray
 
-from ..forms import Form
-from ..remarks import Remark
-from ..states import arrays_of
+from ..errors import Remark
+from ..forms.base import Form
+from ..forms.states import arrays_of
 from ..surfaces.surface import Surface
 from .diagnosis import remarks
 from .first_geometry import FirstGeometry, HeldState
 from .laws import InterfaceLaw, Status
 from .penalty import with_chosen_penalty
-from .prestress import TractionOperator, moved_back
+from .prestress import TractionOperator, rebased
 from .state import ContactState
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ class Answers(Form):
 
     @property
     def nodes(self) -> tuple[ndarray, ndarray]:  # type: ignore[override]
-        """Unknowns of the slave's nodes, and their places."""
+        """Layout of the slave's nodes, and their places."""
         return self.slave.dofs[:, 0], self.slave.nodes.T
 
     @property
@@ -77,7 +77,7 @@ class Answers(Form):
         """The same pair with the strength of its law divided by a factor."""
         return self._pair.with_law(self.law.reduced(factor)) if names else self._pair  # type: ignore[attr-defined]
 
-    def first_geometry(self, x: ndarray, state: ContactState) -> tuple[FirstGeometry, HeldState]:
+    def fixed_geometry(self, x: ndarray, state: ContactState) -> tuple[FirstGeometry, HeldState]:
         """The pair with its geometry held as it is at some displacements, and its state."""
         held = FirstGeometry(self._pair, x, state)
         return held, held.held(state)
@@ -122,9 +122,9 @@ class Answers(Form):
         """How tractions at the points that are not open make nodal forces."""
         return TractionOperator(self._pair, x, state)
 
-    def moved_back(self, x: ndarray, state: ContactState) -> ContactState:
+    def rebased(self, x: ndarray, state: ContactState) -> ContactState:
         """The state of bodies that are back in their places, with all it carries."""
-        return moved_back(self._pair, state)
+        return rebased(self._pair, state)
 
     # -- what it says ---------------------------------------------------------------------------------------
 

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy import ndarray
 
-from ..errors import place
-from ..remarks import Remark
+from ..errors import Remark, place
 from ..surfaces.surface import Surface
 from .laws import InterfaceLaw, Status
 from .quadrature import SlavePoints

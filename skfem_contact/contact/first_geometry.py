@@ -20,7 +20,7 @@ import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix
 
-from ..forms import Form, Response
+from ..forms.base import Form, Response
 from ..surfaces.material_points import behind
 from .laws import Status
 from .state import ContactState

@@ -43,7 +43,7 @@ class Kinematics(NamedTuple):
     Attributes
     ----------
     dofs
-        Unknowns: of the slave, of the closest facet and, where it is another, of the stick point's, (n, m); -1: none.
+        Layout: of the slave, of the closest facet and, where it is another, of the stick point's, (n, m); -1: none.
     work
         Work conjugates of the tractions, (n, dim, m): ``G`` = d gap / d u, and those of the tangential ones.
     slip

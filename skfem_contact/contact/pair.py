@@ -11,7 +11,7 @@ from scipy.sparse import csr_matrix
 from skfem import CellBasis
 
 from ..errors import Failure, IncrementTooLarge, check_basis, check_size, is_number
-from ..forms import Response
+from ..forms.base import Response
 from ..sparse import Gathering
 from ..surfaces.smoothing import smoothed
 from ..surfaces.surface import Surface
@@ -289,7 +289,7 @@ class ContactPair(Answers):
         return self if new.easing is self.easing else new
 
     @property
-    def eased(self) -> str:
+    def reason(self) -> str:
         """Why there may be no equilibrium but of an easier pair, for a message."""
         return self.easing.reason
 

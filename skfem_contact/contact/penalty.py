@@ -9,7 +9,7 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from ..errors import AnalysisWarning
-from ..forms import Form, as_forms
+from ..forms.base import Form, as_forms
 from ..surfaces.surface import Surface
 
 if TYPE_CHECKING:

@@ -38,7 +38,7 @@ def prestressed(operators: Mapping[str, TractionOperator], force: ndarray, where
     force
         Internal forces that the pairs are to exert together, (N,).
     where
-        Unknowns at which the forces count; by default all.
+        Layout at which the forces count; by default all.
     guess
         Stresses (xx, yy, zz, xy, in space yz, zx too) at the points whose tractions to be near to, (4 or 6, n_points),
         by pair.
@@ -110,7 +110,7 @@ class TractionOperator:
         return pair.assemble(self._x, replace(state, offset=offset).with_stick(stick)).state
 
 
-def moved_back(pair: ContactPair, state: ContactState) -> ContactState:
+def rebased(pair: ContactPair, state: ContactState) -> ContactState:
     """The state of a pair whose bodies are back in their places, with all it carries."""
     home = pair.initial_state()
     old, new = pair.points(state), pair.points(home)

@@ -46,7 +46,7 @@ def bounds(forms: Mapping[str, Any], fixed: ndarray, weight: float | Mapping[str
         Solids and contact pairs by name, in plane strain: Mohr-Coulomb, Tresca and von Mises materials; elastic bodies
         have no limit and count as rigid.  Contact is that of the boundaries as they are meshed, closed where they meet.
     fixed
-        Unknowns that are held where they are, those of whole facets.
+        Layout that are held where they are, those of whole facets.
     weight
         Weight per volume: one number, or by subdomain.
     tractions

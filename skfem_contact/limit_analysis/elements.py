@@ -17,8 +17,8 @@ from scipy.sparse import coo_matrix, csr_matrix, hstack
 from scipy.sparse.csgraph import connected_components
 from skfem import CellBasis, ElementTriP2, ElementVector, MeshTri
 
-from ..strain import plane_strain
-from ..unknowns import rigid_modes
+from ..forms.strain import plane_strain
+from ..layout import rigid_modes
 from .triangles import facet_lengths
 
 #: Corners at the ends of the three facets of a triangle.
@@ -40,11 +40,11 @@ class Elements:
     B
         Strains times weight by velocities, (n_elements, 3 corners, 3, n_local).
     dofs
-        Unknowns of every triangle, (n_elements, n_local); x and y take turns.
+        Layout of every triangle, (n_elements, n_local); x and y take turns.
     places
         Where each unknown lives, (2, n): motions of rigid bodies are velocities there.
     facets
-        Unknowns of all facets, (n_facets, n_places, 2 components): at their ends first.
+        Layout of all facets, (n_facets, n_places, 2 components): at their ends first.
     inside
         Those that take equal parts of a body force, (n_elements, n_places, 2 components).
     ends
@@ -81,7 +81,7 @@ class Elements:
         return power
 
     def on_facets(self, facets: ndarray, turned: ndarray) -> ndarray:
-        """Unknowns of some facets, those at the ends exchanged where turned."""
+        """Layout of some facets, those at the ends exchanged where turned."""
         found = self.facets[facets]
         found[turned, :2] = found[turned, 1::-1]
         return found
@@ -159,7 +159,7 @@ class Block(NamedTuple):
         return np.matmul(self.B.reshape(n, -1, width).transpose(0, 2, 1), DB)
 
 
-class Unknowns(NamedTuple):
+class Layout(NamedTuple):
     """Reduction of all velocities of the elements, (n,), to the free ones, (m,), of which the motions are the last.
 
     Attributes
@@ -177,7 +177,7 @@ class Unknowns(NamedTuple):
     places: ndarray
 
     @classmethod
-    def of(cls, elements: Elements, used: ndarray, held: ndarray, tied: ndarray, rigid: ndarray) -> Unknowns:
+    def of(cls, elements: Elements, used: ndarray, held: ndarray, tied: ndarray, rigid: ndarray) -> Layout:
         """Free are those that are used and not held; pairs (2, n) are tied, triangles of rigid >= 0 bodies."""
         n = elements.n
         same = connected_components(coo_matrix((np.ones(tied.shape[1]), tuple(tied)), shape=(n, n)), directed=False)[1]

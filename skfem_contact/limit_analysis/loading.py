@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike
 from skfem import Basis, CellBasis
 
 from ..errors import AnalysisWarning, look_up, place
+from ..layout import linear_element
 from ..loads import Pressure, by_element, traction, water_load, weight
-from ..unknowns import linear_element
 from .triangles import Tag
 
 #: A traction or a pressure: a function of places (2, n).

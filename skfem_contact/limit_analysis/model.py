@@ -7,7 +7,7 @@ import numpy as np
 from numpy import ndarray
 
 from .contact import Contact, joined
-from .elements import Block, Elements, Unknowns, gradients
+from .elements import Block, Elements, Layout, gradients
 from .loading import Distributed
 from .program import Program
 from .strength import Soil, Strength
@@ -80,7 +80,7 @@ def discretise(model: Model, triangles: Triangles, elements: Elements) -> Progra
     strengths: list[Strength] = [model.soil.at(np.repeat(triangles.origin[soft], 3)), *(j.strength for j in joints)]
     held = [elements.facets[triangles.tags["held", k], :, k].ravel() for k in (0, 1)]
     used = np.concatenate([dofs.ravel() for _, dofs in parts])
-    unknowns = Unknowns.of(elements, used, np.concatenate(held), tied, rigid)
+    unknowns = Layout.of(elements, used, np.concatenate(held), tied, rigid)
     blocks: list[Block] = []
     first = 0
     for B, dofs in parts:

@@ -12,7 +12,7 @@ from scipy.sparse import csr_matrix
 from ..solvers.direct import as_engine
 from ..sparse import FreeBlock, Gathering, Total
 from .contact import Joint
-from .elements import Block, Unknowns
+from .elements import Block, Layout
 from .strength import Cones, Strength
 
 #: Shares of the diagonal that are added, one after the other, until the matrix has a factor: equations of the lower
@@ -45,7 +45,7 @@ class Program:
 
     blocks: list[Block]
     strengths: list[Strength]
-    unknowns: Unknowns
+    unknowns: Layout
     dead: ndarray
     live: ndarray
     soft: ndarray

@@ -13,12 +13,12 @@ from skfem import CellBasis, Mesh
 
 from ..contact.laws import Coulomb, Tied
 from ..contact.pair import ContactPair
+from ..forms.solid import SolidForm
+from ..forms.strain import axisymmetric
+from ..forms.targets import reduced_parts
 from ..materials import LinearElastic, MohrCoulomb, Tresca, VonMises
 from ..materials.reduction import Flow, dilates_less
-from ..solid import SolidForm
 from ..stages.supports import as_unknowns
-from ..strain import axisymmetric
-from ..targets import reduced_parts
 from .contact import Contact
 from .loading import Distributed, Loads, Site, Vectors
 from .model import Model

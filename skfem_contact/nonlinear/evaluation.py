@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy import ndarray
 
-from ..forms import Response
+from ..forms.base import Response
 
 
 @dataclass(frozen=True)
@@ -17,7 +17,7 @@ class Evaluation:
     Attributes
     ----------
     z, responses
-        Unknowns: displacements, and whatever else is sought; answers of the forms.
+        Layout: displacements, and whatever else is sought; answers of the forms.
     residual
         Load less internal forces, zero at the fixed unknowns, (N,).
     norm

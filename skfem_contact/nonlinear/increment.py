@@ -29,9 +29,9 @@ def solve_increment(system: System, x: ndarray, states: Mapping[str, Any], load:
     """Equilibrium of an increment with which every form is content.
 
     After each equilibrium the forms are asked whether they want the increment solved once more, by another form or
-    from other multipliers (:meth:`~skfem_contact.forms.Form.outer`); each time the last displacements are the start.
+    from other multipliers (:meth:`~skfem_contact.Form.outer`); each time the last displacements are the start.
     Where Newton's method fails from the last accepted displacements, forms are asked for easier ones that lead to
-    themselves (:meth:`~skfem_contact.forms.Form.begin`).  What is found is assembled again by the forms as given, from
+    themselves (:meth:`~skfem_contact.Form.begin`).  What is found is assembled again by the forms as given, from
     the states that it leaves: only if that balances is it an answer.
 
     Where it fails from the start, `x` is tried; to search along the energy and by easier forms, too (`try_recovery`),
@@ -92,7 +92,7 @@ def check(given: System, system: System, found: Equilibrium, states: Mapping[str
         return
     again = given.evaluate(found.x, {k: found.states[k] if k in eased else state for k, state in states.items()}, load)
     if again.norm > _AGAIN * newton.tolerance:
-        why = "; ".join(f"{name}: {form.eased}" for name, form in eased.items() if form.eased)
+        why = "; ".join(f"{name}: {form.reason}" for name, form in eased.items() if form.reason)
         raise NotConverged(f"an equilibrium was found that does not last, {again.norm:.1e} of the forces are out of "
                            f"balance: {why}", found.x, (*found.residuals, again.norm), again.worst)
 

@@ -134,7 +134,7 @@ class Predictor:
     Parameters
     ----------
     fixed
-        Unknowns whose values are prescribed.
+        Layout whose values are prescribed.
 
     Examples
     --------

@@ -13,10 +13,10 @@ from numpy import ndarray
 from scipy.sparse import csr_matrix
 
 from ..errors import NoEquilibrium, NotConverged
-from ..forms import Form, Response, answers
+from ..forms.base import Form, Response, answers
+from ..layout import Layout
 from ..solvers.direct import LinearSolver, SingularSystem, Solve
 from ..sparse import Total, with_data
-from ..unknowns import Unknowns
 from .evaluation import Evaluation
 from .line_search import Search
 from .newton import FAR, Newton, iterate
@@ -49,7 +49,7 @@ class Equilibrium:
 class System:
     """Forms, all unknowns, those that are fixed, and a linear solver."""
 
-    def __init__(self, forms: Mapping[str, Form], unknowns: Unknowns, fixed: ndarray, solver: LinearSolver) -> None:
+    def __init__(self, forms: Mapping[str, Form], unknowns: Layout, fixed: ndarray, solver: LinearSolver) -> None:
         self.forms, self.unknowns, self.fixed = dict(forms), unknowns, fixed
         self.free = np.setdiff1d(np.arange(unknowns.size), fixed)
         self._solver, self._total = solver, Total()

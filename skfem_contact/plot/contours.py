@@ -9,7 +9,7 @@ import numpy as np
 from numpy import ndarray
 
 from ..errors import check_plane
-from ..post.fields import Water, basis_of, quantities, region_field, solids
+from ..results.fields import Water, basis_of, quantities, region_field, solids
 from ..stages.result import Result, StageResult
 from .marks import Marks
 from .picture import Frame, can_draw, finish

@@ -9,9 +9,9 @@ import numpy as np
 from numpy import ndarray
 
 from ..errors import check_basis
-from ..post.fields import basis_of, region_field, solids_there
-from ..post.files import vtk_cells
-from ..post.recovery import region_mesh
+from ..results.fields import basis_of, region_field, solids_there
+from ..results.files import vtk_cells
+from ..results.recovery import region_mesh
 from ..stages.result import StageResult
 from .contours import headline, name_of, note_of
 from .picture import Frame, can_draw, finish
@@ -63,7 +63,7 @@ def cutaway(forms: Mapping[str, Any], step: StageResult, quantity: str, *, cuts:
     >>> import skfem_contact.plot as plot
     >>> basis = Basis(MeshHex().refined(2), ElementVector(ElementHex1()), intorder=2)
     >>> forms = {"block": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=.3), strain=sc.three_dimensional)}
-    >>> result = sc.run(forms, [sc.Stage("weight", sc.weight(basis, 20.))], sc.rollers(basis))
+    >>> result = sc.run(forms, [sc.Stage("weight", sc.weight(basis, 20.))], sc.box_supports(basis))
     >>> picture = plot.cutaway(forms, result["weight"], "szz", cuts=[((0, -1, 0), (0, .4, 0))])
     """
     basis = basis_of(forms)

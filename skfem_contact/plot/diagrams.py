@@ -15,9 +15,9 @@ from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
 
 from ..contact.laws import Status
-from ..post.fields import basis_of, nodal_field, quantities, solids
-from ..post.resultants import SectionForces
-from ..post.tractions import Tractions
+from ..results.fields import basis_of, nodal_field, quantities, solids
+from ..results.resultants import SectionForces
+from ..results.tractions import Tractions
 from ..stages.result import Result
 from .units import labelled
 

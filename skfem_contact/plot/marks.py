@@ -10,10 +10,10 @@ from numpy import ndarray
 from scipy.spatial import cKDTree
 
 from ..contact.laws import Status
-from ..post.fields import Water, solids_there
-from ..post.strength import PointStatus, point_status
-from ..post.tractions import interfaces
-from ..solid import SolidForm
+from ..forms.solid import SolidForm
+from ..results.fields import Water, solids_there
+from ..results.strength import PointStatus, point_status
+from ..results.tractions import interfaces
 from ..stages.result import StageResult
 from ..water import Seepage
 from .scene import MARK, Scene

@@ -11,11 +11,11 @@ from numpy import ndarray
 from skfem import Basis, ElementTriP2, ElementVector
 
 from ..errors import check_plane
+from ..forms.solid import SolidForm
 from ..limit_analysis import Bounds
 from ..materials import LinearElastic
-from ..post.fields import Water, basis_of, solids
-from ..post.recovery import recovered
-from ..solid import SolidForm
+from ..results.fields import Water, basis_of, solids
+from ..results.recovery import recovered
 from ..stages.result import StageResult
 from .contours import View, Window, draw
 from .marks import Marks

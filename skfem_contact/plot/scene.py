@@ -9,9 +9,9 @@ import meshio
 import numpy as np
 from numpy import ndarray
 
-from ..post.fields import solids_there
-from ..post.files import vtk_cells
-from ..post.recovery import region_mesh
+from ..results.fields import solids_there
+from ..results.files import vtk_cells
+from ..results.recovery import region_mesh
 from ..stages.result import StageResult
 from .scales import Scale
 

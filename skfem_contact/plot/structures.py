@@ -13,9 +13,9 @@ from matplotlib.figure import Figure
 from numpy import ndarray
 
 from ..errors import check_plane, look_up
-from ..post.fields import basis_of
-from ..post.resultants import SectionForces
-from ..post.tractions import Tractions
+from ..results.fields import basis_of
+from ..results.resultants import SectionForces
+from ..results.tractions import Tractions
 from ..stages.result import StageResult
 from .diagrams import saved
 from .scene import Scene

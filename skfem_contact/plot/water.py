@@ -13,7 +13,7 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.tri import Triangulation
 from numpy import ndarray
 
-from ..unknowns import elements_of
+from ..layout import elements_of
 from ..water import Seepage
 from ..water.places import simplices
 from .diagrams import saved

@@ -10,7 +10,7 @@ import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix
 
-from ..forms import Form
+from ..forms.base import Form
 from ..sparse import FreeBlock
 from .direct import ENGINES, DirectSolver, LinearSolver, SingularSystem, Solve, fastest_engine
 from .multigrid import AmgOrDirect, AmgSolver, amg_pays
@@ -18,7 +18,7 @@ from .schur import SchurSolver
 
 logger = logging.getLogger("skfem_contact")
 
-#: Unknowns in space up to which elastic bodies in contact are factored once: 116,000 take 34 s, as long as 8 solutions
+#: Layout in space up to which elastic bodies in contact are factored once: 116,000 take 34 s, as long as 8 solutions
 #: by multigrid, and the square of their number counts.
 FACTORED_ONCE = 200_000
 

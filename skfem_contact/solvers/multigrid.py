@@ -15,8 +15,8 @@ from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import LinearOperator, splu
 
 from ..errors import NotConverged
+from ..layout import rigid_modes
 from ..sparse import FreeBlock
-from ..unknowns import rigid_modes
 from .direct import REFINE, WRONG, DirectSolver, LinearSolver, SingularSystem, Solve
 
 logger = logging.getLogger("skfem_contact")
@@ -26,7 +26,7 @@ MOST = 300  # iterations of a solution
 # costs as much as 9 to 12 iterations (9,000 to 52,000 unknowns under a paraboloid in contact).
 KEPT = 10
 RESTART = 100  # iterations of FGMRES whose directions are kept, two vectors each
-# Unknowns in space for each iteration that takes as long as a factorisation: a paraboloid in contact, 50,240 unknowns,
+# Layout in space for each iteration that takes as long as a factorisation: a paraboloid in contact, 50,240 unknowns,
 # is factored in 1.4 s by PARDISO and in 7.2 s by SuperLU, times that grow with the square of the unknowns; an
 # iteration takes 0.062 s.  Blocks without stretched elements take 20 iterations or more.
 PER_ITERATION = {"pardiso": 2000, "superlu": 500}
@@ -49,7 +49,7 @@ class AmgSolver:
     locations, free
         As for :class:`DirectSolver`.
     interface
-        Unknowns of surfaces in contact.
+        Layout of surfaces in contact.
     most
         Iterations of a solution, at most.
 

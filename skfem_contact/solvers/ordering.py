@@ -24,7 +24,7 @@ def nested_dissection(graph: csr_matrix, locations: ndarray) -> ndarray:
     as the minimum cut of a network whose places have the number of their
     unknowns as capacity (on the cut edges alone it would be their minimum
     vertex cover). On graded meshes they are far fewer than a straight line
-    passes by. Unknowns at one place stay together.
+    passes by. Layout at one place stay together.
 
     `graph`, (N, N), couples the unknowns by its nonzero pattern, which need not be
     symmetric; `locations`, (dim, N), are their places; the answer, (N,), is the unknown

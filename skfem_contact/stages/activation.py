@@ -11,12 +11,11 @@ from scipy.sparse import csr_matrix, diags_array
 
 from ..contact.penalty import choose_penalties
 from ..contact.prestress import prestressed
-from ..errors import look_up, names_of
-from ..forms import Form, as_forms, carried, solids_of
-from ..remarks import Remark
+from ..errors import Remark, look_up, names_of
+from ..forms.base import Form, as_forms, carried, solids_of
+from ..layout import Layout
 from ..solvers.choice import as_solver
 from ..sparse import padded
-from ..unknowns import Unknowns
 from .setup import not_there, on_all, unknowns_of
 from .supports import all_unknowns, as_unknowns, check_supports
 
@@ -41,14 +40,14 @@ class Phase:
     before, forms
         Forms that are active before, as they are then, and in the stage.
     fixed
-        Unknowns that are supported, or held because no active solid has them.
+        Layout that are supported, or held because no active solid has them.
     changed
         Whether the stage begins with anything else than the one before ended with.
     remarks
         What in the stage changes nothing, and was probably meant to.
     """
 
-    unknowns: Unknowns
+    unknowns: Layout
     before: dict[str, Form]
     forms: dict[str, Form]
     fixed: ndarray
@@ -139,7 +138,7 @@ def check_contacts(there: Mapping[str, Form], held: ndarray) -> None:
             raise ValueError(f"'{name}' is active, but acts on a body that is not there: {form!r}")
 
 
-def _values(stage: Stage, unknowns: Unknowns, held: ndarray, absent: list[str]) -> tuple[ndarray, ndarray | None]:
+def _values(stage: Stage, unknowns: Layout, held: ndarray, absent: list[str]) -> tuple[ndarray, ndarray | None]:
     """Load and prescribed displacements of all unknowns: as many as these, finite, and acting on what is there."""
     load = on_all(stage.load, unknowns, f"stage '{stage.name}': the load")
     if acts_on(load, held):
@@ -169,7 +168,7 @@ def _of_forms(stage: Stage, there: Mapping[str, Form], fixed: ndarray, held: nda
         raise ValueError(f"stage '{stage.name}': {error}") from None
 
 
-def among(start: StageResult, unknowns: Unknowns) -> StageResult:
+def among(start: StageResult, unknowns: Layout) -> StageResult:
     """A start, which may know displacements only, among all unknowns."""
     return replace(start, x=on_all(start.x, unknowns, "start"), load=on_all(start.load, unknowns, "start"))
 
@@ -211,7 +210,7 @@ def _inherited(form: Form, before: Form, last: StageResult, name: str) -> Any:
     return state if form is old else form.inherits(old, state)
 
 
-def goes_on_otherwise(phase: Phase, last: StageResult) -> bool:
+def state_changes(phase: Phase, last: StageResult) -> bool:
     """Whether the forms of a stage make something else of the states with which the last one ended."""
     return any(name in phase.forms and _inherited(form, form, last, name) is not last.states[name]
                for name, form in phase.before.items())

@@ -14,7 +14,7 @@ from scipy.spatial import cKDTree
 from ..contact.penalty import choose_penalties
 from ..contact.prestress import prestressed
 from ..errors import AnalysisWarning, check_basis, look_up, place
-from ..forms import Form, as_forms, carried, solids_of
+from ..forms.base import Form, as_forms, carried, solids_of
 from ..loads import by_element
 from ..materials.elastic import LinearElastic
 from ..nonlinear.evaluation import Evaluation
@@ -48,7 +48,7 @@ def given_state(forms: Mapping[str, Form], load: ndarray, fixed: ndarray, stress
     load
         External forces that the stresses are in equilibrium with, (N,).
     fixed
-        Unknowns that are held.
+        Layout that are held.
     stress
         Stress (xx, yy, zz, xy), tension positive, at places (2, n_elements, n_points): (4, n_elements, n_points); in
         three dimensions 6 components at places (3, n_elements, n_points).

@@ -18,11 +18,11 @@ from numpy import ndarray
 from ..contact.penalty import choose_penalties
 from ..display import html_table
 from ..errors import look_up
-from ..forms import Form, as_forms
-from ..states import arrays_of, with_arrays
+from ..forms.base import Form, as_forms
+from ..forms.states import arrays_of, with_arrays
 
 if TYPE_CHECKING:
-    from ..post import ContactReport, SectionForces, Sections, Tractions
+    from ..results import ContactReport, SectionForces, Sections, Tractions
 
 #: Layout of saved files: another number for other states.
 _LAYOUT = 1
@@ -72,26 +72,26 @@ class StageResult:
 
     def reactions(self) -> ndarray:
         """Forces of the supports, see :func:`~skfem_contact.reactions`."""
-        from ..post import reactions  # what a stage shows stands above it, and is called from here for short
+        from ..results import reactions  # what a stage shows stands above it, and is called from here for short
 
         return reactions(self.forms, self)
 
     def tractions(self, pair: str) -> Tractions:
         """Contact tractions of a pair, see :func:`~skfem_contact.tractions`."""
-        from ..post import tractions
+        from ..results import tractions
 
         return tractions(self._form(pair), self.states[pair])
 
     def report(self, pair: str) -> ContactReport:
         """Resultants and status of a contact pair, see :func:`~skfem_contact.contact_report`."""
-        from ..post import contact_report
+        from ..results import contact_report
 
         form = self._form(pair)
         return contact_report(form, self.x[:form.size], self.states[pair])
 
     def section_forces(self, solid: str, sections: Sections) -> SectionForces:
         """Section forces of a body, see :func:`~skfem_contact.section_forces`."""
-        from ..post import section_forces
+        from ..results import section_forces
 
         return section_forces(self._form(solid), self.states[solid], sections)
 
@@ -293,7 +293,7 @@ def reset_displacements(forms: Mapping[str, Form], result: Result) -> Result:
     """
     last = result[-1]
     given = as_forms(forms)
-    states = {name: look_up(name, given, "form").completed(given).moved_back(last.x, state)
+    states = {name: look_up(name, given, "form").completed(given).rebased(last.x, state)
               for name, state in last.states.items()}
     x = np.zeros_like(last.x)
     for still in (each.numbers for form in given.values() for each in form.fields if not each.moves):

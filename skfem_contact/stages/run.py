@@ -10,15 +10,14 @@ import numpy as np
 from numpy import ndarray
 
 from ..display import progress_bar
-from ..errors import NotConverged, is_number, place
-from ..forms import Form, as_forms
+from ..errors import NotConverged, Remarks, is_number, place
+from ..forms.base import Form, as_forms
 from ..nonlinear.newton import Newton
 from ..nonlinear.stepping import Predictor, Stepping
 from ..nonlinear.system import System
 from ..nonlinear.time_steps import solve_step
-from ..remarks import Remarks
 from ..solvers.threads import single_threaded
-from .activation import Phase, among, begin, check_start, goes_on_otherwise, plan
+from .activation import Phase, among, begin, check_start, plan, state_changes
 from .result import Result, StageResult
 from .setup import system_of
 from .supports import as_unknowns
@@ -107,7 +106,7 @@ def run(forms: Mapping[str, Any], stages: Sequence[Stage], fixed: ndarray,
     stages
         Stages in their order.
     fixed
-        Unknowns that are held (or moved by ``Stage.prescribed``).
+        Layout that are held (or moved by ``Stage.prescribed``).
     start
         Result to go on from, whose last stage is where the first stage starts, or one stage of a result. Forms that
         it does not hold are inactive.
@@ -162,7 +161,7 @@ def run(forms: Mapping[str, Any], stages: Sequence[Stage], fixed: ndarray,
     with Remarks(stacklevel=3) as remarks:
         for stage, phase in zip(stages, phases, strict=True):
             released = np.zeros(len(last.x))
-            if phase.changed or (stage is stages[0] and goes_on_otherwise(phase, last)):
+            if phase.changed or (stage is stages[0] and state_changes(phase, last)):
                 x, states, released = begin(phase, last)
                 last = replace(last, x=x, states=states)
             if phase.changed or stage is stages[0]:

@@ -9,15 +9,15 @@ from numpy import ndarray
 
 from ..contact.penalty import choose_penalties
 from ..errors import look_up
-from ..forms import Form, as_forms, solids_of
+from ..forms.base import Form, as_forms, solids_of
+from ..layout import Layout
 from ..nonlinear.system import System
 from ..solvers.choice import linear_solver
-from ..unknowns import Unknowns
 from .result import StageResult
 from .supports import all_unknowns, as_unknowns, check_supports
 
 
-def build_system(forms: Mapping[str, Any], fixed: ndarray, unknowns: Unknowns | None = None, solver: Any = None
+def build_system(forms: Mapping[str, Any], fixed: ndarray, unknowns: Layout | None = None, solver: Any = None
                  ) -> System:
     """The system of some forms, completed, once their supports are checked; by default among their own unknowns."""
     given, fixed = as_forms(forms), as_unknowns(fixed)
@@ -26,7 +26,7 @@ def build_system(forms: Mapping[str, Any], fixed: ndarray, unknowns: Unknowns | 
     return system_of(given, fixed, unknowns, solver)
 
 
-def system_of(forms: Mapping[str, Form], fixed: ndarray, unknowns: Unknowns, solver: Any) -> System:
+def system_of(forms: Mapping[str, Form], fixed: ndarray, unknowns: Layout, solver: Any) -> System:
     """The system of forms and supports that have been checked."""
     there = choose_penalties(forms)
     free = np.setdiff1d(np.arange(unknowns.size), fixed)
@@ -41,19 +41,19 @@ def forms_there(stage: StageResult, forms: Mapping[str, Form], what: str = "stag
 
 
 def unknowns_of(forms: Mapping[str, Form]) -> ndarray:
-    """Unknowns of the solids, and those that other forms bring."""
+    """Layout of the solids, and those that other forms bring."""
     found = [np.unique(form.basis.element_dofs) for form in solids_of(forms).values()]
     found += [form.carries for form in forms.values() if form.carries is not None]
     found += [field.numbers for form in forms.values() if form.carries is None for field in form.fields]
     return np.unique(np.concatenate(found)) if found else np.zeros(0, int)
 
 
-def not_there(forms: Mapping[str, Form], there: Mapping[str, Form], unknowns: Unknowns) -> ndarray:
-    """Unknowns that some of the forms would carry, or that fields have, but nothing carries that is there."""
+def not_there(forms: Mapping[str, Form], there: Mapping[str, Form], unknowns: Layout) -> ndarray:
+    """Layout that some of the forms would carry, or that fields have, but nothing carries that is there."""
     return np.setdiff1d(np.union1d(unknowns_of(forms), unknowns.brought), unknowns_of(there))
 
 
-def on_all(values: Any, unknowns: Unknowns, what: str) -> ndarray:
+def on_all(values: Any, unknowns: Layout, what: str) -> ndarray:
     """Values of all unknowns, or of the displacements and zeros behind them; a ``ValueError`` for others, or NaN."""
     if np.ma.isMaskedArray(values) or np.iscomplexobj(values):
         raise ValueError(f"{what} must be an array of real numbers, not masked and not complex")

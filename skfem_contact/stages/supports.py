@@ -9,10 +9,10 @@ from numpy import ndarray
 from skfem import CellBasis
 
 from ..errors import place
-from ..forms import Form, solids_of
+from ..forms.base import Form, solids_of
+from ..layout import Layout, rigid_modes
 from ..mesh.check import check_mesh
 from ..mesh.join import bodies
-from ..unknowns import Unknowns, rigid_modes
 
 
 def as_unknowns(fixed: Any) -> ndarray:
@@ -23,7 +23,7 @@ def as_unknowns(fixed: Any) -> ndarray:
     return numbers.astype(int)
 
 
-def check_supports(forms: Mapping[str, Form], fixed: ndarray, unknowns: Unknowns) -> None:
+def check_supports(forms: Mapping[str, Form], fixed: ndarray, unknowns: Layout) -> None:
     """Refuse bodies that nothing holds.
 
     Bodies are held when their fixed unknowns leave them no rigid motion.  Bodies that contact pairs join
@@ -59,7 +59,7 @@ def check_supports(forms: Mapping[str, Form], fixed: ndarray, unknowns: Unknowns
         _check_bodies(basis, elements, [form.joins for form in forms.values() if form.joins is not None], fixed, axial)
 
 
-def all_unknowns(forms: Mapping[str, Form], size: int | None = None) -> Unknowns:
+def all_unknowns(forms: Mapping[str, Form], size: int | None = None) -> Layout:
     """The unknowns of all forms of an analysis, also of those that are not there yet.
 
     Where no form knows the number of displacements it is `size`; without a solid nobody knows where they are.
@@ -81,9 +81,9 @@ def all_unknowns(forms: Mapping[str, Form], size: int | None = None) -> Unknowns
         check_mesh(next(iter(bases.values())).mesh)
     brought = [field for form in forms.values() if form.fields for field in form.completed(forms).fields]
     if not bases:
-        return Unknowns.of(np.arange(n, dtype=float)[None], brought)
+        return Layout.of(np.arange(n, dtype=float)[None], brought)
     owner, basis = next(iter(bases.items()))
-    unknowns = Unknowns.of(np.asarray(basis.doflocs), brought)
+    unknowns = Layout.of(np.asarray(basis.doflocs), brought)
     known = {name: (np.arange(basis.N), basis.doflocs) for name, basis in bases.items()}
     known |= {name: form.nodes for name, form in forms.items() if form.nodes is not None}
     for name, (numbers, places) in known.items():  # different meshes may have as many unknowns as each other

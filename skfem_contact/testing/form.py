@@ -8,9 +8,9 @@ import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix
 
-from ..forms import Form, Response, as_forms
-from ..remarks import Remark
-from ..states import arrays_of
+from ..errors import Remark
+from ..forms.base import Form, Response, as_forms
+from ..forms.states import arrays_of
 from .tools import EXACT, STEP, differences, largest_error, require, same_twice
 
 

@@ -11,7 +11,7 @@ from scipy.sparse.csgraph import connected_components
 from skfem import CellBasis, FacetBasis, Mesh
 
 from ..errors import look_up, names_of, place
-from ..unknowns import elements_of
+from ..layout import elements_of
 
 #: Head or pressure on a boundary: a number, or a function of places (dim, ...).
 Given = float | Callable[[ndarray], ndarray]

@@ -12,7 +12,7 @@ from scipy.sparse import coo_matrix, csr_matrix
 from skfem import Basis, CellBasis
 
 from ..errors import look_up
-from ..unknowns import elements_of, linear_element
+from ..layout import elements_of, linear_element
 from .retention import Retention
 
 T = TypeVar("T")

@@ -9,9 +9,8 @@ import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix
 
-from ..errors import names_of
-from ..forms import Form, Response
-from ..remarks import Remark
+from ..errors import Remark, names_of
+from ..forms.base import Form, Response
 from .conditions import Given
 
 if TYPE_CHECKING:
@@ -63,7 +62,7 @@ class SeepageFace(Form):
     ...          "face": sc.SeepageFace(pores, "top", 0.)}
     >>> load = sc.traction(basis, "top", (0., -100.))
     >>> stages = [sc.Stage("load", load, duration=100.), sc.Stage("unload", 0 * load, duration=100.)]
-    >>> result = sc.run(forms, stages, sc.rollers(basis, base="rollers"))
+    >>> result = sc.run(forms, stages, sc.box_supports(basis, base="rollers"))
     >>> top = basis.get_dofs("top").all("u^2")
     >>> [round(float(stage.x[top].mean()), 4) for stage in result]
     [-0.01, -0.01]

@@ -11,12 +11,11 @@ from numpy import ndarray
 from scipy.sparse import csr_matrix, diags_array
 from skfem import CellBasis
 
-from ..errors import check_basis, check_quadrature
-from ..forms import Form, Response
-from ..remarks import Remark
+from ..errors import Remark, check_basis, check_quadrature
+from ..forms.base import Form, Response
+from ..forms.strain import StrainOperator, plane_strain
+from ..layout import Field, elements_of, first_behind, nodes
 from ..sparse import with_data
-from ..strain import StrainOperator, plane_strain
-from ..unknowns import Field, elements_of, first_behind, nodes
 from .conditions import Given, nodes_on, values_at
 from .darcy import Permeability, permeability_tensors, regions
 from .drainage import drainage_remarks
@@ -89,7 +88,7 @@ class PoreWater(Form):
     >>> basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
     >>> forms = {"clay": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.)),
     ...          "water": sc.PoreWater(basis, k=1e-4, unit_weight=10.)}                 # c_v = 0.1
-    >>> fixed = np.hstack((sc.rollers(basis, base="rollers"), forms["water"].unknowns("top")))
+    >>> fixed = np.hstack((sc.box_supports(basis, base="rollers"), forms["water"].unknowns("top")))
     >>> load = sc.traction(basis, "top", (0., -100.))
     >>> stages = [sc.Stage("load", load, duration=.02), sc.Stage("wait", load, duration=1.96)]
     >>> result = sc.run(forms, stages, fixed)
@@ -141,7 +140,7 @@ class PoreWater(Form):
     # -- what a user asks ------------------------------------------------------------------------------------
 
     def unknowns(self, *boundaries: str) -> ndarray:
-        """Unknowns of the pressures at the nodes of some boundaries, to be held; without any, all of them.
+        """Layout of the pressures at the nodes of some boundaries, to be held; without any, all of them.
 
         A boundary may be drains inside of the ground, facets of the mesh by any name.
 
@@ -311,7 +310,7 @@ class PoreWater(Form):
         water = max(flowed, *(float(self.capacity @ np.abs(state.pressure)) for state in (middle, after)))
         return 0.5 * self._duration * float(np.abs(self._passing @ change).sum()) / self._time_error, water
 
-    def moved_back(self, x: ndarray, state: PoreState) -> PoreState:
+    def rebased(self, x: ndarray, state: PoreState) -> PoreState:
         """The state with its pressures, of ground that counts as undeformed from here on."""
         moved = x[:self.size].copy()
         moved[self.first:] = 0.0

@@ -11,11 +11,11 @@ from scipy.sparse import coo_matrix, csr_matrix
 from skfem import CellBasis
 
 from ..errors import place
-from ..forms import Form
+from ..forms.base import Form
+from ..forms.solid import SolidForm
+from ..forms.strain import StrainOperator, axisymmetric
+from ..layout import elements_of, linear_element
 from ..materials import Undrained
-from ..solid import SolidForm
-from ..strain import StrainOperator, axisymmetric
-from ..unknowns import elements_of, linear_element
 from .conditions import open_joints, pressed
 
 

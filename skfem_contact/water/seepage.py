@@ -10,7 +10,7 @@ from numpy import ndarray
 from skfem import CellBasis, FacetBasis, LinearForm
 
 from ..errors import AnalysisWarning, look_up, place
-from ..unknowns import elements_of
+from ..layout import elements_of
 from .balance import WaterBalance
 from .conditions import Given, check_connected, conditions, tied_heads
 from .darcy import DarcyFlow, Permeability, head_basis, permeability_tensors, regions

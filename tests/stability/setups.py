@@ -67,7 +67,7 @@ def held(basis: Basis, *boundaries: str) -> np.ndarray:
 
 
 def guided(basis: Basis, *boundaries: str) -> np.ndarray:
-    """Unknowns of columns that can move only upwards, and all of boundaries."""
+    """Layout of columns that can move only upwards, and all of boundaries."""
     sides = [("left", "right"), ("front", "back")][: basis.mesh.dim() - 1]
     across = [basis.get_dofs({f"{body}:{side}" for body in ("lower", "upper") for side in pair}).all(f"u^{k}")
               for k, pair in enumerate(sides, 1)]  # fmt: skip

@@ -28,7 +28,7 @@ def footing(element: str = "P2", k=1e-4, storage=0.0, length: float = 1.0, stres
     soil = sc.LinearElastic(E=E * stress, nu=NU) if soil is None else soil
     forms = {"ground": sc.SolidForm(basis, soil, strain=strain),
              "water": sc.PoreWater(basis, k, 1.0, storage, strain=strain)}  # fmt: skip
-    fixed = np.append(sc.rollers(basis), forms["water"].unknowns("top"))
+    fixed = np.append(sc.box_supports(basis), forms["water"].unknowns("top"))
     return basis, forms, fixed, sc.traction(basis, "strip", (0.0, -100.0 * stress))
 
 
@@ -69,7 +69,7 @@ def test_steps_of_any_length(element, duration, storage):
     check(forms, result)
     assert len(result[-1].iterations) < 60
     if duration == 1e8:
-        dry = sc.run({"ground": forms["ground"]}, [sc.Stage("dry", load)], sc.rollers(basis), progress=False)
+        dry = sc.run({"ground": forms["ground"]}, [sc.Stage("dry", load)], sc.box_supports(basis), progress=False)
         np.testing.assert_allclose(result[-1].x[: basis.N], dry["dry"].x, atol=1e-5 * np.abs(dry["dry"].x).max())
 
 
@@ -90,8 +90,8 @@ def test_pressed_at_once(element):
 def test_drained_everywhere(element):
     """[X] Pressures that are all held make no difference to the ground."""
     basis, forms, _, load = footing(element)
-    result = consolidated(forms, np.append(sc.rollers(basis), forms["water"].unknowns()), load)
-    dry = sc.run({"ground": forms["ground"]}, [sc.Stage("dry", load)], sc.rollers(basis), progress=False)
+    result = consolidated(forms, np.append(sc.box_supports(basis), forms["water"].unknowns()), load)
+    dry = sc.run({"ground": forms["ground"]}, [sc.Stage("dry", load)], sc.box_supports(basis), progress=False)
     np.testing.assert_allclose(result[-1].x[: basis.N], dry["dry"].x, atol=1e-12)
 
 

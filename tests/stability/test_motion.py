@@ -17,9 +17,9 @@ from skfem_contact.contact.recovery.chatter import FacetLock
 from skfem_contact.contact.recovery.family import Easing
 from skfem_contact.contact.search import project
 from skfem_contact.errors import Failure
+from skfem_contact.layout import Layout
 from skfem_contact.nonlinear.increment import check
 from skfem_contact.nonlinear.system import Equilibrium, System
-from skfem_contact.unknowns import Unknowns
 
 QUADRATURES = ["nodal", 2, "segments"]
 
@@ -266,7 +266,7 @@ def test_locks_that_hide_a_kink_are_refused():
     pair.easing = Easing((FacetLock(np.array([True, True]), 1 - state.facet, "slave:face"),))
     held = pair.assemble(x, state)
     given = dict(forms, joint=sc.ContactPair(basis, "slave:face", groove, sc.Coulomb(0.3), "nodal", penalty=1e4))
-    system = System(given, Unknowns.of(basis.doflocs, ()), np.zeros(0, int), None)
+    system = System(given, Layout.of(basis.doflocs, ()), np.zeros(0, int), None)
     answers = {"body": forms["body"].assemble(x, forms["body"].initial_state()), "joint": held}
     found = Equilibrium(x, {name: answer.state for name, answer in answers.items()}, (1.0, 0.0))
     load = sum(answer.force for answer in answers.values())

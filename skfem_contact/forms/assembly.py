@@ -16,7 +16,7 @@ from numpy import ndarray
 from scipy.sparse import coo_matrix, csc_matrix, csr_matrix
 from skfem import CellBasis
 
-from .sparse import with_data
+from ..sparse import with_data
 
 #: Share of the symmetric companion in a damped tangent: more of it makes Newton's method slow, less lets it stall.
 _DAMPING = 0.2

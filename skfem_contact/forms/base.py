@@ -10,11 +10,10 @@ import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix
 
-from .errors import Failure
-from .remarks import Remark
-from .sparse import padded
+from ..errors import Failure, Remark
+from ..layout import Field, elements_of
+from ..sparse import padded
 from .states import arrays_of
-from .unknowns import Field, elements_of
 
 
 class Response:
@@ -93,7 +92,7 @@ class Form:
     basis
         Basis of the elements that it gives stiffness to, where there are any.
     fields
-        Unknowns that it brings besides displacements, see :class:`~skfem_contact.unknowns.Field`.
+        Layout that it brings besides displacements, see :class:`~skfem_contact.layout.Field`.
     carries
         Those of them that it has equations for; None: all.
     second_order
@@ -103,15 +102,15 @@ class Form:
     unilateral
         Whether it opens, closes and slips: on the way to equilibrium the residual may then rise now and then.
     changing
-        Unknowns at which its tangent may change while Newton's method iterates; None: anywhere.
+        Layout at which its tangent may change while Newton's method iterates; None: anywhere.
     joins
-        Unknowns that it couples to each other, -1 among them for a rigid obstacle; None: it may hold any of them.
+        Layout that it couples to each other, -1 among them for a rigid obstacle; None: it may hold any of them.
     acts_on
-        Unknowns that it acts on, all of which must be there; None: any of them.
+        Layout that it acts on, all of which must be there; None: any of them.
     elastic_stiffness
         Stiffness (N, N) by which penalties are chosen and new bodies placed.
     nodes
-        Unknowns, (n,), and the places that it takes these to have, (dim, n), where it knows any.
+        Layout, (n,), and the places that it takes these to have, (dim, n), where it knows any.
     axisymmetric
         Whether its forces are per radian about the axis x = 0.
     materials
@@ -240,7 +239,7 @@ class Form:
         """
 
     @property
-    def eased(self) -> str:
+    def reason(self) -> str:
         """Why there may be no equilibrium but of this easier form, for a message."""
         return ""
 
@@ -253,7 +252,7 @@ class Form:
     def tractions_at(self, x: ndarray, state: Any) -> Any | None:
         """How tractions at its points make nodal forces, where it can begin with given ones (see contact.prestress)."""
 
-    def moved_back(self, x: ndarray, state: Any) -> Any:
+    def rebased(self, x: ndarray, state: Any) -> Any:
         """The state once displacements are counted from x on."""
         return state
 
@@ -263,12 +262,12 @@ class Form:
         """The form with some of its :attr:`strengths` divided by a factor, and with the flow that is assumed."""
         return self
 
-    def first_geometry(self, x: ndarray, state: Any) -> tuple[Form, Any]:
+    def fixed_geometry(self, x: ndarray, state: Any) -> tuple[Form, Any]:
         """The form with its geometry held as it is at some displacements, and its state: for contact, which follows."""
         return self, state
 
     def released(self, x: ndarray, state: Any) -> tuple[Form, Any]:
-        """The form whose geometry is not held, and its state: the inverse of :meth:`first_geometry`."""
+        """The form whose geometry is not held, and its state: the inverse of :meth:`fixed_geometry`."""
         return self, state
 
     def yielding(self, before: Any, after: Any) -> tuple[int, int]:

@@ -10,7 +10,7 @@ from numpy import ndarray
 
 from ..contact import ContactPair, ContactState
 from ..contact.laws import Status
-from ..forms import carried
+from ..forms.base import carried
 from ..stages.result import StageResult
 from ..stages.setup import forms_there
 from .tractions import check_state

@@ -1,4 +1,4 @@
-"""Unknowns of an analysis: displacements first, then whatever else forms bring; their places and rigid motions.
+"""Layout of an analysis: displacements first, then whatever else forms bring; their places and rigid motions.
 
 The displacements of a node follow each other, component by component: this file is where that is known.
 """
@@ -17,7 +17,7 @@ from skfem import CellBasis, Element, ElementHex1, ElementQuad1, ElementTetP1, E
 from .errors import finite, look_up, place
 
 if TYPE_CHECKING:
-    from .forms import Form
+    from .forms.base import Form
 
 #: Linear elements by the numbers of dimensions and of corners.
 _LINEAR = {(2, 3): ElementTriP1, (2, 4): ElementQuad1, (3, 4): ElementTetP1, (3, 8): ElementHex1}
@@ -27,7 +27,7 @@ _AT = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Field:
-    """Unknowns of one kind that a form brings, numbered behind those of another.
+    """Layout of one kind that a form brings, numbered behind those of another.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ class Field:
     Examples
     --------
     >>> import numpy as np
-    >>> from skfem_contact.unknowns import Field
+    >>> from skfem_contact.layout import Field
     >>> Field("pore pressure", np.zeros((2, 5)), first=18, scale=1e4).end
     23
     """
@@ -69,13 +69,13 @@ class Field:
 
 
 @dataclass(frozen=True, eq=False)
-class Unknowns:
+class Layout:
     """All unknowns of an analysis: its fields in their order, without gaps; the first are the displacements."""
 
     fields: tuple[Field, ...]
 
     @classmethod
-    def of(cls, displacements: ndarray, fields: Iterable[Field]) -> Unknowns:
+    def of(cls, displacements: ndarray, fields: Iterable[Field]) -> Layout:
         """Displacements at their places, (dim, N), and the fields that forms bring, which may leave no gap."""
         brought = {(field.name, field.first, field.end): field for field in fields}  # parts of the ground share theirs
         given = sorted(brought.values(), key=lambda field: field.first)
@@ -108,7 +108,7 @@ class Unknowns:
 
     @property
     def brought(self) -> ndarray:
-        """Unknowns that are no displacements."""
+        """Layout that are no displacements."""
         return np.arange(self.fields[0].end, self.size)
 
     @property
@@ -139,13 +139,13 @@ def linear_element(mesh: Mesh) -> Element:
 
 
 def _first_unknowns(basis: CellBasis, part: str | None) -> ndarray:
-    """Unknowns of the first component at all nodes, or at those of a subdomain."""
+    """Layout of the first component at all nodes, or at those of a subdomain."""
     elements = slice(None) if part is None else look_up(part, basis.mesh.subdomains or {}, "subdomain")
     return np.unique(basis.dofs.element_dofs[::basis.mesh.dim(), elements])
 
 
-def unknowns_at(basis: CellBasis, places: ArrayLike, part: str | None = None) -> ndarray:
-    """Unknowns of the nodes at some places.
+def dofs_at(basis: CellBasis, places: ArrayLike, part: str | None = None) -> ndarray:
+    """Layout of the nodes at some places.
 
     Parameters
     ----------
@@ -159,7 +159,7 @@ def unknowns_at(basis: CellBasis, places: ArrayLike, part: str | None = None) ->
     Returns
     -------
     ndarray
-        Unknowns of the components, (n, dim).
+        Layout of the components, (n, dim).
 
     Raises
     ------
@@ -169,8 +169,8 @@ def unknowns_at(basis: CellBasis, places: ArrayLike, part: str | None = None) ->
     Examples
     --------
     >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
-    >>> from skfem_contact.unknowns import unknowns_at
-    >>> unknowns_at(Basis(MeshQuad(), ElementVector(ElementQuad1())), (1., 0.)).tolist()
+    >>> from skfem_contact.layout import dofs_at
+    >>> dofs_at(Basis(MeshQuad(), ElementVector(ElementQuad1())), (1., 0.)).tolist()
     [[2, 3]]
     """
     dim = basis.mesh.dim()
@@ -187,8 +187,8 @@ def unknowns_at(basis: CellBasis, places: ArrayLike, part: str | None = None) ->
     return numbers[tree.query(x)[1]][:, None] + np.arange(dim)
 
 
-def rollers(basis: CellBasis, part: str | None = None, base: Literal["fixed", "rollers"] = "fixed") -> ndarray:
-    """Unknowns that the supports of a box of ground hold: its base, and its sides across.
+def box_supports(basis: CellBasis, part: str | None = None, base: Literal["fixed", "rollers"] = "fixed") -> ndarray:
+    """Layout that the supports of a box of ground hold: its base, and its sides across.
 
     Parameters
     ----------
@@ -202,14 +202,14 @@ def rollers(basis: CellBasis, part: str | None = None, base: Literal["fixed", "r
     Returns
     -------
     ndarray
-        Unknowns, ascending.
+        Layout, ascending.
 
     Examples
     --------
     >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
     >>> import skfem_contact as sc
     >>> basis = Basis(MeshQuad().refined(1), ElementVector(ElementQuad1()))
-    >>> len(sc.rollers(basis)), len(sc.rollers(basis, base="rollers"))      # of 18 unknowns
+    >>> len(sc.box_supports(basis)), len(sc.box_supports(basis, base="rollers"))      # of 18 unknowns
     (10, 9)
     """
     if base not in ("fixed", "rollers"):

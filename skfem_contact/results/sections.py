@@ -17,9 +17,9 @@ from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
 
 from ..errors import place
-from ..solid import SolidForm, SolidState
+from ..forms.solid import SolidForm, SolidState
+from ..layout import nodes as nodes_of
 from ..surfaces.vectors import dot
-from ..unknowns import nodes as nodes_of
 from .resultants import SectionForces, SpaceSectionForces
 
 #: Round-off of a position, as a share of the element: a cut through the end of a body meets its elements.

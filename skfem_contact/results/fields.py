@@ -10,8 +10,8 @@ from numpy import ndarray
 from skfem import CellBasis
 
 from ..errors import look_up
+from ..forms.solid import SolidForm
 from ..materials.spectral import largest_shear
-from ..solid import SolidForm
 from ..stages.result import StageResult
 from ..water import PoreWater, Seepage
 from .recovery import recovered, region_mesh

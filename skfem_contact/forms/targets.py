@@ -3,8 +3,8 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 
-from .errors import names_of
-from .forms import Form
+from ..errors import names_of
+from .base import Form
 
 
 def reduced_parts(forms: Mapping[str, Form], reduce: str | Collection[str] | None,

@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 from skfem import CellBasis
 
-from .errors import look_up
-from .materials import Material
-from .unknowns import elements_of
+from ..errors import look_up
+from ..layout import elements_of
+from ..materials import Material
 
 
 class Region(NamedTuple):

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy import ndarray
 
+from ..forms.solid import SolidForm, SolidState
 from ..materials import Undrained, spectral
-from ..solid import SolidForm, SolidState
 
 #: Points this close to their strength count as yielding: stresses return to it up to round-off.
 _AT_YIELD = 1e-6

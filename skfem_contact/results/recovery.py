@@ -20,9 +20,9 @@ import numpy as np
 from numpy import ndarray
 from scipy.sparse import coo_matrix, csr_matrix
 
-from ..solid import SolidForm
-from ..strain import b_bar, plane_strain, three_dimensional
-from ..unknowns import nodes
+from ..forms.solid import SolidForm
+from ..forms.strain import b_bar, plane_strain, three_dimensional
+from ..layout import nodes
 
 #: Weight of the stresses themselves beside the forces, by the order of the elements and whether they are triangles or
 #: tetrahedra. Fibre of a beam of one to four layers, largest error for weights of .007, .1, .3 and 1: four-node

@@ -11,8 +11,8 @@ import numpy as np
 from numpy import ndarray
 from skfem.io.meshio import HEX_MAPPING
 
+from ..forms.solid import SolidForm
 from ..mesh.join import bodies
-from ..solid import SolidForm
 from ..stages.result import Result, StageResult
 from .fields import has_excess, nodal_field, quantities, solids, solids_there
 from .recovery import recovered, region_mesh

@@ -11,14 +11,13 @@ from numpy import ndarray
 from scipy.sparse import csr_matrix
 from skfem import CellBasis
 
+from ..errors import Remark, check_basis, check_quadrature, check_size, look_up
+from ..materials import Material, Update
+from ..materials.reduction import reduced_strength
+from ..materials.spectral import largest_shear
 from .assembly import Pattern, damped, element_stiffness, force_matrix
-from .errors import check_basis, check_quadrature, check_size, look_up
-from .forms import Form, Response
-from .materials import Material, Update
-from .materials.reduction import reduced_strength
-from .materials.spectral import largest_shear
+from .base import Form, Response
 from .regions import Region, by_region, check_materials
-from .remarks import Remark
 from .strain import StrainOperator, axisymmetric, b_bar, has_corners_only, strain_of
 
 #: Round-off of the forces of a displaced body, relative to those of its displacements taken one by one.
@@ -233,7 +232,7 @@ class SolidForm(Form):
         """Whether a state has stresses at the points of this body; internal variables may be others than at first."""
         return np.shape(state.stress) == (self._ncomp, *self.weight.shape)
 
-    def moved_back(self, x: ndarray, state: SolidState) -> SolidState:
+    def rebased(self, x: ndarray, state: SolidState) -> SolidState:
         """The state with its stresses, of a body that counts as undeformed from here on."""
         return replace(state, strain=np.zeros_like(state.strain))
 

@@ -12,9 +12,9 @@ from scipy.linalg import null_space
 from scipy.sparse import coo_matrix, csr_matrix
 from skfem import CellBasis
 
-from .errors import check_basis, facets_of, finite, is_number
-from .forms import Form, Response, solids_of
-from .unknowns import Field, first_behind, rigid_modes, unknowns_at
+from ..errors import check_basis, facets_of, finite, is_number
+from ..layout import Field, dofs_at, first_behind, rigid_modes
+from .base import Form, Response, solids_of
 
 
 class MatrixForm(Form):
@@ -66,7 +66,7 @@ class MatrixForm(Form):
         """Forces in proportion to the displacements from those of the state."""
         return Response(self.elastic_stiffness @ (x - state), lambda: state, lambda: self.elastic_stiffness)
 
-    def moved_back(self, x: ndarray, state: ndarray) -> ndarray:
+    def rebased(self, x: ndarray, state: ndarray) -> ndarray:
         """Displacements at which nothing acts, counted from x on."""
         return state - x[:self.size]
 
@@ -107,9 +107,9 @@ class Spring(MatrixForm):
         k = np.broadcast_to(k, (basis.mesh.dim(),)) if k.ndim == 0 else k
         if not (k.shape == (basis.mesh.dim(),) and (k >= 0.0).all() and k.any()):
             raise ValueError(f"stiffness must be positive, in each direction or in one of them, not {stiffness!r}")
-        ends = [unknowns_at(basis, places, part)]
+        ends = [dofs_at(basis, places, part)]
         if to is not None:
-            ends.append(unknowns_at(basis, to, to_part))
+            ends.append(dofs_at(basis, to, to_part))
         entries = [(sign_a * sign_b * k, a, b) for a, sign_a in zip(ends, (1, -1)) for b, sign_b in zip(ends, (1, -1))]
         data, rows, columns = (np.concatenate([np.broadcast_to(entry[i], ends[0].shape).ravel() for entry in entries])
                                for i in range(3))
@@ -200,9 +200,9 @@ class Bar(Form):
         if not (length > 0.0).all():
             raise ValueError("the ends of a bar must lie apart, and be finite")
         axis = (b - a) / length[:, None]
-        self._dofs, self._axis = unknowns_at(basis, a, part), -axis
+        self._dofs, self._axis = dofs_at(basis, a, part), -axis
         if not fixed_end:
-            self._dofs = np.hstack((self._dofs, unknowns_at(basis, b, end_part)))
+            self._dofs = np.hstack((self._dofs, dofs_at(basis, b, end_part)))
             self._axis = np.hstack((-axis, axis))
         self.size, self.symmetric, self.unilateral = int(basis.N), True, tension_only
         self.changing = self.acts_on = np.unique(self._dofs)
@@ -246,7 +246,7 @@ class Bar(Form):
         return Response(np.bincount(self._dofs.ravel(), (force[:, None] * self._axis).ravel(), minlength=len(x)),
                         lambda: BarState(force, np.where(slack, state.free, elongation - force / k)), stiffness)
 
-    def moved_back(self, x: ndarray, state: BarState) -> BarState:
+    def rebased(self, x: ndarray, state: BarState) -> BarState:
         """The state with its forces, of nodes that count as unmoved from here on."""
         return BarState(state.force, state.free - self._elongation(x))
 
@@ -255,7 +255,7 @@ class Bar(Form):
         return f"forces {state.force.min():.4g} to {state.force.max():.4g}"
 
 
-class RigidFooting(MatrixForm):
+class RigidBoundary(MatrixForm):
     """A boundary that moves as a rigid body: below a footing, a cap or a platen that is much stiffer than the ground.
 
     Small displacements: it may sink and turn, and what it rests on sticks to it.  Multipliers, unknowns behind the
@@ -284,7 +284,7 @@ class RigidFooting(MatrixForm):
     >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
     >>> import skfem_contact as sc
     >>> basis = Basis(MeshQuad().refined(2).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
-    >>> footing = sc.RigidFooting(basis, "top")
+    >>> footing = sc.RigidBoundary(basis, "top")
     >>> forms = {"soil": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.)), "footing": footing}
     >>> stage = sc.Stage("load", footing.load((0., -10.), at=(1 / 3, 1.)))
     >>> x = sc.run(forms, [stage], fixed=basis.get_dofs("bottom").all())["load"].x
@@ -305,7 +305,7 @@ class RigidFooting(MatrixForm):
         super().__init__(ties + ties.T)
         self.fields = (Field("force of a rigid footing", self._places[:, :others.shape[1]], first, moves=False),)
 
-    def completed(self, forms: Mapping[str, Form]) -> RigidFooting:
+    def completed(self, forms: Mapping[str, Form]) -> RigidBoundary:
         """The footing with a scale of its forces that suits the solids."""
         stiffness = [form.elastic_stiffness.diagonal()[self._dofs].max() for form in solids_of(forms).values()]
         if not max(stiffness, default=0.0) > 0.0:
@@ -321,9 +321,9 @@ class RigidFooting(MatrixForm):
         answer.measure[first:] = (abs(self.elastic_stiffness) @ abs(x - state))[first:]
         return answer
 
-    def moved_back(self, x: ndarray, state: ndarray) -> ndarray:
+    def rebased(self, x: ndarray, state: ndarray) -> ndarray:
         """Displacements from which motions count, once these count from x on; forces stay."""
-        moved, first = super().moved_back(x, state), self.fields[0].first
+        moved, first = super().rebased(x, state), self.fields[0].first
         return np.append(moved[:first], state[first:])
 
     def load(self, force: ArrayLike, at: ArrayLike) -> ndarray:

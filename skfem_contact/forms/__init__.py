@@ -1,0 +1,1 @@
+"""Forms: what carries load, and what an analysis may ask of it."""
