@@ -107,7 +107,7 @@ def checks(model: Culvert) -> list[Check]:
     )]
 
 
-def _section_forces(model: Culvert, stage: sc.StageResult) -> sc.SectionForces:
+def _section_forces(model: Culvert, stage: sc.StageResult) -> SectionForces:
     """Section forces of the pipe at cuts through its nodes, from the crown clockwise."""
     cuts = sc.ring_sections((0.0, 0.0), _INNER, _OUTER, n=72)
     return sc.section_forces(model.forms["culvert"], stage.states["culvert"], cuts)

@@ -277,6 +277,9 @@ class Form:
     def shear_strain(self, x: ndarray) -> ndarray | None:
         """Largest shear strain of displacements at the points of a solid, (n_elements, n_points)."""
 
+    def pressure_at_nodes(self, x: ndarray) -> ndarray | None:
+        """Pore pressure that it adds to the ground, at the nodes of the displacements, (N/dim,)."""
+
     # -- what it says ----------------------------------------------------------------------------------------
 
     def summary(self, state: Any) -> str:

@@ -15,10 +15,10 @@ from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
 
 from ..contact.laws import Status
-from ..results.fields import basis_of, nodal_field, quantities, solids
-from ..results.resultants import SectionForces
+from ..results.fields import basis_of, nodal_field, quantities
+from ..results.sections import SectionForces
 from ..results.tractions import Tractions
-from ..stages.result import Result
+from ..results.result import Result
 from .units import labelled
 
 _COLORS = ("#d55e00", "#1f4e8c", "#2a7f3f", "#7b3294", "#444444")
@@ -169,10 +169,10 @@ def history(forms: Mapping[str, Any], result: Result, quantity: str, at: Mapping
     >>> model = culvert()
     >>> figure = plot.history(model.forms, model.result, "uy", {"crown": (0., .9), "surface": (.9, 3.5)})
     """
-    basis, what = basis_of(forms), quantities(solids(forms))
+    basis, what = basis_of(result[-1]), quantities(result[-1])
     tree = cKDTree(basis.doflocs[:, ::basis.mesh.dim()].T)
     nodes = {label: int(tree.query(np.asarray(place, float))[1]) for label, place in at.items()}
-    fields = [nodal_field(forms, stage, quantity) for stage in result]
+    fields = [nodal_field(stage, quantity) for stage in result]
     names = [stage.name for stage in result]
     figure, ax = plt.subplots(figsize=(8.0, 4.2), layout="constrained")
     for given, (label, node) in zip(_styles(len(nodes)), nodes.items()):

@@ -20,7 +20,7 @@ from .setup import not_there, on_all, unknowns_of
 from .supports import all_unknowns, as_unknowns, check_supports
 
 if TYPE_CHECKING:
-    from .result import StageResult
+    from ..results.result import StageResult
     from .run import Stage
 
 #: Springs to the ground, as a share of the stiffness, that hold what a new body does not share with others.

@@ -18,7 +18,7 @@ from ..nonlinear.system import System
 from ..nonlinear.time_steps import solve_step
 from ..solvers.threads import single_threaded
 from .activation import Phase, among, begin, check_start, plan, state_changes
-from .result import Result, StageResult
+from ..results.result import Result, StageResult
 from .setup import system_of
 from .supports import as_unknowns
 

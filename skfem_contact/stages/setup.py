@@ -13,7 +13,7 @@ from ..forms.base import Form, as_forms, solids_of
 from ..layout import Layout
 from ..nonlinear.system import System
 from ..solvers.choice import linear_solver
-from .result import StageResult
+from ..results.result import StageResult
 from .supports import all_unknowns, as_unknowns, check_supports
 
 
