@@ -95,7 +95,7 @@ def contact_diagram(series: Mapping[str, Tractions], along: Literal["arc", "x", 
     >>> import skfem_contact as sc
     >>> import skfem_contact.plot as plot
     >>> y, ones = np.linspace(-5., 0., 6), np.ones(6)
-    >>> joint = sc.Tractions(y + 5., 0. * y, y, 0. * y, -6. * y, -2. * y, 0. * y, 0. * y, ones.astype(int), ones,
+    >>> joint = sc.results.Tractions(y + 5., 0. * y, y, 0. * y, -6. * y, -2. * y, 0. * y, 0. * y, ones.astype(int), ones,
     ...                      -6. * y, -2. * y)
     >>> figure = plot.contact_diagram({"gravity": joint}, along="y")
     """
@@ -131,7 +131,7 @@ def section_diagram(series: Mapping[str, SectionForces], upright: bool = False,
     >>> import skfem_contact as sc
     >>> import skfem_contact.plot as plot
     >>> s = np.linspace(0., 15., 16)
-    >>> forces = sc.SectionForces(s, 0. * s, -s, N=-5. * s, V=15. - 2. * s, M=s * (15. - s))
+    >>> forces = sc.results.SectionForces(s, 0. * s, -s, N=-5. * s, V=15. - 2. * s, M=s * (15. - s))
     >>> figure = plot.section_diagram({"failure": forces}, upright=True)
     """
     titles = labelled("normal force N", "line"), labelled("shear force V", "line"), labelled("moment M", "moment")
