@@ -26,7 +26,7 @@ class Culvert(NamedTuple):
     basis: Basis
     forms: dict[str, Any]
     gravity: ndarray
-    result: sc.Result
+    result: sc.results.Result
 
 
 class Check(NamedTuple):
@@ -107,19 +107,19 @@ def checks(model: Culvert) -> list[Check]:
     )]
 
 
-def _section_forces(model: Culvert, stage: sc.StageResult) -> sc.SectionForces:
+def _section_forces(model: Culvert, stage: sc.results.StageResult) -> SectionForces:
     """Section forces of the pipe at cuts through its nodes, from the crown clockwise."""
-    cuts = sc.ring_sections((0.0, 0.0), _INNER, _OUTER, n=72)
-    return sc.section_forces(model.forms["culvert"], stage.states["culvert"], cuts)
+    cuts = sc.Sections.ring((0.0, 0.0), _INNER, _OUTER, n=72)
+    return stage.section_forces("culvert", cuts)
 
 
-def _carried(model: Culvert, stage: sc.StageResult) -> ndarray:
+def _carried(model: Culvert, stage: sc.results.StageResult) -> ndarray:
     """Sum of the contact forces on the pipe's nodes, (2,); a form's force is what the nodes must hold."""
     force = model.forms["skin"].assemble(stage.x, stage.states["skin"]).force
     return -force[_pipe(model)].reshape(-1, 2).sum(axis=0)
 
 
-def _out_of_balance(model: Culvert, stage: sc.StageResult) -> float:
+def _out_of_balance(model: Culvert, stage: sc.results.StageResult) -> float:
     """Equilibrium of the parts of the ring from the crown to every cut: tractions, weight and section forces.
 
     The largest missing force as a share of the largest thrust, or the largest missing moment as a share of
@@ -147,9 +147,9 @@ def _pipe(model: Culvert) -> ndarray:
     return np.unique(model.forms["culvert"].basis.element_dofs)
 
 
-def _clockwise(model: Culvert, stage: sc.StageResult) -> sc.Tractions:
+def _clockwise(model: Culvert, stage: sc.results.StageResult) -> sc.results.Tractions:
     """Tractions on the pipe from the crown clockwise."""
-    points = sc.tractions(model.forms["skin"], stage.states["skin"])
+    points = stage.tractions("skin")
     order = np.argsort(points.central_angle())
     return replace(points, **{name: values[order] for name, values in vars(points).items()})
 
@@ -189,7 +189,7 @@ def _save(model: Culvert, out: Path) -> dict[str, str]:
     """Write the result and a VTU file of every stage into a folder; names of the files and what they hold."""
     written = {}
     for stage in model.result:
-        sc.export_vtu(out / f"{stage.name}.vtu", model.forms, stage)
+        stage.to_vtu(out / f"{stage.name}.vtu")
         written[f"{stage.name}.vtu"] = f"displacements, stresses and contact of '{stage.name}', for ParaView"
     model.result.save(out / "culvert.npz")
     written["culvert.npz"] = "the whole result, for load_result"

@@ -51,7 +51,7 @@ def two_bodies(gap: float, mu: float, penalty: float | None = None, **options: A
     return basis, forms, basis.get_dofs("base:bottom").all()
 
 
-def count(result: sc.Result) -> int:
+def count(result: sc.results.Result) -> int:
     return sum(sum(stage.iterations) for stage in result)
 
 

@@ -40,7 +40,7 @@ class Indentation:
 
     basis: Basis
     forms: dict
-    stage: sc.StageResult
+    stage: sc.results.StageResult
 
     @property
     def force(self) -> float:

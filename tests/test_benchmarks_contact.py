@@ -18,7 +18,7 @@ from contact_problems import ELEMENTS, LOWER, MU, NU, UPPER, Contact, E, hertz, 
 AUGMENTED = sc.AugmentedLagrangian()
 
 
-def pressed(n: int, quadrature: str | int, **options) -> tuple[Contact, sc.Result]:
+def pressed(n: int, quadrature: str | int, **options) -> tuple[Contact, sc.results.Result]:
     """The Hertz contact in four steps."""
     problem = hertz(n)
     result = problem.run(problem.pair(0.0, quadrature, **options), [problem.stage("press", increments=4)])
@@ -178,7 +178,7 @@ def test_a_start_out_of_proportion_is_brought_in() -> None:
 
 
 @pytest.fixture(scope="module")
-def reversed_shift() -> tuple[sc.ContactPair, list[Contact], sc.Result]:
+def reversed_shift() -> tuple[sc.ContactPair, list[Contact], sc.results.Result]:
     """Pressed, shifted and shifted back past zero."""
     problem = hertz(10)
     pair = problem.pair(MU, 4)

@@ -36,7 +36,7 @@ def above_floor(q: float, thickness: float = 0.05, n: int = 80):
     clamp, load = basis.get_dofs("left"), line_load(basis, q)
     stage = sc.Stage("load", load)
     result = sc.run(forms, [stage], clamp.all(), newton=sc.Newton(max_iterations=40), progress=False)["load"]
-    joint = sc.tractions(pair, result.states["floor"])
+    joint = result.tractions("floor")
     order = np.argsort(joint.x)
     reaction = forms["beam"].elastic_stiffness @ result.x - load
     across = clamp.all("u^1")
@@ -90,11 +90,11 @@ def test_heavy_beam_is_lifted():
     raised[middle] = lift
     stages = [sc.Stage("lie", load, fixed=left), sc.Stage("lift", load, raised, increments=4, fixed=fixed)]
     result = sc.run(forms, stages, left, newton=sc.Newton(max_iterations=40), progress=False)
-    flat = sc.tractions(pair, result["lie"].states["floor"])
+    flat = result["lie"].tractions("floor")
     np.testing.assert_allclose(flat.pressure, q, rtol=1e-6)
     exact = (24 * BENDING * lift / q) ** 0.25
     assert exact == pytest.approx(2.783158, abs=5e-7)  # digits printed
-    joint = sc.tractions(pair, result["lift"].states["floor"])
+    joint = result["lift"].tractions("floor")
     force = (forms["beam"].elastic_stiffness @ result["lift"].x - load)[middle].sum()
     assert force == pytest.approx(exact, rel=2e-3)
     carried = joint.weight * joint.pressure
@@ -116,7 +116,7 @@ def test_two_cantilevers():
     load = LinearForm(lambda v, w: -force / thickness * v[1]).assemble(tip)
     clamps = basis.get_dofs({"upper:left", "lower:left"}).all()
     result = sc.run(forms, [sc.Stage("load", load)], clamps, progress=False)["load"]
-    joint = sc.tractions(pair, result.states["tips"])
+    joint = result.tractions("tips")
     assert joint.x[joint.pressure > 0].min() > LENGTH - 0.04  # the last element
     k1, k2 = (3 * EI / LENGTH**3 for EI in bending)
     # measured 0.5 %, of which 0.4 % are that the point of contact lies 0.0026 before the tip

@@ -7,6 +7,7 @@ import pytest
 from helpers import dofs_at, grid, vector_basis
 
 import skfem_contact as sc
+from skfem_contact.results.tractions import tractions
 
 QUADRATURES = ["nodal", 4, "segments"]
 #: Where there is no equilibrium, it is not searched for long: increments are cut ten times before the analysis stops.
@@ -14,7 +15,7 @@ QUICK = sc.Newton(max_iterations=12)
 PHI = np.tan(np.radians(26.6))
 
 
-def support(forms: dict, stage: sc.StageResult) -> tuple[np.ndarray, np.ndarray]:
+def support(forms: dict, stage: sc.results.StageResult) -> tuple[np.ndarray, np.ndarray]:
     """Nodal contact forces on the block and the places of their nodes, where it was meshed, (n, 2)."""
     pair = sc.choose_penalties(forms)["floor"]
     force = -pair.assemble(stage.x, stage.states["floor"]).force
@@ -24,7 +25,7 @@ def support(forms: dict, stage: sc.StageResult) -> tuple[np.ndarray, np.ndarray]
 # -- C6: a block on a plane ---------------------------------------------------------------------------------
 
 
-def pushed(quadrature, law: sc.Coulomb, height: float | None) -> tuple[dict, list[sc.StageResult]]:
+def pushed(quadrature, law: sc.Coulomb, height: float | None) -> tuple[dict, list[sc.results.StageResult]]:
     """The block of the case, 4 x 1 and 100 heavy, pushed at its left side: at one height, or the whole side."""
     basis = vector_basis(grid("Q1", np.linspace(0, 4, 17), np.linspace(0, 1, 5)), "Q1")
     plane = sc.rigid_line((-5.0, 0.0), (10.0, 0.0))
@@ -75,7 +76,7 @@ def test_adhesion_where_it_touches(quadrature, height: float) -> None:
     """[X] C6: what has lifted off adheres no more, nor what would lift off and close in turn."""
     forms, stages = pushed(quadrature, sc.Coulomb(PHI, adhesion=2.5), height)
     state = stages[-1].states["floor"]
-    joint = sc.tractions(forms["floor"], state)
+    joint = tractions(forms["floor"], state)
     bonded = (joint.status != sc.Status.OPEN) & (state.internal[0] == 0)
     force, place = support(forms, stages[-1])
     horizontal = 100 * PHI + 2.5 * joint.weight[bonded].sum()
@@ -175,7 +176,7 @@ def test_off_the_edge(kind: str, quadrature) -> None:
         force, place = support(forms, stage)
         assert force[:, 1].sum() == pytest.approx(5.0, rel=1e-6)
         assert force[:, 1] @ (place[:, 0] + 0.5) == pytest.approx(0.0, abs=1e-6)
-        joint = sc.tractions(forms["floor"], stage.states["floor"])
+        joint = stage.tractions("floor")
         # an open end goes on for 5 % of a segment of the block
         assert (joint.x[joint.pressure > 0] + stage.x[drag] < 0.05 / 8 + 1e-4).all()
         # friction slides once the stick's elastic slip is used up; an elastic table's surface is bent a little

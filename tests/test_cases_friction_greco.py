@@ -47,7 +47,7 @@ class Plate:
         order = np.argsort(basis.doflocs[0, along])
         self.x = basis.doflocs[0, along][order]
         self.along, self.up = end.x[along][order], end.x[bottom.all("u^2")][order]
-        self.joint = sc.tractions(pair, end.states["plane"])
+        self.joint = end.tractions("plane")
         self.increments = len(end.iterations)
 
     @property

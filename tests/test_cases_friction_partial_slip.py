@@ -47,7 +47,7 @@ class Cylinders:
             x[dofs] = sign * (field(exact, *place) - middle).T
         return sc.Stage(name, self.basis.zeros(), x, increments)
 
-    def run(self, stages: list[sc.Stage], **options) -> sc.Result:
+    def run(self, stages: list[sc.Stage], **options) -> sc.results.Result:
         """The analysis."""
         return sc.run(self.forms, stages, self.fixed, newton=sc.Newton(tolerance=1e-10), progress=False, **options)
 
@@ -86,14 +86,14 @@ def there_and_back(cylinders: Cylinders) -> list[sc.Stage]:
 
 
 @pytest.fixture(scope="module", params=[1.0, 0.8], ids=["matching", "not matching"])
-def cycle(request) -> tuple[float, list[sc.Tractions]]:
+def cycle(request) -> tuple[float, list[sc.results.Tractions]]:
     """The meshes' ratio and the tractions after every stage, 20 elements in the half-width."""
     cylinders = Cylinders(20, request.param)
     result = cylinders.run(there_and_back(cylinders))
-    return request.param, [sc.tractions(cylinders.pair, stage.states["contact"]) for stage in result]
+    return request.param, [stage.tractions("contact") for stage in result]
 
 
-def shear_error(joint: sc.Tractions, exact: PartialSlip) -> float:
+def shear_error(joint: sc.results.Tractions, exact: PartialSlip) -> float:
     """Error of the shear traction in the L2 norm, over the norm of the friction mu p."""
     difference = (joint.shear - exact.shear(joint.x)) ** 2 @ joint.weight
     return float(np.sqrt(difference / ((MU * exact.pressure(joint.x)) ** 2 @ joint.weight)))
@@ -149,11 +149,11 @@ def test_opposite_force_has_the_opposite_traction(cycle) -> None:
 # -- C9: similar bodies -------------------------------------------------------------------------------------
 
 
-def pressed(E_upper: float, quadrature, mu: float) -> sc.Tractions:
+def pressed(E_upper: float, quadrature, mu: float) -> sc.results.Tractions:
     """Cylinders of which the upper one has another stiffness, pressed together."""
     cylinders = Cylinders(10, 1.0, law=sc.Coulomb(mu), quadrature=quadrature, E_upper=E_upper)
     result = cylinders.run([cylinders.stage("press", PRESSED)])
-    return sc.tractions(cylinders.pair, result[0].states["contact"])
+    return result[0].tractions("contact")
 
 
 @pytest.mark.parametrize("quadrature", ["nodal", 4])
@@ -178,7 +178,7 @@ def shifted(ratio: float, **options) -> tuple[float, float]:
     normal = pair.penalty[0]
     cylinders.forms["contact"] = pair.with_penalty(normal, ratio * normal, stiffness=pair.stiffness)
     stages = there_and_back(cylinders)[:5]
-    joint = sc.tractions(cylinders.pair, cylinders.run(stages)[-1].states["contact"])
+    joint = cylinders.run(stages)[-1].tractions("contact")
     return float(joint.shear @ joint.weight / (MU * FORCE)), shear_error(joint, LOADED)
 
 
@@ -225,7 +225,7 @@ def test_the_same_again(quadrature, tmp_path) -> None:
     np.testing.assert_allclose(shear, other, atol=1e-10 * PEAK)
 
 
-def assert_identical(a: sc.Result, b: sc.Result) -> None:
+def assert_identical(a: sc.results.Result, b: sc.results.Result) -> None:
     """Displacements and contact states agree bit by bit."""
     for one, other in zip(a, b, strict=True):
         assert np.array_equal(one.x, other.x) and one.iterations == other.iterations

@@ -42,7 +42,7 @@ def test_smooth_silo():
     # beside the base the column cannot follow the walls: a share of the 1.1e-4 of the largest pressure, 51
     np.testing.assert_allclose(stress[1], -20 * (6 - y), atol=0.005)
     np.testing.assert_allclose(stress[0], -3 / 7 * 20 * (6 - y) / series, atol=0.005)
-    skin = sc.tractions(forms["left"], step.states["left"])
+    skin = step.tractions("left")
     assert (skin.weight * skin.pressure).sum() == pytest.approx(3 / 7 * 20 * 18 / series, rel=1e-6)
 
 

@@ -55,7 +55,7 @@ def test_what_is_accepted_balances(phase: float, mu: float) -> None:
         assert phase != 0.8  # where points rest on facets
     assert len(result) >= 1
     for stage in result:
-        left = sc.reactions(forms, stage)
+        left = stage.reactions()
         # ten times the tolerance of Newton's method, which the accepted increment met
         assert np.abs(np.delete(left, fixed)).max() <= 1e-7 * np.abs(left[fixed]).max()
         again = sc.run(forms, [sc.Stage("nothing", stage.load, stage.x)], fixed, start=stage, progress=False)
@@ -84,7 +84,7 @@ def test_receding_contact(quadrature, element: str, n: int) -> None:
         force = traction(basis, "strip", (0.0, -load))
         stage = sc.run(forms, [sc.Stage("press", force)], basis.get_dofs("left").all("u^1"), progress=False)["press"]
         assert len(stage.iterations) == 1
-        joint = sc.tractions(forms["floor"], stage.states["floor"])
+        joint = stage.tractions("floor")
         ends.append(joint.x[joint.pressure > 1e-3 * joint.pressure.max()].max())
     assert ends[0] == pytest.approx(ends[1], abs=1e-9)  # the same points
     # the same end for all rules and elements to half an element
@@ -164,7 +164,7 @@ def test_resultant_of_the_report_is_that_of_nodal_forces(quadrature, initial: st
     fixed = np.union1d(basis.get_dofs("base:bottom").all(), top.all())
     stage = sc.run(forms, [sc.Stage("pressed", basis.zeros(), x)], fixed, progress=False)["pressed"]
     nodal = -forms["joint"].assemble(stage.x, stage.states["joint"]).force[unknowns_of(basis, "block")].sum(axis=0)
-    report = sc.contact_report(forms["joint"], stage.x, stage.states["joint"])
+    report = stage.report("joint")
     np.testing.assert_allclose(report.force, nodal, rtol=1e-12)
 
 
@@ -191,7 +191,7 @@ def test_patch_in_axial_symmetry(quadrature, upper: int, augmented: bool, elemen
     # round-off: shape functions and radius are integrated exactly
     np.testing.assert_allclose(stage.states["solids"].stress[1], -1.0, atol=1e-10)
     np.testing.assert_allclose(stage.states["joint"].traction[0], -1.0, atol=1e-10)
-    joint = sc.tractions(forms["joint"], stage.states["joint"])
+    joint = stage.tractions("joint")
     assert (joint.pressure * joint.weight).sum() == pytest.approx(0.5)  # of a circle of radius 1, per radian
 
 
@@ -244,7 +244,7 @@ def test_an_interference_that_is_resolved_does_not_come_back(quadrature, augment
     }
     fixed, none = basis.get_dofs({"low:bottom", "up:top"}).all(), basis.zeros()
     fit = sc.run(forms, [sc.Stage("fit", none)], fixed, progress=False)
-    start = sc.reset_displacements(forms, fit)
+    start = fit.reset()
     new = sc.run(forms, [sc.Stage("nothing", none, none)], fixed, start=start, progress=False)["nothing"]
     # the strain of the fit, 1 %, is gone from the places where contact acts: this turns and moves its forces
     assert np.abs(new.x).max() < 0.01 * np.abs(fit["fit"].x).max()
@@ -314,14 +314,14 @@ def test_tie_of_unlike_bodies_by_multipliers(quadrature) -> None:
         stage = sc.run(forms, [sc.Stage("press", basis.zeros(), down)], fixed, progress=False)["press"]
         assert len(stage.iterations) == 1
         assert stage.iterations[0] <= 40  # measured 20 to 26
-        forces.append(sc.contact_report(forms["tie"], stage.x, stage.states["tie"]).force[1])
+        forces.append(stage.report("tie").force[1])
     assert forces[0] == pytest.approx(forces[1], rel=0.01)
 
 
 # -- warnings: the penalty's share, facets that overlap, joints of the master ---------------------------------------
 
 
-def remarked(forms, stage, fixed) -> tuple[sc.StageResult, str]:
+def remarked(forms, stage, fixed) -> tuple[sc.results.StageResult, str]:
     """A stage, and what is warned of of it."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")

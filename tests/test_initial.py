@@ -228,7 +228,7 @@ def test_wished_in_place_pile(quadrature, element, law):
     result = sc.run(forms, [sc.Stage("null", load)], fixed, start=start, **QUIET)
     assert start[0].residual < 1e-12
     assert np.abs(result["null"].x).max() < 1e-10
-    skin = sc.tractions(forms["skin"], result["null"].states["skin"])
+    skin = result["null"].tractions("skin")
     face = skin.y > 2 + 1e-9
     np.testing.assert_allclose(skin.pressure[face], 10 * (6 - skin.y[face]), atol=1e-9)
     np.testing.assert_allclose(skin.pressure[~face], 20 * 4, atol=1e-9)
@@ -257,7 +257,7 @@ def test_wished_in_place_pile_below_the_water_table():
                    for part in (basis, basis.with_elements("soil")))
     start = sc.k0_state(forms, porous, fixed, 20.0, 0.5, water=water)
     assert start[0].residual < 1e-12
-    pressure = sc.tractions(forms["skin"], start[0].states["skin"])
+    pressure = start[0].tractions("skin")
     face = pressure.y > 2 + 1e-9
     np.testing.assert_allclose(pressure.pressure[face], 5 * (6 - pressure.y[face]), atol=1e-9)
     dry = sc.run(forms, [sc.Stage("dry", own)], fixed, start=start, **QUIET)["dry"]
@@ -317,7 +317,7 @@ def test_reset_keeps_what_contact_carries(quadrature):
     forms["ground"] = forms["ground"].with_materials({"soil": sc.LinearElastic(E=1e4, nu=0.3)})
     load = sc.weight(basis, {"soil": 20.0, "pile": 25.0})
     first = sc.run(forms, [sc.Stage("gravity", load)], fixed, **QUIET)
-    start = sc.reset_displacements(forms, first)
+    start = first.reset()
     assert first["gravity"].x.any() and not start["gravity"].x.any()
     again = sc.run(forms, [sc.Stage("same", load)], fixed, start=start, **QUIET)["same"]
     # the contact's frame turns back with the bodies: second order in the displacements

@@ -123,7 +123,7 @@ def slope() -> int:
     return found.iterations
 
 
-def total(result: sc.Result) -> int:
+def total(result: sc.results.Result) -> int:
     return sum(sum(stage.iterations) for stage in result)
 
 

@@ -40,9 +40,9 @@ def test_fibre_of_a_beam(element, columns, strain, layers):
     """[X] 30.0 within 1 % for one to four layers of elements; what is free of load has next to no stress across it."""
     forms, stage = beam(element, layers, columns, strain)
     at = node_at(forms["beam"].basis, 5.0, 0.5)
-    assert sc.nodal_field(forms, stage, "sxx")[at] == pytest.approx(30.0, rel=0.01)
+    assert stage.field("sxx")[at] == pytest.approx(30.0, rel=0.01)
     if layers > 1:
-        assert abs(sc.nodal_field(forms, stage, "syy")[at]) < 0.1
+        assert abs(stage.field("syy")[at]) < 0.1
 
 
 def test_crown_of_a_thick_ring():
@@ -50,7 +50,7 @@ def test_crown_of_a_thick_ring():
     model = culvert()
     stage, form = model.result["surcharge"], model.forms["culvert"]
     inner, outer = 0.72, 0.90
-    cut = sc.section_forces(form, stage.states["culvert"], sc.ring_sections((0.0, 0.0), inner, outer, n=72))
+    cut = stage.section_forces("culvert", sc.Sections.ring((0.0, 0.0), inner, outer, n=72))
     depth, middle = outer - inner, 0.5 * (inner + outer)
     neutral = depth / np.log(outer / inner)
     # the stress of a moment is M y / (A e r) with y from the neutral axis and e its distance from the middle
@@ -58,7 +58,7 @@ def test_crown_of_a_thick_ring():
     x, y = model.basis.doflocs[:, 0::2]
     crown = np.flatnonzero(np.abs(np.hypot(x, y) - inner) < 1e-3)
     crown = crown[np.argmax(y[crown])]
-    assert sc.nodal_field(model.forms, stage, "sxx")[crown] == pytest.approx(fibre, rel=0.04)
+    assert stage.field("sxx")[crown] == pytest.approx(fibre, rel=0.04)
 
 
 @pytest.mark.parametrize("element, strain", [("Q1", sc.b_bar), ("P2", sc.plane_strain)])
@@ -70,7 +70,7 @@ def test_stress_of_the_ground_is_zero_at_its_surface(element, strain):
     forms = {"ground": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3), strain=strain)}
     fixed = np.hstack((basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1")))
     stage = sc.run(forms, [sc.Stage("weight", sc.weight(basis, 20.0))], fixed, progress=False)["weight"]
-    found = sc.nodal_field(forms, stage, "syy")
+    found = stage.field("syy")
     # the stresses themselves, means of elements, have a weight of a hundredth beside the forces
     np.testing.assert_allclose(found, -20.0 * (1.0 - basis.doflocs[1, 0::2]), atol=0.01)
 
@@ -136,16 +136,16 @@ def test_change_since_a_stage_strains_and_pore_pressure():
         x = basis.zeros()
         x[0::2], x[1::2] = amount * basis.doflocs[1, 0::2], -amount * basis.doflocs[1, 1::2]
         states = {"soil": form.assemble(x, form.initial_state()).state}
-        stages.append(sc.StageResult(str(number), x, 0 * x, states, (), 0.0))
+        stages.append(sc.results.StageResult(str(number), x, 0 * x, states, (), 0.0))
     expected = {"exy": 2e-3, "eyy": -2e-3, "exx": 0.0, "ev": -2e-3, "gamma": np.hypot(2e-3, 2e-3)}
     for quantity, value in expected.items():
-        field = sc.nodal_field(forms, stages[1], quantity, since=stages[0])
+        field = stages[1].field(quantity, since=stages[0])
         np.testing.assert_allclose(field, value, atol=1e-15)
     water = sc.hydrostatic(1.0, unit_weight=10.0)
-    np.testing.assert_allclose(sc.nodal_field(forms, stages[0], "pore", water=water),
+    np.testing.assert_allclose(stages[0].field("pore", water=water),
                                10.0 * np.maximum(1.0 - basis.mesh.p[1], 0.0))
     with pytest.raises(ValueError, match="give water="):
-        sc.nodal_field(forms, stages[0], "pore")
+        stages[0].field("pore")
 
 
 @pytest.mark.parametrize("law, stress, share", [
@@ -189,7 +189,7 @@ def test_slice_in_space_is_the_plane():
         stage = sc.run(forms, [sc.Stage("load", load)], fixed, progress=False)["load"]
         chosen = np.flatnonzero((mesh.p[0] > 0.6) & ((dim == 2) | (mesh.p[-1] < 0.1)))
         chosen = chosen[np.lexsort(mesh.p[:2, chosen].round(9))]
-        fields.append([sc.nodal_field(forms, stage, name)[chosen] for name in ("sxx", "syy", "sxy")])
+        fields.append([stage.field(name)[chosen] for name in ("sxx", "syy", "sxy")])
     for plane, slice_ in zip(*fields, strict=True):
         assert np.abs(slice_ - plane).max() < 0.02 * max(np.abs(plane).max(), 1.0)
 
@@ -203,7 +203,7 @@ def test_frames_have_pore_pressures_where_there_are_any():
         forms = {"soil": sc.SolidForm(basis, material)}
         stages = [sc.Stage("load", sc.weight(basis, 10.0))]
         stage = sc.run(forms, stages, sc.box_supports(basis), progress=False)["load"]
-        frame = sc.to_frame(forms, stage)
+        frame = stage.to_frame()
         assert ("pore" in frame.columns) == there
         if there:
-            np.testing.assert_allclose(frame["pore"], sc.nodal_field(forms, stage, "pore"))
+            np.testing.assert_allclose(frame["pore"], stage.field("pore"))

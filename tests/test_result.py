@@ -169,8 +169,8 @@ def test_partial_result_can_be_saved(tmp_path):
 
 def test_empty_result(tmp_path):
     """[X] A table without lines, and a file of it."""
-    assert len(sc.Result(())) == 0 and len(str(sc.Result(())).splitlines()) == 1
-    sc.Result(()).save(tmp_path / "empty.npz")
+    assert len(sc.results.Result(())) == 0 and len(str(sc.results.Result(())).splitlines()) == 1
+    sc.results.Result(()).save(tmp_path / "empty.npz")
     assert len(sc.load_result(tmp_path / "empty.npz", {})) == 0
 
 

@@ -78,7 +78,7 @@ def test_displacements_are_counted_anew(elastic):
     """[X] The same load once more on the footing that has been reset: the same motion, and no jump in between."""
     _, basis, footing, stage = elastic
     forms = {"ground": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=NU)), "footing": footing}
-    reset = sc.reset_displacements(forms, sc.Result((stage,)))
+    reset = sc.results.Result((stage,)).reset()
     stages = [sc.Stage("still", stage.load), sc.Stage("twice", 2.0 * stage.load)]
     still, twice = list(sc.run(forms, stages, sc.box_supports(basis), start=reset))[-2:]
     size = np.abs(stage.x[:basis.N]).max()

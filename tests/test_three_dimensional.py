@@ -27,6 +27,7 @@ from skfem import (
 from skfem.models.elasticity import lame_parameters, linear_elasticity
 
 import skfem_contact as sc
+from skfem_contact.results.sections import section_forces
 from skfem_contact import plot
 
 #: Elements, their meshes and rules that integrate the stiffness of a box exactly.
@@ -237,7 +238,7 @@ def test_plane_strain_is_a_slice_of_space(psi):
         stages = [sc.Stage("weight", weight), sc.Stage("footing", pressed, increments=3)]
         result = sc.run(forms, stages, fixed, newton=sc.Newton(tolerance=1e-12))
         nodes = np.lexsort(basis.doflocs[:2, ::dim])
-        values = [sc.nodal_field(forms, result["footing"], q)[nodes] for q in ("ux", "uy", "u")]
+        values = [result["footing"].field(q)[nodes] for q in ("ux", "uy", "u")]
         values += [np.repeat(v, dim - 1) for v in _means(forms["soil"], result["footing"].states["soil"])]
         results.append((values, [stage.iterations for stage in result]))
     (plane, iterations), (space, same) = results
@@ -332,8 +333,8 @@ def test_files(element, tmp_path):
     x = np.zeros(basis.N)
     x[1::3] = 1e-3 * basis.doflocs[2, 1::3]  # u_y = z: yz alone is strained
     state = forms["cube"].assemble(x, forms["cube"].initial_state()).state
-    step = sc.StageResult("sheared", x, 0 * x, {"cube": state}, (), 0.0)
-    sc.export_vtu(tmp_path / "cube.vtu", forms, step)
+    step = sc.results.StageResult("sheared", x, 0 * x, {"cube": state}, (), 0.0)
+    step.to_vtu(tmp_path / "cube.vtu")
     grid = pyvista.read(tmp_path / "cube.vtu")
     volumes = grid.compute_cell_sizes()["Volume"] * (1 if "Hex" in element else np.sign(orientation(basis)))
     assert volumes.min() > 0
@@ -341,10 +342,10 @@ def test_files(element, tmp_path):
     shear = 1e-3 * 100.0 / 2.6
     np.testing.assert_allclose(grid["stress"], np.tile([0, 0, 0, 0, shear, 0], (grid.n_cells, 1)), atol=1e-12)
     np.testing.assert_allclose(grid["displacement"][:, 1], 1e-3 * grid.points[:, 2], atol=1e-9)
-    np.testing.assert_allclose(sc.nodal_field(forms, step, "syz"), shear)
-    np.testing.assert_allclose(sc.nodal_field(forms, step, "s3"), -shear)
-    np.testing.assert_allclose(sc.nodal_field(forms, step, "mises"), np.sqrt(3) * shear)
-    np.testing.assert_allclose(sc.nodal_field(forms, step, "uz"), 0.0)
+    np.testing.assert_allclose(step.field("syz"), shear)
+    np.testing.assert_allclose(step.field("s3"), -shear)
+    np.testing.assert_allclose(step.field("mises"), np.sqrt(3) * shear)
+    np.testing.assert_allclose(step.field("uz"), 0.0)
 
 
 def orientation(basis: Basis) -> np.ndarray:
@@ -369,7 +370,7 @@ def test_section_forces_of_a_pile(element):
     load = sc.weight(basis, gamma) + at_head
     step = sc.run(forms, [sc.Stage("load", load)], basis.get_dofs(lambda x: x[2] < 1e-9).all(), progress=False)["load"]
     z = np.array([0.8, 1.6, 2.5, 3.2])  # on layers of nodes, and between them
-    found = step.section_forces("pile", sc.line_sections((0, 0, 0.8), (0, 0, 3.2), depth=1.5, n=4))
+    found = step.section_forces("pile", sc.Sections.line((0, 0, 0.8), (0, 0, 3.2), depth=1.5, n=4))
     z = 0.8 + found.position
     np.testing.assert_allclose(found.N, -30.0 - gamma * (4.0 - z), rtol=1e-9)
     np.testing.assert_allclose(found.T, 1.0, rtol=1e-9)  # 6 (x^2 + y^2) over the head
@@ -390,11 +391,11 @@ def test_other_plane_things():
     basis = box("Hex1", n=1)
     form = sc.SolidForm(basis, ELASTIC, sc.three_dimensional)
     forms, state = {"cube": form}, form.initial_state()
-    step = sc.StageResult("none", np.zeros(basis.N), np.zeros(basis.N), {"cube": state}, (), 0.0)
+    step = sc.results.StageResult("none", np.zeros(basis.N), np.zeros(basis.N), {"cube": state}, (), 0.0)
     with pytest.raises(ValueError, match=r"plot\.contour is for plane bodies, but this is a MeshHex1 in three dim"):
         plot.contour(forms, step, "ux")
     with pytest.raises(ValueError, match="these sections have 2 coordinates, the body has 3"):
-        sc.section_forces(form, state, sc.line_sections((0.0, 0.0), (1.0, 0.0), 1.0))
+        section_forces(form, state, sc.Sections.line((0.0, 0.0), (1.0, 0.0), 1.0))
 
 
 def test_strain_of_other_dimension():

@@ -71,7 +71,7 @@ def test_terzaghi(element):
     assert water.volume(state) == pytest.approx(-settlement(basis, result[-1]) * 0.1, rel=1e-6)  # a mean over nodes
     assert water.inflow(state, "top") == pytest.approx(water.volume(state), rel=1e-9)
     assert water.inflow(state, "bottom") == pytest.approx(0.0, abs=1e-9 * abs(water.volume(state)))
-    nodal = sc.nodal_field(forms, result[-1], "pore")
+    nodal = result[-1].field("pore")
     np.testing.assert_allclose(nodal[: len(heights)], pressures[-1], atol=1e-12 * LOAD)
 
 
@@ -245,7 +245,7 @@ def test_saved_resumed_and_counted_anew(tmp_path):
     read = sc.load_result(tmp_path / "first", forms)
     assert read["load"].time == first["load"].time
     water = forms["water"]
-    for start in (read, sc.reset_displacements(forms, first)):
+    for start in (read, first.reset()):
         again = sc.run(forms, stages[1:], fixed, start=start, **QUIET)["wait"]
         np.testing.assert_allclose(water.pressure(again.x), water.pressure(whole["wait"].x), atol=1e-8 * LOAD)
         assert water.volume(again.states["water"]) == pytest.approx(water.volume(whole["wait"].states["water"]))

@@ -73,7 +73,7 @@ def test_contact_carries_the_effective_stress(open_joint):
     walls = {"low:left", "low:right", "top:left", "top:right"}
     fixed = np.append(basis.get_dofs("low:bottom").all(), basis.get_dofs(walls).all("u^1"))
     stage = sc.run(forms, [sc.Stage("weight", load)], fixed, progress=False)["weight"]
-    joint = sc.tractions(forms["joint"], stage.states["joint"])
+    joint = stage.tractions("joint")
     np.testing.assert_allclose(joint.pressure, 40.0 - pressure, rtol=1e-6)
 
 

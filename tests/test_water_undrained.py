@@ -11,6 +11,8 @@ from skfem import Basis, ElementTetP2, ElementTriP2, ElementVector, FacetBasis, 
 from slope_meshes import held, slope_mesh
 
 import skfem_contact as sc
+from skfem_contact.results.strength import undrained_strength
+from skfem_contact.results.strength import pore_pressure
 from skfem_contact.results.strength import PointStatus, mobilised, point_status
 
 E, NU, P0 = 1e4, 0.25, 100.0
@@ -36,7 +38,7 @@ def compressed(soil, axisymmetric: bool, steps: tuple[float, ...]):
         stages.append(sc.Stage(f"{k}", load, prescribed=moved))
     result = sc.run({"soil": form}, stages, fixed, start=start, progress=False)
     states = [result[stage.name].states["soil"] for stage in stages]
-    return [(sc.pore_pressure(form, s).mean(), (s.stress[0] - s.stress[1]).mean()) for s in states]
+    return [(pore_pressure(form, s).mean(), (s.stress[0] - s.stress[1]).mean()) for s in states]
 
 
 @pytest.mark.parametrize(("axisymmetric", "share"), [(False, 1 / 2), (True, 1 / 3)], ids=["plane", "triaxial"])
@@ -92,18 +94,18 @@ def test_pressure_is_not_taken_for_plastic_strain():
     x[basis.get_dofs("top").all("u^2")] = -0.01
     state = form.assemble(x, form.initial_state()).state
     assert state.internal[0, 0].max() == 0 < state.internal[0, 1].min()
-    pressure = sc.pore_pressure(form, state)
+    pressure = pore_pressure(form, state)
     assert pressure[0] == pytest.approx(BULK * 0.01) and not pressure[1].any()
     assert "50.0% yielded" in form.summary(state)
-    stage = sc.StageResult("now", x, 0 * x, {"soil": state}, (), 0.0, 1.0, {})
-    field = sc.nodal_field({"soil": form}, stage, "pore")
+    stage = sc.results.StageResult("now", x, 0 * x, {"soil": state}, (), 0.0, 1.0, {})
+    field = stage.field("pore")
     # nodes between both regions get the mean of both
     assert sorted(set(np.round(field / BULK / 0.01, 9))) == [0.0, 0.5, 1.0]
     # what is given is below it; a change since a stage does not hold what stays
     still = sc.hydrostatic(0.5)
-    whole = sc.nodal_field({"soil": form}, stage, "pore", water=still)
+    whole = stage.field("pore", water=still)
     np.testing.assert_allclose(whole, field + still(mesh.p))
-    np.testing.assert_allclose(sc.nodal_field({"soil": form}, stage, "pore", since=stage, water=still), 0.0)
+    np.testing.assert_allclose(stage.field("pore", since=stage, water=still), 0.0)
 
 
 def test_mobilised_strength_is_that_of_the_soil():
@@ -130,7 +132,7 @@ def test_drains_later(how):
     top = FacetBasis(basis.mesh, basis.elem, facets="top")
     load = LinearForm(lambda v, w: -10.0 * v[1]).assemble(top)
     first = sc.run({"soil": quick}, [sc.Stage("quick", load)], fixed, progress=False)
-    assert sc.pore_pressure(quick, first["quick"].states["soil"]).min() > 9.9
+    assert first["quick"].pore_pressure("soil").min() > 9.9
     if how == "change":
         stages = [sc.Stage("quick", load), sc.Stage("later", load, change={"soil": drained})]
         later = sc.run({"soil": quick}, stages, fixed, progress=False)["later"]
@@ -154,7 +156,7 @@ def test_in_space():
     load = LinearForm(lambda v, w: -1.0 * v[2]).assemble(top)
     state = sc.run({"soil": form}, [sc.Stage("load", load)], fixed, progress=False)["load"].states["soil"]
     modulus = E * (1 - NU) / (1 + NU) / (1 - 2 * NU)
-    np.testing.assert_allclose(sc.pore_pressure(form, state), BULK / (BULK + modulus), rtol=1e-9)
+    np.testing.assert_allclose(pore_pressure(form, state), BULK / (BULK + modulus), rtol=1e-9)
 
 
 def test_short_term_factor_of_a_slope():
@@ -167,7 +169,7 @@ def test_short_term_factor_of_a_slope():
     soil = sc.MohrCoulomb(E=1e5, nu=0.3, c=12.0, phi=18.0, psi=0.0)
     form, fixed, load = sc.SolidForm(basis, soil), held(basis), sc.weight(basis, 20.0)
     start = sc.gravity_state({"soil": form}, load, fixed)
-    strength = sc.undrained_strength(form, start[-1].states["soil"])["all"]
+    strength = start[-1].undrained_strength("soil")["all"]
     quick = sc.strength_reduction({"soil": form.with_materials({"all": sc.Undrained(soil, nu_u=0.495)})}, fixed, load,
                                   start=start, tol=0.004, progress=False)
     total = sc.strength_reduction({"soil": form.with_materials({"all": sc.Tresca(E=1e5, nu=0.495, c=strength)})},
@@ -206,4 +208,4 @@ def test_bad_soil():
         sc.Undrained(sc.Undrained(SOIL, Kw=1.0), Kw=1.0)
     form = sc.SolidForm(vector_basis(grid("Q1", [0, 1], [0, 1]), "Q1", intorder=2), sc.LinearElastic(E=E, nu=NU))
     with pytest.raises(ValueError, match=r"no region has c and phi; the regions are \['all'\]"):
-        sc.undrained_strength(form, form.initial_state())
+        undrained_strength(form, form.initial_state())

@@ -120,7 +120,7 @@ plot.contour(forms, result["1.0 mm"], "syy", deformed=10.0)
 
 fig, axes = plt.subplots(1, 3, figsize=(9, 3.2), sharey=True, layout="constrained")
 for axis, stage in zip(axes, ("0.2 mm", "0.3 mm", "0.5 mm")):
-    joint = sc.tractions(forms["joint"], result[stage].states["joint"])
+    joint = result[stage].tractions("joint")
     axis.fill_between(1e3 * joint.x, mu * joint.pressure, color="0.9", label=r"friction limit $\mu p$")
     axis.plot(1e3 * joint.x, joint.shear, "C0-", lw=1)
     for status, color in ((sc.Status.STICK, "white"), (sc.Status.SLIP, "C0")):
@@ -137,7 +137,7 @@ axes[0].legend(frameon=False)
 
 def forces(stage):
     """Normal and shear force of the joint in kN per metre of width."""
-    joint = sc.tractions(forms["joint"], stage.states["joint"])
+    joint = stage.tractions("joint")
     return (joint.pressure * joint.weight).sum(), (joint.shear * joint.weight).sum()
 
 

@@ -51,7 +51,7 @@ state = {name: answer.state for name, answer in out.items()}  # accepting the st
 
 # %%
 # A stage's result is a place for what was found, so that pictures and tables take it.
-found = sc.StageResult("own", x, load, state, (iteration,), 0.0)
+found = sc.results.StageResult("own", x, load, state, (iteration,), 0.0)
 plot.contour(forms, found, "sxx", deformed=50.0, loads=load)
 
 # sphinx_gallery_start_ignore

@@ -49,7 +49,7 @@ both = [result["lift 1"], result["lift 2"]]
 plot.stages(forms, both, "ux", since=result["wall"], deformed="auto", window=(0, 14, 4, 17))
 
 # %%
-cuts = sc.line_sections((6.25, 16.0), (6.25, 6.0), depth=0.5, n=41)
+cuts = sc.Sections.line((6.25, 16.0), (6.25, 6.0), depth=0.5, n=41)
 plot.diagram_on(forms, result["lift 2"], "M", result["lift 2"].section_forces("wall", cuts))
 
 # sphinx_gallery_start_ignore

@@ -123,7 +123,7 @@ plot.contour({"belt": forms["belt"]}, result[-1], "s1", deformed=1000.0)
 
 fig, axes = plt.subplots(1, 2, figsize=(9, 3.6), layout="constrained")
 for number, label in ((0, "weight only"), (2, "pulled a little"), (5, "further"), (20, "all slides")):
-    contact = sc.tractions(forms["drum"], result[number].states["drum"])
+    contact = result[number].tractions("drum")
     angle = np.degrees(np.arctan2(contact.y, -contact.x))
     inside = (angle > 1) & (angle < 179)  # the pressure has edges where the belt leaves the drum
     axes[0].semilogy(angle[inside], contact.pressure[inside] * radius / tension, label=label)

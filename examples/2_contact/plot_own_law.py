@@ -180,7 +180,7 @@ def sheared(stage_load, held, height=0.0):
 
 def carried(stages):
     """Pressure and shear of the joint in every stage."""
-    found = [sc.tractions(joint, stage.states["joint"]) for stage in stages]
+    found = [stage.tractions("joint") for stage in stages]
     return np.array([(t.weight @ t.pressure, abs(t.weight @ t.shear)) for t in found]).T
 
 

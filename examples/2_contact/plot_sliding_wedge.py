@@ -94,7 +94,7 @@ def driven(angle, mu1, mu2, mu3):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", sc.AnalysisWarning)  # of the load that has left the wall
         result = sc.run(forms, stages, fixed=face)
-    return forms, result, np.array([sc.reactions(forms, step)[face].sum() for step in result])
+    return forms, result, np.array([step.reactions()[face].sum() for step in result])
 
 
 def statics(angle, mu1, mu2, mu3, sign):

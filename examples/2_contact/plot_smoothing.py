@@ -137,7 +137,7 @@ assert (ripple(runs["smoothed"][2]) <= 1e-4).all()  # the radius itself varies b
 # The torque is friction times radius, and after a facet, which is twenty steps, everything repeats itself.
 
 pair, result, values, _ = runs["smoothed"]
-joint = sc.tractions(pair, result[-1].states["bearing"])
+joint = result[-1].tractions("bearing")
 assert abs(values[-1, 1] / (mu * joint.pressure @ joint.weight) - 1) < 0.005  # the radius is one, less its cut corners
 np.testing.assert_allclose(values[22:], values[2:21], rtol=1e-6)
 

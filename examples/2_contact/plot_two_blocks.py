@@ -26,6 +26,7 @@ import numpy as np
 from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
 
 import skfem_contact as sc
+from skfem_contact.results.tractions import tractions
 import skfem_contact.plot as plot
 from skfem_contact.surfaces.material_points import along_chain
 
@@ -83,7 +84,7 @@ def dissipation(joint, result):
     """Energy that every point of the joint dissipates in every step but the first, (n_steps - 1, n_points)."""
     states = [step.states["joint"] for step in result]
     dragged = np.diff([along_chain(joint.master, *state.stick) for state in states], axis=0)
-    return dragged * [state.traction[1] for state in states[1:]] * sc.tractions(joint, states[0]).weight
+    return dragged * [state.traction[1] for state in states[1:]] * tractions(joint, states[0]).weight
 
 
 # %%

@@ -98,7 +98,7 @@ plot.contour(forms, result["surcharge"], "uy", since=result["gravity"], deformed
 # ``tractions`` lists pressure, friction, gap, slip and status at the points of the interface. Angles are
 # measured from the crown, clockwise. Friction is that on the pipe, positive clockwise.
 
-skin = {stage.name: sc.tractions(forms["skin"], stage.states["skin"]) for stage in result}
+skin = {stage.name: stage.tractions("skin") for stage in result}
 angle = skin["gravity"].central_angle()
 
 plot.ring_diagram(angle, {name: points.pressure for name, points in skin.items()}, "contact pressure (kPa)")
@@ -123,8 +123,8 @@ for name, points in skin.items():
 # ``section_forces`` cuts the ring and sums the nodal forces at every cut. The normal force is positive in
 # tension, so that a thrust is negative; the moment is positive where it stretches the outer fibres.
 
-cuts = sc.ring_sections(center=(0.0, 0.0), inner=0.72, outer=0.90, n=72)
-ring = {stage.name: sc.section_forces(forms["culvert"], stage.states["culvert"], cuts) for stage in result}
+cuts = sc.Sections.ring(center=(0.0, 0.0), inner=0.72, outer=0.90, n=72)
+ring = {stage.name: stage.section_forces("culvert", cuts) for stage in result}
 
 plot.ring_diagram(cuts.position, {name: forces.M for name, forces in ring.items()}, "moment (kNm/m)")
 

@@ -100,7 +100,7 @@ def on_surface(level: float) -> np.ndarray:
 
 
 in_pores = sc.water_load(basis, full, "surface") - on_surface(HEIGHT)
-strength = sc.undrained_strength(form, start["initial"].states["slope"])["all"]
+strength = start["initial"].undrained_strength("slope")["all"]
 clay = {"slope": form.with_materials({"all": sc.Tresca(E=1e5, nu=0.4995, c=strength)})}
 
 # %%

@@ -114,9 +114,9 @@ cpu, iterations = process_time() - begin, sum(sum(stage.iterations) for stage in
 
 
 last = result["lift 2"]
-held = sc.reactions(forms, last)
+held = last.reactions()
 reaction = held[strut][0]
-contacts = [sc.contact_report(forms[name], last.x, last.states[name]) for name in last.states if name.endswith("|wall")]
+contacts = [last.report(name) for name in last.states if name.endswith("|wall")]
 pushed = -sum(contact.force[0] for contact in contacts)
 balance = abs(pushed + reaction) / abs(reaction)
 base = held[fixed[fixed % 2 == 1]].sum()
@@ -166,16 +166,16 @@ assert difference < 1e-10
 # Contact pressure on the side of the ground and on that of the pit, and the moment in the wall.
 
 fig, (left, right) = plt.subplots(1, 2, figsize=(9, 4.5), sharey=True, layout="constrained")
-cuts = sc.line_sections(((INNER + OUTER) / 2, TOP - 0.25), ((INNER + OUTER) / 2, TOE + 0.25), OUTER - INNER, n=39)
+cuts = sc.Sections.line(((INNER + OUTER) / 2, TOP - 0.25), ((INNER + OUTER) / 2, TOE + 0.25), OUTER - INNER, n=39)
 for color, name in (("#777777", "at rest"), ("#1f4e8c", "lift 1"), ("#d55e00", "lift 2")):
     for part in ("soil", "lift 1", "lift 2"):
         if f"{part}|wall" in result[name].states:
-            skin = sc.tractions(forms[f"{part}|wall"], result[name].states[f"{part}|wall"])
+            skin = result[name].tractions(f"{part}|wall")
             for face, sign in ((skin.x > OUTER - 1e-6, 1), (skin.x < INNER + 1e-6, -1)):
                 label = name if part == "soil" and sign > 0 else None
                 left.plot(sign * skin.pressure[face], TOP - skin.y[face], ".-", color=color, label=label,
                           markersize=3, linewidth=0.8)  # fmt: skip
-    forces = sc.section_forces(forms["wall"], result[name].states["wall"], cuts)
+    forces = result[name].section_forces("wall", cuts)
     right.plot(forces.M, TOP - forces.y, color=color, label=name)
 left.set(xlabel="contact pressure [kPa]: pit (−) and ground (+)", ylabel="depth [m]", ylim=(TOP - TOE, 0))
 right.set(xlabel="moment in the wall [kNm/m]")
@@ -183,7 +183,7 @@ for ax in (left, right):
     ax.axvline(0, color="black", linewidth=0.8)
     ax.grid(color="#dddddd", linewidth=0.6)
     ax.legend(frameon=False)
-moments = {name: np.abs(sc.section_forces(forms["wall"], result[name].states["wall"], cuts).M).max()
+moments = {name: np.abs(result[name].section_forces("wall", cuts).M).max()
            for name in ("at rest", "lift 1", "lift 2")}  # fmt: skip
 print({name: round(float(value), 1) for name, value in moments.items()})
 

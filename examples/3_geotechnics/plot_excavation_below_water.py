@@ -290,7 +290,7 @@ rows[-1]["error"] = float(balance)
 # Moments
 # -------
 
-cuts = sc.line_sections(
+cuts = sc.Sections.line(
     (INNER + THICK / 2, -0.25), (INNER + THICK / 2, TOE + 0.25), THICK, n=55
 )
 moments = {

@@ -82,7 +82,7 @@ assert not result["null step"].x.any()
 # %%
 # Contact pressure along the pile and its tip: exactly the effective stress at rest.
 
-skin = sc.tractions(forms["skin"], result["null step"].states["skin"])
+skin = result["null step"].tractions("skin")
 
 
 def effective(y):

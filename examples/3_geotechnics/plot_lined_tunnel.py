@@ -133,7 +133,7 @@ def line(forms, placed):
 # Pressure, thrust, moment and movement are reduced to a constant and a wave. In a quarter there are 19 of 72 cuts, on
 # the radial lines of nodes; the first and the last are left out, for no elements lie beyond them.
 
-CUTS = sc.Sections(*(values[1:18] for values in astuple(sc.ring_sections((0, 0), INNER, WALL, n=72))))
+CUTS = sc.Sections(*(values[1:18] for values in astuple(sc.Sections.ring((0, 0), INNER, WALL, n=72))))
 
 
 def fit(position, values):
@@ -152,8 +152,8 @@ def movement(stage, face):
 
 def measured(forms, stage):
     """The quantities of the closed form, and the curves behind them."""
-    skin = sc.tractions(forms["skin"], stage.states["skin"])
-    cuts = sc.section_forces(forms["lining"], stage.states["lining"], CUTS)
+    skin = stage.tractions("skin")
+    cuts = stage.section_forces("lining", CUTS)
     fits = {"pressure": fit(skin.central_angle(), skin.pressure), "thrust": fit(cuts.position, cuts.N),
             "moment": fit(cuts.position, cuts.M), "movement": movement(stage, "lining|ground")}  # fmt: skip
     return fits, skin, cuts

@@ -217,10 +217,10 @@ plot.contour(forms, moved, "ux", deformed=1.0, window=(-8.0, 6.0, -17.0, 4.0))
 
 def along_side(side, stage):
     """Tractions along a side of the pile, both layers together."""
-    layers = [sc.tractions(forms[f"{side} {layer}"], stage.states[f"{side} {layer}"]) for layer in soils]
+    layers = [stage.tractions(f"{side} {layer}") for layer in soils]
     together = {name: np.concatenate([getattr(part, name) for part in layers]) for name in vars(layers[0])}
     order = np.argsort(together["y"])
-    return sc.Tractions(**{name: values[order] for name, values in together.items()})
+    return sc.results.Tractions(**{name: values[order] for name, values in together.items()})
 
 
 right = {stage.name: along_side("right", stage) for stage in (gravity, failure)}
@@ -234,8 +234,8 @@ plot.contact_diagram(right, along="y")
 # side. At failure the pile bears all it can in its two hinges. That it bears somewhat more than the 150 kNm/m of its
 # cross section is the mesh: the hinges are shorter than its elements.
 
-cuts = sc.line_sections((0.0, 0.0), (0.0, tip), depth=width, n=79)
-carried = {stage.name: sc.section_forces(forms["pile"], stage.states["pile"], cuts) for stage in (gravity, failure)}
+cuts = sc.Sections.line((0.0, 0.0), (0.0, tip), depth=width, n=79)
+carried = {stage.name: stage.section_forces("pile", cuts) for stage in (gravity, failure)}
 plot.section_diagram(carried, upright=True)
 
 for name, forces in carried.items():
@@ -252,7 +252,7 @@ for name, forces in carried.items():
 cut = np.argmin(abs(cuts.position + interface))
 unbalanced = {}
 for stage in (gravity, failure):
-    upper = {side: sc.tractions(forms[f"{side} upper"], stage.states[f"{side} upper"]) for side in ("left", "right")}
+    upper = {side: stage.tractions(f"{side} upper") for side in ("left", "right")}
     pushed = {side: (of.pressure * of.weight).sum() for side, of in upper.items()}
     push = float(pushed["left"] - pushed["right"])
     shear = float(carried[stage.name].V[cut])

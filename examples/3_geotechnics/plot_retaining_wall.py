@@ -101,7 +101,7 @@ def analyse(n, delta, side, steps=1):
 
 def thrust(forms, stage):
     """Horizontal force between sand and wall."""
-    joint = sc.tractions(forms["joint"], stage.states["joint"])
+    joint = stage.tractions("joint")
     return float((joint.weight * joint.pressure).sum())
 
 
@@ -148,11 +148,11 @@ for side, color in (("active", "#1f4e8c"), ("passive", "#d55e00")):
     states[side] = forms, result
     moved = [0.0] + [1e3 * MOVE[side] * ((k + 1) / 4) ** 2 for k in range(4)]
     curve.plot(moved, coefficients, "o-", color=color, label=side, markersize=4)
-    joint = sc.tractions(forms["joint"], result[-1].states["joint"])
+    joint = result[-1].tractions("joint")
     pressure.plot(joint.pressure, HEIGHT - joint.y, "o", color=color, markersize=3.5, label=side)
     mean = sum(BRACKETS[20.0, side]) / 2
     pressure.plot(mean * WEIGHT * depth, depth, color=color, linewidth=1)
-rest = sc.tractions(forms["joint"], result["at rest"].states["joint"])
+rest = result["at rest"].tractions("joint")
 pressure.plot(rest.pressure, HEIGHT - rest.y, "s", color="#777777", markersize=3, label="at rest")
 curve.set(xlabel="movement of the wall against the sand [mm]", ylabel="coefficient of the thrust", ylim=(0, None))
 pressure.set(xlabel="contact pressure [kPa]", ylabel="depth [m]", ylim=(HEIGHT, 0), xlim=(0, 700))

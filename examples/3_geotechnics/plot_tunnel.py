@@ -123,7 +123,7 @@ def solid(basis: Basis, g: Ground) -> sc.SolidForm:
                                 "ring": sc.LinearElastic(E=softer * g.E, nu=g.nu)})
 
 
-def excavate(basis: Basis, g: Ground, pressures: list[float], axial: float) -> tuple[sc.SolidForm, sc.Result]:
+def excavate(basis: Basis, g: Ground, pressures: list[float], axial: float) -> tuple[sc.SolidForm, sc.results.Result]:
     """Start from p0, and the pressure ``axial`` along the tunnel, and lower the pressure on the wall."""
     wall = FacetBasis(basis.mesh, basis.elem, facets="wall", intorder=6)
     load = LinearForm(lambda v, w: -(v[0] * w.n[0] + v[1] * w.n[1])).assemble(wall)

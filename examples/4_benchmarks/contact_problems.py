@@ -69,7 +69,7 @@ class Problem:
         master = LOWER if slave == UPPER else UPPER
         return sc.ContactPair(self.basis, slave, master, sc.Coulomb(mu=mu), quadrature, **options)
 
-    def run(self, pair: sc.ContactPair, stages: list[sc.Stage], **options) -> sc.Result:
+    def run(self, pair: sc.ContactPair, stages: list[sc.Stage], **options) -> sc.results.Result:
         """Run stages; further options as for :func:`~skfem_contact.run`."""
         return sc.run({"bodies": self.solid, "contact": pair}, stages, self.fixed, progress=False, **options)
 

@@ -16,7 +16,7 @@ from ..nonlinear.line_search import Search
 from ..nonlinear.newton import Newton
 from ..nonlinear.system import System
 from ..solvers.threads import single_threaded
-from ..stages.result import Result, StageResult
+from ..results.result import Result, StageResult
 from .continuation import GROWTH, follow, last_stage, loaded_start
 from .history import Point, SearchLog
 from .result import LOAD, CollapseResult, conclude

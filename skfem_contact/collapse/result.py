@@ -16,7 +16,7 @@ from ..forms.base import Form, solids_of
 from ..limit_analysis import Bounds
 from ..materials.reduction import dilates_less
 from ..nonlinear.system import System
-from ..stages.result import StageResult
+from ..results.result import StageResult
 from .history import Point, Step
 
 FACTOR, LOAD = "factor of safety", "limit load"

@@ -10,7 +10,7 @@ from ..errors import NoEquilibrium, NotConverged
 from ..forms.base import Form
 from ..nonlinear.newton import Newton
 from ..solvers.threads import single_threaded
-from ..stages.result import Result, StageResult
+from ..results.result import Result, StageResult
 from .continuation import as_collapse, loaded_start
 
 

@@ -20,7 +20,7 @@ from ..nonlinear.line_search import Search
 from ..nonlinear.newton import Newton
 from ..nonlinear.system import System
 from ..solvers.threads import single_threaded
-from ..stages.result import Result, StageResult
+from ..results.result import Result, StageResult
 from .continuation import as_collapse, follow, loaded_start
 from .history import Point, SearchLog
 from .result import FACTOR, CollapseResult, Found, Stop, conclude, no_collapse_below

@@ -20,7 +20,7 @@ from ..materials.elastic import LinearElastic
 from ..nonlinear.evaluation import Evaluation
 from ..nonlinear.system import System
 from .activation import acts_on, among, check_contacts
-from .result import Result, StageResult, reset_displacements
+from ..results.result import Result, StageResult
 from .run import Stage, run
 from .setup import build_system, on_all, unknowns_of
 from .supports import all_unknowns, as_unknowns
@@ -226,7 +226,7 @@ def _at_rest(forms: Mapping[str, Form], last: StageResult, fixed: ndarray) -> Re
     """A stage without its displacements, in equilibrium there: contact has followed the bodies, and comes back."""
     name, iterations = last.name, last.iterations
     for left in reversed(range(_RETURNS)):
-        start = reset_displacements(forms, Result((replace(last, name=f"{name}, moved"),)))
+        start = Result((replace(last, name=f"{name}, moved"),)).reset()
         rest = start[-1]
         system = build_system(rest.forms, fixed)
         now = system.evaluate(rest.x, rest.states, rest.load)

@@ -135,7 +135,7 @@ def test_soil_torn_from_all_sides():
     apex = 1.0 / np.tan(np.radians(30.0))
     np.testing.assert_allclose(step.states["soil"].stress[:3], apex, rtol=1e-9)
     np.testing.assert_allclose(step.states["soil"].stress[3], 0.0, atol=1e-9)
-    back = sc.run(forms, [sc.Stage("back", basis.zeros(), 0.999 * x)], edge, sc.Result((step,)), progress=False)["back"]
+    back = sc.run(forms, [sc.Stage("back", basis.zeros(), 0.999 * x)], edge, sc.results.Result((step,)), progress=False)["back"]
     assert (back.states["soil"].stress[:3] < apex - 1e-3).all()  # unloading is elastic
 
 
@@ -220,5 +220,5 @@ def test_unsymmetric_stiffness_of_soil_and_friction():
     usual = sc.run(forms, stages, fixed, progress=False)["pushed"]
     assert max(skew) > 0.01 and "yielded" in usual.summary["sand"]
     np.testing.assert_allclose(own.x, usual.x, atol=1e-6 * np.abs(usual.x).max())  # Newton's 1e-8 of the force
-    slid = sc.tractions(forms["base"], usual.states["base"])
+    slid = usual.tractions("base")
     assert abs((slid.weight * slid.shear).sum()) == pytest.approx(0.3 * 40.0, rel=1e-6)

@@ -72,7 +72,7 @@ def test_ring_falls_into_a_groove():
     }
     weight = sc.weight(basis, 1.0)
     result = run(forms, [sc.Stage("weight", weight)], np.zeros(0, int))["weight"]
-    joint = sc.tractions(forms["skin"], result.states["skin"])
+    joint = result.tractions("skin")
     for side in (-1, 1):
         at = np.sign(joint.x) == side
         normal, along = (joint.weight * joint.pressure)[at].sum(), (joint.weight * joint.shear)[at].sum()
