@@ -47,16 +47,16 @@ class NotConverged(RuntimeError):
         The displacements that were reached, (N,).
     residuals
         History of the residual.
-    unknown
-        Where the largest unbalanced force acts, or the first unknown that can move freely.
+    dof
+        Dof of the largest unbalanced force, or the first one that can move freely.
     """
 
     result: Any = None
 
     def __init__(self, message: str, x: ndarray | None = None, residuals: Sequence[float] = (),
-                 unknown: int | None = None) -> None:
+                 dof: int | None = None) -> None:
         super().__init__(message)
-        self.x, self.residuals, self.unknown = x, tuple(residuals), unknown
+        self.x, self.residuals, self.dof = x, tuple(residuals), dof
 
 
 class NoEquilibrium(NotConverged):

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy import ndarray
@@ -16,8 +16,16 @@ from .layout import elements_of, linear_element
 #: Pressure of water, positive: a function of places (2, ...), or values at the nodes of the mesh, (n_nodes,).
 Pressure = Callable[[ndarray], ndarray] | ndarray
 
-#: A basis, or a solid form.
+#: A basis, or whatever has a basis and coordinates, as solid forms have.
 Body = Any
+
+
+class Domain(NamedTuple):
+    """Elements of a basis in a coordinate system."""
+
+    basis: CellBasis
+    coordinates: str | None
+
 
 #: Facets that look up by more than this are a surface on which water can stand.
 _UPWARDS = 0.01

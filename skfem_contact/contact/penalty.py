@@ -68,7 +68,7 @@ def with_chosen_penalty(pair: ContactPair, forms: Mapping[str, Form]) -> Contact
     bodies = [form for form in forms.values() if form.elastic_stiffness is not None]
     if not bodies:
         raise ValueError("there is no SolidForm among the forms: contact takes its stiffness from what it joins")
-    if any(form.axisymmetric for form in bodies) != pair.axisymmetric:
+    if any(form.coordinates == "axisymmetric" for form in bodies) != pair.axisymmetric:
         raise ValueError(f"contact of '{pair.slave.name}' on '{pair.facets.name}' has axisymmetric="
                          f"{pair.axisymmetric}, unlike the solids: pass axisymmetric={not pair.axisymmetric} to "
                          "ContactPair")

@@ -5,7 +5,6 @@ from collections.abc import Collection, Iterator, Mapping
 from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Literal
 
 import numpy as np
 from numpy import ndarray
@@ -21,7 +20,7 @@ from ..materials.spectral import largest_shear
 from .assembly import Pattern, damped, element_stiffness, force_matrix
 from .base import Coordinates, Form, Response
 from .regions import Region, by_region, check_materials
-from .strain import has_corners_only, strain_of, strain_operator
+from .strain import Measure, has_corners_only, strain_of, strain_operator
 
 #: Round-off of the forces of a displaced body, relative to those of its displacements taken one by one.
 _ROUND_OFF = 8 * np.finfo(float).eps
@@ -70,6 +69,8 @@ class SolidForm(Form):
     unit_weight
         Weight per volume: one number, or by subdomain, for every element. Stages and searches of a :class:`Model` then
         carry the weight of the active bodies. By default the body is weightless.
+    porous
+        True if water at rest (``Stage(water=...)``) acts in its pores; False for concrete and steel.
 
     Attributes
     ----------
@@ -103,15 +104,15 @@ class SolidForm(Form):
     """
 
     def __init__(self, basis: CellBasis, materials: Material | Mapping[str, Material],
-                 strain: Literal["full", "b_bar"] | None = None, *, coordinates: Coordinates | None = None,
-                 unit_weight: float | Mapping[str, float] | None = None) -> None:
+                 strain: Measure | None = None, *, coordinates: Coordinates | None = None,
+                 unit_weight: float | Mapping[str, float] | None = None, porous: bool = True) -> None:
         check_basis(basis)
         check_quadrature(basis)
         self.basis, regions = by_region(basis, materials)  # state arrays follow this order of the elements
         flows = any(getattr(region.material, "n_internal", 0) for region in regions)
         self.size, self.joins = int(self.basis.N), np.zeros(0, int)
         self.strain, self.coordinates = strain_of(self.basis, strain, coordinates, flows)
-        self.unit_weight = unit_weight
+        self.unit_weight, self.porous = unit_weight, porous
         if unit_weight is not None:
             self.own_weight(np.zeros(basis.mesh.dim()))
         B, self.weight = strain_operator(self.basis, self.strain, self.coordinates)

@@ -45,6 +45,9 @@ class Staged:
         """Return the load vector of the weight under an acceleration over that of gravity, (dim,), or None."""
         return None
 
+    def pressure_at_nodes(self, x: ndarray) -> ndarray | None:
+        """Return the pore pressure that the form adds to the ground, at the nodes of the displacements, (N/dim,)."""
+
     def continues(self: Self, old: Any) -> Self:
         """Return the form as it replaces an old one, from whose state it goes on.
 

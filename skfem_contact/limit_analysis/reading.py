@@ -14,7 +14,6 @@ from skfem import CellBasis, Mesh
 from ..contact.laws import Coulomb, Tied
 from ..contact.pair import ContactPair
 from ..forms.solid import SolidForm
-from ..forms.strain import axisymmetric
 from ..forms.targets import reduced_parts
 from ..materials import LinearElastic, MohrCoulomb, Tresca, VonMises
 from ..materials.reduction import Flow, dilates_less
@@ -107,7 +106,7 @@ def _by_kind(forms: Mapping[str, Any]) -> tuple[dict[str, SolidForm], dict[str, 
 def _check_solids(solids: Mapping[str, SolidForm]) -> None:
     """Refuse what has no bounds: space, axial symmetry, other materials, overlapping solids."""
     for name, form in solids.items():
-        if form.basis.mesh.dim() != 2 or form.strain is axisymmetric:
+        if form.basis.mesh.dim() != 2 or form.coordinates == "axisymmetric":
             kind = "axially symmetric" if form.basis.mesh.dim() == 2 else "in three dimensions"
             raise ValueError(f"bounds are for plane strain, but '{name}' is {kind}")
         for region, material in form.materials.items():

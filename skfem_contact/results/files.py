@@ -7,6 +7,7 @@ import os
 import struct
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from tempfile import NamedTemporaryFile
@@ -21,6 +22,7 @@ from typing_extensions import Self
 from ..contact.penalty import choose_penalties
 from ..forms.base import Form
 from ..forms.states import arrays_of, with_arrays
+from ..layout import Layout
 
 #: Layout of saved arrays: another number for other states.
 _LAYOUT = 1
@@ -43,6 +45,8 @@ class StageData:
     forms: Mapping[str, Form] = field(default_factory=dict, repr=False)
     time: float = 0.0
     increments: tuple[Self, ...] = field(default=(), repr=False)
+    unreleased: ndarray | None = field(default=None, repr=False)
+    layout: Layout | None = field(default=None, repr=False)
 
 
 _Stage = TypeVar("_Stage", bound=StageData)
@@ -107,7 +111,8 @@ def write(file: str | Path, stages: Iterable[StageData]) -> None:
 def read(file: str | Path, forms: Any, make: Callable[..., _Stage]) -> tuple[_Stage, ...]:
     """Read the stages of a file, made by a class of stages."""
     path = str(file) if Path(file).is_file() else _with_end(file)
-    given = choose_penalties(getattr(forms, "forms", forms))
+    given, layout = choose_penalties(getattr(forms, "forms", forms)), getattr(forms, "layout", None)
+    make = partial(make, layout=layout)
     try:
         with open(path, "rb") as stream:
             appended = stream.read(len(_MAGIC)) == _MAGIC
@@ -164,6 +169,8 @@ def _write_arrays(stream: Any, stages: Iterable[StageData]) -> None:
 def _described(stage: StageData, key: str, arrays: dict[str, ndarray]) -> dict[str, Any]:
     """Return what describes a stage, and add its arrays and those of its increments."""
     arrays[f"{key}/x"], arrays[f"{key}/load"] = stage.x, stage.load
+    if stage.unreleased is not None:
+        arrays[f"{key}/unreleased"] = stage.unreleased
     for name, state in stage.states.items():
         arrays |= {f"{key}/{name}/{part}": np.asarray(values) for part, values in arrays_of(state).items()}
     return {"name": stage.name, "iterations": stage.iterations, "residual": stage.residual, "fraction": stage.fraction,
@@ -197,13 +204,15 @@ def _stage(arrays: Mapping[str, ndarray], key: str, head: Mapping[str, Any], giv
         if not np.allclose(head["meshes"].get(name, _fingerprint(form)), _fingerprint(form), rtol=1e-9, atol=0.0):
             raise ValueError(f"'{name}' stands on another mesh")
         initial = form.initial_state()
-        parts = {part: arrays[f"{key}/{name}/{part}"] for part in arrays_of(initial) if f"{key}/{name}/{part}" in arrays}
-        if set(parts) != set(arrays_of(initial)) or not form.fits(states.setdefault(name, with_arrays(initial, parts))):
+        kinds = arrays_of(initial)
+        parts = {part: arrays[f"{key}/{name}/{part}"] for part in kinds if f"{key}/{name}/{part}" in arrays}
+        if set(parts) != set(kinds) or not form.fits(states.setdefault(name, with_arrays(initial, parts))):
             raise ValueError(f"'{name}' is another form there: its mesh, its element or its settings differ")
     increments = tuple(_stage(arrays, f"{key}.{k}", part, given, make)
                        for k, part in enumerate(head.get("increments", ())))
     return make(head["name"], arrays[f"{key}/x"], arrays[f"{key}/load"], states, tuple(head["iterations"]),
-                head["residual"], head["fraction"], head["summary"], forms, head.get("time", 0.0), increments)
+                head["residual"], head["fraction"], head["summary"], forms, head.get("time", 0.0), increments,
+                arrays.get(f"{key}/unreleased"))
 
 
 def _version() -> str:

@@ -13,7 +13,7 @@ from numpy import ndarray
 from ..contact import ContactPair
 from ..display import html_table
 from ..errors import look_up
-from ..forms.base import Form, as_forms, carried
+from ..forms.base import Form, as_forms, internal_force
 from ..forms.solid import SolidForm
 from . import export, fields, files, strength
 from .sections import SectionForces, Sections, section_forces
@@ -52,6 +52,10 @@ class StageResult(files.StageData):
         Time at the end: the durations of all stages so far.
     increments
         Accepted increments that were kept, in their order.
+    unreleased : ndarray, shape (N,), or None
+        Forces of deactivated bodies that the load still holds, see ``Stage.release``.
+    layout
+        Numbers of the dofs of all fields.
 
     Examples
     --------
@@ -74,7 +78,7 @@ class StageResult(files.StageData):
 
         At degrees of freedom that are not fixed the residual is left.
         """
-        return carried(self.forms, self.x, self.states) - self.load
+        return internal_force(self.forms, self.x, self.states) - self.load
 
     def tractions(self, pair: str) -> Tractions:
         """Return tractions, gaps and slips of a contact pair.
@@ -338,8 +342,8 @@ class Result:
         """
         last = self[-1]
         x = np.zeros_like(last.x)
-        for still in (each.numbers for form in last.forms.values() for each in form.fields if not each.moves):
-            x[still] = last.x[still]
+        if last.layout is not None:
+            x[last.layout.still] = last.x[last.layout.still]
         states = {name: form.rebased(last.x, last.states[name]) for name, form in last.forms.items()}
         scale = float(np.abs(last.load).max(initial=0.0))
         for name, form in last.forms.items():
@@ -421,4 +425,5 @@ def of(model: Any, x: ndarray, states: Mapping[str, Any], *, load: ndarray | Non
     for name, form in forms.items():
         if not form.fits(states[name]):
             raise ValueError(f"the state of '{name}' belongs to another form: {type(states[name]).__name__}")
-    return StageResult("state", x, np.zeros_like(x) if load is None else load, states, (), 0.0, forms=forms)
+    return StageResult("state", x, np.zeros_like(x) if load is None else load, states, (), 0.0, forms=forms,
+                       layout=getattr(model, "layout", None))

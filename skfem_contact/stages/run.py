@@ -115,7 +115,7 @@ def _increments(system: System, predictor: Predictor, stage: Stage, path: Path, 
         load, _ = path(fraction)
         summary = {name: form.summary(new.states[name]) for name, form in system.forms.items()}
         last = StageResult(stage.name, new.x, load, new.states, (*last.iterations, new.iterations),
-                           new.residuals[-1], fraction, summary, system.forms, time)
+                           new.residuals[-1], fraction, summary, system.forms, time, layout=system.layout)
         predictor.accept(last.x, last.load, time)
         yield last
 

@@ -2,12 +2,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from copy import copy
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy import ndarray
 from numpy.typing import ArrayLike
+from typing_extensions import Self
 
 from ..errors import is_number
 from ..forms.base import Form, as_forms, solids_of
@@ -30,11 +32,10 @@ class Setup:
         given = as_forms(forms)
         self.fixed, self.solver, self.newton = as_dofs(fixed), solver, newton
         self.coordinates = _coordinates_of(given)
-        self._given = given
-        completed = {name: form.completed(given) for name, form in given.items()}
-        _check_fields(completed)
-        self.layout = _layout_of(completed)
-        self.forms = {name: self._numbered(form) for name, form in completed.items()}
+        self._completed = {name: form.completed(given) for name, form in given.items()}
+        _check_fields(self._completed)
+        self.layout = _layout_of(self._completed)
+        self.forms = {name: self._numbered(form) for name, form in self._completed.items()}
         if len(self.fixed) and (self.fixed[0] < 0 or self.fixed[-1] >= self.layout.size):
             raise ValueError(f"fixed dofs must lie between 0 and {self.layout.size - 1}")
         self.water_unit_weight = water_unit_weight
@@ -55,6 +56,20 @@ class Setup:
 
     def _numbered(self, form: Form) -> Form:
         return form.numbered(self.layout.numbers((*form.fields, *form.borrowed)))
+
+    def restricted(self, names: Sequence[str]) -> tuple[Self, ndarray]:
+        """Return the set-up of some of the forms, numbered anew, and its dofs among those of this one."""
+        new = copy(self)
+        vars(new).pop("solids", None)
+        new._completed = {name: self._completed[name] for name in names}
+        fields = [field for form in new._completed.values() for field in form.fields]
+        kept = np.concatenate((np.arange(self.layout.n_displacements), *self.layout.numbers(fields).values()))
+        inactive = self.inactive({name: self.forms[name] for name in names})
+        new.fixed = np.flatnonzero(np.isin(kept, np.union1d(self.fixed, inactive)))
+        if len(kept) < self.layout.size:
+            new.layout = _layout_of(new._completed)
+            new.forms = {name: new._numbered(form) for name, form in new._completed.items()}
+        return new, kept
 
     def adopted(self, new: Mapping[str, Any], now: Mapping[str, Form]) -> dict[str, Form]:
         """Return forms that replace present ones, completed and numbered like these."""
@@ -94,7 +109,8 @@ class Setup:
             raise ValueError(f"{what} must be an array of real numbers, not masked and not complex")
         values = np.array(values, dtype=float, subok=False)
         if values.shape not in ((n,), (n_first,)):
-            raise ValueError(f"{what} has shape {values.shape}, not ({n_first},)" + (f" or ({n},)" if n > n_first else ""))
+            either = f"({n_first},)" if n == n_first else f"({n_first},) or ({n},)"
+            raise ValueError(f"{what} has shape {values.shape}, not {either}")
         if not np.isfinite(values).all():
             raise ValueError(f"{what} holds NaN or infinite values")
         return values if len(values) == n else np.pad(values, (0, n - len(values)))
@@ -135,7 +151,7 @@ def _coordinates_of(forms: Mapping[str, Form]) -> str | None:
     """Return the coordinate system of the forms, which must be the same."""
     told = {name: form.coordinates for name, form in forms.items() if form.coordinates is not None}
     if len(set(told.values())) > 1:
-        raise ValueError(f"the forms have different coordinate systems: {told}; give all of them the same `coordinates`")
+        raise ValueError(f"the forms have different coordinate systems, {told}: give all the same `coordinates`")
     return next(iter(told.values()), None)
 
 

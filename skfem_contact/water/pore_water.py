@@ -14,7 +14,7 @@ from skfem import CellBasis
 from ..errors import Remark, check_basis, check_quadrature
 from ..forms.base import Form, Response
 from ..forms.strain import StrainOperator, plane_strain
-from ..layout import Field, elements_of, first_behind, nodes
+from ..layout import Field, elements_of, nodes
 from ..sparse import with_data
 from .conditions import Given, nodes_on, values_at
 from .darcy import Permeability, permeability_tensors, regions
@@ -121,11 +121,11 @@ class PoreWater(Form):
         self.porous = Porous.of(basis, strain, self.mobility, joints)
         self.unit_weight, self._time_error = unit_weight, time_error
         self.nodes, self.joins = (np.arange(basis.N), basis.doflocs), np.zeros(0, int)
-        self.first = first_behind(basis, after)
+        self.first = int(basis.N)
         self._places = np.asarray(basis.mesh.p)[:, :self.porous.pressures.N]
         self.size = self.first + self._places.shape[1]
         self.carries = self.first + np.unique(self.porous.pressures.element_dofs)
-        self.fields = (Field("pore pressure", self._places, self.first, moves=False),)
+        self.fields = (Field("pore pressure", self._places, "pressure", shared="pore pressure"),)
         self.around: Surroundings | None = None
         self._duration: float | None = None
 
