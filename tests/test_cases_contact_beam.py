@@ -35,7 +35,7 @@ def above_floor(q: float, thickness: float = 0.05, n: int = 80):
     forms = {"beam": sc.SolidForm(basis, elastic(thickness)), "floor": pair}
     clamp, load = basis.get_dofs("left"), line_load(basis, q)
     stage = sc.Stage("load", load)
-    result = sc.run(forms, [stage], clamp.all(), newton=sc.Newton(max_iterations=40), progress=False)["load"]
+    result = sc.Model(forms, clamp.all(), newton=sc.Newton(max_iterations=40)).run([stage], progress=False)["load"]
     joint = result.tractions("floor")
     order = np.argsort(joint.x)
     reaction = forms["beam"].elastic_stiffness @ result.x - load
@@ -89,7 +89,7 @@ def test_heavy_beam_is_lifted():
     fixed, raised = np.union1d(left, middle), basis.zeros()
     raised[middle] = lift
     stages = [sc.Stage("lie", load, fixed=left), sc.Stage("lift", load, raised, increments=4, fixed=fixed)]
-    result = sc.run(forms, stages, left, newton=sc.Newton(max_iterations=40), progress=False)
+    result = sc.Model(forms, left, newton=sc.Newton(max_iterations=40)).run(stages, progress=False)
     flat = result["lie"].tractions("floor")
     np.testing.assert_allclose(flat.pressure, q, rtol=1e-6)
     exact = (24 * BENDING * lift / q) ** 0.25
@@ -115,7 +115,7 @@ def test_two_cantilevers():
     tip = FacetBasis(basis.mesh, basis.elem, facets="upper:right")
     load = LinearForm(lambda v, w: -force / thickness * v[1]).assemble(tip)
     clamps = basis.get_dofs({"upper:left", "lower:left"}).all()
-    result = sc.run(forms, [sc.Stage("load", load)], clamps, progress=False)["load"]
+    result = sc.Model(forms, clamps).run([sc.Stage("load", load)], progress=False)["load"]
     joint = result.tractions("tips")
     assert joint.x[joint.pressure > 0].min() > LENGTH - 0.04  # the last element
     k1, k2 = (3 * EI / LENGTH**3 for EI in bending)

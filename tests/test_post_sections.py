@@ -29,7 +29,7 @@ STEEL = sc.LinearElastic(E=1e4, nu=0.25)
 
 def solved(form, load, fixed):
     """State of a loaded body."""
-    stage = sc.run({"body": form}, [sc.Stage("load", load)], fixed=fixed, progress=False)["load"]
+    stage = sc.Model({"body": form}, fixed).run([sc.Stage("load", load)], progress=False)["load"]
     return stage.states["body"]
 
 

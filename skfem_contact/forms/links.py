@@ -40,7 +40,7 @@ class MatrixForm(Form):
     >>> bottom = FacetBasis(basis.mesh, basis.elem, facets="bottom")
     >>> subgrade = BilinearForm(lambda u, v, w: 100. * (u[0] * v[0] + u[1] * v[1])).assemble(bottom)
     >>> forms = {"square": sc.SolidForm(basis, sc.LinearElastic(E=1e6, nu=0.)), "ground": sc.MatrixForm(subgrade)}
-    >>> result = sc.run(forms, [sc.Stage("weight", sc.weight(basis, 20.))], fixed=[])
+    >>> result = sc.Model(forms).run([sc.Stage("weight", sc.weight(basis, 20.))])
     >>> [float(f"{u:.4f}") for u in result["weight"].x[basis.get_dofs("bottom").all("u^2")]]
     [-0.2, -0.2, -0.2, -0.2, -0.2]
     """
@@ -178,7 +178,7 @@ class Bar(Form):
     >>> load = basis.zeros()
     >>> load[basis.get_dofs("left").all("u^2")] = -10.
     >>> fixed = basis.get_dofs().all("u^1")
-    >>> state = sc.run(forms, [sc.Stage("hang", load)], fixed)["hang"].states["rope"]
+    >>> state = sc.Model(forms, fixed).run([sc.Stage("hang", load)])["hang"].states["rope"]
     >>> state.force.round(6), (state.force * 2. / 1e3).round(6)
     (array([20.]), array([0.04]))
     """

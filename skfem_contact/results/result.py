@@ -64,7 +64,7 @@ class StageResult(files.StageData):
     >>> basis = Basis(MeshQuad().refined(2).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
     >>> forms = {"block": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.))}
     >>> bottom = basis.get_dofs("bottom")
-    >>> stage = sc.run(forms, [sc.Stage("weight", sc.weight(basis, 20.))], bottom.all())["weight"]
+    >>> stage = sc.Model(forms, bottom.all()).run([sc.Stage("weight", sc.weight(basis, 20.))])["weight"]
     >>> stage
     <StageResult 'weight', 100% of its load, 50 unknowns, forms: block>
     >>> round(float(stage.reactions()[bottom.all("u^2")].sum()), 9)
@@ -336,7 +336,7 @@ class Result:
         >>> basis = Basis(MeshQuad().refined(1).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
         >>> forms = {"ground": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=.3))}
         >>> fixed = basis.get_dofs("bottom").all()
-        >>> start = sc.run(forms, [sc.Stage("gravity", sc.weight(basis, 20.))], fixed).reset()
+        >>> start = sc.Model(forms, fixed).run([sc.Stage("gravity", sc.weight(basis, 20.))]).reset()
         >>> bool(start["gravity"].x.any()), bool(start["gravity"].states["ground"].stress.any())
         (False, True)
         """

@@ -23,7 +23,7 @@ from ..results.result import Result, StageResult
 from .activation import acts_on, check_contacts
 from .loading import as_pressure, water_at_rest
 from .run import run
-from .setup import Setup
+from .setup import Setup, dofs_of
 from .stage import Stage
 
 #: Forces out of balance, as a share of the load, of which a warning is given.
@@ -118,7 +118,7 @@ def _at_rest(setup: Setup, last: StageResult) -> Result:
     for left in reversed(range(_RETURNS)):
         start = Result((replace(last, name=f"{name}, moved"),)).reset()
         rest = start[-1]
-        system = setup.checked_system(rest.forms, np.union1d(setup.fixed, setup.inactive(rest.forms)))
+        system = setup.checked_system(rest.forms, setup.fixed)
         now = system.evaluate(rest.x, rest.states, rest.load)
         if now.norm <= _BALANCED or left == 0:
             break
@@ -151,7 +151,8 @@ def _among_all(setup: Setup, kept: ndarray, result: Result) -> Result:
 
 def _check_inactive(setup: Setup, load: ndarray) -> ndarray:
     """Return the dofs of inactive bodies, on which neither load nor contact may act."""
-    solids, away = setup.solids, setup.inactive(setup.forms)
+    solids = setup.solids
+    away = np.setdiff1d(np.arange(setup.layout.size), dofs_of(setup.forms, setup.layout))
     check_contacts(setup.forms, away)
     if acts_on(load, away):
         raise ValueError(f"a part of the load acts on inactive bodies; the solids are {list(solids)}")

@@ -32,7 +32,7 @@ class Setup:
         given = as_forms(forms)
         self.fixed, self.solver, self.newton = as_dofs(fixed), solver, newton
         self.coordinates = _coordinates_of(given)
-        self._completed = {name: form.completed(given) for name, form in given.items()}
+        self._completed = {name: _completed(name, form, given) for name, form in given.items()}
         _check_fields(self._completed)
         self.layout = _layout_of(self._completed)
         self.forms = {name: self._numbered(form) for name, form in self._completed.items()}
@@ -64,8 +64,8 @@ class Setup:
         new._completed = {name: self._completed[name] for name in names}
         fields = [field for form in new._completed.values() for field in form.fields]
         kept = np.concatenate((np.arange(self.layout.n_displacements), *self.layout.numbers(fields).values()))
-        inactive = self.inactive({name: self.forms[name] for name in names})
-        new.fixed = np.flatnonzero(np.isin(kept, np.union1d(self.fixed, inactive)))
+        away = np.setdiff1d(kept, dofs_of({name: self.forms[name] for name in names}, self.layout))
+        new.fixed = np.flatnonzero(np.isin(kept, np.union1d(self.fixed, away)))
         if len(kept) < self.layout.size:
             new.layout = _layout_of(new._completed)
             new.forms = {name: new._numbered(form) for name, form in new._completed.items()}
@@ -145,6 +145,14 @@ def dofs_of(forms: Mapping[str, Form], layout: Layout) -> ndarray:
     for form in forms.values():
         found += layout.numbers(form.fields).values() if form.carries is None else [form.carries]
     return np.unique(np.concatenate(found)) if found else np.zeros(0, int)
+
+
+def _completed(name: str, form: Form, forms: Mapping[str, Form]) -> Form:
+    """Return a form with what it takes from the others; errors name it."""
+    try:
+        return form.completed(forms)
+    except ValueError as error:
+        raise ValueError(f"'{name}': {error}") from None
 
 
 def _coordinates_of(forms: Mapping[str, Form]) -> str | None:

@@ -52,7 +52,7 @@ def check_supports(forms: Mapping[str, Form], fixed: ndarray) -> None:
                          "form, also one that is activated later, or leave it out of the mesh")
     if not others:
         elements = np.sort(np.concatenate([form.elements for form in solids.values()]))
-        axial = all(form.axisymmetric for form in solids.values())
+        axial = all(form.coordinates == "axisymmetric" for form in solids.values())
         _check_bodies(basis, elements, [form.joins for form in forms.values() if form.joins is not None], fixed, axial)
 
 
