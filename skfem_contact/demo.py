@@ -107,7 +107,7 @@ def checks(model: Culvert) -> list[Check]:
     )]
 
 
-def _section_forces(model: Culvert, stage: sc.results.StageResult) -> SectionForces:
+def _section_forces(model: Culvert, stage: sc.results.StageResult) -> sc.results.SectionForces:
     """Section forces of the pipe at cuts through its nodes, from the crown clockwise."""
     cuts = sc.Sections.ring((0.0, 0.0), _INNER, _OUTER, n=72)
     return stage.section_forces("culvert", cuts)

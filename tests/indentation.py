@@ -13,6 +13,7 @@ from scipy.sparse.linalg import spsolve
 from skfem import Basis, BilinearForm, FacetBasis
 
 import skfem_contact as sc
+from skfem_contact.results import StageResult
 
 E, NU = 1000.0, 0.3
 #: Below the surface by next to nothing: where the potentials of the body and of its mirror image differ.
@@ -40,7 +41,7 @@ class Indentation:
 
     basis: Basis
     forms: dict
-    stage: sc.results.StageResult
+    stage: StageResult
 
     @property
     def force(self) -> float:

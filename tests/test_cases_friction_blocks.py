@@ -7,6 +7,7 @@ import pytest
 from helpers import dofs_at, grid, vector_basis
 
 import skfem_contact as sc
+from skfem_contact.results import StageResult
 from skfem_contact.results.tractions import tractions
 
 QUADRATURES = ["nodal", 4, "segments"]
@@ -15,7 +16,7 @@ QUICK = sc.Newton(max_iterations=12)
 PHI = np.tan(np.radians(26.6))
 
 
-def support(forms: dict, stage: sc.results.StageResult) -> tuple[np.ndarray, np.ndarray]:
+def support(forms: dict, stage: StageResult) -> tuple[np.ndarray, np.ndarray]:
     """Nodal contact forces on the block and the places of their nodes, where it was meshed, (n, 2)."""
     pair = sc.choose_penalties(forms)["floor"]
     force = -pair.assemble(stage.x, stage.states["floor"]).force
@@ -25,7 +26,7 @@ def support(forms: dict, stage: sc.results.StageResult) -> tuple[np.ndarray, np.
 # -- C6: a block on a plane ---------------------------------------------------------------------------------
 
 
-def pushed(quadrature, law: sc.Coulomb, height: float | None) -> tuple[dict, list[sc.results.StageResult]]:
+def pushed(quadrature, law: sc.Coulomb, height: float | None) -> tuple[dict, list[StageResult]]:
     """The block of the case, 4 x 1 and 100 heavy, pushed at its left side: at one height, or the whole side."""
     basis = vector_basis(grid("Q1", np.linspace(0, 4, 17), np.linspace(0, 1, 5)), "Q1")
     plane = sc.rigid_line((-5.0, 0.0), (10.0, 0.0))

@@ -10,6 +10,7 @@ from helpers import WithoutState, body_along, vector_basis
 from scipy.sparse import coo_matrix
 
 import skfem_contact as sc
+from skfem_contact.results import Result, StageResult
 
 
 @dataclass(frozen=True)
@@ -91,7 +92,7 @@ class Capstan:
         self.weight = basis.zeros()
         self.weight[self.string.dofs[0, 1]] = -1.0
 
-    def run(self, pull: float, increments: int) -> sc.results.Result:
+    def run(self, pull: float, increments: int) -> Result:
         """Hung up, and pulled."""
         x = np.zeros_like(self.weight)
         x[self.string.dofs[-1]] = pull * self.end
@@ -100,11 +101,11 @@ class Capstan:
         newton = sc.Newton(tolerance=1e-7, max_iterations=40)
         return sc.run(self.forms, stages, self.fixed, newton=newton, progress=False)
 
-    def tensions(self, stage: sc.results.StageResult) -> np.ndarray:
+    def tensions(self, stage: StageResult) -> np.ndarray:
         """Tension in the bars, from the weight on."""
         return self.string.bars(stage.x)[2]
 
-    def ratio(self, stage: sc.results.StageResult, mu: float | np.ndarray) -> float:
+    def ratio(self, stage: StageResult, mu: float | np.ndarray) -> float:
         """Exact ratio of the last tension to the first where all nodes slide to the right, as they lie.
 
         With a bar that falls off by a from the tangent at a node, and the one after it by b: T2 cos b - T1 cos a = mu N

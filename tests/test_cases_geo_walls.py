@@ -8,6 +8,7 @@ from helpers import grid, vector_basis
 from skfem import Basis, ElementQuadS2, ElementVector, MeshQuad
 
 import skfem_contact as sc
+from skfem_contact.results import Tractions
 
 GAMMA, HEIGHT = 18.0, 6.0
 
@@ -19,7 +20,7 @@ def graded(n: int, ratio: float = 2.5) -> np.ndarray:
 
 def smooth_wall(
     soil: sc.MohrCoulomb, towards: float, law: sc.Coulomb, heights: np.ndarray
-) -> tuple[float, sc.results.Tractions]:
+) -> tuple[float, Tractions]:
     """Thrust on a smooth wall that soil on a smooth base was pushed against or drawn away from, and the tractions."""
     basis = vector_basis(grid("Q2", np.linspace(0, 3, 4), heights), "Q2", intorder=4)
     wall = sc.rigid_line((0.0, 2 * HEIGHT), (0.0, -1.0))  # higher than the soil rises

@@ -12,6 +12,7 @@ from helpers import grid, traction, unknowns_of, vector_basis
 from skfem import FacetBasis, LinearForm, MeshQuad
 
 import skfem_contact as sc
+from skfem_contact.results import StageResult
 
 
 def kinked_blocks(phase: float, mu: float):
@@ -321,7 +322,7 @@ def test_tie_of_unlike_bodies_by_multipliers(quadrature) -> None:
 # -- warnings: the penalty's share, facets that overlap, joints of the master ---------------------------------------
 
 
-def remarked(forms, stage, fixed) -> tuple[sc.results.StageResult, str]:
+def remarked(forms, stage, fixed) -> tuple[StageResult, str]:
     """A stage, and what is warned of of it."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")

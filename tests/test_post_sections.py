@@ -196,11 +196,11 @@ def test_bodies_of_one_form_are_told_apart():
 
 
 def test_what_is_no_solid_is_refused():
-    form = sc.SolidForm(vector_basis(grid("Q1", [0, 1, 2], [0, 1]), "Q1"), STEEL)
-    cuts = sc.Sections.line((0, 0.5), (2, 0.5), depth=1.0)
-    for wrong in ((form, "wall"), ("wall", form.initial_state())):
-        with pytest.raises(ValueError, match=r"section forces are those of a solid and its state, .* not of .*str"):
-            section_forces(*wrong, cuts)
+    basis = vector_basis(grid("Q1", [0, 1, 2], [0, 1]), "Q1")
+    bar = sc.Bar(basis, (0, 0), (2, 0), EA=1.0)
+    stage = sc.results.of({"bar": bar}, basis.zeros(), {"bar": bar.initial_state()})
+    with pytest.raises(ValueError, match=r"'bar' is a Bar, no solid; there are \[\]"):
+        stage.section_forces("bar", sc.Sections.line((0, 0.5), (2, 0.5), depth=1.0))
 
 
 def test_a_cut_beside_the_body_is_refused():

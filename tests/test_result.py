@@ -8,6 +8,7 @@ from helpers import grid, vector_basis
 from skfem import FacetBasis, LinearForm
 
 import skfem_contact as sc
+from skfem_contact.results import Result
 
 
 def blocks(quadrature="nodal", element: str = "Q1", n: int = 3, enforcement=None):
@@ -169,8 +170,8 @@ def test_partial_result_can_be_saved(tmp_path):
 
 def test_empty_result(tmp_path):
     """[X] A table without lines, and a file of it."""
-    assert len(sc.results.Result(())) == 0 and len(str(sc.results.Result(())).splitlines()) == 1
-    sc.results.Result(()).save(tmp_path / "empty.npz")
+    assert len(Result(())) == 0 and len(str(Result(())).splitlines()) == 1
+    Result(()).save(tmp_path / "empty.npz")
     assert len(sc.load_result(tmp_path / "empty.npz", {})) == 0
 
 

@@ -30,8 +30,8 @@ import numpy as np
 from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
 
 import skfem_contact as sc
-from skfem_contact.results.tractions import tractions
 import skfem_contact.plot as plot
+from skfem_contact.results.tractions import tractions
 from skfem_contact.surfaces.material_points import along_chain
 
 mu, radius, pressed, stroke, E = 0.3, 6.0, 0.02, 1.2, 1.0

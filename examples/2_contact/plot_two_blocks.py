@@ -26,8 +26,8 @@ import numpy as np
 from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
 
 import skfem_contact as sc
-from skfem_contact.results.tractions import tractions
 import skfem_contact.plot as plot
+from skfem_contact.results.tractions import tractions
 from skfem_contact.surfaces.material_points import along_chain
 
 mu, pressed, stroke = 0.3, 0.005, 0.6

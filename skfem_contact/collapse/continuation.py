@@ -23,8 +23,8 @@ from ..nonlinear.evaluation import Evaluation
 from ..nonlinear.line_search import Search
 from ..nonlinear.newton import Newton, iterate
 from ..nonlinear.system import System
-from ..solvers.direct import SingularSystem
 from ..results.result import Result, StageResult
+from ..solvers.direct import SingularSystem
 from ..stages.setup import build_system, forms_there, not_there, on_all
 from ..stages.supports import all_unknowns, as_unknowns
 from .history import Fall, Point, SearchLog, kind_of

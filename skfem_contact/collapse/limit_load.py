@@ -15,8 +15,8 @@ from ..materials.reduction import Flow, check_reduction
 from ..nonlinear.line_search import Search
 from ..nonlinear.newton import Newton
 from ..nonlinear.system import System
-from ..solvers.threads import single_threaded
 from ..results.result import Result, StageResult
+from ..solvers.threads import single_threaded
 from .continuation import GROWTH, follow, last_stage, loaded_start
 from .history import Point, SearchLog
 from .result import LOAD, CollapseResult, conclude

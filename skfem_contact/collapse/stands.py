@@ -9,8 +9,8 @@ from numpy import ndarray
 from ..errors import NoEquilibrium, NotConverged
 from ..forms.base import Form
 from ..nonlinear.newton import Newton
-from ..solvers.threads import single_threaded
 from ..results.result import Result, StageResult
+from ..solvers.threads import single_threaded
 from .continuation import as_collapse, loaded_start
 
 

@@ -19,8 +19,8 @@ from ..materials.reduction import Flow, associated_bound, check_reduction, dilat
 from ..nonlinear.line_search import Search
 from ..nonlinear.newton import Newton
 from ..nonlinear.system import System
-from ..solvers.threads import single_threaded
 from ..results.result import Result, StageResult
+from ..solvers.threads import single_threaded
 from .continuation import as_collapse, follow, loaded_start
 from .history import Point, SearchLog
 from .result import FACTOR, CollapseResult, Found, Stop, conclude, no_collapse_below

@@ -9,8 +9,8 @@ import numpy as np
 from numpy import ndarray
 
 from ..errors import check_basis
-from ..results.fields import basis_of, region_field, solids
 from ..results.export import vtk_cells
+from ..results.fields import basis_of, region_field, solids
 from ..results.patch_recovery import region_mesh
 from ..results.result import StageResult
 from .contours import headline, name_of, note_of

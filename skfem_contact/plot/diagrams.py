@@ -16,9 +16,9 @@ from scipy.spatial import cKDTree
 
 from ..contact.laws import Status
 from ..results.fields import basis_of, nodal_field, quantities
+from ..results.result import Result
 from ..results.sections import SectionForces
 from ..results.tractions import Tractions
-from ..results.result import Result
 from .units import labelled
 
 _COLORS = ("#d55e00", "#1f4e8c", "#2a7f3f", "#7b3294", "#444444")
@@ -95,8 +95,8 @@ def contact_diagram(series: Mapping[str, Tractions], along: Literal["arc", "x", 
     >>> import skfem_contact as sc
     >>> import skfem_contact.plot as plot
     >>> y, ones = np.linspace(-5., 0., 6), np.ones(6)
-    >>> joint = sc.results.Tractions(y + 5., 0. * y, y, 0. * y, -6. * y, -2. * y, 0. * y, 0. * y, ones.astype(int), ones,
-    ...                      -6. * y, -2. * y)
+    >>> joint = sc.results.Tractions(y + 5., 0. * y, y, 0. * y, -6. * y, -2. * y, 0. * y, 0. * y, ones.astype(int),
+    ...                              ones, -6. * y, -2. * y)
     >>> figure = plot.contact_diagram({"gravity": joint}, along="y")
     """
     upright = along == "y"

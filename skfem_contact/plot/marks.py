@@ -12,9 +12,9 @@ from scipy.spatial import cKDTree
 from ..contact.laws import Status
 from ..forms.solid import SolidForm
 from ..results.fields import Water, solids
+from ..results.result import StageResult
 from ..results.strength import PointStatus, point_status
 from ..results.tractions import interfaces
-from ..results.result import StageResult
 from ..water import Seepage
 from .scene import MARK, Scene
 

@@ -9,8 +9,8 @@ import meshio
 import numpy as np
 from numpy import ndarray
 
-from ..results.fields import solids
 from ..results.export import vtk_cells
+from ..results.fields import solids
 from ..results.patch_recovery import region_mesh
 from ..results.result import StageResult
 from .scales import Scale

@@ -14,9 +14,9 @@ from numpy import ndarray
 
 from ..errors import check_plane, look_up
 from ..results.fields import basis_of
+from ..results.result import StageResult
 from ..results.sections import SectionForces
 from ..results.tractions import Tractions
-from ..results.result import StageResult
 from .diagrams import saved
 from .scene import Scene
 from .units import labelled

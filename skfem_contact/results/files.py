@@ -197,7 +197,8 @@ def _stage(arrays: Mapping[str, ndarray], key: str, head: Mapping[str, Any], giv
         if not np.allclose(head["meshes"].get(name, _fingerprint(form)), _fingerprint(form), rtol=1e-9, atol=0.0):
             raise ValueError(f"'{name}' stands on another mesh")
         initial = form.initial_state()
-        parts = {part: arrays[f"{key}/{name}/{part}"] for part in arrays_of(initial) if f"{key}/{name}/{part}" in arrays}
+        keys = {part: f"{key}/{name}/{part}" for part in arrays_of(initial)}
+        parts = {part: arrays[path] for part, path in keys.items() if path in arrays}
         if set(parts) != set(arrays_of(initial)) or not form.fits(states.setdefault(name, with_arrays(initial, parts))):
             raise ValueError(f"'{name}' is another form there: its mesh, its element or its settings differ")
     increments = tuple(_stage(arrays, f"{key}.{k}", part, given, make)

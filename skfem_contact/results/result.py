@@ -5,7 +5,6 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
-from xml.sax.saxutils import quoteattr
 
 import numpy as np
 from numpy import ndarray
@@ -30,26 +29,15 @@ class StageResult(files.StageData):
 
     Attributes
     ----------
-    name
-        Name of the stage.
-    x : ndarray, shape (N,)
-        Displacements, and the other degrees of freedom behind them.
-    load : ndarray, shape (N,)
-        External forces.
-    states
-        Accepted state of every form.
-    iterations
-        Newton iterations of every increment.
-    residual
-        Relative residual at the end.
-    fraction
-        Share of the stage's load that was reached: 1 unless the analysis failed.
-    summary
-        One line for every form.
-    forms
-        Forms by name, as they are in the stage.
-    time
-        Time at the end: the durations of all stages so far.
+    name, time
+        Name of the stage, and time at its end: the durations of all stages so far.
+    x, load : ndarray, shape (N,)
+        Displacements with the other degrees of freedom behind them, and external forces.
+    forms, states, summary
+        Forms by name as they are in the stage, their accepted states, and one line of text for each.
+    iterations, residual, fraction
+        Newton iterations of every increment, relative residual at the end, and share of the stage's load that was
+        reached: 1 unless the analysis failed.
     increments
         Accepted increments that were kept, in their order.
 
@@ -87,15 +75,7 @@ class StageResult(files.StageData):
         return tractions(self._form(pair, ContactPair, "contact pair"), self.states[pair])
 
     def report(self, pair: str) -> ContactReport:
-        """Return resultants, status and penetration of a contact pair.
-
-        Examples
-        --------
-        >>> from skfem_contact.demo import culvert
-        >>> print(culvert().result["gravity"].report("skin"))
-        contact of culvert:outer on soil:bore: ... stick, ... slip, 0 open
-        ...
-        """
+        """Return resultants, status and penetration of a contact pair."""
         form = self._form(pair, ContactPair, "contact pair")
         return contact_report(form, self.x[:form.size], self.states[pair])
 
@@ -243,9 +223,17 @@ class Result:
 
     Examples
     --------
-    >>> from skfem_contact.results import Result
-    >>> print(Result(()))
+    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+    >>> import skfem_contact as sc
+    >>> basis = Basis(MeshQuad().refined(1).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+    >>> forms = {"ground": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=.3))}
+    >>> result = sc.run(forms, [sc.Stage("gravity", sc.weight(basis, 20.))], basis.get_dofs("bottom").all())
+    >>> print(result)
     stage            increments  iterations  residual  load    what the bodies carry
+    gravity                   1           1   ...  100%
+    >>> start = result.reset()["gravity"]
+    >>> bool(start.x.any()), bool(start.states["ground"].stress.any())
+    (False, True)
     """
 
     stages: tuple[StageResult, ...]
@@ -297,18 +285,7 @@ class Result:
         list of Path
             Written files, the series first.
         """
-        file = Path(file)
-        steps = [part for stage in self for part in stage.increments or (stage,)]
-        paths = [file.with_name(f"{file.stem}_{number}.vtu") for number in range(len(steps))]
-        solids = {name: form for step in steps for name, form in fields.solids(step).items()}
-        for path, step in zip(paths, steps, strict=True):
-            export.grid(step, solids).write(path, file_format="vtu")
-        times = [step.time for step in steps] if any(step.time for step in steps) else range(len(steps))
-        lines = [f'    <DataSet timestep="{time:g}" name={quoteattr(step.name)} file={quoteattr(path.name)}/>'
-                 for time, step, path in zip(times, steps, paths, strict=True)]
-        file.write_text("\n".join(['<?xml version="1.0"?>', '<VTKFile type="Collection" version="0.1">',
-                                   "  <Collection>", *lines, "  </Collection>", "</VTKFile>", ""]), encoding="utf-8")
-        return [file, *paths]
+        return export.series(file, [part for stage in self for part in stage.increments or (stage,)])
 
     def reset(self) -> Result:
         """Return the result with displacements counted from its end on: they become zero, and all forces stay.
@@ -324,17 +301,6 @@ class Result:
         ------
         ValueError
             A form without a ``rebased`` of its own changes its internal force.
-
-        Examples
-        --------
-        >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
-        >>> import skfem_contact as sc
-        >>> basis = Basis(MeshQuad().refined(1).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
-        >>> forms = {"ground": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=.3))}
-        >>> fixed = basis.get_dofs("bottom").all()
-        >>> start = sc.run(forms, [sc.Stage("gravity", sc.weight(basis, 20.))], fixed).reset()
-        >>> bool(start["gravity"].x.any()), bool(start["gravity"].states["ground"].stress.any())
-        (False, True)
         """
         last = self[-1]
         x = np.zeros_like(last.x)
@@ -419,6 +385,8 @@ def of(model: Any, x: ndarray, states: Mapping[str, Any], *, load: ndarray | Non
     given = as_forms(getattr(model, "forms", model))
     forms = {name: look_up(name, given, "form") for name in states}
     for name, form in forms.items():
+        if np.ndim(x) != 1 or len(x) < (form.size or 0):
+            raise ValueError(f"displacements of '{name}' have shape {np.shape(x)}, not ({form.size or 'N'},)")
         if not form.fits(states[name]):
             raise ValueError(f"the state of '{name}' belongs to another form: {type(states[name]).__name__}")
     return StageResult("state", x, np.zeros_like(x) if load is None else load, states, (), 0.0, forms=forms)

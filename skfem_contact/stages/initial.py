@@ -19,8 +19,8 @@ from ..loads import by_element
 from ..materials.elastic import LinearElastic
 from ..nonlinear.evaluation import Evaluation
 from ..nonlinear.system import System
-from .activation import acts_on, among, check_contacts
 from ..results.result import Result, StageResult
+from .activation import acts_on, among, check_contacts
 from .run import Stage, run
 from .setup import build_system, on_all, unknowns_of
 from .supports import all_unknowns, as_unknowns

@@ -16,9 +16,9 @@ from ..nonlinear.newton import Newton
 from ..nonlinear.stepping import Predictor, Stepping
 from ..nonlinear.system import System
 from ..nonlinear.time_steps import solve_step
+from ..results.result import Result, StageResult
 from ..solvers.threads import single_threaded
 from .activation import Phase, among, begin, check_start, plan, state_changes
-from ..results.result import Result, StageResult
 from .setup import system_of
 from .supports import as_unknowns
 

@@ -12,8 +12,8 @@ from ..errors import look_up
 from ..forms.base import Form, as_forms, solids_of
 from ..layout import Layout
 from ..nonlinear.system import System
-from ..solvers.choice import linear_solver
 from ..results.result import StageResult
+from ..solvers.choice import linear_solver
 from .supports import all_unknowns, as_unknowns, check_supports
 
 

@@ -25,6 +25,7 @@ from skfem import (
 )
 
 import skfem_contact as sc
+from skfem_contact.results import Result
 
 from .frames import Frame
 from .scenes import STRAIN, Scene
@@ -47,7 +48,7 @@ class Model:
     fixed: ndarray
     frame: Frame
 
-    def run(self, stages: Sequence[sc.Stage] | None = None, start: sc.results.Result | None = None) -> sc.results.Result:
+    def run(self, stages: Sequence[sc.Stage] | None = None, start: Result | None = None) -> Result:
         """The analysis, to a residual that the comparisons do not see."""
         newton = sc.Newton(tolerance=1e-10, max_iterations=25)
         return sc.run(self.forms, list(stages or self.stages), self.fixed, start=start, newton=newton, progress=False)

@@ -14,6 +14,7 @@ from skfem import Basis, ElementTriP2, ElementVector
 from slope_meshes import held, reduced_slope, slope_mesh
 
 import skfem_contact as sc
+from skfem_contact.results import Result
 
 SOIL = {"E": 1e5, "nu": 0.3, "c": 10.0, "phi": 20.0}
 
@@ -135,7 +136,7 @@ def test_soil_torn_from_all_sides():
     apex = 1.0 / np.tan(np.radians(30.0))
     np.testing.assert_allclose(step.states["soil"].stress[:3], apex, rtol=1e-9)
     np.testing.assert_allclose(step.states["soil"].stress[3], 0.0, atol=1e-9)
-    back = sc.run(forms, [sc.Stage("back", basis.zeros(), 0.999 * x)], edge, sc.results.Result((step,)), progress=False)["back"]
+    back = sc.run(forms, [sc.Stage("back", basis.zeros(), 0.999 * x)], edge, Result((step,)), progress=False)["back"]
     assert (back.states["soil"].stress[:3] < apex - 1e-3).all()  # unloading is elastic
 
 
