@@ -41,7 +41,7 @@ class Field:
         How much of the unknown goes with a unit of displacement: E/h for a pressure, 1/h for a rotation. Linear systems
         are solved in scaled unknowns: without it a direct solver pivots off its order.
     moves
-        Whether they are motions, which :func:`reset_displacements` sets to zero: pressures are not.
+        Whether they are motions, which :meth:`Result.reset` sets to zero: pressures are not.
 
     Examples
     --------

@@ -154,7 +154,7 @@ def history(forms: Mapping[str, Any], result: Result, quantity: str, at: Mapping
     forms, result
         Forms by name and the result of their analysis.
     quantity
-        A field of :func:`~skfem_contact.nodal_field`.
+        A field of :meth:`~skfem_contact.results.StageResult.field`.
     at
         Places (x, y) by their labels; the nearest nodes are taken. Stages in which no solid is there have no value.
     time

@@ -126,7 +126,8 @@ def _records(stream: BinaryIO) -> tuple[list[bytes], int]:
     stream.seek(0)
     if stream.read(len(_MAGIC)) != _MAGIC:
         raise ValueError(f"{stream.name} is no file of appended increments: give it another name")
-    records, end = [], len(_MAGIC)
+    records: list[bytes] = []
+    end = len(_MAGIC)
     size = os.fstat(stream.fileno()).st_size
     while len(prefix := stream.read(_PREFIX.size)) == _PREFIX.size:
         length, checksum = _PREFIX.unpack(prefix)

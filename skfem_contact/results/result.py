@@ -367,20 +367,17 @@ def of(model: Any, x: ndarray, states: Mapping[str, Any], *, load: ndarray | Non
     --------
     >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
     >>> import skfem_contact as sc
-    >>> block = MeshQuad().refined(1).with_defaults()
-    >>> mesh = sc.join_bodies({"lower": block, "upper": block.translated((0., 1.))})
-    >>> basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
-    >>> pair = sc.ContactPair(basis, "upper:bottom", "lower:top", sc.Coulomb(mu=.3), "nodal", penalty=1e4)
+    >>> basis = Basis(MeshQuad().with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+    >>> line = sc.rigid_line((-1., 0.), (2., 0.))
+    >>> floor = sc.ContactPair(basis, "bottom", line, sc.Coulomb(mu=.3), "nodal", penalty=1e4)
     >>> x = basis.zeros()
-    >>> x[basis.nodal_dofs[1, mesh.t[:, mesh.subdomains["upper"]]]] = -1e-3     # press the upper block down
-    >>> stage = sc.results.of({"joint": pair}, x, {"joint": pair.assemble(x, pair.initial_state()).state})
-    >>> stage.tractions("joint").pressure.round(9).tolist()
-    [10.0, 10.0, 10.0]
-    >>> print(stage.report("joint"))
-    contact of upper:bottom on lower:top: 3 stick, 0 slip, 0 open
+    >>> x[basis.nodal_dofs[1]] = -1e-3
+    >>> stage = sc.results.of({"floor": floor}, x, {"floor": floor.assemble(x, floor.initial_state()).state})
+    >>> print(stage.report("floor"))
+    contact of bottom on obstacle: 2 stick, 0 slip, 0 open
       pressure           10   resultant on the slave (0, 10)
       friction            0   resultant on the slave (0, 0)
-      friction over pressure at most 0.000, penetration at most 0.20% of a segment
+      friction over pressure at most 0.000, penetration at most 0.10% of a segment
     """
     given = as_forms(getattr(model, "forms", model))
     forms = {name: look_up(name, given, "form") for name in states}
