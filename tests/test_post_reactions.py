@@ -43,9 +43,9 @@ def test_reactions_balance_the_load():
 
 def test_forms_of_the_right_kind_are_needed():
     stage = pushed_block()[2]["pushed"]
-    with pytest.raises(ValueError, match=r"'base' is a SolidForm, no contact pair; there are \['joint'\]"):
+    with pytest.raises(ValueError, match=r"'base' is a SolidForm, no ContactPair; there are \['joint'\]"):
         stage.report("base")
-    with pytest.raises(ValueError, match=r"'joint' is a ContactPair, no solid; there are \['base'"):
+    with pytest.raises(ValueError, match=r"'joint' is a ContactPair, no SolidForm; there are \['base'"):
         stage.pore_pressure("joint")
     with pytest.raises(ValueError, match="no form in stage 'pushed' 'skin'"):
         stage.tractions("skin")

@@ -199,7 +199,7 @@ def test_what_is_no_solid_is_refused():
     basis = vector_basis(grid("Q1", [0, 1, 2], [0, 1]), "Q1")
     bar = sc.Bar(basis, (0, 0), (2, 0), EA=1.0)
     stage = sc.results.of({"bar": bar}, basis.zeros(), {"bar": bar.initial_state()})
-    with pytest.raises(ValueError, match=r"'bar' is a Bar, no solid; there are \[\]"):
+    with pytest.raises(ValueError, match=r"'bar' is a Bar, no SolidForm; there are \[\]"):
         stage.section_forces("bar", sc.Sections.line((0, 0.5), (2, 0.5), depth=1.0))
 
 

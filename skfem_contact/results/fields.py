@@ -99,7 +99,7 @@ def region_field(stage: StageData, name: str, since: StageData | None = None, wa
         return values - _excess(since, nodes)
     if water is None:
         return values
-    pressure: Callable[[ndarray], ndarray] = getattr(water, "pressure_at", water)
+    pressure: Any = getattr(water, "pressure_at", water)
     return values + pressure(basis.doflocs[:, basis.mesh.dim() * nodes])
 
 

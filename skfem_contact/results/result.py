@@ -65,19 +65,13 @@ class StageResult(files.StageData):
         return carried(self.forms, self.x, self.states) - self.load
 
     def tractions(self, pair: str) -> Tractions:
-        """Return tractions, gaps and slips of a contact pair.
-
-        Raises
-        ------
-        ValueError
-            The stage holds no contact pair of that name.
-        """
-        return tractions(self._form(pair, ContactPair, "contact pair"), self.states[pair])
+        """Return tractions, gaps and slips of a contact pair."""
+        return tractions(*self._of(pair, ContactPair))
 
     def report(self, pair: str) -> ContactReport:
         """Return resultants, status and penetration of a contact pair."""
-        form = self._form(pair, ContactPair, "contact pair")
-        return contact_report(form, self.x[:form.size], self.states[pair])
+        form, state = self._of(pair, ContactPair)
+        return contact_report(form, self.x[:form.size], state)
 
     def section_forces(self, solid: str, sections: Sections) -> SectionForces:
         """Return normal force, shear force and moment at sections of a body.
@@ -89,26 +83,20 @@ class StageResult(files.StageData):
         sections
             Cuts, :meth:`Sections.ring` or :meth:`Sections.line`.
 
-        Raises
-        ------
-        ValueError
-            No solid of that name, a section that cuts no element, or sections of another dimension than the body.
-
         Notes
         -----
-        Between two lines of nodes the forces are interpolated linearly. At the very end of a body, where there is no
-        second layer of elements, the forces are those of the last layer. A curved body whose elements form no layers
-        has chords for its arcs: with elements of length h its moment is uncertain by ``N h**2 / 8 R``.
+        Between two lines of nodes the forces are interpolated linearly. At the very end of a body the forces are those
+        of the last layer of elements. A curved body whose elements form no layers has chords for its arcs: with
+        elements of length h its moment is uncertain by ``N h**2 / 8 R``.
         """
-        return section_forces(self._form(solid, SolidForm, "solid"), self.states[solid], sections)
+        return section_forces(*self._of(solid, SolidForm), sections)
 
     def field(self, name: str, since: StageResult | None = None, *, water: fields.Water | None = None) -> ndarray:
-        """Return a field at the nodes.
+        """Return a field at the nodes, shape (N / dim,), the mesh's vertices first; NaN at nodes of no solid.
 
         Stresses are recovered at the nodes of every region of every body from the forces and the stresses of its
-        elements (:doc:`theory </theory/recovery>`). No value is taken across a contact or from another material. A node
-        between two regions has their mean here, and both values in pictures and files. Invariants are those of the
-        recovered stress.
+        elements (:doc:`theory </theory/recovery>`). A node between two regions has the mean of both values; pictures
+        and files have both. Invariants are those of the recovered stress.
 
         Parameters
         ----------
@@ -125,30 +113,15 @@ class StageResult(files.StageData):
         water
             Given pore pressure: a :class:`~skfem_contact.water.Seepage`, or a function of coordinates such as
             :func:`hydrostatic`.
-
-        Returns
-        -------
-        ndarray, shape (N / dim,)
-            Values at the nodes of the basis, the mesh's vertices first; NaN at nodes of no solid.
-
-        Raises
-        ------
-        ValueError
-            Unknown field, or no solid in the stage.
         """
         return fields.nodal_field(self, name, since, water)
 
     def pore_pressure(self, solid: str) -> ndarray:
-        """Return the excess pore pressure of :class:`Undrained` soil at integration points, zero in other regions.
+        """Return the excess pore pressure of :class:`Undrained` soil at points, (n_elements, n_points), zero elsewhere.
 
-        It adds to the pressure of :func:`water_load`, which is part of the load.
-
-        Returns
-        -------
-        ndarray, shape (n_elements, n_points)
-            Pressure, positive in compression, in the order of the solid's basis.
+        Compression is positive. The pressure of :func:`water_load`, which is part of the load, is not included.
         """
-        return strength.pore_pressure(self._form(solid, SolidForm, "solid"), self.states[solid])
+        return strength.pore_pressure(*self._of(solid, SolidForm))
 
     def undrained_strength(self, solid: str) -> dict[str, ndarray]:
         r"""Return the undrained shear strength in plane strain that follows from the stresses in the ground.
@@ -158,20 +131,10 @@ class StageResult(files.StageData):
 
         .. math:: s_u = c \cos\varphi + s' \sin\varphi .
 
-        Stresses are effective where :func:`water_load` acts.
-
-        Returns
-        -------
-        dict
-            By region with `c` and `phi`: an array, shape (n_elements,), the mean of the points of each element and at
-            least zero, to be the `c` of :class:`Tresca` in that region.
-
-        Raises
-        ------
-        ValueError
-            A solid in space, or no region with `c` and `phi`.
+        Stresses are effective where :func:`water_load` acts. Every region with `c` and `phi` has an array, shape
+        (n_elements,): means of the points of each element, at least zero, to be the `c` of :class:`Tresca`.
         """
-        return strength.undrained_strength(self._form(solid, SolidForm, "solid"), self.states[solid])
+        return strength.undrained_strength(*self._of(solid, SolidForm))
 
     def to_vtu(self, file: str | Path) -> None:
         """Write the solids and the contact to a ``.vtu`` file.
@@ -205,12 +168,13 @@ class StageResult(files.StageData):
 
         return contour(self.forms, self, quantity, **options)
 
-    def _form(self, name: str, kind: type, noun: str) -> Any:
+    def _of(self, name: str, kind: type) -> tuple[Any, Any]:
+        """Return a form of a kind, and its state."""
         form = look_up(name, self.forms, f"form in stage '{self.name}'")
         if not isinstance(form, kind):
-            raise ValueError(f"'{name}' is a {type(form).__name__}, no {noun}; there are "
+            raise ValueError(f"'{name}' is a {type(form).__name__}, no {kind.__name__}; there are "
                              f"{[key for key, other in self.forms.items() if isinstance(other, kind)]}")
-        return form
+        return form, self.states[name]
 
     def __repr__(self) -> str:
         return (f"<StageResult '{self.name}', {self.fraction:.0%} of its load, {len(self.x)} unknowns, "
@@ -272,18 +236,10 @@ class Result:
         files.write(file, self.stages)
 
     def to_pvd(self, file: str | Path) -> list[Path]:
-        """Write a series for ParaView: a ``.pvd`` file and beside it a ``.vtu`` file for each stage.
+        """Write a ``.pvd`` series for ParaView, and beside it a ``.vtu`` file for each stage or kept increment.
 
-        Parameters
-        ----------
-        file
-            Name of the series, ``"dig.pvd"``; the stages are ``dig_0.vtu``, ``dig_1.vtu``, ... Kept increments are
-            parts of the series. Its time is that of the analysis where stages have a duration, otherwise a number.
-
-        Returns
-        -------
-        list of Path
-            Written files, the series first.
+        ``"dig.pvd"`` has the parts ``dig_0.vtu``, ``dig_1.vtu``, ... Its time is that of the analysis where stages have
+        a duration, otherwise a number. The names of the written files are returned, the series first.
         """
         return export.series(file, [part for stage in self for part in stage.increments or (stage,)])
 
@@ -291,11 +247,6 @@ class Result:
         """Return the result with displacements counted from its end on: they become zero, and all forces stay.
 
         Contact has followed the bodies and comes back with them: a stage of the same load finds equilibrium there.
-
-        Returns
-        -------
-        Result
-            The same stages; the last one has no displacements.
 
         Raises
         ------
@@ -315,8 +266,8 @@ class Result:
             change = float(np.abs(form.assemble(x[:form.size], states[name]).force - before).max(initial=0.0))
             scale = max(scale, float(np.abs(before).max(initial=0.0)))
             if change > _SAME_FORCE * scale:
-                raise ValueError(f"the force of '{name}' changes by {change:.3g} when displacements are reset: give "
-                                 f"{type(form).__name__} a method rebased(x, state) that returns a state whose force "
+                raise ValueError(f"the force of '{name}' changes by {change:.3g} when displacements are reset: give it "
+                                 "a method rebased(x, state) that returns a state whose force "
                                  "at zero displacements is that at x")
         return Result((*self.stages[:-1], replace(last, x=x, states=states)))
 
