@@ -235,8 +235,8 @@ def test_free_surface_is_the_water_table():
     rows = [np.flatnonzero(marked.sum(axis=1) > 0.3 * marked.shape[1]).mean() for marked in blue]
     # the transition between wet and dry is a part of an element wide
     assert rows[1] == rows[2] == pytest.approx(rows[0], abs=5) == pytest.approx(len(blue[0]) / 2, rel=0.1)
-    assert headline(forms, "pore", None, water) == "Pore pressure"
-    assert headline(forms, "pore", None) == "Excess pore pressure"
+    assert headline(step, "pore", None, water) == "Pore pressure"
+    assert headline(step, "pore", None) == "Excess pore pressure"
 
 
 @needs_opengl
@@ -452,7 +452,7 @@ def test_tractions_are_drawn_as_the_slave_exerts_them():
 
     model = culvert()
     stage = model.result["surcharge"]
-    (interface,) = interfaces(model.forms, stage).values()
+    (interface,) = interfaces(stage).values()
     t, normal = interface.tractions, interface.normal
     against = np.column_stack((-normal[:, 1], normal[:, 0]))
     total = (t.weight[:, None] * (t.pressure[:, None] * normal + t.shear[:, None] * against)).sum(axis=0)

@@ -119,9 +119,9 @@ def solids(stage: StageData) -> dict[str, SolidForm]:
     """Return the solids of a stage."""
     if not isinstance(stage, StageData):
         raise ValueError(f"one stage is needed, result[name of the stage], not {type(stage).__name__}")
-    there = {name: form for name, form in stage.forms.items() if isinstance(form, SolidForm)}
+    there = {name: form for name, form in stage.forms.items() if isinstance(form, SolidForm) and name in stage.states}
     if not there:
-        raise ValueError(f"there is no SolidForm in stage '{stage.name}', which holds {list(stage.forms)}")
+        raise ValueError(f"there is no SolidForm in stage '{stage.name}', which holds {list(stage.states)}")
     return there
 
 

@@ -4,7 +4,10 @@ The resultant of a cut follows from equilibrium, not from sampled stresses. For 
 cut and a rigid motion in front of it, the internal forces of the elements between do the work of the forces that the
 front exerts on the back. The share ``phi`` of the motion rises linearly over the length of one layer of elements about
 the cut. On a line of nodes the resultant is the mean of the nodal forces on both sides; between two lines it
-interpolates. The resultants are in equilibrium with all loads and contact forces beyond, however coarse the mesh.
+interpolates. The resultants are in equilibrium with all loads and contact forces beyond, however coarse the mesh. Where
+the body is joined to more on one side, at the face of a wall or at the corner of a frame, elements beside the sections
+would do work in that motion. There the share jumps, from the nodes of the cut to those in front of it or behind it: the
+resultant is that of the nodal forces of the elements on the free side.
 """
 from __future__ import annotations
 
@@ -219,7 +222,8 @@ def _lines(form: SolidForm, sections: Sections) -> tuple[ndarray, ndarray]:
 
     Between lines the axis is a chord: a moment about the arc would miss the thrust times the distance of both.
     """
-    section, _, _, s = _layers(form, sections)
+    section, _, _, s, inside = _layers(form, sections)
+    section, s = section[inside], s[inside]
     ends = np.array((s.min(axis=1), s.max(axis=1)))
     between = (np.abs(ends).min(axis=0) > _ROUND_OFF * np.ptp(ends, axis=0)) & (ends[0] < 0.0) & (ends[1] > 0.0)
     count = np.maximum(np.bincount(section[between], minlength=len(sections.position)), 1)
@@ -227,32 +231,41 @@ def _lines(form: SolidForm, sections: Sections) -> tuple[ndarray, ndarray]:
     return back, front
 
 
-def _layers(form: SolidForm, sections: Sections) -> tuple[ndarray, ndarray, ndarray, ndarray]:
-    """Return pairs of a section and a near element, nodes (pairs, nodes, dim), and their positions along the axis."""
-    nodes, section, element = _near(form, sections)
-    dim = len(form.basis.doflocs)
-    points = form.basis.doflocs[:, dim * nodes[element]].transpose(1, 2, 0)
-    flat = np.repeat(section, points.shape[1])
-    s = sections.local(flat, points.reshape(-1, dim))[0].reshape(points.shape[:2])
-    return section, element, points, s
+def _layers(form: SolidForm, sections: Sections) -> tuple[ndarray, ndarray, ndarray, ndarray, ndarray]:
+    """Return sections, near elements, nodes (pairs, nodes), positions of nodes along the axis, and masks.
+
+    Masks are True for elements of the body that the sections cut.
+    """
+    nodes, dim = nodes_of(form.basis), len(form.basis.doflocs)
+    points = form.basis.doflocs[:, dim * nodes]
+    centroid = points.mean(axis=2).T
+    largest = float(np.ptp(points, axis=2).max()) * np.sqrt(dim)
+    hits = cKDTree(centroid).query_ball_point(sections.center, sections.half_depth + 1.5 * largest)
+    section = np.repeat(np.arange(len(hits)), [len(h) for h in hits])
+    element = np.concatenate([np.asarray(h, dtype=int) for h in hits])
+    flat = np.repeat(section, nodes.shape[1])
+    s = sections.local(flat, points[:, element].reshape(dim, -1).T)[0].reshape(len(element), -1)
+    inside = np.abs(sections.local(section, centroid[element])[1]) <= sections.half_depth[section]
+    return section, element, nodes[element], s, inside
 
 
 def _cut(form: SolidForm, state: SolidState, sections: Sections) -> tuple[ndarray, ndarray, ndarray]:
     """Return sections and nodes, (pairs, nodes, dim), of cut elements, and forces on the nodes by virtual motions."""
-    n = len(sections.position)
-    section, element, points, s = _layers(form, sections)
+    n, dim = len(sections.position), len(form.basis.doflocs)
+    section, element, nodes, s, inside = _layers(form, sections)
     length = np.ptp(s, axis=1)
-    crossing = (s.min(axis=1) <= _ROUND_OFF * length) & (s.max(axis=1) >= -_ROUND_OFF * length)
+    crossing = inside & (s.min(axis=1) <= _ROUND_OFF * length) & (s.max(axis=1) >= -_ROUND_OFF * length)
     count = np.bincount(section[crossing], minlength=n)
     if not count.all():
         at = sections.center[np.flatnonzero(count == 0)[0]]
         raise ValueError(f"{(count == 0).sum()} of {n} sections cut no element of the solid; the first is at "
                          f"{place(at)}")
     layer = np.bincount(section[crossing], length[crossing], minlength=n) / count
-    phi = np.clip(s / layer[section, None] + 0.5, 0.0, 1.0)
+    phi = _shares(section, nodes, s / layer[section, None], inside)
 
-    active = np.ptp(phi, axis=1) > 0.0
-    section, element, points, phi = section[active], element[active], points[active], phi[active]
+    active = inside & (np.ptp(phi, axis=1) > 0.0)
+    section, element, phi = section[active], element[active], phi[active]
+    points = form.basis.doflocs[:, dim * nodes[active]].transpose(1, 2, 0)
     lowest, highest = np.full(n, 1.0), np.zeros(n)  # 0 and 1, but for the ends of the body
     np.minimum.at(lowest, section, phi.min(axis=1))
     np.maximum.at(highest, section, phi.max(axis=1))
@@ -261,18 +274,24 @@ def _cut(form: SolidForm, state: SolidState, sections: Sections) -> tuple[ndarra
     return section, points, np.einsum("pn,ncp->pnc", phi / (highest - lowest)[section, None], forces)
 
 
-def _near(form: SolidForm, sections: Sections) -> tuple[ndarray, ndarray, ndarray]:
-    """Return the nodes of all elements, and the pairs of a section and an element that may touch its layer."""
-    nodes, dim = nodes_of(form.basis), len(form.basis.doflocs)
-    points = form.basis.doflocs[:, dim * nodes]
-    centroid = points.mean(axis=2).T
-    largest = float(np.ptp(points, axis=2).max()) * np.sqrt(dim)
-    hits = cKDTree(centroid).query_ball_point(sections.center, sections.half_depth + 1.5 * largest)
-    section = np.repeat(np.arange(len(hits)), [len(h) for h in hits])
-    element = np.concatenate([np.asarray(h, dtype=int) for h in hits])
-    y = sections.local(section, centroid[element])[1]
-    inside = np.abs(y) <= sections.half_depth[section]
-    return nodes, section[inside], element[inside]
+def _shares(section: ndarray, nodes: ndarray, s: ndarray, inside: ndarray) -> ndarray:
+    """Return the share of the virtual motion at nodes, (pairs, nodes), with which no other element does work."""
+    linear, *jumps = np.clip(s + 0.5, 0.0, 1.0), np.where(s > _ROUND_OFF, 1.0, 0.0), np.where(s < -_ROUND_OFF, 0.0, 1.0)
+    shares, key = linear, section[:, None] * (nodes.max() + 1) + nodes
+    left = _do_work(section, key, linear, inside)
+    for jump in jumps:
+        free = left & ~_do_work(section, key, jump, inside)
+        shares = np.where(free[section, None], jump, shares)
+        left = left & ~free
+    return shares
+
+
+def _do_work(section: ndarray, key: ndarray, phi: ndarray, inside: ndarray) -> ndarray:
+    """Return True for sections where elements beside the body, joined to its deformed ones, are deformed."""
+    deformed = np.ptp(phi, axis=1) > 0.0
+    beside = deformed & ~inside
+    joined = np.isin(key[beside], key[deformed & inside]).any(axis=1)
+    return np.bincount(section[beside][joined], minlength=int(section.max()) + 1) > 0
 
 
 def _resultants(sections: Sections, section: ndarray, points: ndarray, forces: ndarray) -> SectionForces:
