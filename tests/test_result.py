@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from helpers import grid, vector_basis
-from skfem import FacetBasis, LinearForm
+from scipy.sparse import csr_matrix
+from skfem import Basis, ElementQuad1, ElementVector, FacetBasis, LinearForm, MeshQuad
 
 import skfem_contact as sc
 from skfem_contact.results import Result
@@ -196,3 +197,45 @@ def test_save_and_load_after_sliding(tmp_path):
     # forces of the order of one; a new factor of the same matrix rounds in another way
     one, other = (result["4"].states["joint"].traction[0] for result in (resumed, whole))
     np.testing.assert_allclose(one, other, atol=1e-9)
+
+
+class _Anchor(sc.Form):
+    """A spring to the ground without a state: its force is lost where displacements are counted anew."""
+
+    def __init__(self, n, dofs, stiffness):
+        self.K = csr_matrix((np.full(len(dofs), stiffness), (dofs, dofs)), shape=(n, n))
+
+    def initial_state(self, x=None):
+        return None
+
+    def assemble(self, x, state):
+        return sc.Response(self.K @ x, lambda: state, lambda: self.K)
+
+
+class _RebasedAnchor(_Anchor):
+    """The same with the displacements at which it began."""
+
+    def initial_state(self, x=None):
+        return np.zeros(self.K.shape[0])
+
+    def assemble(self, x, state):
+        return sc.Response(self.K @ (x - state), lambda: state, lambda: self.K)
+
+    def rebased(self, x, state):
+        return state - x
+
+
+def test_reset_keeps_all_forces():
+    """[X] A form that loses its force is named; with `rebased` of its own a stage of the same load moves nothing."""
+    basis = Basis(MeshQuad().refined(2).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+    fixed, load = basis.get_dofs().all("u^1"), sc.weight(basis, 20.0)
+    for kind in (_Anchor, _RebasedAnchor):
+        forms = {"body": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.0)),
+                 "anchor": kind(basis.N, basis.get_dofs("bottom").all("u^2"), 100.0)}  # fmt: skip
+        first = sc.run(forms, [sc.Stage("weight", load)], fixed, progress=False)
+        if kind is _Anchor:
+            with pytest.raises(ValueError, match=r"the force of 'anchor' changes by 4\.17 when .* rebased\(x, state\)"):
+                first.reset()
+            continue
+        null = sc.run(forms, [sc.Stage("null", load)], fixed, start=first.reset(), progress=False)["null"]
+        assert np.abs(null.x).max() < 1e-9 * np.abs(first["weight"].x).max()
