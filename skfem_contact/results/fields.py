@@ -1,4 +1,4 @@
-"""Fields at nodes, region by region: displacements, strains, stresses and what follows from them."""
+"""Fields at nodes, region by region: displacements, strains, stresses and derived quantities."""
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
