@@ -145,13 +145,13 @@ def test_load_for_other_forms(example, tmp_path):
     with pytest.raises(ValueError, match=r"it holds the forms \['blocks', 'joint'\], not \['blocks'\]"):
         sc.load_result(file, {"blocks": forms["blocks"]})
     finer = blocks(n=4)[1]
-    with pytest.raises(ValueError, match="'blocks' stands on another mesh"):
+    with pytest.raises(ValueError, match="'blocks' has another mesh"):
         sc.load_result(file, finer)
     other = blocks(quadrature="segments")[1]
     with pytest.raises(ValueError, match="'joint' is another form there"):
         sc.load_result(file, other)
     swapped = {"blocks": forms["joint"], "joint": forms["blocks"]}
-    with pytest.raises(ValueError, match=r"'blocks' stands on another mesh"):
+    with pytest.raises(ValueError, match=r"'blocks' has another mesh"):
         sc.load_result(file, swapped)
 
 

@@ -89,7 +89,7 @@ def region_field(stage: StageData, name: str, since: StageData | None = None, wa
     quantity = look_up(name, quantities(stage), "field")
     if name == "pore" and water is None and not has_excess(stage):
         raise ValueError("pore pressure where there is no PoreWater and no ground is Undrained: give water=, a Seepage "
-                         "or a function of places such as hydrostatic(level)")
+                         "or a function of coordinates such as hydrostatic(level)")
     values = np.concatenate([_of_form(form, stage, key, quantity, since) for key, form in there.items()])
     if name != "pore":
         return values

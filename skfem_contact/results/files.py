@@ -196,7 +196,7 @@ def _stage(arrays: Mapping[str, ndarray], key: str, head: Mapping[str, Any], giv
     states: dict[str, Any] = {}
     for name, form in forms.items():
         if not np.allclose(head["meshes"].get(name, _fingerprint(form)), _fingerprint(form), rtol=1e-9, atol=0.0):
-            raise ValueError(f"'{name}' stands on another mesh")
+            raise ValueError(f"'{name}' has another mesh")
         initial = form.initial_state()
         keys = {part: f"{key}/{name}/{part}" for part in arrays_of(initial)}
         parts = {part: arrays[path] for part, path in keys.items() if path in arrays}

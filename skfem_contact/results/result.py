@@ -20,7 +20,7 @@ from .tractions import ContactReport, Tractions, contact_report, tractions
 
 #: Change of a form's internal force at a reset, as a share of all forces, that is more than round-off.
 _SAME_FORCE = 1e-9
-_COLUMNS = ("stage", "increments", "iterations", "residual", "load", "what the bodies carry")
+_COLUMNS = ("stage", "increments", "iterations", "residual", "load", "state")
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class StageResult(files.StageData):
     >>> bottom = basis.get_dofs("bottom")
     >>> stage = sc.run(forms, [sc.Stage("weight", sc.weight(basis, 20.))], bottom.all())["weight"]
     >>> stage
-    <StageResult 'weight', 100% of its load, 50 unknowns, forms: block>
+    <StageResult 'weight', 100% of its load, 50 dofs, forms: block>
     >>> round(float(stage.reactions()[bottom.all("u^2")].sum()), 9)
     20.0
     >>> stage.section_forces("block", sc.Sections.line((.5, 0.), (.5, 1.), depth=1., n=3)).N.round(9).tolist()
@@ -139,9 +139,9 @@ class StageResult(files.StageData):
     def to_vtu(self, file: str | Path) -> None:
         """Write the solids and the contact to a ``.vtu`` file.
 
-        Points carry the ``displacement``, the recovered ``stress`` and ``strain`` (xx, yy, zz, xy, yz, xz; engineering
+        Points have the ``displacement``, the recovered ``stress`` and ``strain`` (xx, yy, zz, xy, yz, xz; engineering
         shear) and the equivalent ``plastic_strain``. Regions share no points, so that no value is averaged between
-        regions. Cells carry means of ``stress`` and ``plastic_strain``, the number of the ``body``, in the order of
+        regions. Cells have means of ``stress`` and ``plastic_strain``, the number of the ``body``, in the order of
         :func:`~skfem_contact.mesh.join.bodies`, and of the ``region``, counted through the materials of all solids. The
         slave's facets of every contact pair are cells with ``pressure``, ``shear``, ``gap``, ``slip`` and ``status``.
         Quadratic elements stay quadratic.
@@ -177,7 +177,7 @@ class StageResult(files.StageData):
         return form, self.states[name]
 
     def __repr__(self) -> str:
-        return (f"<StageResult '{self.name}', {self.fraction:.0%} of its load, {len(self.x)} unknowns, "
+        return (f"<StageResult '{self.name}', {self.fraction:.0%} of its load, {len(self.x)} dofs, "
                 f"forms: {', '.join(self.states)}>")
 
 
@@ -193,7 +193,7 @@ class Result:
     >>> forms = {"ground": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=.3))}
     >>> result = sc.run(forms, [sc.Stage("gravity", sc.weight(basis, 20.))], basis.get_dofs("bottom").all())
     >>> print(result)
-    stage            increments  iterations  residual  load    what the bodies carry
+    stage            increments  iterations  residual  load    state
     gravity                   1           1   ...  100%
     >>> start = result.reset()["gravity"]
     >>> bool(start.x.any()), bool(start.states["ground"].stress.any())
@@ -261,7 +261,7 @@ class Result:
         scale = float(np.abs(last.load).max(initial=0.0))
         for name, form in last.forms.items():
             if getattr(form.rebased, "__func__", None) is not Form.rebased:
-                continue  # the form has an answer of its own: contact follows the bodies
+                continue  # the form has a rule of its own: contact follows the bodies
             before = form.assemble(last.x[:form.size], last.states[name]).force
             change = float(np.abs(form.assemble(x[:form.size], states[name]).force - before).max(initial=0.0))
             scale = max(scale, float(np.abs(before).max(initial=0.0)))

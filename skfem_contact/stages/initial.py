@@ -83,7 +83,7 @@ def given_state(forms: Mapping[str, Form], load: ndarray, fixed: ndarray, stress
     >>> start = sc.given_state(forms, sc.weight(basis, 20.), fixed,
     ...                        lambda x: np.stack((.5 * above(x), above(x), .5 * above(x), 0. * above(x))))
     >>> print(sc.run(forms, [sc.Stage("null step", sc.weight(basis, 20.))], fixed, start=start))
-    stage            increments  iterations  residual  load    what the bodies carry
+    stage            increments  iterations  residual  load    state
     initial                   0           0   ...  100%
     null step                 1           0   ...  100%
     """

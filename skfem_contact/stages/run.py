@@ -148,7 +148,7 @@ def run(forms: Mapping[str, Any], stages: Sequence[Stage], fixed: ndarray,
     >>> fixed = basis.get_dofs("bottom").all()
     >>> result = sc.run(forms, [sc.Stage("gravity", sc.weight(basis, 20.))], fixed)
     >>> print(result)
-    stage            increments  iterations  residual  load    what the bodies carry
+    stage            increments  iterations  residual  load    state
     gravity                   1           1   ...  100%
     """
     given, stages = as_forms(forms), _checked(stages, start, newton)
