@@ -15,6 +15,8 @@ from numpy import ndarray
 from skfem import Basis, ElementQuad1, ElementVector, FacetBasis, LinearForm
 
 import skfem_contact as sc
+from skfem_contact.contact.laws import Status
+from skfem_contact.contact.penalty import choose_penalties
 
 _INNER, _OUTER = 0.72, 0.90  # radii of the pipe
 _PICTURE = "culvert.png"  # the one that needs OpenGL
@@ -58,9 +60,9 @@ def culvert() -> Culvert:
     soils = {"soft": sc.MohrCoulomb(E=1e4, nu=0.40, c=5.0, phi=25.0),
              "stiff": sc.MohrCoulomb(E=5e4, nu=0.35, c=10.0, phi=35.0)}
     concrete = sc.LinearElastic(E=2.8e7, nu=0.2)
-    forms = sc.choose_penalties({
-        "ground": sc.SolidForm(basis.with_elements("ground"), soils, strain=sc.b_bar),
-        "culvert": sc.SolidForm(basis.with_elements("culvert"), concrete, strain=sc.b_bar),
+    forms = choose_penalties({
+        "ground": sc.SolidForm(basis.with_elements("ground"), soils, strain="b_bar"),
+        "culvert": sc.SolidForm(basis.with_elements("culvert"), concrete, strain="b_bar"),
         "skin": sc.ContactPair(basis, slave="ground|culvert", master="culvert|ground", law=sc.Coulomb(mu=0.6),
                                quadrature="nodal", smoothing=0.5, initial="adjusted"),
     })
@@ -69,7 +71,7 @@ def culvert() -> Culvert:
     strip = LinearForm(lambda v, w: -35.0 * v[1] * (w.x[0] > 0.0) * (w.x[0] < 1.8)).assemble(surface)
     fixed = np.concatenate((basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1")))
     stages = [sc.Stage("gravity", gravity), sc.Stage("surcharge", gravity + strip)]
-    return Culvert(basis, forms, gravity, sc.run(forms, stages, fixed=fixed))
+    return Culvert(basis, forms, gravity, sc.Model(forms, fixed).run(stages))
 
 
 def checks(model: Culvert) -> list[Check]:
@@ -88,8 +90,8 @@ def checks(model: Culvert) -> list[Check]:
     lifted = max(np.abs(_carried(model, stage) - (0.0, weight)).max() / weight for stage in stages)
     missing = max(_out_of_balance(model, stage) for stage in stages)
     uneven = [np.abs(p.pressure[1:] - p.pressure[:0:-1]).max() / p.pressure.max() for p in skin]
-    stick = [np.count_nonzero(p.status == sc.Status.STICK) for p in skin]
-    opened = [np.count_nonzero(p.status == sc.Status.OPEN) for p in skin]
+    stick = [np.count_nonzero(p.status == Status.STICK) for p in skin]
+    opened = [np.count_nonzero(p.status == Status.OPEN) for p in skin]
     lowest = skin[1].central_angle()[skin[1].pressure.argmin()]
     waves = [np.fft.rfft(_section_forces(model, stage).M) for stage in stages]
     rhythm = [int(np.abs(wave[1:]).argmax()) + 1 for wave in waves]

@@ -10,6 +10,8 @@ import pytest
 from helpers import body_along, facing, unknowns_of
 
 import skfem_contact as sc
+from skfem_contact.contact.penalty import choose_penalties
+from skfem_contact.contact.state import ContactState
 from skfem_contact.results import Result
 
 sys.path.append(str(Path(__file__).parents[1] / "examples" / "4_benchmarks"))
@@ -26,7 +28,7 @@ def pressed(n: int, quadrature: str | int, **options) -> tuple[Contact, Result]:
     return Contact.of(problem, result[-1].x), result
 
 
-def nodal_gaps(pair: sc.ContactPair, state: sc.ContactState) -> np.ndarray:
+def nodal_gaps(pair: sc.ContactPair, state: ContactState) -> np.ndarray:
     """Mean gaps at the slave's nodes, weighted by the shape functions."""
     points = pair.points(state)
     share, n = points.values * points.weight[:, None], len(pair.slave.nodes)
@@ -143,7 +145,7 @@ def test_nothing_penetrates() -> None:
     pair = problem.pair(0.0, 4, enforcement=AUGMENTED)
     result = problem.run(pair, [problem.stage("press", increments=4)])
     state = result[-1].states["contact"]
-    stiffness = sc.choose_penalties({"bodies": problem.solid, "contact": pair})["contact"].stiffness
+    stiffness = choose_penalties({"bodies": problem.solid, "contact": pair})["contact"].stiffness
     presses = state.multiplier[0] < 0.1 * state.multiplier[0].min()
     # the multipliers are one correction behind the tractions
     assert np.abs(nodal_gaps(pair, state)[presses]).max() * stiffness < 3e-4 * np.abs(state.traction[0]).max()
@@ -162,10 +164,10 @@ def test_ties_are_closed_in_tension() -> None:
     bodies = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3))
     tie = sc.ContactPair(basis, "slave:face", "master:face", sc.Tied(), 4, enforcement=AUGMENTED)
     fixed = np.concatenate((top.ravel(), floor.ravel()))
-    result = sc.run({"bodies": bodies, "tie": tie}, [sc.Stage("pull", basis.zeros(), x)], fixed, progress=False)
+    result = sc.Model({"bodies": bodies, "tie": tie}, fixed).run([sc.Stage("pull", basis.zeros(), x)], progress=False)
     state = result[-1].states["tie"]
     assert state.traction[0].min() > 0.0
-    stiffness = sc.choose_penalties({"bodies": bodies, "tie": tie})["tie"].stiffness
+    stiffness = choose_penalties({"bodies": bodies, "tie": tie})["tie"].stiffness
     assert np.abs(nodal_gaps(tie, state)).max() * stiffness < 3e-4 * state.traction[0].max()
 
 

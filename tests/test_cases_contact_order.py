@@ -54,7 +54,7 @@ def errors(element: str, n: int, slave: str, quadrature="segments") -> np.ndarra
     fixed = np.union1d(sides, basis.get_dofs({"lower:bottom", "upper:top"}).all())
     field = exact_displacement(*basis.doflocs[:, ::2]).T.ravel()
     stage = sc.Stage("press", basis.zeros(), field)
-    result = sc.run(forms, [stage], fixed, newton=sc.Newton(1e-10), progress=False)["press"]
+    result = sc.Model(forms, fixed, newton=sc.Newton(1e-10)).run([stage], progress=False)["press"]
     joint = result.tractions("contact")
     exact = exact_pressure(joint.x)
     pressure = np.sqrt(joint.weight @ (joint.pressure - exact) ** 2 / (joint.weight @ exact**2))

@@ -11,6 +11,8 @@ from oracles.halfplane import contact_modulus, hertz
 from oracles.partial_slip import PartialSlip, loaded, unloaded
 
 import skfem_contact as sc
+from skfem_contact.contact.laws import Status
+from skfem_contact.contact.penalty import choose_penalties
 from skfem_contact.results import Result, Tractions
 
 #: Case B1 (ii): two cylinders, R = 8, E = 200, under P = 10.  Stiffer and flatter by the same factor they have the
@@ -33,7 +35,7 @@ class Cylinders:
         self.pair = sc.ContactPair(self.basis, "upper:top", "lower:top", **options)
         materials = {"lower": sc.LinearElastic(E=E, nu=NU), "upper": sc.LinearElastic(E=E_upper, nu=NU)}
         solid = sc.SolidForm(self.basis, materials)
-        self.forms = sc.choose_penalties({"bodies": solid, "contact": self.pair})
+        self.forms = choose_penalties({"bodies": solid, "contact": self.pair})
         sides = {f"{body}:{side}" for body in ("lower", "upper") for side in ("left", "right", "bottom")}
         self.fixed = self.basis.get_dofs(sides).all()
 
@@ -50,7 +52,7 @@ class Cylinders:
 
     def run(self, stages: list[sc.Stage], **options) -> Result:
         """The analysis."""
-        return sc.run(self.forms, stages, self.fixed, newton=sc.Newton(tolerance=1e-10), progress=False, **options)
+        return sc.Model(self.forms, self.fixed, newton=sc.Newton(tolerance=1e-10)).run(stages, progress=False, **options)
 
 
 def field(exact: PartialSlip, x, y):
@@ -121,7 +123,7 @@ def test_cattaneo_mindlin(cycle) -> None:
     assert joint.shear @ joint.weight == pytest.approx(SHEAR, rel=5e-3)
     middle = np.abs(joint.x) < 0.1 * A
     assert joint.shear[middle] == pytest.approx(LOADED.shear(joint.x[middle]), rel=0.03)
-    stuck = np.abs(joint.x[joint.status == sc.Status.STICK])
+    stuck = np.abs(joint.x[joint.status == Status.STICK])
     assert stuck.max() == pytest.approx(LOADED.ellipses[1][1], abs=A / 20 / ratio)  # an element of the coarser mesh
 
 

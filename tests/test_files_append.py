@@ -45,7 +45,7 @@ def increments(forms, load, fixed):
     """Two increments of a first stage, three of a second one."""
     stages = [sc.Stage(str(k), k / 5 * load) for k in range(1, 6)]
     names = [("fill", 0.5), ("fill", 1.0), ("dig", 1 / 3), ("dig", 2 / 3), ("dig", 1.0)]
-    for stage, (name, fraction) in zip(sc.run(forms, stages, fixed, progress=False), names, strict=True):
+    for stage, (name, fraction) in zip(sc.Model(forms, fixed).run(stages, progress=False), names, strict=True):
         yield replace(stage, name=name, fraction=fraction)
 
 
@@ -75,7 +75,7 @@ def test_killed_run_leaves_all_accepted_increments(tmp_path):
     assert [len(stage.increments) for stage in result] == [2, 3]
     for part, other in zip([*result["fill"].increments, *result["dig"].increments], expected, strict=True):
         same(part, other)
-    again = sc.run(forms, [sc.Stage("next", load)], fixed, start=result, progress=False)
+    again = sc.Model(forms, fixed).run([sc.Stage("next", load)], start=result, progress=False)
     np.testing.assert_allclose(again["next"].x, expected[-1].x, atol=1e-12)
 
 

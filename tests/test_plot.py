@@ -17,6 +17,7 @@ from helpers import ELEMENTS, IN_SPACE, grid, vector_basis
 
 import skfem_contact as sc
 from skfem_contact import plot
+from skfem_contact.contact.laws import Status
 from skfem_contact.plot import picture
 from skfem_contact.plot.scales import make_scale
 from skfem_contact.plot.scene import Scene
@@ -228,7 +229,7 @@ def test_free_surface_is_the_water_table():
     forms, step = block()
     basis = forms["block"].basis
     height = np.ptp(basis.mesh.p[1])
-    water = sc.seepage(basis, 1.0, {"left": 0.5 * height})
+    water = sc.water.seepage(basis, 1.0, {"left": 0.5 * height})
     pictures = [shot(plot.contour(forms, step, "pore", water=given, mesh=False, colors="Greys"))
                 for given in (sc.hydrostatic(0.5 * height), water, water.pressure_at)]
     blue = [picture[:-FOOT, :, 2].astype(int) - picture[:-FOOT, :, 0] > 60 for picture in pictures]
@@ -353,7 +354,7 @@ def test_ring_diagram_is_closed_and_styled(tmp_path):
 
 def test_contact_diagram_marks_what_slips():
     y, zero = np.array([-3.0, -2.0, -1.0]), np.zeros(3)
-    status = np.array([sc.Status.STICK, sc.Status.SLIP, sc.Status.OPEN])
+    status = np.array([Status.STICK, Status.SLIP, Status.OPEN])
     pressure, shear = np.array([3.0, 2.0, 0.0]), np.array([-1.0, 1.0, 0.0])
     joint = Tractions(y + 3.0, zero, y, zero, pressure, shear, zero, zero, status, zero, pressure, shear)
     figure = plot.contact_diagram({"failure": joint}, along="y")
@@ -381,7 +382,7 @@ def cut():
     basis = vector_basis(grid("P2", np.linspace(0, 5, 7), np.linspace(0, 5, 7)), "P2", intorder=2)
     forms = {"cut": sc.SolidForm(basis, sc.Tresca(E=1e4, nu=0.3, c=10.0))}
     fixed = np.append(basis.get_dofs("bottom").all(), basis.get_dofs("right").all("u^1"))
-    return forms, sc.limit_load(forms, fixed, sc.weight(basis, 5.0), progress=False)
+    return forms, sc.Model(forms, fixed).limit_load(sc.weight(basis, 5.0), progress=False)
 
 
 @needs_opengl
@@ -405,7 +406,7 @@ def test_mechanism_of_bounds_is_drawn_on_its_own_mesh(bars):
     forms, _ = cut()
     basis = forms["cut"].basis
     fixed = np.append(basis.get_dofs("bottom").all(), basis.get_dofs("right").all("u^1"))
-    found = sc.bounds(forms, fixed, 5.0, gap=0.3, elements=300, progress=False)
+    found = sc.Model(forms, fixed).bounds(weight=5.0, gap=0.3, elements=300, progress=False)
     plot.mechanism(forms, found)
     assert bars[0][0].startswith(f"Factor of safety in [{found.lower:.4g}, {found.upper:.4g}]")
     there, stage, _ = _of_bounds(found)
@@ -487,7 +488,7 @@ def cube(element):
     mesh = mesh.with_subdomains({"low": lambda x: x[2] < 0.5, "high": lambda x: x[2] > 0.5})
     basis = vector_basis(mesh, element, intorder=4)
     materials = {name: sc.LinearElastic(E=1e3, nu=0.0) for name in ("low", "high")}
-    forms = {"cube": sc.SolidForm(basis, materials, strain=sc.three_dimensional)}
+    forms = {"cube": sc.SolidForm(basis, materials, strain="full")}
     x = basis.zeros()
     x[2::3] = 0.1 * basis.doflocs[2, 2::3]
     states = {"cube": forms["cube"].assemble(x, forms["cube"].initial_state()).state}

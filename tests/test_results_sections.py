@@ -29,7 +29,7 @@ STEEL = sc.LinearElastic(E=1e4, nu=0.25)
 
 def solved(form, load, fixed):
     """State of a loaded body."""
-    stage = sc.run({"body": form}, [sc.Stage("load", load)], fixed=fixed, progress=False)["load"]
+    stage = sc.Model({"body": form}, fixed).run([sc.Stage("load", load)], progress=False)["load"]
     return stage.states["body"]
 
 
@@ -243,7 +243,7 @@ def test_cuts_at_the_faces_of_walls():
     basis = vector_basis(mesh, "P2")
     forms = {"frame": sc.SolidForm(basis, sc.LinearElastic(E=3e7, nu=0.2))}
     load = sc.traction(basis, "top", (0.0, -q))
-    stage = sc.run(forms, [sc.Stage("q", load)], basis.get_dofs("feet").all(), progress=False)["q"]
+    stage = sc.Model(forms, basis.get_dofs("feet").all()).run([sc.Stage("q", load)], progress=False)["q"]
     roof = stage.section_forces("frame", sc.Sections.line((-1.2, 2.15), (1.2, 2.15), depth, n=25))
     uneven = roof.V[12]  # a mesh whose triangles are not symmetric: the walls carry .03 % more and less than half
     assert abs(uneven) < 4e-4 * q * span

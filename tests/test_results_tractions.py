@@ -7,13 +7,15 @@ import pytest
 from helpers import body_along, facing, grid, rough_pair, vector_basis
 
 import skfem_contact as sc
+from skfem_contact.contact.laws import Status
+from skfem_contact.contact.state import ContactState
 from skfem_contact.results import Tractions
 from skfem_contact.results.tractions import contact_report, tractions
 
 LAW = sc.Coulomb(mu=0.3, adhesion=0.2)
 
 
-def sliding_block(shift: float) -> tuple[sc.ContactPair, np.ndarray, sc.ContactState]:
+def sliding_block(shift: float) -> tuple[sc.ContactPair, np.ndarray, ContactState]:
     """A block on a base, pressed down by 1e-3 and moved sideways."""
     base, block = grid("Q1", np.linspace(0, 4, 9), [0, 1]), grid("Q1", np.linspace(1, 2, 4), [1, 2])
     mesh = sc.join_bodies({"base": base, "block": block})
@@ -35,7 +37,7 @@ def test_signs_of_a_sliding_block(shift):
     np.testing.assert_allclose(joint.shear, way * 3.0)
     np.testing.assert_allclose(joint.slip, shift)
     np.testing.assert_allclose(joint.gap, -1e-3)
-    assert (joint.status == sc.Status.SLIP).all()
+    assert (joint.status == Status.SLIP).all()
     np.testing.assert_allclose(joint.weight.sum(), 1.0)
     np.testing.assert_allclose(joint.arc, 2.0 - joint.x)  # the block's bottom runs from right to left
     np.testing.assert_allclose(joint.y, 1.0)
@@ -115,11 +117,11 @@ def test_pressure_does_not_ripple(element, quadrature):
     basis = vector_basis(sc.join_bodies({"block": grid(element, x, -np.linspace(0, 1, 13)[::-1] ** 1.5)}), element)
     forms = {
         "block": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3)),
-        "joint": sc.ContactPair(basis, "block:top", sc.rigid_circle((0.0, 5.0), 5.0), sc.Coulomb(), quadrature),
+        "joint": sc.ContactPair(basis, "block:top", sc.rigid.circle((0.0, 5.0), 5.0), sc.Coulomb(), quadrature),
     }
     up, bottom = basis.zeros(), basis.get_dofs("block:bottom")
     up[bottom.all("u^2")] = 0.02
-    state = sc.run(forms, [sc.Stage("press", basis.zeros(), up)], bottom.all(), progress=False)[0].states["joint"]
+    state = sc.Model(forms, bottom.all()).run([sc.Stage("press", basis.zeros(), up)], progress=False)[0].states["joint"]
     joint, points = tractions(forms["joint"], state), forms["joint"].points(state)
 
     def forces(pressure):

@@ -59,7 +59,7 @@ def test_interference_is_a_number():
     forms = {"bars": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.0)), "fit": pair}
     fixed = np.hstack([basis.get_dofs(side).all() for side in ("lower:bottom", "upper:top")])
     still = [sc.Stage(name, basis.zeros()) for name in ("fit", "still")]
-    for stage in sc.run(forms, still, fixed):
+    for stage in sc.Model(forms, fixed).run(still):
         assert stage.tractions("fit").pressure == pytest.approx(10.0, rel=1e-3)  # the penalty gives way by 1e-7
     with pytest.raises(ValueError, match="positive interference"):
         sc.ContactPair(basis, "upper:bottom", "lower:top", sc.Coulomb(), initial=-0.003)

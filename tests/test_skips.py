@@ -7,11 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from helpers import grid, vector_basis
+from helpers import grid, run_stages, vector_basis
 
 import skfem_contact as sc
 from skfem_contact import solid
 from skfem_contact.contact import interface, neighbours
+from skfem_contact.contact.laws import Status
+from skfem_contact.contact.penalty import choose_penalties
 from skfem_contact.nonlinear.stepping import Predictor
 from skfem_contact.results import Result
 from skfem_contact.solvers import direct, schur, superlu
@@ -43,7 +45,7 @@ def pressed(material: sc.MohrCoulomb | sc.LinearElastic, load: float = 40.0, abo
 
 
 def analysed(*scene) -> Result:
-    return sc.run(*scene, newton=NEWTON)
+    return run_stages(*scene, newton=NEWTON)
 
 
 def assert_same(one: Result, other: Result) -> None:
@@ -123,10 +125,10 @@ def test_factors_are_kept_while_only_the_interface_changes(monkeypatch: pytest.M
     """Elastic bodies in contact: two factorisations, one of them with the interface last, instead of one each."""
     kept, each = counted(monkeypatch, schur, "splu"), counted(monkeypatch, superlu, "splu")
     scene = pressed(rock)
-    result = sc.run(*scene, newton=NEWTON, solver="superlu")
+    result = run_stages(*scene, newton=NEWTON, solver="superlu")
     assert (len(kept), len(each)) == (1, 1)
     monkeypatch.setattr(setup, "linear_solver", lambda forms, *args: as_solver(*args))
-    assert_same(result, sc.run(*scene, newton=NEWTON, solver="superlu"))
+    assert_same(result, run_stages(*scene, newton=NEWTON, solver="superlu"))
     assert len(each) > 5
 
 
@@ -140,7 +142,7 @@ def test_factors_are_not_kept_where_bodies_yield(monkeypatch: pytest.MonkeyPatch
 def test_interface_solver_solves_as_a_new_factor_does() -> None:
     """Solutions with kept factors have small residuals, whatever has changed on the interface."""
     forms, _, fixed = pressed(rock)
-    forms = sc.choose_penalties(forms)
+    forms = choose_penalties(forms)
     basis = forms["block"].basis
     free = np.setdiff1d(np.arange(basis.N), fixed)
     joint, rng = forms["joint"], np.random.default_rng(3)
@@ -242,7 +244,7 @@ def test_an_unchanged_matrix_is_not_factored_again(monkeypatch: pytest.MonkeyPat
     calls = counted(monkeypatch, superlu, "splu")
 
     def displacements() -> np.ndarray:
-        return sc.run(forms, stages, fixed, solver="superlu")[-1].x
+        return sc.Model(forms, fixed, solver="superlu").run(stages)[-1].x
 
     once = displacements()
     assert len(calls) == 1
@@ -263,10 +265,10 @@ def test_a_line_search_pays_for_no_tangent(monkeypatch: pytest.MonkeyPatch) -> N
 def test_an_order_of_elimination_serves_for_the_whole_analysis(monkeypatch: pytest.MonkeyPatch) -> None:
     """Bodies that yield are ordered once; ordered anew for every tangent they give the same."""
     orders = counted(monkeypatch, superlu, "nested_dissection")
-    once = sc.run(*pressed(soil), newton=NEWTON, solver="superlu")
+    once = run_stages(*pressed(soil), newton=NEWTON, solver="superlu")
     assert len(orders) == 1
     monkeypatch.setattr(superlu.SuperLU, "outdated", lambda self: True)
-    assert_same(once, sc.run(*pressed(soil), newton=NEWTON, solver="superlu"))
+    assert_same(once, run_stages(*pressed(soil), newton=NEWTON, solver="superlu"))
     assert len(orders) > sum(once[-1].iterations)
 
 
@@ -282,7 +284,7 @@ def test_increments_start_where_the_last_one_leads(monkeypatch: pytest.MonkeyPat
     afresh = analysed(forms, stages, fixed)
     assert_same_state(ahead, afresh)
     assert sum(ahead[-1].iterations) < 0.8 * sum(afresh[-1].iterations)
-    assert (ahead[-1].states["joint"].status == sc.Status.SLIP).any()
+    assert (ahead[-1].states["joint"].status == Status.SLIP).any()
 
 
 def test_an_increment_that_fails_ahead_starts_from_where_it_stands(monkeypatch: pytest.MonkeyPatch) -> None:

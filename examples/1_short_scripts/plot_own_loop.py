@@ -57,7 +57,7 @@ plot.contour(forms, found, "sxx", deformed=50.0, loads=load)
 # sphinx_gallery_start_ignore
 import json
 
-again = sc.run(forms, [sc.Stage("load", load)], fixed, progress=False)["load"]
+again = sc.Model(forms, fixed).run([sc.Stage("load", load)], progress=False)["load"]
 error = float(np.abs(again.x - x).max() / np.abs(x).max())
 assert error < 1e-6
 assert (x[basis.get_dofs("bottom").all("u^2")] > 0).any()  # it lifts off

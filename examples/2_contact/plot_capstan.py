@@ -32,6 +32,7 @@ from skfem import Basis, ElementQuad1, ElementVector, FacetBasis, LinearForm, Me
 
 import skfem_contact as sc
 import skfem_contact.plot as plot
+from skfem_contact.contact.laws import Status
 
 mu, radius, tail, tension, stiffness = 0.3, 1.0, 0.4, 1.0, 1e5
 wrapped = np.pi * radius
@@ -80,7 +81,7 @@ def pulled(thickness):
                             traction=tension / thickness)
     forms = {
         "belt": sc.SolidForm(basis, sc.LinearElastic(E=stiffness / thickness, nu=0.0)),
-        "drum": sc.ContactPair(basis, "on drum", sc.rigid_circle((0.0, 0.0), radius), sc.Coulomb(mu=mu), "nodal",
+        "drum": sc.ContactPair(basis, "on drum", sc.rigid.circle((0.0, 0.0), radius), sc.Coulomb(mu=mu), "nodal",
                                penalty=1e7),
     }
     stages = [sc.Stage("weight", load)]
@@ -104,7 +105,7 @@ runs = {}
 for thickness in (0.02, 0.01, 0.005):
     begin = process_time()
     forms, stages, end = pulled(thickness)
-    result = sc.run(forms, stages, fixed=end)
+    result = sc.Model(forms, end).run(stages)
     force = np.array([force_at(end, forms, step) for step in result])
     runs[thickness] = forms, result, force, -np.array([step.x[end[0]] for step in result]), process_time() - begin
 
@@ -149,7 +150,7 @@ rows = []
 for thickness, (forms, result, force, _, cpu) in runs.items():
     ratio = force[-1] / tension
     error = abs(ratio / euler - 1)
-    assert (result[-1].states["drum"].status == sc.Status.SLIP).all()
+    assert (result[-1].states["drum"].status == Status.SLIP).all()
     assert error < 0.01
     assert abs(ratio / np.exp(growth(thickness) * np.pi) - 1) < 0.002  # terms of second order in t / R
     assert abs(force[0] / tension * np.exp(growth(thickness) * np.pi) - 1) < 0.02  # slips the other way

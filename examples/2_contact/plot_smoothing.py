@@ -86,7 +86,7 @@ for name, smoothing in (("facets", None), ("smoothed", 0.5)):
     begin = process_time()
     pair = sc.ContactPair(basis, "bush:inside", "drum:outside", sc.Coulomb(mu=mu), "nodal", smoothing=smoothing,
                           penalty=2e6)
-    result = sc.run({**bodies, "bearing": pair}, stages, fixed=fixed)
+    result = sc.Model({**bodies, "bearing": pair}, fixed).run(stages)
     runs[name] = pair, result, in_the_bearing(pair, result), process_time() - begin
 
 # %%

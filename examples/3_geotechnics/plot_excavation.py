@@ -60,7 +60,7 @@ def pit(materials, bonded=False):
         parts = {name: facets[np.isin(mesh.f2t[0, facets], mesh.subdomains[name])] for name in ("soil", *LIFTS)}
         mesh = mesh.with_boundaries({f"{name}|wall": part for name, part in parts.items()})
     basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
-    forms = {name: sc.SolidForm(basis.with_elements(name), materials[name], sc.b_bar) for name in materials}
+    forms = {name: sc.SolidForm(basis.with_elements(name), materials[name], "b_bar") for name in materials}
     if not bonded:
         friction = sc.Coulomb(mu=float(np.tan(np.radians(20))))
         forms |= {f"{name}|wall": sc.ContactPair(basis, f"{name}|wall", "concrete|ground", friction, quadrature=2)
@@ -84,7 +84,7 @@ for name, form in forms.items():
 
 wall = {"wall": 5.0}
 ground = dict.fromkeys(MATERIALS, WEIGHT)
-start = sc.k0_state(forms, sc.weight(basis, ground), fixed, ground, K0, name="at rest")
+start = sc.Model(forms, fixed).k0_state(sc.weight(basis, ground), unit_weights=ground, K0=K0, name="at rest")
 print(f"out of balance at rest: {start['at rest'].residual:.1e}")
 
 
@@ -103,7 +103,7 @@ stages = [
     sc.Stage("strut", load("lift 1"), fixed=np.append(fixed, strut)),
     sc.Stage("lift 2", load("lift 1", "lift 2"), deactivate=("lift 2", "lift 2|wall"), increments=6),
 ]
-result = sc.run(forms, stages, fixed, start=start)
+result = sc.Model(forms, fixed).run(stages, start=start)
 print(result)
 cpu, iterations = process_time() - begin, sum(sum(stage.iterations) for stage in result)
 
@@ -137,7 +137,7 @@ assert 0 < inwards["lift 1"] < inwards["lift 2"]
 # %%
 # How far is it from collapse? The strength of the soil is reduced from the last stage on, and that of its contact with
 # the wall as well. What has been dug away is left out.
-found = sc.strength_reduction(forms, np.append(fixed, strut), start=result, reduce=["soil", "soil|wall"])
+found = sc.Model(forms, np.append(fixed, strut)).strength_reduction(start=result, reduce=["soil", "soil|wall"])
 print(f"factor of safety {found.factor:.2f} in {found.iterations} iterations, stopped by {found.stop}")
 assert 2.8 < found.factor < 3.2  # psi = 0: this much depends on path and method
 
@@ -150,10 +150,10 @@ bonded_basis, bonded, held = pit(elastic, bonded=True)
 whole = sc.weight(bonded_basis, ground)
 lighter = [sc.weight(bonded_basis, dict.fromkeys(there, WEIGHT))
            for there in (("soil", "wall", "lift 2"), ("soil", "wall"))]  # fmt: skip
-rest = sc.k0_state(bonded, whole, held, WEIGHT, K0)
-two = sc.run(bonded, [sc.Stage("1", lighter[0], deactivate="lift 1", increments=3),
-                      sc.Stage("2", lighter[1], deactivate="lift 2")], held, start=rest)  # fmt: skip
-one = sc.run(bonded, [sc.Stage("both", lighter[1], deactivate=tuple(LIFTS))], held, start=rest)
+rest = sc.Model(bonded, held).k0_state(whole, unit_weights=WEIGHT, K0=K0)
+two = sc.Model(bonded, held).run([sc.Stage("1", lighter[0], deactivate="lift 1", increments=3),
+                      sc.Stage("2", lighter[1], deactivate="lift 2")], start=rest)  # fmt: skip
+one = sc.Model(bonded, held).run([sc.Stage("both", lighter[1], deactivate=tuple(LIFTS))], start=rest)
 there = np.unique(bonded_basis.with_elements({"soil", "wall"}).element_dofs)
 difference = float(np.abs(two["2"].x - one["both"].x)[there].max() / np.abs(one["both"].x).max())
 cpu_elastic = process_time() - begin

@@ -29,6 +29,7 @@ from skfem import Basis, ElementTriP2, ElementVector, MeshQuad
 
 import skfem_contact as sc
 import skfem_contact.plot as plot
+from skfem_contact.contact.laws import Status
 
 plot.set_units("kN", "m")
 
@@ -157,9 +158,9 @@ def analyse(size, pile=None):
     """Forms, gravity stage, strength reduction and processor time."""
     begin = process_time()
     forms, weight, fixed = model(size, pile)
-    gravity = sc.run(forms, [sc.Stage("gravity", weight)], fixed)
+    gravity = sc.Model(forms, fixed).run([sc.Stage("gravity", weight)])
     reduced = set(forms) - {"pile"}
-    safety = sc.strength_reduction(forms, fixed, start=gravity, reduce=reduced)
+    safety = sc.Model(forms, fixed).strength_reduction(start=gravity, reduce=reduced)
     return forms, gravity["gravity"], safety, process_time() - begin
 
 
@@ -271,12 +272,12 @@ for stage in (gravity, failure):
 #   paper; here, at the greatest factor, where the pile has bent by a metre and more, most of them slip as well.
 
 points = right["failure"]
-closed = points.status != sc.Status.OPEN
+closed = points.status != Status.OPEN
 above, below = closed & (points.y > interface + 0.5), closed & (points.y < interface - 1.0)
-slipping = (points.status[above] == sc.Status.SLIP).mean()
+slipping = (points.status[above] == Status.SLIP).mean()
 limit = law["upper"].mu / piled.factor * (points.pressure * points.weight)[above].sum()
 mobilised = (abs(points.shear) * points.weight)[above].sum() / limit
-sticking = (points.status[below] == sc.Status.STICK).mean()
+sticking = (points.status[below] == Status.STICK).mean()
 near = abs(points.y - interface) < 1.5
 jump = points.pressure[near].max() / points.pressure[near].min()
 print(f"right side: {slipping:.0%} of the points slip above the interface, with {mobilised:.0%} of the friction "

@@ -86,7 +86,7 @@ def analyse(n, delta, side, steps=1):
     fixed = np.concatenate((below, basis.get_dofs("sand:base").all(), basis.get_dofs("sand:far").all("u^1"), back,
                             basis.get_dofs({"wall:back", "wall:foot"}).all("u^2")))  # fmt: skip
     load = sc.weight(basis, WEIGHT)
-    start = sc.k0_state(forms, load, fixed, WEIGHT, K0, name="at rest")
+    start = sc.Model(forms, fixed).k0_state(load, unit_weights=WEIGHT, K0=K0, name="at rest")
     assert start["at rest"].residual < 1e-12
     stages = []
     for k in range(steps):
@@ -95,7 +95,7 @@ def analyse(n, delta, side, steps=1):
         released = np.setdiff1d(fixed, toe) if k == 0 else None
         stages.append(sc.Stage(f"{side} {k + 1}", load, moved, increments=2, fixed=released))
     newton = sc.Newton(tolerance=1e-6)
-    result = sc.run(forms, stages, fixed, start=start, newton=newton)
+    result = sc.Model(forms, fixed, newton=newton).run(stages, start=start)
     return forms, result, [thrust(forms, stage) / (0.5 * WEIGHT * HEIGHT**2) for stage in result]
 
 

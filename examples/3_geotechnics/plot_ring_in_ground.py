@@ -142,7 +142,7 @@ def analyse(method, mu, n, load=1.0):
     if mu == 0:
         face = basis.get_dofs("ring:inside").all("u^1")
         fixed = np.append(fixed, face[np.argmax(basis.doflocs[1, face])])
-    result = sc.run(forms, [sc.Stage("loaded", basis.zeros(), prescribed=x)], fixed=fixed)
+    result = sc.Model(forms, fixed).run([sc.Stage("loaded", basis.zeros(), prescribed=x)])
     return forms, result["loaded"], process_time() - begin
 
 

@@ -196,4 +196,4 @@ def as_collapse(error: NotConverged, system: System) -> NotConverged:
             or len(singular.unknowns) < len(system.free):
         return error
     return NoEquilibrium("all points flow at once, and nothing resists any more", error.x, error.residuals,
-                         error.unknown)
+                         error.dof)

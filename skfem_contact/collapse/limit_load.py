@@ -99,11 +99,11 @@ def limit_load(forms: Mapping[str, Form], fixed: ndarray, load: ndarray, start: 
     >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
     >>> import skfem_contact as sc
     >>> basis = Basis(MeshQuad().refined(1).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
-    >>> column = sc.SolidForm(basis, sc.MohrCoulomb(E=1e3, nu=.3, c=10., phi=0.), strain=sc.b_bar)
+    >>> column = sc.SolidForm(basis, sc.MohrCoulomb(E=1e3, nu=.3, c=10., phi=0.), strain="b_bar")
     >>> fixed = np.hstack([basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1")])
     >>> load = basis.zeros()
     >>> load[basis.get_dofs("top").nodal["u^2"]] = -np.array([.25, .25, .5])
-    >>> print(f"{sc.limit_load({'soil': column}, fixed, load).multiplier:.3f}")
+    >>> print(f"{sc.Model({'soil': column}, fixed).limit_load(load).multiplier:.3f}")
     20.000
     """
     check_reduction(1.0, flow)

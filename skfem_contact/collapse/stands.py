@@ -46,9 +46,9 @@ def stands(forms: Mapping[str, Form], fixed: ndarray, load: ndarray | None = Non
     >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
     >>> import skfem_contact as sc
     >>> basis = Basis(MeshQuad().refined(1).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
-    >>> column = sc.SolidForm(basis, sc.Tresca(E=1e3, nu=.3, c=10.), strain=sc.b_bar)
+    >>> column = sc.SolidForm(basis, sc.Tresca(E=1e3, nu=.3, c=10.), strain="b_bar")
     >>> fixed = np.hstack([basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1")])
-    >>> [sc.stands({"clay": column}, fixed, sc.traction(basis, "top", (0., -q))) for q in (19.9, 40.)]
+    >>> [sc.Model({"clay": column}, fixed).is_stable(sc.traction(basis, "top", (0., -q))) for q in (19.9, 40.)]
     [True, False]
     """
     _, system, origin, load = loaded_start(forms, fixed, load, start, solver)

@@ -162,11 +162,11 @@ def strength_reduction(forms: Mapping[str, Form], fixed: ndarray, load: ndarray 
     >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
     >>> import skfem_contact as sc
     >>> basis = Basis(MeshQuad().refined(1).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
-    >>> column = sc.SolidForm(basis, sc.MohrCoulomb(E=1e3, nu=.3, c=10., phi=0.), strain=sc.b_bar)
+    >>> column = sc.SolidForm(basis, sc.MohrCoulomb(E=1e3, nu=.3, c=10., phi=0.), strain="b_bar")
     >>> fixed = np.hstack([basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1")])
     >>> load = basis.zeros()
     >>> load[basis.get_dofs("top").nodal["u^2"]] = -10. * np.array([.25, .25, .5])
-    >>> result = sc.strength_reduction({"soil": column}, fixed, load)
+    >>> result = sc.Model({"soil": column}, fixed).strength_reduction(load)
     >>> print(f"{result.factor:.2f}")
     2.00
     """

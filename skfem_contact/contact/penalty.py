@@ -53,7 +53,7 @@ def choose_penalties(forms: Mapping[str, Any]) -> dict[str, Form]:
     >>> block = MeshQuad().refined(1).with_defaults()
     >>> mesh = sc.join_bodies({"lower": block, "upper": block.translated((0., 1.))})
     >>> basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
-    >>> forms = sc.choose_penalties({
+    >>> forms = choose_penalties({
     ...     "blocks": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=.3)),
     ...     "contact": sc.ContactPair(basis, "upper:bottom", "lower:top", sc.Coulomb(mu=.3))})
     >>> bool(1e3 < forms["contact"].penalty[0] < 1e5)        # some E/h

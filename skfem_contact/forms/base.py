@@ -132,7 +132,7 @@ class Form:
     ...         return None
     ...     def assemble(self, x, state):
     ...         return sc.Response(self.K @ x, lambda: state, lambda: self.K)
-    >>> result = sc.run({"spring": Spring(1, 0, 20.)}, [sc.Stage("pull", np.array([5.]))], fixed=[])
+    >>> result = sc.Model({"spring": Spring(1, 0, 20.)}).run([sc.Stage("pull", np.array([5.]))])
     >>> result["pull"].x
     array([0.25])
     """

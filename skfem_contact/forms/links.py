@@ -41,7 +41,7 @@ class MatrixForm(Form):
     >>> bottom = FacetBasis(basis.mesh, basis.elem, facets="bottom")
     >>> subgrade = BilinearForm(lambda u, v, w: 100. * (u[0] * v[0] + u[1] * v[1])).assemble(bottom)
     >>> forms = {"square": sc.SolidForm(basis, sc.LinearElastic(E=1e6, nu=0.)), "ground": sc.MatrixForm(subgrade)}
-    >>> result = sc.run(forms, [sc.Stage("weight", sc.weight(basis, 20.))], fixed=[])
+    >>> result = sc.Model(forms).run([sc.Stage("weight", sc.weight(basis, 20.))])
     >>> [float(f"{u:.4f}") for u in result["weight"].x[basis.get_dofs("bottom").all("u^2")]]
     [-0.2, -0.2, -0.2, -0.2, -0.2]
     """
@@ -179,7 +179,7 @@ class Bar(Form):
     >>> load = basis.zeros()
     >>> load[basis.get_dofs("left").all("u^2")] = -10.
     >>> fixed = basis.get_dofs().all("u^1")
-    >>> state = sc.run(forms, [sc.Stage("hang", load)], fixed)["hang"].states["rope"]
+    >>> state = sc.Model(forms, fixed).run([sc.Stage("hang", load)])["hang"].states["rope"]
     >>> state.force.round(6), (state.force * 2. / 1e3).round(6)
     (array([20.]), array([0.04]))
     """
@@ -287,7 +287,7 @@ class RigidBoundary(MatrixForm):
     >>> footing = sc.RigidBoundary(basis, "top")
     >>> forms = {"soil": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.)), "footing": footing}
     >>> stage = sc.Stage("load", footing.load((0., -10.), at=(1 / 3, 1.)))
-    >>> x = sc.run(forms, [stage], fixed=basis.get_dofs("bottom").all())["load"].x
+    >>> x = sc.Model(forms, basis.get_dofs("bottom").all()).run([stage])["load"].x
     >>> [f"{footing.motion(x, at)[1]:.4f}" for at in ((0., 1.), (1., 1.))]
     ['-0.0197', '-0.0003']
     """

@@ -103,7 +103,7 @@ def contour(forms: Mapping[str, Any], step: StageResult, quantity: str, *, since
     >>> forms = {"block": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=.3))}
     >>> stage = sc.Stage("weight", sc.weight(basis, 20.))
     >>> fixed = basis.get_dofs("bottom").all()
-    >>> result = sc.run(forms, [stage], fixed)
+    >>> result = sc.Model(forms, fixed).run([stage])
     >>> picture = plot.contour(forms, result["weight"], "uy", deformed="auto", supports=fixed)
     """
     views = _views(forms, [step], quantity, since, deformed, water, supports=supports, loads=loads, vectors=vectors,

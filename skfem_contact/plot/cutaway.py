@@ -62,8 +62,8 @@ def cutaway(forms: Mapping[str, Any], step: StageResult, quantity: str, *, cuts:
     >>> import skfem_contact as sc
     >>> import skfem_contact.plot as plot
     >>> basis = Basis(MeshHex().refined(2), ElementVector(ElementHex1()), intorder=2)
-    >>> forms = {"block": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=.3), strain=sc.three_dimensional)}
-    >>> result = sc.run(forms, [sc.Stage("weight", sc.weight(basis, 20.))], sc.box_supports(basis))
+    >>> forms = {"block": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=.3), strain="full")}
+    >>> result = sc.Model(forms, sc.box_supports(basis)).run([sc.Stage("weight", sc.weight(basis, 20.))])
     >>> picture = plot.cutaway(forms, result["weight"], "szz", cuts=[((0, -1, 0), (0, .4, 0))])
     """
     basis = basis_of(step)

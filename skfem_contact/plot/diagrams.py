@@ -208,7 +208,7 @@ def load_curve(found: Any, *, file: str | Path | None = None) -> Figure:
     ...               intorder=2)
     >>> forms = {"cut": sc.SolidForm(basis, sc.Tresca(E=1e4, nu=.3, c=10.))}
     >>> fixed = np.append(basis.get_dofs("bottom").all(), basis.get_dofs("right").all("u^1"))
-    >>> figure = plot.load_curve(sc.limit_load(forms, fixed, sc.weight(basis, 5.), progress=False))
+    >>> figure = plot.load_curve(sc.Model(forms, fixed).limit_load(sc.weight(basis, 5.), progress=False))
     """
     _, parameter, displacement = np.asarray(found.curve).T
     begin = int(np.argmin(displacement))  # what is before has moved the structure to where the search starts

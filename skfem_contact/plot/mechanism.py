@@ -61,7 +61,7 @@ def mechanism(forms: Mapping[str, Any], found: Any, *, deformed: bool = False, v
     ...               intorder=2)
     >>> forms = {"cut": sc.SolidForm(basis, sc.Tresca(E=1e4, nu=.3, c=10.))}
     >>> fixed = np.append(basis.get_dofs("bottom").all(), basis.get_dofs("right").all("u^1"))
-    >>> found = sc.limit_load(forms, fixed, sc.weight(basis, 5.), progress=False)
+    >>> found = sc.Model(forms, fixed).limit_load(sc.weight(basis, 5.), progress=False)
     >>> picture = plot.mechanism(forms, found)
     """
     there, stage, bands = _of_bounds(found) if isinstance(found, Bounds) else _of_search(forms, found)

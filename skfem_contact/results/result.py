@@ -48,7 +48,7 @@ class StageResult(files.StageData):
     >>> basis = Basis(MeshQuad().refined(2).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
     >>> forms = {"block": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.))}
     >>> bottom = basis.get_dofs("bottom")
-    >>> stage = sc.run(forms, [sc.Stage("weight", sc.weight(basis, 20.))], bottom.all())["weight"]
+    >>> stage = sc.Model(forms, bottom.all()).run([sc.Stage("weight", sc.weight(basis, 20.))])["weight"]
     >>> stage
     <StageResult 'weight', 100% of its load, 50 dofs, forms: block>
     >>> round(float(stage.reactions()[bottom.all("u^2")].sum()), 9)
@@ -191,7 +191,7 @@ class Result:
     >>> import skfem_contact as sc
     >>> basis = Basis(MeshQuad().refined(1).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
     >>> forms = {"ground": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=.3))}
-    >>> result = sc.run(forms, [sc.Stage("gravity", sc.weight(basis, 20.))], basis.get_dofs("bottom").all())
+    >>> result = sc.Model(forms, basis.get_dofs("bottom").all()).run([sc.Stage("gravity", sc.weight(basis, 20.))])
     >>> print(result)
     stage            increments  iterations  residual  load    state
     gravity                   1           1   ...  100%
@@ -319,7 +319,7 @@ def of(model: Any, x: ndarray, states: Mapping[str, Any], *, load: ndarray | Non
     >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
     >>> import skfem_contact as sc
     >>> basis = Basis(MeshQuad().with_defaults(), ElementVector(ElementQuad1()), intorder=2)
-    >>> line = sc.rigid_line((-1., 0.), (2., 0.))
+    >>> line = sc.rigid.line((-1., 0.), (2., 0.))
     >>> floor = sc.ContactPair(basis, "bottom", line, sc.Coulomb(mu=.3), "nodal", penalty=1e4)
     >>> x = basis.zeros()
     >>> x[basis.nodal_dofs[1]] = -1e-3

@@ -80,9 +80,8 @@ def given_state(forms: Mapping[str, Form], load: ndarray, fixed: ndarray, stress
     >>> forms = {"ground": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=.3))}
     >>> fixed = np.append(basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1"))
     >>> above = lambda x: 20. * (x[1] - 1.)
-    >>> start = sc.given_state(forms, sc.weight(basis, 20.), fixed,
-    ...                        lambda x: np.stack((.5 * above(x), above(x), .5 * above(x), 0. * above(x))))
-    >>> print(sc.run(forms, [sc.Stage("null step", sc.weight(basis, 20.))], fixed, start=start))
+    >>> start = sc.Model(forms, fixed).initial_state(sc.weight(basis, 20.), stress=lambda x: np.stack((.5 * above(x), above(x), .5 * above(x), 0. * above(x))))
+    >>> print(sc.Model(forms, fixed).run([sc.Stage("null step", sc.weight(basis, 20.))], start=start))
     stage            increments  iterations  residual  load    state
     initial                   0           0   ...  100%
     null step                 1           0   ...  100%
@@ -132,7 +131,7 @@ def k0_state(forms: Mapping[str, Form], load: ndarray, fixed: ndarray, unit_weig
     >>> basis = Basis(MeshQuad().refined(1).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
     >>> forms = {"ground": sc.SolidForm(basis, sc.MohrCoulomb(E=1e4, nu=.3, c=1., phi=30.))}
     >>> fixed = np.append(basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1"))
-    >>> start = sc.k0_state(forms, sc.weight(basis, 20.), fixed, unit_weights=20., K0=.5)
+    >>> start = sc.Model(forms, fixed).k0_state(sc.weight(basis, 20.), unit_weights=20., K0=.5)
     >>> stress = start["initial"].states["ground"].stress
     >>> bool(np.allclose(stress[0], .5 * stress[1])), bool(start["initial"].residual < 1e-12)
     (True, True)
@@ -196,7 +195,7 @@ def gravity_state(forms: Mapping[str, Form], load: ndarray, fixed: ndarray,
     >>> basis = Basis(MeshQuad().refined(1).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
     >>> forms = {"ground": sc.SolidForm(basis, sc.MohrCoulomb(E=1e4, nu=.3, c=10., phi=30.))}
     >>> fixed = np.append(basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1"))
-    >>> start = sc.gravity_state(forms, sc.weight(basis, 20.), fixed, K0=.5)
+    >>> start = sc.Model(forms, fixed).gravity_state(sc.weight(basis, 20.), K0=.5)
     >>> stress = start["initial"].states["ground"].stress
     >>> bool(np.allclose(stress[0], .5 * stress[1])), bool(start["initial"].x.any())
     (True, False)

@@ -76,7 +76,7 @@ class Stage:
     >>> ground, both = sc.weight(basis, {"ground": 20.}), sc.weight(basis, 20.)
     >>> stages = [sc.Stage("ground", ground), sc.Stage("filled", both, activate="fill"),
     ...           sc.Stage("cleared", ground, deactivate="fill")]
-    >>> result = sc.run(forms, stages, fixed=basis.get_dofs("bottom").all())
+    >>> result = sc.Model(forms, basis.get_dofs("bottom").all()).run(stages)
     >>> surface = basis.nodal_dofs[1, mesh.p[1] == .5]
     >>> [float(f"{stage.x[surface][0]:.6f}") for stage in result]
     [-0.0025, -0.0075, -0.0025]
@@ -146,7 +146,7 @@ def run(forms: Mapping[str, Any], stages: Sequence[Stage], fixed: ndarray,
     >>> basis = Basis(MeshQuad().refined(2).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
     >>> forms = {"square": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.))}
     >>> fixed = basis.get_dofs("bottom").all()
-    >>> result = sc.run(forms, [sc.Stage("gravity", sc.weight(basis, 20.))], fixed)
+    >>> result = sc.Model(forms, fixed).run([sc.Stage("gravity", sc.weight(basis, 20.))])
     >>> print(result)
     stage            increments  iterations  residual  load    state
     gravity                   1           1   ...  100%
@@ -204,7 +204,7 @@ def _increments(system: System, predictor: Predictor, stage: Stage, phase: Phase
             logger.info("stage '%s': increment to %.4f failed, cut to %.4f: %s", stage.name, fraction, stepping.size,
                         error)
             if stepping.exhausted:
-                where = _place(system, error.unknown)
+                where = _place(system, error.dof)
                 raise NotConverged(f"stage '{stage.name}' {stepping}: {error}{where}{_so_far(system, last)}") from error
             continue
         if stepping.too_long(errors):

@@ -91,7 +91,7 @@ class PoreWater(Form):
     >>> fixed = np.hstack((sc.box_supports(basis, base="rollers"), forms["water"].unknowns("top")))
     >>> load = sc.traction(basis, "top", (0., -100.))
     >>> stages = [sc.Stage("load", load, duration=.02), sc.Stage("wait", load, duration=1.96)]
-    >>> result = sc.run(forms, stages, fixed)
+    >>> result = sc.Model(forms, fixed).run(stages)
     >>> settlement = -result["wait"].x[basis.get_dofs("top").all("u^2")] / .01
     >>> bool(abs(settlement - .5).max() < .003)
     True

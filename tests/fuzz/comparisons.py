@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 import skfem_contact as sc
+from skfem_contact.contact.state import ContactState
 from skfem_contact.results import Result, StageResult
 
 from .frames import Frame, in_units, mirrored, shifted, turned
@@ -57,7 +58,7 @@ def of_result(
 
 def _broken(stage: StageResult) -> bool:
     """Whether a point has lost its bond, of a law that has one."""
-    states = {name: state for name, state in stage.states.items() if isinstance(state, sc.ContactState)}
+    states = {name: state for name, state in stage.states.items() if isinstance(state, ContactState)}
     pairs = [(stage.forms[name].law, state) for name, state in states.items()]
     return any(isinstance(law, sc.Coulomb) and (law.adhesion > 0.0 or law.tension > 0.0) and bool(state.internal.any())
                for law, state in pairs)  # fmt: skip

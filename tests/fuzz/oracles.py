@@ -9,6 +9,7 @@ import numpy as np
 from numpy import ndarray
 
 import skfem_contact as sc
+from skfem_contact.contact.laws import Status
 from skfem_contact.results import Result, StageResult
 
 from .model import HEIGHT, Model
@@ -123,9 +124,9 @@ def friction(scene: Scene, model: Model, stage: StageResult, before: StageResult
         shear = np.linalg.norm(state.traction[1:], axis=0)
         broken = (state.internal[0] if len(state.internal) else 0.0) != 0.0
         bears = np.where(broken, 0.0, pair.law.adhesion) + pair.law.mu * np.maximum(-state.traction[0], 0.0)
-        closed, largest = state.status != sc.Status.OPEN, np.abs(state.traction).max(initial=0.0) or 1.0
+        closed, largest = state.status != Status.OPEN, np.abs(state.traction).max(initial=0.0) or 1.0
         yield (shear - bears)[closed].max(initial=0.0) / largest, SAME
-        sliding = state.status == sc.Status.SLIP
+        sliding = state.status == Status.SLIP
         yield np.abs(shear - bears)[sliding].max(initial=0.0) / largest, SAME
 
 
@@ -133,7 +134,7 @@ def complementarity(scene: Scene, model: Model, stage: StageResult, before: Stag
     """Open points carry nothing; closed ones carry no more tension than they may; nothing is deep inside."""
     for name, pair in _pairs(stage):
         state = stage.states[name]
-        is_open = state.status == sc.Status.OPEN
+        is_open = state.status == Status.OPEN
         largest = np.abs(state.traction).max(initial=0.0) or 1.0
         yield np.abs(state.traction[:, is_open]).max(initial=0.0) / largest, 0.0
         if isinstance(pair.law, sc.Coulomb):
@@ -156,7 +157,7 @@ def closest(scene: Scene, model: Model, stage: StageResult, before: StageResult 
         corners = pair.facets.positions(x)[pair.facets.facets]
         distance = _distance if scene.dim == 2 else _distance_in_space
         nearest, beyond = (distance(points, corners, by) for by in (0.0, _BEYOND))
-        gap, closed = np.abs(state.gap), state.status != sc.Status.OPEN
+        gap, closed = np.abs(state.gap), state.status != Status.OPEN
         error = np.maximum(gap - nearest, beyond - gap)[closed].max(initial=0.0)
         # at joints that turn by less than a degree it keeps its facet though the next one is nearer, by this
         yield error / pair.facets.size.max(), 0.01 * np.sin(np.radians(1.0))
