@@ -17,7 +17,7 @@ _ON_CONE = 1e-9
 
 
 class Status(IntEnum):
-    """Status of a contact point; arrays of states and :class:`~skfem_contact.Tractions` hold its numbers.
+    """Status of a contact point; arrays of states and :class:`~skfem_contact.results.Tractions` hold its numbers.
 
     Attributes
     ----------

@@ -207,8 +207,8 @@ def _mirrored(mesh):
 def kinked():
     """A roof of 140 degrees, a groove of 140 degrees, and a point on each side of their middle."""
     angle = np.tan(np.radians(20))
-    roof = sc.rigid_polyline([(-1.0, -angle), (0.0, 0.0), (1.0, -angle)])
-    groove = sc.rigid_polyline([(-1.0, angle), (0.0, 0.0), (1.0, angle)])
+    roof = sc.rigid.polyline([(-1.0, -angle), (0.0, 0.0), (1.0, -angle)])
+    groove = sc.rigid.polyline([(-1.0, angle), (0.0, 0.0), (1.0, angle)])
     return roof, groove
 
 
