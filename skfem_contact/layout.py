@@ -123,8 +123,8 @@ class Layout:
 
     def dofs(self, given: Any) -> ndarray:
         """Return dofs, sorted and each once, from numbers, :class:`FieldDofs`, or a list of both."""
-        parts = given if isinstance(given, list | tuple) and any(np.ndim(p) or isinstance(p, FieldDofs) for p in given) \
-            else [given]
+        several = isinstance(given, list | tuple) and any(isinstance(p, FieldDofs) or np.ndim(p) for p in given)
+        parts = given if several else [given]
         numbers = []
         for part in parts:
             if isinstance(part, FieldDofs):
