@@ -32,7 +32,7 @@ def nodal_gaps(pair: sc.ContactPair, state: ContactState) -> np.ndarray:
     """Mean gaps at the slave's nodes, weighted by the shape functions."""
     points = pair.points(state)
     share, n = points.values * points.weight[:, None], len(pair.slave.nodes)
-    gaps = (share * (state.gap - state.offset)[:, None]).ravel()
+    gaps = (share * (state.gap - state.clearance)[:, None]).ravel()
     return np.bincount(points.nodes.ravel(), gaps, n) / np.bincount(points.nodes.ravel(), share.ravel(), n)
 
 

@@ -180,7 +180,7 @@ def test_patch_in_axial_symmetry(quadrature, upper: int, augmented: bool, elemen
     }
     basis = vector_basis(sc.join_bodies(bodies), element, intorder=4)
     enforcement = sc.AugmentedLagrangian() if augmented else None
-    options = {"quadrature": quadrature, "enforcement": enforcement, "axisymmetric": True}
+    options = {"quadrature": quadrature, "enforcement": enforcement}
     forms = {
         "solids": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3), coordinates="axisymmetric"),
         "joint": sc.ContactPair(basis, "up:bottom", "low:top", sc.Coulomb(), **options),

@@ -81,7 +81,7 @@ def tractions(pair: ContactPair, state: ContactState) -> Tractions:
         shear, slip = (np.einsum("in,nic->nc", part, tangents) for part in (state.traction[1:], state.slip))
     x, y, z = places.T
     return Tractions(arc, x, y, z, pressure=_consistent(pair, state, -state.traction[0]),
-                     shear=_consistent(pair, state, shear), gap=state.gap - state.offset, slip=slip,
+                     shear=_consistent(pair, state, shear), gap=state.gap - state.clearance, slip=slip,
                      status=state.status, weight=pair.share * points.weight, raw_pressure=-state.traction[0],
                      raw_shear=shear)
 

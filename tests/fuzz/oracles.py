@@ -141,7 +141,7 @@ def complementarity(scene: Scene, model: Model, stage: StageResult, before: Stag
             yield (state.traction[0] - pair.law.tension)[~is_open].max(initial=0.0) / largest, SAME
             near = is_open & np.isfinite(state.gap) & (state.gap > -pair.interface.depth(pair.points(state)))
             closing = pair.points(state).at(state.multiplier[0]) / pair.penalties(state)[0]
-            inside = (state.offset - closing - state.gap)[near].max(initial=0.0)
+            inside = (state.clearance - closing - state.gap)[near].max(initial=0.0)
             yield inside / (HEIGHT * model.frame.length), 1e-9  # beyond the coordinates' round-off
 
 
