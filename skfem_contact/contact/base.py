@@ -232,7 +232,7 @@ class ContactBase(Form):
 
 
 def _is_axisymmetric(form: Form) -> bool:
-    return form.axisymmetric
+    return form.coordinates == "axisymmetric"
 
 
 def _check_surfaces(slave: Surface, master: Surface) -> None:
