@@ -15,8 +15,7 @@ from ..contact.laws import Coulomb, Tied
 from ..contact.pair import ContactPair
 from ..forms.solid import SolidForm
 from ..forms.targets import reduced_parts
-from ..materials import LinearElastic, MohrCoulomb, Tresca, VonMises
-from ..materials.reduction import Flow, dilates_less
+from ..materials.base import Flow, Material
 from .model import Loads, Model, Site
 from .strength import FLAT, Strength
 from .triangles import Contact, Geometry, Tag, Triangles, geometry
@@ -55,7 +54,7 @@ def read(forms: Mapping[str, Any], fixed: ndarray, loads: Callable[[Site], Loads
     unit = _unit_of_stress(soil, given, shape)
     model = Model(shape.triangles, soil.over(unit), _rigid_bodies(shape.triangles, soil.rigid),
                   given.scaled(shape.centre, shape.size, unit), _contacts(pairs, targets, unit))
-    less = any(dilates_less(material) for form in solids.values() for material in form.materials.values())
+    less = any(material.dilates_less for form in solids.values() for material in form.materials.values())
     davis = None
     if less and not associated:
         davis = replace(model, soil=_strengths(solids, targets, "davis_a").over(unit))
@@ -84,15 +83,16 @@ def _by_kind(forms: Mapping[str, Any]) -> tuple[dict[str, SolidForm], dict[str, 
 
 
 def _check_solids(solids: Mapping[str, SolidForm]) -> None:
-    """Refuse solids without bounds: space, axial symmetry, other materials, shared elements."""
+    """Refuse solids without bounds: space, axial symmetry, materials without a cone, shared elements."""
     for name, form in solids.items():
         if form.basis.mesh.dim() != 2 or form.coordinates == "axisymmetric":
             kind = "axially symmetric" if form.basis.mesh.dim() == 2 else "in three dimensions"
             raise ValueError(f"bounds are for plane strain, but '{name}' is {kind}")
         for region, material in form.materials.items():
-            if not isinstance(material, (LinearElastic, MohrCoulomb, Tresca, VonMises)):
-                raise ValueError(f"there are no bounds for {type(material).__name__}, the material of '{region}' in "
-                                 f"'{name}'; there are for MohrCoulomb, Tresca, VonMises and, rigid, LinearElastic")
+            if material.cone() is None:
+                raise ValueError(f"there are no bounds for {material.label}, the material of '{region}' in '{name}', "
+                                 "which has no cone(flow); MohrCoulomb, Tresca, VonMises and, rigid, LinearElastic "
+                                 "have one")
     elements = np.concatenate([form.elements for form in solids.values()])
     if len(np.unique(elements)) < len(elements):
         raise ValueError(f"the solids {', '.join(solids)} share elements: each must belong to one of them")
@@ -111,19 +111,11 @@ def _strengths(solids: Mapping[str, SolidForm], targets: Mapping[str, Collection
     return found
 
 
-def _parameters(material: Any, flow: Flow, name: str) -> tuple[Any, Any, Any]:
-    """Cohesion, tan phi and tensile strength in plane strain."""
-    if isinstance(material, LinearElastic):
-        return np.inf, 0.0, np.inf
-    if isinstance(material, VonMises):  # what flows in plane strain has the mean of the others as third stress
-        c, t, tension = material.strength / np.sqrt(3), 0.0, np.inf
-    elif isinstance(material, Tresca):
-        c, t, tension = material.c, 0.0, np.inf
-    else:
-        if flow != "associated":
-            material = material.reduced(1.0, flow)
-        c, t = material.c, np.tan(np.radians(material.phi))
-        tension = np.inf if material.tension is None else material.tension
+def _parameters(material: Material, flow: Flow, name: str) -> tuple[Any, Any, Any]:
+    """Return cohesion, tan phi and tensile strength in plane strain."""
+    if (cone := material.cone(flow)) is None:
+        raise ValueError(f"there are no bounds for {material.label} with the flow '{flow}'")
+    c, t, tension = cone
     if np.any((np.asarray(t) > 0) & (np.asarray(t) < FLAT)):
         raise ValueError(f"a friction angle of '{name}' lies between 0 and {np.degrees(FLAT):.2f} degrees; make it 0")
     if np.any((np.asarray(c) == 0) & (np.asarray(t) == 0)):
