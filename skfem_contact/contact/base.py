@@ -93,15 +93,7 @@ class ContactBase(Form):
         return new
 
     def with_penalty(self, normal: float, tangential: float, stiffness: float | None = None) -> Self:
-        """Return a copy with other penalties.
-
-        Parameters
-        ----------
-        normal, tangential : float
-            Traction per penetration and per elastic slip.
-        stiffness : float, optional
-            Traction per displacement of the bodies' surfaces, about E/h. The augmented method divides tractions by it.
-        """
+        """Return a copy with other penalties; `stiffness` is the traction per displacement of the surfaces, E/h."""
         for value in (normal, tangential):
             if not is_number(value, 0.0, np.inf):
                 raise ValueError(f"penalties must be positive numbers, not {value!r}")

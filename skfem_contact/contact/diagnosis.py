@@ -31,7 +31,7 @@ ROUND_OFF = 8 * np.finfo(float).eps
 _CLOSED = 0.05
 #: Round-off of the shear of sticking points, as a share of the largest traction, that is remarked on.
 _LOST = 1e-3
-#: Tractions below this share of what round-off may leave are none: a broken bond, contact that carries nothing.
+#: Tractions below this share of what round-off may leave are none: a broken bond, contact without traction.
 _NONE = 0.1
 
 

@@ -40,7 +40,7 @@ class OnEdges:
     """Contact at edges and vertices: the points of the numbers `at` among all that are in contact.
 
     The edge lies `along` a direction in local coordinates, shape (n, dim - 1), zero at vertices.  `place` and `nodes`
-    are the coordinates of the points and of their facets' nodes; `values` are the slave's shape functions.
+    are coordinates of the points and of their facets' nodes; `values` are the slave's shape functions.
     """
 
     at: ndarray

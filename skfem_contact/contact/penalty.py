@@ -36,7 +36,7 @@ _WANTED, _HARDEST = 10.0, 100.0
 #: ... and the softest one that it starts from: with less, bodies might sink into each other by more than an element.
 _SOFTEST = 0.1
 #: Share of the largest entry that is added to the products of the shape functions: fewer points than nodes, as two on
-#: a quadratic facet, leave combinations of multipliers that nothing tells, and that are kept.
+#: a quadratic facet, leave combinations of multipliers undetermined, which are kept.
 _INDIFFERENT = 1e-10
 #: Share of the largest traction below which the mean at a node is none: beside a corner, where the halves of an open
 #: element cancel, the last bits would decide.
@@ -96,7 +96,7 @@ def chosen(slave: Surface, master: Surface, bodies: Sequence[csr_matrix], penalt
 
 
 def _per_area(surface: Surface, bodies: Sequence[csr_matrix], axisymmetric: bool) -> float | None:
-    """Return the largest stiffness of a facet against pressure per area, about E/h, or None where nothing tells it.
+    """Return the largest stiffness of a facet against pressure per area, about E/h, or None where it is unknown.
 
     The stiffness along the surface does not count: in thin elements it is larger by the square of their shape.
     """

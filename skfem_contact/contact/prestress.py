@@ -168,7 +168,7 @@ class LinearisedContact(Form):
     @override
     def reduced(self, factor: float, flow: str, names: Collection[str]) -> LinearisedContact:
         new = copy(self)
-        new.pair = self.pair.reduced(factor, flow, names)  # type: ignore[assignment]
+        new.pair = self.pair.reduced(factor, flow, names)
         return new
 
     @override

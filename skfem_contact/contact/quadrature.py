@@ -113,7 +113,7 @@ def nodal(surface: Surface) -> SlavePoints:
     weight[np.abs(weight) < _EQUAL * weight.max()] = 0.0
     if (weight < 0.0).any():
         raise ValueError(f"'{surface.name}': the corners of facets of eight nodes have negative areas: use Gauss "
-                         'points or quadrature="segments" in place of "nodal"')
+                         'points or quadrature="segments" instead of "nodal"')
     size = np.zeros(len(weight))
     np.maximum.at(size, surface.facets.ravel(), np.repeat(surface.size, k))
     _, first = np.unique(surface.facets.ravel(), return_index=True)

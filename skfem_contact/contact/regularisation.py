@@ -67,7 +67,7 @@ def proceed(pair: Pair, accepted: ContactState, found: ContactState) -> Pair:
         if (step := family.proceed(pair, accepted, found)) is not None:
             after, regularised = step
             last = (family,) if regularised else ()
-            return after.with_(families=(*_without(pair, family), *last))  # type: ignore[return-value]
+            return after.with_(families=(*_without(pair, family), *last))
     return pair
 
 

@@ -337,7 +337,7 @@ def _axes(name: str, direction: ArrayLike) -> ndarray:
 def _place(name: str, point: ArrayLike) -> ndarray:
     place = np.asarray(point, float)
     if place.shape != (3,) or not np.isfinite(place).all():
-        raise ValueError(f"'{name}': a place or direction must be a finite (x, y, z), not {point!r}")
+        raise ValueError(f"'{name}': a point or direction must be a finite (x, y, z), not {point!r}")
     return place
 
 
