@@ -57,10 +57,11 @@ def choose_penalties(forms: Mapping[str, Any]) -> dict[str, Form]:
     forms : dict
         Forms by name; the solids among them supply the stiffness.
 
-    Returns
-    -------
-    dict
-        The same forms, contact pairs with a penalty.
+    Examples
+    --------
+    >>> from skfem_contact.contact import choose_penalties
+    >>> choose_penalties({})            # the same forms, contact pairs with a penalty
+    {}
     """
     given = as_forms(forms)
     return {name: form.completed(given) for name, form in given.items()}
