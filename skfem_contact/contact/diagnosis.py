@@ -164,7 +164,6 @@ def _on_sliding(pair: ContactBase, state: ContactState) -> Iterator[Remark]:
 
 
 def _within_facets(slave: Surface, points: SlavePoints, values: ndarray) -> ndarray:
-    """Return standard deviations of values within each facet of the slave, shape (n_facets,)."""
     if points.nodes.shape[1] == 1:
         nodal = np.zeros(len(slave.nodes))
         nodal[points.nodes[:, 0]] = values

@@ -82,7 +82,6 @@ class OnEdges:
         return G, T, s
 
     def _first(self, row: ndarray, r: ndarray, nodes: ndarray, from_stick: ndarray, direction: ndarray) -> First:
-        """Return first variations of points, given by their numbers, at complex coordinates."""
         facet, along = self.facet[row], self.along[row]
         xi = self._closest(facet, self.xi[row] + 0j, along, r, nodes)
         M = self.master.shape.at(facet, xi, 1)

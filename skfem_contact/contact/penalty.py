@@ -204,7 +204,6 @@ class AugmentedLagrangian:
     @staticmethod
     def _corrected(found: ContactState, before: ndarray, points: SlavePoints, penalties: tuple[float, float],
                    stiffness: float, moves: ndarray) -> tuple[ndarray, ndarray, ndarray]:
-        """Return improved multipliers, their correction over the penalties, and the error."""
         pressure = found.traction[0]
         largest = pressure.max(initial=0.0)  # a mean of tractions is no larger; zero where nothing pulls
         none = largest - _ROUND_OFF * np.abs(pressure).max(initial=0.0)
@@ -220,7 +219,6 @@ class AugmentedLagrangian:
 
 
 def _improved(points: SlavePoints, traction: ndarray, multiplier: ndarray, closed: ndarray) -> ndarray:
-    """Return multipliers with the tractions' forces at closed nodes, and their means at the others."""
     excess = _excess(points, traction, multiplier)
     at, mass = np.flatnonzero(closed), _mass(points)
     mass = csc_matrix(mass + diags_array(np.full(mass.shape[0], _INDIFFERENT * mass.diagonal().max())))
@@ -252,6 +250,5 @@ def _nodal_mean(points: SlavePoints, values: ndarray) -> ndarray:
 
 
 def _integral(points: SlavePoints, values: ndarray, shapes: ndarray) -> ndarray:
-    """Return integrals of values at the points times functions of the slave's nodes."""
     share = shapes * (points.weight * values)[:, None]
     return np.asarray(np.bincount(points.nodes.ravel(), share.ravel(), points.nodes.max() + 1))

@@ -142,7 +142,6 @@ class Shape:
 
     @cached_property
     def _level(self) -> ndarray:
-        """Products of the sides' normals with points on them, shape (n_sides,)."""
         return np.einsum("sc,sc->s", self.outward, self.corners[self.side_corners[:, 0]])
 
     def at(self, facet: ndarray, xi: ndarray, derivatives: int = 3) -> list[ndarray]:

@@ -105,7 +105,6 @@ def adjacent(corners: ndarray, name: str) -> ndarray:
 
 
 def _pinched(corners: ndarray, neighbours: ndarray) -> ndarray:
-    """Return nodes whose facets do not all follow each other around them."""
     m, n = corners.shape
     facet, side = np.nonzero(neighbours >= 0)
     beyond = neighbours[facet, side]
@@ -135,7 +134,6 @@ def arms_of(offset: ndarray) -> ndarray:
 
 
 def _outward(p: ndarray, t: ndarray, corners: ndarray, element: ndarray) -> ndarray:
-    """Turn every facet so that its element's centroid lies inside."""
     x = p[:, corners].transpose(2, 1, 0)  # (n, corners, dim)
     inward = p[:, t[:, element]].mean(axis=1).T - x[:, 0]
     tangents = x[:, [1]] - x[:, [0]] if len(p) == 2 else np.stack((x[:, 1] - x[:, 0], x[:, -1] - x[:, 0]), axis=1)
