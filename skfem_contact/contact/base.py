@@ -78,8 +78,9 @@ class ContactBase(Form):
 
     def _connect(self) -> None:
         self.interface = Interface(self.slave, self.master, self.quadrature)
-        self.size: int = max(self._n, self.slave.end, self.master.end)
-        self._gathering = Gathering(self.size)
+        size = max(self._n, self.slave.end, self.master.end)
+        self.size: int = size or None  # type: ignore[assignment]  # unknown before fields are numbered
+        self._gathering = Gathering(size)
 
     def __repr__(self) -> str:
         return (f"<ContactPair {self.slave.name} on {self.master.name}, {len(self.slave.facets)} facets, "
@@ -163,9 +164,9 @@ class ContactBase(Form):
 
     @property
     @override
-    def nodes(self) -> tuple[ndarray, ndarray]:  # type: ignore[override]
-        """Dofs of the slave's nodes and their coordinates."""
-        return self.slave.dofs[:, 0], self.slave.nodes.T
+    def nodes(self) -> tuple[ndarray, ndarray] | None:  # type: ignore[override]
+        """Dofs of the slave's nodes and their coordinates, if they are nodes of the mesh."""
+        return (self.slave.dofs[:, 0], self.slave.nodes.T) if self.slave.meshed else None
 
     @property
     @override
