@@ -20,7 +20,7 @@ ROOMS = {
     "Meshes": ("mesh",),
     "Solid bodies": ("solid", "strain"),
     "Materials": ("materials",),
-    "Contact": ("contact", "surfaces"),
+    "Contact": ("contact", "surfaces", "rigid"),
     "Springs, bars and matrices": ("links",),
     "Loads": ("loads",),
     "Stages": ("stages",),
