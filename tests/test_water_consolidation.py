@@ -35,8 +35,8 @@ def layer(element: str = "P2", n: int = 20, k: float = MOBILITY, **options):
     basis = ground(element, n)
     strain = "b_bar" if element == "Q1" else "full"
     forms = {"clay": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=NU), strain=strain),
-             "water": sc.PoreWater(basis, k, unit_weight=1.0, strain=strain, **options)}  # fmt: skip
-    fixed = np.append(sc.box_supports(basis, base="rollers"), forms["water"].unknowns("top"))
+             "water": sc.PoreWater(basis, k, unit_weight=1.0, **options)}  # fmt: skip
+    fixed = [sc.box_supports(basis, base="rollers"), forms["water"].dofs("top")]
     return basis, forms, fixed, sc.traction(basis, "top", (0.0, -LOAD))
 
 
@@ -66,7 +66,7 @@ def test_terzaghi(element):
     assert np.abs(U - terzaghi(times)).max() < 0.002
     water, heights = forms["water"], basis.mesh.p[1]
     exact = LOAD * terzaghi(times, 1 - heights)
-    pressures = np.array([water.pressure(stage.x) for stage in result])[1:]
+    pressures = np.array([stage.forms["water"].pressure(stage.x) for stage in result])[1:]
     assert np.abs(pressures - exact)[times > 0.01].max() < 0.01 * LOAD  # elements of .1 where the profile is curved
     state = result[-1].states["water"]
     assert water.volume(state) == pytest.approx(-settlement(basis, result[-1]) * 0.1, rel=1e-6)  # a mean over nodes
@@ -86,12 +86,11 @@ def test_mandel():
     D = csr_matrix((np.repeat([-1e5, 1e5], m), (np.tile(np.arange(m), 2), np.r_[top[:-1], top[1:]])), (m, basis.N))
     forms = {"block": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=NU)), "plate": sc.MatrixForm(csr_matrix(D.T @ D)),
              "water": sc.PoreWater(basis, MOBILITY, unit_weight=1.0)}  # fmt: skip
-    fixed = np.concatenate((basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1"),
-                            forms["water"].unknowns("right")))  # fmt: skip
+    fixed = [basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1"), forms["water"].dofs("right")]  # fmt: skip
     times = np.array([0.01, 0.03, 0.072, 0.2, 0.5])
     result = sc.Model(forms, fixed).run(after(times, sc.traction(basis, "top", (0.0, -LOAD))), **QUIET)
     below = np.flatnonzero(mesh.p[1] == 0.0)
-    p = np.array([forms["water"].pressure(stage.x)[below] for stage in result])[1:] / (LOAD / 2)
+    p = np.array([stage.forms["water"].pressure(stage.x)[below] for stage in result])[1:] / (LOAD / 2)
     exact = mandel(times, mesh.p[0, below], NU)
     assert exact[2].max() == pytest.approx(1.1069, abs=1e-4)
     assert p[2].max() == pytest.approx(exact[2].max(), rel=2e-3)
@@ -108,8 +107,8 @@ def test_in_space(kind, element):
     basis = Basis(mesh, ElementVector(element()), intorder=2)
     strain = "b_bar" if kind is MeshHex else "full"
     forms = {"clay": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=NU), strain=strain),
-             "water": sc.PoreWater(basis, MOBILITY, unit_weight=1.0, strain=strain)}  # fmt: skip
-    fixed = np.append(sc.box_supports(basis, base="rollers"), forms["water"].unknowns("top"))
+             "water": sc.PoreWater(basis, MOBILITY, unit_weight=1.0)}  # fmt: skip
+    fixed = [sc.box_supports(basis, base="rollers"), forms["water"].dofs("top")]
     times = np.array([0.03, 0.197, 0.5])
     result = sc.Model(forms, fixed).run(after(times, sc.traction(basis, "top", (0.0, 0.0, -LOAD))), **QUIET)
     U = [-stage.x[basis.get_dofs("top").all("u^3")].mean() / FINAL for stage in result][1:]
@@ -120,8 +119,8 @@ def test_axial_symmetry():
     """[X] The layer as a cylinder: settlement and, per radian, the water pressed out."""
     basis = ground("P2", width=0.1)
     forms = {"clay": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=NU), coordinates="axisymmetric"),
-             "water": sc.PoreWater(basis, MOBILITY, unit_weight=1.0, coordinates="axisymmetric")}  # fmt: skip
-    fixed = np.append(sc.box_supports(basis, base="rollers"), forms["water"].unknowns("top"))
+             "water": sc.PoreWater(basis, MOBILITY, unit_weight=1.0)}  # fmt: skip
+    fixed = [sc.box_supports(basis, base="rollers"), forms["water"].dofs("top")]
     load = sc.traction(forms["clay"], "top", (0.0, -LOAD))
     result = sc.Model(forms, fixed).run(after([0.197], load), **QUIET)
     assert settlement(basis, result[-1]) / FINAL == pytest.approx(terzaghi([0.197])[0], abs=0.002)
@@ -135,7 +134,7 @@ def test_storage_of_the_water():
     basis, forms, fixed, load = layer(storage=storage)
     times = np.array([0.01, 0.1, 0.4]) * 1.5
     result = sc.Model(forms, fixed).run(after(times, load), **QUIET)
-    p = forms["water"].pressure(result[1].x)[basis.mesh.p[1] == 0.0]
+    p = result[1].forms["water"].pressure(result[1].x)[basis.mesh.p[1] == 0.0]
     np.testing.assert_allclose(p, LOAD / 1.5, rtol=1e-3)  # the drained layer has not come there yet
     U = np.array([settlement(basis, stage) / FINAL for stage in result])[1:]
     np.testing.assert_allclose(U, (0.5 + terzaghi(times / 1.5)) / 1.5, atol=0.002)
@@ -248,7 +247,7 @@ def test_saved_resumed_and_counted_anew(tmp_path):
     water = forms["water"]
     for start in (read, first.reset()):
         again = sc.Model(forms, fixed).run(stages[1:], start=start, **QUIET)["wait"]
-        np.testing.assert_allclose(water.pressure(again.x), water.pressure(whole["wait"].x), atol=1e-8 * LOAD)
+        np.testing.assert_allclose(again.forms["water"].pressure(again.x), whole["wait"].forms["water"].pressure(whole["wait"].x), atol=1e-8 * LOAD)
         assert water.volume(again.states["water"]) == pytest.approx(water.volume(whole["wait"].states["water"]))
 
 
@@ -262,7 +261,7 @@ def test_levels_that_change():
     # the load of the water at first is part of the load, and goes with the level outside
     push = sc.traction(basis, "top", (0.0, 5.0))
     result = sc.Model(forms, fixed).run([sc.Stage("down", push, prescribed=down, duration=50.0 / C_V)], **QUIET)
-    np.testing.assert_allclose(forms["water"].pressure(result["down"].x), -5.0, rtol=1e-6)
+    np.testing.assert_allclose(result["down"].forms["water"].pressure(result["down"].x), -5.0, rtol=1e-6)
     np.testing.assert_allclose(result["down"].x[: basis.N], 0.0, atol=1e-9)  # total stress and pressure fall alike
     stages = [sc.Stage("down", basis.zeros(), prescribed=down, duration=0.1 / C_V),
               sc.Stage("wait", basis.zeros(), duration=50.0 / C_V)]  # fmt: skip
@@ -288,7 +287,7 @@ def test_seepage_face():
     result = sc.Model(forms, fixed).run(stages, start=result, **QUIET)
     np.testing.assert_allclose([settlement(basis, result[name]) / FINAL for name in ("long", "half", "double")],
                                [1.0, 1.0, 2.0], rtol=1e-3)  # fmt: skip
-    np.testing.assert_allclose(water.pressure(result["half"].x), -0.5 * LOAD, rtol=1e-3)
+    np.testing.assert_allclose(result["half"].forms["water"].pressure(result["half"].x), -0.5 * LOAD, rtol=1e-3)
     same = sc.Stage("same", 2.0 * load, duration=1.0 / C_V, change={"water": layer()[1]["water"]})
     with warnings.catch_warnings():
         warnings.simplefilter("error")  # nor is it after a change of the water
@@ -302,7 +301,7 @@ def test_seepage_face_below_zero():
     forms["face"] = sc.water.SeepageFace(forms["water"], ["top"], lambda x: -0.3 * LOAD + 0.0 * x[0])
     stages = [sc.Stage("wait", load, duration=1e4 / C_V)]
     end = sc.Model(forms, fixed[fixed < basis.N]).run(stages, **QUIET)["wait"]
-    np.testing.assert_allclose(forms["water"].pressure(end.x), 0.3 * LOAD, rtol=1e-3)
+    np.testing.assert_allclose(end.forms["water"].pressure(end.x), 0.3 * LOAD, rtol=1e-3)
     assert settlement(basis, end) / FINAL == pytest.approx(0.7, rel=1e-3)
 
 
@@ -322,12 +321,12 @@ def test_wet_fill_that_comes_and_goes():
     lower, upper = forms["water low"], forms["water high"]
     stages = [sc.Stage("low", on_low, duration=1e5 / C_V),
               sc.Stage("both", on_low + on_high, duration=1e5 / C_V, activate=["high", "water high"],
-                       fixed=np.append(sides, upper.unknowns("top"))),
+                       fixed=[sides, upper.dofs("top")]),
               sc.Stage("dug", on_low, duration=1e5 / C_V, deactivate=["high", "water high"],
-                       fixed=np.append(sides, lower.unknowns("middle")))]  # fmt: skip
+                       fixed=[sides, lower.dofs("middle")])]  # fmt: skip
     with pytest.raises(ValueError, match="stage 'dug': PoreWater is active in ground that is not there"):
-        sc.Model(forms, np.append(sides, lower.unknowns("middle"))).run([*stages[:2], sc.Stage("dug", on_low, duration=1.0, deactivate="high")], **QUIET)  # fmt: skip
-    result = sc.Model(forms, np.append(sides, lower.unknowns("middle"))).run(stages, **QUIET)
+        sc.Model(forms, [sides, lower.dofs("middle")]).run([*stages[:2], sc.Stage("dug", on_low, duration=1.0, deactivate="high")], **QUIET)  # fmt: skip
+    result = sc.Model(forms, [sides, lower.dofs("middle")]).run(stages, **QUIET)
     middle = basis.nodal_dofs[1, mesh.p[1] == 0.5]
     half = 0.5 * LOAD / OEDOMETER
     np.testing.assert_allclose([-stage.x[middle].mean() / half for stage in result], [1.0, 2.0, 1.0], rtol=1e-5)
@@ -335,7 +334,7 @@ def test_wet_fill_that_comes_and_goes():
     assert upper.inflow(both.states["water high"], "top") == pytest.approx(-2 * half * 0.1, rel=1e-4)
     assert np.isnan(lower.pressure(both.x)[mesh.p[1] > 0.5]).all()
     # halfway the interface carries pressure: it is no drain
-    quick = sc.Model(forms, np.append(sides, lower.unknowns("middle"))).run([stages[0], sc.Stage("both", on_low + on_high, duration=0.01 / C_V,
+    quick = sc.Model(forms, [sides, lower.dofs("middle")]).run([stages[0], sc.Stage("both", on_low + on_high, duration=0.01 / C_V,
                    activate=["high", "water high"], fixed=stages[1].fixed)], **QUIET)["both"]  # fmt: skip
     p = lower.pressure(quick.x)[mesh.p[1] == 0.5]
     np.testing.assert_allclose(p, upper.pressure(quick.x)[mesh.p[1] == 0.5])
@@ -349,8 +348,8 @@ def test_water_that_returns_without_pressure():
     stages = [sc.Stage("press", load, duration=0.01 / C_V), sc.Stage("drained", load, deactivate="water"),
               sc.Stage("wet", load, activate="water", duration=0.01 / C_V)]  # fmt: skip
     result = sc.Model(forms, fixed[fixed < basis.N]).run(stages, **QUIET)
-    assert (forms["water"].pressure(result["press"].x) > 0.3 * LOAD).all()
-    assert abs(forms["water"].pressure(result["wet"].x)).max() < 1e-9 * LOAD
+    assert (result["press"].forms["water"].pressure(result["press"].x) > 0.3 * LOAD).all()
+    assert abs(result["wet"].forms["water"].pressure(result["wet"].x)).max() < 1e-9 * LOAD
     np.testing.assert_allclose(result["wet"].x[:basis.N], result["drained"].x[:basis.N], rtol=0.0,
                                atol=1e-9 * abs(result["drained"].x[:basis.N]).max())  # fmt: skip
 
@@ -381,7 +380,7 @@ def test_pressures_stand_in_a_search_for_a_collapse():
     forms = {"clay": sc.SolidForm(basis, soil), "water": sc.PoreWater(basis, MOBILITY, unit_weight=1.0)}
     fixed = np.append(basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1"))
     water = forms["water"]
-    drained = np.append(fixed, water.unknowns())
+    drained = [fixed, water.dofs()]
     load = sc.traction(basis, "top", (0.0, -20.0)) + sc.traction(basis, "right", (-8.0, 0.0))
     with_water = water.prescribed({"top": 5.0})
     with_water[water.unknowns()] = 5.0
@@ -404,7 +403,7 @@ def test_contact_carries_the_total_stress(soil):
     basis = vector_basis(mesh, "P2", intorder=4)
     wet = basis.with_elements("column")
     forms = {"base": sc.SolidForm(basis.with_elements("base"), sc.LinearElastic(E=1e5, nu=0.3)),
-             "column": sc.SolidForm(wet, soil), "water": sc.PoreWater(wet, 1e-2),
+             "column": sc.SolidForm(wet, soil), "water": sc.PoreWater(wet, 1e-2, unit_weight=9.81),
              "joint": sc.ContactPair(basis, "column:bottom", "base:top", sc.Coulomb(mu=0.5))}  # fmt: skip
     drained = forms["water"].unknowns("column:top", "column:left", "column:right")
     fixed = np.append(basis.get_dofs("base:bottom").all(), drained)
@@ -414,7 +413,7 @@ def test_contact_carries_the_total_stress(soil):
         result = sc.Model(forms, fixed).run(stages, **QUIET)
     for stage in result:
         assert stage.report("joint").pressure == pytest.approx(10.0, rel=1e-3)  # along turned facets
-    p = [np.nanmax(forms["water"].pressure(stage.x)) for stage in result]
+    p = [np.nanmax(stage.forms["water"].pressure(stage.x)) for stage in result]
     assert p[0] > 1.0 and p[1] < 1e-3
     dry = {name: form for name, form in forms.items() if name != "water"}
     slow = sc.Model(dry, fixed[fixed < basis.N]).run([sc.Stage("load", load)], **QUIET)["load"]
@@ -428,19 +427,19 @@ def test_contact_carries_the_total_stress(soil):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"k": 0.0}, "positive and finite"),
-        ({"k": -1e-3}, "positive and finite"),
-        ({"k": np.nan}, "positive and finite"),
-        ({"k": {"cly": 1.0}}, "no subdomain 'cly'"),
-        ({"k": 1.0, "storage": -1.0}, "storage must be finite and not negative"),
-        ({"k": 1.0, "storage": np.nan}, "storage must be finite and not negative"),
-        ({"k": 1.0, "unit_weight": 0.0}, "unit weight of water must be positive"),
-        ({"k": 1.0, "time_error": np.nan}, "error in time must be positive"),
+        ({"permeability": 0.0}, "positive and finite"),
+        ({"permeability": -1e-3}, "positive and finite"),
+        ({"permeability": np.nan}, "positive and finite"),
+        ({"permeability": {"cly": 1.0}}, "no subdomain 'cly'"),
+        ({"permeability": 1.0, "storage": -1.0}, "storage must be finite and not negative"),
+        ({"permeability": 1.0, "storage": np.nan}, "storage must be finite and not negative"),
+        ({"permeability": 1.0, "unit_weight": 0.0}, "unit weight of water must be positive"),
+        ({"permeability": 1.0, "time_error": np.nan}, "error in time must be positive"),
     ],
 )
 def test_bad_values(options, message):
     with pytest.raises(ValueError, match=message):
-        sc.PoreWater(ground("P2", 2), **options)
+        sc.PoreWater(ground("P2", 2), **{"unit_weight": 1.0, **options})
 
 
 def test_bad_analyses():
@@ -463,7 +462,7 @@ def test_bad_analyses():
     with pytest.raises(ValueError, match="Undrained and has PoreWater too"):
         sc.Model({**forms, "clay": sc.SolidForm(basis, clay)}, fixed).run([sc.Stage("load", load, duration=1.0)], **QUIET)
     with pytest.raises(ValueError, match=r"after 1.1e.16 times H² / c_v"):
-        sc.Model({**forms, "water": sc.PoreWater(basis, k=1e12, unit_weight=1.0)}, fixed).run([sc.Stage("load", load, duration=1.0)], **QUIET)  # fmt: skip
+        sc.Model({**forms, "water": sc.PoreWater(basis, permeability=1e12, unit_weight=1.0)}, fixed).run([sc.Stage("load", load, duration=1.0)], **QUIET)  # fmt: skip
     sealed = np.concatenate((sc.box_supports(basis, base="rollers"), basis.get_dofs("top").all("u^2")))
     with pytest.raises(ValueError, match="the pore pressure is not determined"):
         sc.Model(forms, sealed).run([sc.Stage("load", load, duration=1.0)], **QUIET)

@@ -29,11 +29,10 @@ def cut_layer(law, joints, element="P2", n=(20, 20), strain="full", coordinates=
     mesh = sc.join_bodies({"low": low, "high": high.with_defaults()})
     basis = Basis(mesh, ElementVector(of), intorder=4 if element == "P2" else 2)
     clay = sc.SolidForm(basis, sc.LinearElastic(E=E, nu=NU), strain=strain, coordinates=coordinates)
-    forms = {"clay": clay, "water": sc.PoreWater(basis, MOBILITY, unit_weight=1.0, joints=joints),
+    forms = {"clay": clay, "water": sc.PoreWater(basis, MOBILITY, unit_weight=1.0, connected=joints),
              "joint": sc.ContactPair(basis, *OPEN[0], law, penalty=HARD)}  # fmt: skip
     sides = {f"{body}:{side}" for body in ("low", "high") for side in ("left", "right")}
-    fixed = np.concatenate((basis.get_dofs("low:bottom").all("u^2"), basis.get_dofs(sides).all("u^1"),
-                            forms["water"].unknowns("high:top")))  # fmt: skip
+    fixed = [basis.get_dofs("low:bottom").all("u^2"), basis.get_dofs(sides).all("u^1"), forms["water"].dofs("high:top")]  # fmt: skip
     return basis, forms, fixed, sc.traction(clay, "high:top", (0.0, -LOAD))
 
 
@@ -59,10 +58,10 @@ def test_open_joint(law, options):
     joint = np.flatnonzero(y == 0.5)
     sides = [np.unique(basis.mesh.facets[:, basis.mesh.boundaries[name]]) for name in OPEN[0]]
     for T, stage in zip(TIMES[1:], stages[1:], strict=True):
-        p = water.pressure(stage.x)
+        p = stage.forms["water"].pressure(stage.x)
         # triangles of .05 lean to one side: along the joint their pressures differ by as much
         np.testing.assert_allclose(p[joint], LOAD * terzaghi(T, np.array([0.5]))[0, 0], atol=0.004 * LOAD)
-        low, high = (water.pressure(stage.x)[joint[np.isin(joint, part)]].mean() for part in sides)
+        low, high = (stage.forms["water"].pressure(stage.x)[joint[np.isin(joint, part)]].mean() for part in sides)
         assert abs(low - high) < 1e-3 * LOAD
         area = 0.1**2 / 2 if stage.forms["joint"].axisymmetric else 0.1
         force = stage.report("joint").force[1]
@@ -79,7 +78,7 @@ def test_tight_joint():
     settled = [-stage.x[basis.get_dofs("high:top").all("u^2")].mean() * OEDOMETER / LOAD for stage in stages]
     assert np.abs(settled - 0.5 * terzaghi(4 * TIMES)).max() < 0.002
     low = basis.mesh.p[1, np.arange(basis.mesh.p.shape[1])] < 0.49
-    np.testing.assert_allclose(forms["water"].pressure(stages[-1].x)[low], LOAD, rtol=2e-3)  # closing of the contact
+    np.testing.assert_allclose(stages[-1].forms["water"].pressure(stages[-1].x)[low], LOAD, rtol=2e-3)  # closing of the contact
     assert abs(stages[-1].report("joint").force[1]) == pytest.approx(0.1 * LOAD, rel=1e-6)
 
 
@@ -91,10 +90,10 @@ def test_friction_is_of_the_effective_stress():
     basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
     sides = [("block:bottom", "base:top")]
     forms = {"ground": sc.SolidForm(basis, sc.LinearElastic(E=1e6, nu=0.0)),
-             "water": sc.PoreWater(basis, 1e-3, joints=sides),
+             "water": sc.PoreWater(basis, 1e-3, connected=sides, unit_weight=9.81),
              "joint": sc.ContactPair(basis, *sides[0], sc.Coulomb(mu=0.5))}  # fmt: skip
     water, top = forms["water"], basis.get_dofs("block:top")
-    fixed = np.concatenate((basis.get_dofs("base:bottom").all(), top.all("u^1"), water.unknowns()))
+    fixed = [basis.get_dofs("base:bottom").all(), top.all("u^1"), water.dofs()]
     held = np.zeros(water.size)
     held[water.unknowns()] = 6.0
     moved = held.copy()
@@ -137,4 +136,4 @@ def test_joint_of_what_is_not_porous():
     basis, *_ = cut_layer(sc.Tied(), OPEN, n=(10, 10))
     part = basis.with_elements("high")
     with pytest.raises(ValueError, match="porous ground on both sides, but not on 'low:top'"):
-        sc.PoreWater(part, MOBILITY, joints=OPEN)
+        sc.PoreWater(part, MOBILITY, connected=OPEN, unit_weight=9.81)

@@ -74,9 +74,10 @@ class Setup:
         found = {}
         for name, form in as_forms(new).items():
             old, form = now[name], form.continues(now[name])
-            if form is not old and form.fields:
-                numbers = self.layout.numbers(old.fields)
-                form = form.numbered({mine: numbers[its] for mine, its in zip(form.fields, old.fields, strict=True)})
+            if form is not old and (form.fields or form.borrowed):
+                its = self.layout.numbers(old.fields)
+                own = {mine: its[other] for mine, other in zip(form.fields, old.fields, strict=True)}
+                form = form.numbered({**self.layout.numbers(form.borrowed), **own})
                 form.fields = old.fields
             found[name] = form
         return found
