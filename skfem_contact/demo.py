@@ -15,6 +15,8 @@ from numpy import ndarray
 from skfem import Basis, ElementQuad1, ElementVector, FacetBasis, LinearForm
 
 import skfem_contact as sc
+from skfem_contact.contact.laws import Status
+from skfem_contact.contact.penalty import choose_penalties
 
 _INNER, _OUTER = 0.72, 0.90  # radii of the pipe
 _PICTURE = "culvert.png"  # the one that needs OpenGL
@@ -26,7 +28,7 @@ class Culvert(NamedTuple):
     basis: Basis
     forms: dict[str, Any]
     gravity: ndarray
-    result: sc.Result
+    result: sc.results.Result
 
 
 class Check(NamedTuple):
@@ -58,9 +60,9 @@ def culvert() -> Culvert:
     soils = {"soft": sc.MohrCoulomb(E=1e4, nu=0.40, c=5.0, phi=25.0),
              "stiff": sc.MohrCoulomb(E=5e4, nu=0.35, c=10.0, phi=35.0)}
     concrete = sc.LinearElastic(E=2.8e7, nu=0.2)
-    forms = sc.choose_penalties({
-        "ground": sc.SolidForm(basis.with_elements("ground"), soils, strain=sc.b_bar),
-        "culvert": sc.SolidForm(basis.with_elements("culvert"), concrete, strain=sc.b_bar),
+    forms = choose_penalties({
+        "ground": sc.SolidForm(basis.with_elements("ground"), soils, strain="b_bar"),
+        "culvert": sc.SolidForm(basis.with_elements("culvert"), concrete, strain="b_bar"),
         "skin": sc.ContactPair(basis, slave="ground|culvert", master="culvert|ground", law=sc.Coulomb(mu=0.6),
                                quadrature="nodal", smoothing=0.5, initial="adjusted"),
     })
@@ -69,7 +71,7 @@ def culvert() -> Culvert:
     strip = LinearForm(lambda v, w: -35.0 * v[1] * (w.x[0] > 0.0) * (w.x[0] < 1.8)).assemble(surface)
     fixed = np.concatenate((basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1")))
     stages = [sc.Stage("gravity", gravity), sc.Stage("surcharge", gravity + strip)]
-    return Culvert(basis, forms, gravity, sc.run(forms, stages, fixed=fixed))
+    return Culvert(basis, forms, gravity, sc.Model(forms, fixed).run(stages))
 
 
 def checks(model: Culvert) -> list[Check]:
@@ -88,8 +90,8 @@ def checks(model: Culvert) -> list[Check]:
     lifted = max(np.abs(_carried(model, stage) - (0.0, weight)).max() / weight for stage in stages)
     missing = max(_out_of_balance(model, stage) for stage in stages)
     uneven = [np.abs(p.pressure[1:] - p.pressure[:0:-1]).max() / p.pressure.max() for p in skin]
-    stick = [np.count_nonzero(p.status == sc.Status.STICK) for p in skin]
-    opened = [np.count_nonzero(p.status == sc.Status.OPEN) for p in skin]
+    stick = [np.count_nonzero(p.status == Status.STICK) for p in skin]
+    opened = [np.count_nonzero(p.status == Status.OPEN) for p in skin]
     lowest = skin[1].central_angle()[skin[1].pressure.argmin()]
     waves = [np.fft.rfft(_section_forces(model, stage).M) for stage in stages]
     rhythm = [int(np.abs(wave[1:]).argmax()) + 1 for wave in waves]
@@ -107,19 +109,19 @@ def checks(model: Culvert) -> list[Check]:
     )]
 
 
-def _section_forces(model: Culvert, stage: sc.StageResult) -> sc.SectionForces:
+def _section_forces(model: Culvert, stage: sc.results.StageResult) -> sc.results.SectionForces:
     """Section forces of the pipe at cuts through its nodes, from the crown clockwise."""
-    cuts = sc.ring_sections((0.0, 0.0), _INNER, _OUTER, n=72)
-    return sc.section_forces(model.forms["culvert"], stage.states["culvert"], cuts)
+    cuts = sc.Sections.ring((0.0, 0.0), _INNER, _OUTER, n=72)
+    return stage.section_forces("culvert", cuts)
 
 
-def _carried(model: Culvert, stage: sc.StageResult) -> ndarray:
+def _carried(model: Culvert, stage: sc.results.StageResult) -> ndarray:
     """Sum of the contact forces on the pipe's nodes, (2,); a form's force is what the nodes must hold."""
     force = model.forms["skin"].assemble(stage.x, stage.states["skin"]).force
     return -force[_pipe(model)].reshape(-1, 2).sum(axis=0)
 
 
-def _out_of_balance(model: Culvert, stage: sc.StageResult) -> float:
+def _out_of_balance(model: Culvert, stage: sc.results.StageResult) -> float:
     """Equilibrium of the parts of the ring from the crown to every cut: tractions, weight and section forces.
 
     The largest missing force as a share of the largest thrust, or the largest missing moment as a share of
@@ -147,9 +149,9 @@ def _pipe(model: Culvert) -> ndarray:
     return np.unique(model.forms["culvert"].basis.element_dofs)
 
 
-def _clockwise(model: Culvert, stage: sc.StageResult) -> sc.Tractions:
+def _clockwise(model: Culvert, stage: sc.results.StageResult) -> sc.results.Tractions:
     """Tractions on the pipe from the crown clockwise."""
-    points = sc.tractions(model.forms["skin"], stage.states["skin"])
+    points = stage.tractions("skin")
     order = np.argsort(points.central_angle())
     return replace(points, **{name: values[order] for name, values in vars(points).items()})
 
@@ -189,7 +191,7 @@ def _save(model: Culvert, out: Path) -> dict[str, str]:
     """Write the result and a VTU file of every stage into a folder; names of the files and what they hold."""
     written = {}
     for stage in model.result:
-        sc.export_vtu(out / f"{stage.name}.vtu", model.forms, stage)
+        stage.to_vtu(out / f"{stage.name}.vtu")
         written[f"{stage.name}.vtu"] = f"displacements, stresses and contact of '{stage.name}', for ParaView"
     model.result.save(out / "culvert.npz")
     written["culvert.npz"] = "the whole result, for load_result"

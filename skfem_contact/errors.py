@@ -47,16 +47,16 @@ class NotConverged(RuntimeError):
         The displacements that were reached, (N,).
     residuals
         History of the residual.
-    unknown
-        Where the largest unbalanced force acts, or the first unknown that can move freely.
+    dof
+        Dof of the largest unbalanced force, or the first one that can move freely.
     """
 
     result: Any = None
 
     def __init__(self, message: str, x: ndarray | None = None, residuals: Sequence[float] = (),
-                 unknown: int | None = None) -> None:
+                 dof: int | None = None) -> None:
         super().__init__(message)
-        self.x, self.residuals, self.unknown = x, tuple(residuals), unknown
+        self.x, self.residuals, self.dof = x, tuple(residuals), dof
 
 
 class NoEquilibrium(NotConverged):
@@ -89,7 +89,7 @@ class Failure:
     >>> basis = Basis(MeshQuad().with_defaults(), ElementVector(ElementQuad1()), intorder=2)
     >>> floor = sc.rigid_line((-1., -.1), (2., -.1))
     >>> pair = sc.ContactPair(basis, "bottom", floor, sc.Coulomb(), penalty=1e4)
-    >>> eased = pair.begin(pair.initial_state(), sc.Failure(loose=True))
+    >>> eased = pair.begin(pair.initial_state(), Failure(loose=True))
     >>> bool(eased.assemble(basis.zeros(), pair.initial_state()).force.any())
     True
     """

@@ -8,6 +8,7 @@ from importlib.util import find_spec
 
 import numpy as np
 import pytest
+from helpers import run_stages
 from scipy.sparse import csr_matrix
 from scipy.sparse.linalg import eigsh
 from skfem import Basis, ElementHex1, ElementQuad1, ElementTetP2, ElementVector, MeshHex, MeshQuad, MeshTet
@@ -31,7 +32,7 @@ def cantilever(n: int = 4, element=ElementHex1, kind=MeshHex, material=ELASTIC, 
     mesh = kind.init_tensor(*(np.linspace(0, side, side * n + 1) for side in (length, 1, 1)))
     basis = Basis(mesh, ElementVector(element()), intorder=2)
     fixed = np.union1d(basis.get_dofs(lambda x: x[0] == 0).all(), basis.get_dofs(lambda x: x[1] == 0).all("u^2"))
-    return basis, {"beam": sc.SolidForm(basis, material, sc.three_dimensional)}, fixed
+    return basis, {"beam": sc.SolidForm(basis, material, "full")}, fixed
 
 
 def free_of(basis: Basis, fixed: np.ndarray) -> np.ndarray:
@@ -97,7 +98,7 @@ def test_iterations_do_not_grow_with_the_mesh(iterations):
     """[N] From 1,100 to 15,000 unknowns of a beam with rollers: not half as many again."""
     for n in (5, 12):
         basis, forms, fixed = cantilever(n)
-        sc.run(forms, [sc.Stage("weight", sc.weight(basis, 20.0))], fixed, solver="amg")
+        sc.Model(forms, fixed, solver="amg").run([sc.Stage("weight", sc.weight(basis, 20.0))])
     coarse, fine = iterations
     assert fine < 1.5 * coarse
 
@@ -122,7 +123,7 @@ def test_bodies_of_different_size_far_apart(iterations, rng):
     cube = MeshHex.init_tensor(*3 * [np.linspace(0, 1, 7)])
     mesh = sc.join_bodies({"large": cube, "small": cube.scaled(0.01).translated((50.0, 0.0, 0.0))})
     basis = Basis(mesh, ElementVector(ElementHex1()), intorder=2)
-    K = sc.SolidForm(basis, ELASTIC, sc.three_dimensional).elastic_stiffness
+    K = sc.SolidForm(basis, ELASTIC, "full").elastic_stiffness
     free, b = free_of(basis, basis.get_dofs(lambda x: x[2] == 0).all()), rng.standard_normal(basis.N)
     x = as_solver("amg", basis.doflocs, free).factor(K, symmetric=True)(b)
     expected = DirectSolver(basis.doflocs, free, "superlu").factor(K)(b)
@@ -136,7 +137,7 @@ def test_bodies_of_different_size_far_apart(iterations, rng):
 @pytest.mark.parametrize("mu", [0.0, 0.3])
 def test_contact(mu):
     """[N] Plane blocks that slide: the same iterations and displacements, K symmetric without friction only."""
-    direct, multigrid = (sc.run(*blocks(mu=mu), solver=solver)[-1] for solver in (None, "amg"))
+    direct, multigrid = (run_stages(*blocks(mu=mu), solver=solver)[-1] for solver in (None, "amg"))
     assert multigrid.iterations == direct.iterations
     np.testing.assert_allclose(multigrid.x, direct.x, atol=SAME * np.abs(direct.x).max())
 
@@ -150,7 +151,7 @@ def test_yielding_soil(psi):
     stages = [sc.Stage("weight", sc.weight(basis, 20.0)),
               sc.Stage("tilted", sc.weight(basis, 20.0, direction=(0.8, 0.0, -0.6)), increments=2)]  # fmt: skip
     newton = sc.Newton(tolerance=1e-11)
-    direct, multigrid = (sc.run(forms, stages, fixed, solver=solver, newton=newton)[-1] for solver in (None, "amg"))
+    direct, multigrid = (sc.Model(forms, fixed, solver=solver, newton=newton).run(stages)[-1] for solver in (None, "amg"))
     assert (direct.states["beam"].internal > 0).any()
     np.testing.assert_allclose(multigrid.x, direct.x, atol=SAME * np.abs(direct.x).max())
 
@@ -188,8 +189,8 @@ def test_levels_are_kept_while_they_serve(levels, iterations):
 
 def test_rigid_modes_meet_no_resistance():
     """[X] Six independent motions of a body in space, three in the plane."""
-    for kind, element, strain, count in ((MeshHex, ElementHex1, sc.three_dimensional, 6),
-                                         (MeshQuad, ElementQuad1, sc.plane_strain, 3)):  # fmt: skip
+    for kind, element, strain, count in ((MeshHex, ElementHex1, "full", 6),
+                                         (MeshQuad, ElementQuad1, "full", 3)):  # fmt: skip
         basis = Basis(kind().refined(2), ElementVector(element()), intorder=2)
         K = sc.SolidForm(basis, ELASTIC, strain).elastic_stiffness
         modes = rigid_modes(basis.doflocs, np.arange(basis.N))
@@ -216,7 +217,7 @@ def test_stage_that_does_not_converge(monkeypatch):
     basis, forms, fixed = cantilever(3)
     monkeypatch.setattr(multigrid, "MOST", 1)
     with pytest.raises(sc.NotConverged, match=r"stage 'weight' stopped .*algebraic multigrid does not converge"):
-        sc.run(forms, [sc.Stage("weight", sc.weight(basis, 20.0))], fixed, solver="amg")
+        sc.Model(forms, fixed, solver="amg").run([sc.Stage("weight", sc.weight(basis, 20.0))])
 
 
 @needs_pyamg
@@ -295,11 +296,11 @@ def test_direct_solver_takes_over(monkeypatch, caplog):
     """Where multigrid was not asked for its failure costs time, not the result, and only once."""
     basis, forms, fixed = cantilever(3)
     stages = [sc.Stage(name, sc.weight(basis, gamma)) for name, gamma in (("one", 10.0), ("two", 20.0))]
-    expected = sc.run(forms, stages, fixed)
+    expected = sc.Model(forms, fixed).run(stages)
     monkeypatch.setattr(multigrid, "PER_ITERATION", {"pardiso": 200, "superlu": 200})  # two iterations would pay
     monkeypatch.setattr(multigrid, "FEWEST", 1)
     with caplog.at_level(logging.INFO, logger="skfem_contact"):
-        result = sc.run(forms, stages, fixed)
+        result = sc.Model(forms, fixed).run(stages)
     np.testing.assert_array_equal(result[-1].x, expected[-1].x)
     lines = [r.getMessage() for r in caplog.records]
     assert sum("multigrid does not converge" in line for line in lines) == 1
@@ -318,7 +319,7 @@ def cubes(n: int = 5, mu: float = 0.0, ratio: float = 10.0):
     basis = Basis(sc.join_bodies({"lower": cube(n - 1, 0), "upper": cube(n, 1)}), ElementVector(ElementHex1()),
                   intorder=2)  # fmt: skip
     pair = sc.ContactPair(basis, "upper:bottom", "lower:top", sc.Coulomb(mu=mu), 2, penalty=ratio * 1e4 * n)
-    forms = {"cubes": sc.SolidForm(basis, ELASTIC, sc.three_dimensional), "joint": pair}
+    forms = {"cubes": sc.SolidForm(basis, ELASTIC, "full"), "joint": pair}
     return forms, basis, basis.get_dofs({"lower:bottom", "upper:top"}).all()
 
 
@@ -386,6 +387,6 @@ def test_another_library_as_given_solver():
     x = basis.zeros()
     x[basis.get_dofs("upper:top").all("u^3")] = -1e-2
     stage = sc.Stage("pressed", basis.zeros(), prescribed=x)
-    given, direct = (sc.run(forms, [stage], fixed, solver=solver)[-1] for solver in (solve, "superlu"))
+    given, direct = (sc.Model(forms, fixed, solver=solver).run([stage])[-1] for solver in (solve, "superlu"))
     assert given.iterations == direct.iterations
     np.testing.assert_allclose(given.x, direct.x, atol=SAME * np.abs(direct.x).max())

@@ -89,7 +89,7 @@ def test_partial_slip():
     stages = [sc.Stage(name, problem.basis.zeros(), problem.pressed + x * problem.shifted, increments)
               for name, x, increments in (("press", 0.0, 2), ("there", shift, 2), ("back", -shift, 4))]  # fmt: skip
     with pytest.warns(sc.AnalysisWarning, match="gives way"):
-        result = sc.run({"bodies": problem.solid, "joint": pair}, stages, problem.fixed, progress=False)
+        result = sc.Model({"bodies": problem.solid, "joint": pair}, problem.fixed).run(stages, progress=False)
     joint, force = result["there"].tractions("joint"), 2 * Nodes.of(problem, result["there"].x).force.sum(axis=0)
     a, _ = half_space.hertz(force[2], FLAT_RADIUS, BOTH)
     mindlin = half_space.Mindlin(MU * force[2], -force[0], a, compliance)
@@ -109,7 +109,7 @@ def pressed(block, master, depth, force):
     pair = block.contact(master, quadrature="nodal", enforcement=sc.AugmentedLagrangian())
     stage = sc.Stage("press", block.basis.zeros(), block.moved(depth, force), increments=2)
     forms = {"block": block.solid, "joint": pair}
-    return block.touched(sc.run(forms, [stage], block.fixed, progress=False)[-1].x)
+    return block.touched(sc.Model(forms, block.fixed).run([stage], progress=False)[-1].x)
 
 
 def test_flat_punch():
@@ -154,7 +154,7 @@ def test_torsion_with_slip():
               sc.Stage("turn", block.basis.zeros(), block.moved(1 / radius, force, twist), 2,
                        change={"ball": pair.with_law(sc.Coulomb(mu=mu))})]  # fmt: skip
     with pytest.warns(sc.AnalysisWarning, match="gives way"):
-        result = sc.run({"block": block.solid, "ball": pair}, stages, block.fixed, progress=False)
+        result = sc.Model({"block": block.solid, "ball": pair}, block.fixed).run(stages, progress=False)
     found = block.touched(result["turn"].x)
     assert abs(block.touched(result["press"].x).torque) < 1e-6 * mu * force
     assert -found.torque == pytest.approx(half_space.lubkin_torque(0.5, mu * force, 1.0), rel=0.04)

@@ -8,6 +8,7 @@ from helpers import grid, vector_basis
 from skfem import ElementTriP2, FacetBasis, LinearForm
 
 import skfem_contact as sc
+from skfem_contact.contact.laws import Status
 from skfem_contact.contact.search import Projection, project
 from skfem_contact.surfaces.shape import Shape
 from skfem_contact.surfaces.smoothing import smoothed
@@ -70,8 +71,8 @@ def test_open_nodes_get_no_multiplier():
     """[X] Case A2: what is open, is not augmented."""
     forms, load, fixed = column("nodal", 1e4)
     with pytest.warns(sc.AnalysisWarning, match="gap is"):
-        result = sc.run(forms, [sc.Stage("pull", -load)], fixed, progress=False)["pull"]
-    assert (result.states["stop"].status == sc.Status.OPEN).all()
+        result = sc.Model(forms, fixed).run([sc.Stage("pull", -load)], progress=False)["pull"]
+    assert (result.states["stop"].status == Status.OPEN).all()
     assert not result.states["stop"].multiplier.any()
 
 

@@ -19,7 +19,7 @@ def graded(n: int, ratio: float = 2.5) -> np.ndarray:
 
 def smooth_wall(
     soil: sc.MohrCoulomb, towards: float, law: sc.Coulomb, heights: np.ndarray
-) -> tuple[float, sc.Tractions]:
+) -> tuple[float, sc.results.Tractions]:
     """Thrust on a smooth wall that soil on a smooth base was pushed against or drawn away from, and the tractions."""
     basis = vector_basis(grid("Q2", np.linspace(0, 3, 4), heights), "Q2", intorder=4)
     wall = sc.rigid_line((0.0, 2 * HEIGHT), (0.0, -1.0))  # higher than the soil rises
@@ -29,9 +29,9 @@ def smooth_wall(
     fixed = np.append(far, basis.get_dofs("bottom").all("u^2"))
     load, x = sc.weight(basis, GAMMA), basis.zeros()
     x[far] = -towards
-    start = sc.k0_state(forms, load, fixed, GAMMA, 0.5)
-    step = sc.run(forms, [sc.Stage("moved", load, x)], fixed, start=start, progress=False)["moved"]
-    joint = sc.tractions(forms["joint"], step.states["joint"])
+    start = sc.Model(forms, fixed).k0_state(load, unit_weights=GAMMA, K0=0.5)
+    step = sc.Model(forms, fixed).run([sc.Stage("moved", load, x)], start=start, progress=False)["moved"]
+    joint = step.tractions("joint")
     return float((joint.weight * joint.pressure).sum()), joint
 
 
@@ -85,13 +85,13 @@ def rough_wall(n: int, delta: float, moved: float) -> float:
     held = np.concatenate((below, basis.get_dofs("base").all("u^1"), basis.get_dofs("far").all("u^1")))
     fixed = np.concatenate((held, basis.get_dofs("base").all("u^2")))
     load = sc.weight(basis, GAMMA)
-    start = sc.k0_state(forms, load, fixed, GAMMA, 0.5)
+    start = sc.Model(forms, fixed).k0_state(load, unit_weights=GAMMA, K0=0.5)
     x = basis.zeros()
     x[held] = -moved
     free_toe = np.setdiff1d(fixed, below[np.argmax(basis.doflocs[1, below])])
     stage = sc.Stage("moved", load, x, increments=2, fixed=free_toe)
-    result = sc.run(forms, [stage], fixed, start=start, newton=sc.Newton(1e-6), progress=False)
-    joint = sc.tractions(forms["joint"], result["moved"].states["joint"])
+    result = sc.Model(forms, fixed, newton=sc.Newton(1e-6)).run([stage], start=start, progress=False)
+    joint = result["moved"].tractions("joint")
     return float((joint.weight * joint.pressure).sum()) / (0.5 * GAMMA * HEIGHT**2)
 
 

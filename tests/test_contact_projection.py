@@ -11,6 +11,7 @@ from scipy.optimize import minimize_scalar
 from skfem import Basis, ElementQuad2, ElementVector, MeshQuad, MeshQuad2
 
 import skfem_contact as sc
+from skfem_contact.contact.laws import Status
 from skfem_contact.contact.neighbours import NeighbourList
 from skfem_contact.contact.pieces import common_cuts
 from skfem_contact.contact.quadrature import between, gauss, nodal
@@ -127,7 +128,7 @@ def test_node_at_a_master_vertex(line, offset):
             K = out.stiffness
         assert np.isfinite(out.force).all() and np.isfinite(K.data).all()
         assert np.abs(out.force).max() < 1e-7  # 1e4 * 1e-12
-        assert np.count_nonzero(out.state.status != sc.Status.OPEN) <= 1
+        assert np.count_nonzero(out.state.status != Status.OPEN) <= 1
 
 
 @pytest.mark.parametrize("graded", [1.0, 1.6, 3.0])
@@ -275,7 +276,7 @@ def test_far_points_face_the_surface_without_touching_it():
     out = pair.assemble(basis.zeros(), pair.initial_state())
     np.testing.assert_allclose(arcs(pair, out.state.stick), [np.nan, 0.5], atol=1e-15)
     assert not out.force.any() and out.stiffness.nnz == 0
-    assert (out.state.status == sc.Status.OPEN).all()
+    assert (out.state.status == Status.OPEN).all()
 
 
 def test_depth_limits_the_penetration():
@@ -309,7 +310,7 @@ def test_deep_points_belong_to_the_other_side():
     for depth, closed in ((0.1, 0), (0.3, 2), (2.0, 0)):
         x[dofs[1::2]] = -depth
         out = pair.assemble(x, pair.initial_state())
-        assert (out.state.status != sc.Status.OPEN).sum() == closed
+        assert (out.state.status != Status.OPEN).sum() == closed
 
 
 @pytest.mark.parametrize("last", [1.0, 0.3, 0.05])

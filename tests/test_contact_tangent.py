@@ -24,6 +24,7 @@ from helpers import (
 )
 
 import skfem_contact as sc
+from skfem_contact.contact.laws import Status
 
 LAWS = {
     "frictionless": sc.Coulomb(),
@@ -49,7 +50,7 @@ def test_tension_and_half_share(rng):
     """[X] Closed points that pull, below the cut-off; half of the work as in two passes."""
     law = sc.Coulomb(0.3, 2.0, tension=1e3)
     _, pair, x, state = rough_pair("Q2", 3, law, rng, share=0.5)
-    state = replace(state, status=np.full_like(state.status, sc.Status.STICK))
+    state = replace(state, status=np.full_like(state.status, Status.STICK))
     whole = rough_pair("Q2", 3, law, rng)[1]
     x[unknowns_of_slave(pair)] += 0.05 * rng.standard_normal(len(pair.slave.dofs.ravel()))
     out = pair.assemble(x, state)

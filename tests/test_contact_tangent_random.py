@@ -15,13 +15,14 @@ from differences import TOLERANCE, tangent_error
 from helpers import body_along, facing, slipped
 
 import skfem_contact as sc
+from skfem_contact.contact.laws import Status
 
 #: Laws and the status that they are to produce; without friction every closed point slides.
 LAWS = {
-    "frictionless": (sc.Coulomb(), sc.Status.SLIP),
-    "slip": (sc.Coulomb(0.1, 0.2), sc.Status.SLIP),
-    "stick": (sc.Coulomb(50.0), sc.Status.STICK),
-    "tied": (sc.Tied(), sc.Status.STICK),
+    "frictionless": (sc.Coulomb(), Status.SLIP),
+    "slip": (sc.Coulomb(0.1, 0.2), Status.SLIP),
+    "stick": (sc.Coulomb(50.0), Status.STICK),
+    "tied": (sc.Tied(), Status.STICK),
 }
 CONFIGURATIONS = 200
 #: Smoothing is for facets of linear elements.

@@ -51,8 +51,8 @@ def test_supports_and_contact_carry_the_loads(model: Culvert, stage: str) -> Non
 
 def test_pipe_carries_more_after_the_surcharge(model: Culvert) -> None:
     """[P] Moment and thrust keep their rhythm and grow: the strip lies above the pipe's right half."""
-    cuts = sc.ring_sections((0.0, 0.0), 0.72, 0.90, n=72)
-    before, after = (sc.section_forces(model.forms["culvert"], model.result[k].states["culvert"], cuts) for k in STAGES)
+    cuts = sc.Sections.ring((0.0, 0.0), 0.72, 0.90, n=72)
+    before, after = (model.result[k].section_forces("culvert", cuts) for k in STAGES)
     assert np.ptp(after.M) > 1.2 * np.ptp(before.M)
     assert after.N.min() < 1.1 * before.N.min() < 0.0
 

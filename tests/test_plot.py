@@ -17,6 +17,7 @@ from helpers import ELEMENTS, IN_SPACE, grid, vector_basis
 
 import skfem_contact as sc
 from skfem_contact import plot
+from skfem_contact.contact.laws import Status
 from skfem_contact.plot import picture
 from skfem_contact.plot.scales import make_scale
 from skfem_contact.plot.scene import Scene
@@ -42,7 +43,7 @@ def block(element="Q1"):
     x = basis.zeros()
     x[0::2] = 0.1 * basis.doflocs[0, 0::2]
     states = {"block": forms["block"].assemble(x, forms["block"].initial_state()).state}
-    return forms, sc.StageResult("now", x, 0 * x, states, (), 0.0)
+    return forms, sc.results.StageResult("now", x, 0 * x, states, (), 0.0)
 
 
 def shot(plotter):
@@ -144,7 +145,7 @@ def test_automatic_factors_are_round():
     forms, step = block()
     scene = Scene(forms, step, "auto")
     assert scene.factor == pytest.approx(0.2)  # 4 % of 2 over 0.2 is 0.4, and 1, 2 and 5 are round
-    assert Scene(forms, sc.StageResult("still", 0 * step.x, step.load, step.states, (), 0.0), "auto").factor == 1.0
+    assert Scene(forms, sc.results.StageResult("still", 0 * step.x, step.load, step.states, (), 0.0), "auto").factor == 1.0
 
 
 @needs_opengl
@@ -174,7 +175,7 @@ def test_bodies_that_are_not_there_are_not_drawn():
     plate = grid("Q1", np.linspace(0, 1, 3), np.linspace(0, 1, 3))
     basis = vector_basis(sc.join_bodies({"a": plate, "b": plate.translated((1.0, 0.0))}), "Q1")
     forms = {name: sc.SolidForm(basis.with_elements(name), sc.LinearElastic(E=1e3, nu=0.0)) for name in "ab"}
-    step = sc.StageResult("now", basis.zeros(), basis.zeros(), {"a": forms["a"].initial_state()}, (), 0.0)
+    step = sc.results.StageResult("now", basis.zeros(), basis.zeros(), {"a": forms["a"].initial_state()}, (), 0.0)
     image = shot(plot.contour(forms, step, "uy", mesh=False))
     assert image.shape[:2] == (1000 + FOOT, 1000)  # a square of the largest height; two plates would be 1400 wide
 
@@ -189,7 +190,7 @@ def test_borders_of_materials_are_sharp():
     x = basis.zeros()
     x[0::2] = 0.1 * basis.doflocs[0, 0::2]
     states = {"block": forms["block"].assemble(x, forms["block"].initial_state()).state}
-    step = sc.StageResult("now", x, 0 * x, states, (), 0.0)
+    step = sc.results.StageResult("now", x, 0 * x, states, (), 0.0)
     image = shot(plot.contour(forms, step, "sxx", mesh=False, limits=(0.0, 450.0), levels=9))
     row = image[350, 60:-60, :3].astype(int)
     _kinds, count = np.unique(row, axis=0, return_counts=True)
@@ -226,7 +227,7 @@ def test_free_surface_is_the_water_table():
     forms, step = block()
     basis = forms["block"].basis
     height = np.ptp(basis.mesh.p[1])
-    water = sc.seepage(basis, 1.0, {"left": 0.5 * height})
+    water = sc.water.seepage(basis, 1.0, {"left": 0.5 * height})
     pictures = [shot(plot.contour(forms, step, "pore", water=given, mesh=False, colors="Greys"))
                 for given in (sc.hydrostatic(0.5 * height), water, water.pressure_at)]
     blue = [picture[:-FOOT, :, 2].astype(int) - picture[:-FOOT, :, 0] > 60 for picture in pictures]
@@ -256,8 +257,8 @@ def test_stages_share_the_factor_of_the_one_that_has_moved_most():
     from skfem_contact.plot.contours import _views
 
     forms, step = block()
-    still = sc.StageResult("before", 0 * step.x, step.load, {"block": forms["block"].initial_state()}, (), 0.0)
-    less = sc.StageResult("less", 0.1 * step.x, step.load, step.states, (), 0.0)
+    still = sc.results.StageResult("before", 0 * step.x, step.load, {"block": forms["block"].initial_state()}, (), 0.0)
+    less = sc.results.StageResult("less", 0.1 * step.x, step.load, step.states, (), 0.0)
     views = _views(forms, [still, less, step], "ux", None, "auto")
     assert [view.scene.factor for view in views] == [pytest.approx(0.2)] * 3
 
@@ -265,7 +266,7 @@ def test_stages_share_the_factor_of_the_one_that_has_moved_most():
 @needs_opengl
 def test_stages_share_a_scale_and_a_film_has_frames(tmp_path):
     forms, step = block()
-    still = sc.StageResult("before", 0 * step.x, step.load, {"block": forms["block"].initial_state()}, (), 0.0)
+    still = sc.results.StageResult("before", 0 * step.x, step.load, {"block": forms["block"].initial_state()}, (), 0.0)
     image = shot(plot.stages(forms, [still, step], "ux"))
     half = image.shape[1] // 2
     body = image[: len(image) - FOOT]
@@ -349,9 +350,9 @@ def test_ring_diagram_is_closed_and_styled(tmp_path):
 
 def test_contact_diagram_marks_what_slips():
     y, zero = np.array([-3.0, -2.0, -1.0]), np.zeros(3)
-    status = np.array([sc.Status.STICK, sc.Status.SLIP, sc.Status.OPEN])
+    status = np.array([Status.STICK, Status.SLIP, Status.OPEN])
     pressure, shear = np.array([3.0, 2.0, 0.0]), np.array([-1.0, 1.0, 0.0])
-    joint = sc.Tractions(y + 3.0, zero, y, zero, pressure, shear, zero, zero, status, zero, pressure, shear)
+    joint = sc.results.Tractions(y + 3.0, zero, y, zero, pressure, shear, zero, zero, status, zero, pressure, shear)
     figure = plot.contact_diagram({"failure": joint}, along="y")
     for axes, values in zip(figure.axes, (pressure, shear)):
         line, circles = axes.lines
@@ -364,7 +365,7 @@ def test_contact_diagram_marks_what_slips():
 
 def test_section_diagram_runs_downwards():
     s = np.array([0.0, 1.0, 2.0])
-    forces = sc.SectionForces(s, 0 * s, -s, N=-s, V=2 * s, M=3 * s)
+    forces = sc.results.SectionForces(s, 0 * s, -s, N=-s, V=2 * s, M=3 * s)
     figure = plot.section_diagram({"pile": forces}, upright=True)
     assert all(axes.yaxis_inverted() for axes in figure.axes)
     for axes, values in zip(figure.axes, (-s, 2 * s, 3 * s)):
@@ -377,7 +378,7 @@ def cut():
     basis = vector_basis(grid("P2", np.linspace(0, 5, 7), np.linspace(0, 5, 7)), "P2", intorder=2)
     forms = {"cut": sc.SolidForm(basis, sc.Tresca(E=1e4, nu=0.3, c=10.0))}
     fixed = np.append(basis.get_dofs("bottom").all(), basis.get_dofs("right").all("u^1"))
-    return forms, sc.limit_load(forms, fixed, sc.weight(basis, 5.0), progress=False)
+    return forms, sc.Model(forms, fixed).limit_load(sc.weight(basis, 5.0), progress=False)
 
 
 @needs_opengl
@@ -401,7 +402,7 @@ def test_mechanism_of_bounds_is_drawn_on_its_own_mesh(bars):
     forms, _ = cut()
     basis = forms["cut"].basis
     fixed = np.append(basis.get_dofs("bottom").all(), basis.get_dofs("right").all("u^1"))
-    found = sc.bounds(forms, fixed, 5.0, gap=0.3, elements=300, progress=False)
+    found = sc.Model(forms, fixed).bounds(weight=5.0, gap=0.3, elements=300, progress=False)
     plot.mechanism(forms, found)
     assert bars[0][0].startswith(f"Factor of safety in [{found.lower:.4g}, {found.upper:.4g}]")
     there, stage, _ = _of_bounds(found)
@@ -418,9 +419,9 @@ def test_curve_ends_at_the_limit():
 
 def test_history_shows_the_nearest_nodes():
     forms, step = block()
-    still = sc.StageResult("before", 0 * step.x, step.load, {"block": forms["block"].initial_state()}, (), 0.0)
+    still = sc.results.StageResult("before", 0 * step.x, step.load, {"block": forms["block"].initial_state()}, (), 0.0)
     plot.set_units("N", "mm")
-    (axes,) = plot.history(forms, sc.Result((still, step)), "ux", {"right": (2.0, 1.0), "middle": (1.01, 0.5)}).axes
+    (axes,) = plot.history(forms, sc.results.Result((still, step)), "ux", {"right": (2.0, 1.0), "middle": (1.01, 0.5)}).axes
     np.testing.assert_allclose([line.get_ydata() for line in axes.lines], [[0.0, 0.2], [0.0, 0.1]])
     assert axes.get_ylabel() == "horizontal displacement [mm]"
     assert [tick.get_text() for tick in axes.get_xticklabels()] == ["before", "now"]
@@ -430,7 +431,7 @@ def test_diagram_stands_on_the_structure():
     """Ordinates to the left of the axis, the longest 28 % of its length; extremes are written."""
     forms, step = block()
     s = np.linspace(0.0, 2.0, 5)
-    forces = sc.SectionForces(s, s, 0.5 + 0 * s, N=0 * s, V=0 * s, M=s * (2.0 - s) * 10.0)
+    forces = sc.results.SectionForces(s, s, 0.5 + 0 * s, N=0 * s, V=0 * s, M=s * (2.0 - s) * 10.0)
     (axes,) = plot.diagram_on(forms, step, "M", forces).axes
     tips = axes.lines[0].get_xydata()
     np.testing.assert_allclose(tips[:, 0], s)
@@ -451,7 +452,7 @@ def test_tractions_are_drawn_as_the_slave_exerts_them():
     t, normal = interface.tractions, interface.normal
     against = np.column_stack((-normal[:, 1], normal[:, 0]))
     total = (t.weight[:, None] * (t.pressure[:, None] * normal + t.shear[:, None] * against)).sum(axis=0)
-    report = sc.contact_report(model.forms["skin"], stage.x, stage.states["skin"])
+    report = stage.report("skin")
     scale = (t.weight * t.pressure).sum()
     np.testing.assert_allclose(total / scale, -report.force / scale, atol=0.01)
     data = interface.on_facets()
@@ -464,7 +465,7 @@ def test_an_own_picture(tmp_path):
     import pyvista
 
     forms, step = block()
-    grid = sc.to_pyvista(forms, step)
+    grid = step.to_pyvista()
     values, directions = np.linalg.eigh([[[s[0], s[3] / 2], [s[3] / 2, s[1]]] for s in grid.point_data["strain"]])
     grid["first"] = np.pad(values[:, -1:] * directions[:, :, -1], ((0, 0), (0, 1)))
     np.testing.assert_allclose(np.abs(grid["first"]), [[0.1, 0, 0]] * grid.n_points, atol=1e-12)  # u_x = x / 10
@@ -482,11 +483,11 @@ def cube(element):
     mesh = mesh.with_subdomains({"low": lambda x: x[2] < 0.5, "high": lambda x: x[2] > 0.5})
     basis = vector_basis(mesh, element, intorder=4)
     materials = {name: sc.LinearElastic(E=1e3, nu=0.0) for name in ("low", "high")}
-    forms = {"cube": sc.SolidForm(basis, materials, strain=sc.three_dimensional)}
+    forms = {"cube": sc.SolidForm(basis, materials, strain="full")}
     x = basis.zeros()
     x[2::3] = 0.1 * basis.doflocs[2, 2::3]
     states = {"cube": forms["cube"].assemble(x, forms["cube"].initial_state()).state}
-    return forms, sc.StageResult("now", x, 0 * x, states, (), 0.0)
+    return forms, sc.results.StageResult("now", x, 0 * x, states, (), 0.0)
 
 
 @needs_opengl

@@ -24,7 +24,7 @@ def stretched(basis, scale=1.0):
 def step_of(forms, x):
     """The stage that these displacements would be."""
     states = {name: form.assemble(x, form.initial_state()).state for name, form in forms.items()}
-    return sc.StageResult("now", x, 0 * x, states, (), 0.0)
+    return sc.results.StageResult("now", x, 0 * x, states, (), 0.0)
 
 
 def two_bodies(element):
@@ -53,12 +53,12 @@ def test_constant_stress_is_met_at_every_node(element):
                     "s1": s1, "s2": s2, "s3": s3, "mean": np.trace(stress) / 3, "plastic": 0.0,
                     "mises": np.sqrt(1.5 * (deviator**2).sum())}
         for quantity, value in expected.items():
-            field = sc.nodal_field(forms, step, quantity)
+            field = step.field(quantity)
             np.testing.assert_allclose(field[nodes[name]], value, rtol=1e-10, err_msg=quantity)
             assert np.isnan(field[nodes["c"]]).all()
     u = step.x.reshape(-1, 2)
     for quantity, value in (("ux", u[:, 0]), ("uy", u[:, 1]), ("u", np.hypot(*u.T))):
-        field = sc.nodal_field(forms, step, quantity)
+        field = step.field(quantity)
         inside = np.concatenate((nodes["a"], nodes["b"]))
         np.testing.assert_array_equal(field[inside], value[inside])
         assert np.isnan(field[nodes["c"]]).all()
@@ -68,7 +68,7 @@ def test_plastic_strain_of_soil_beside_an_elastic_body():
     basis, forms = two_bodies("Q1")
     forms["a"] = sc.SolidForm(basis.with_elements("a"), sc.MohrCoulomb(E=1e3, nu=0.3, c=0.01, phi=20.0))
     step = step_of(forms, stretched(basis))
-    field = sc.nodal_field(forms, step, "plastic")
+    field = step.field("plastic")
     np.testing.assert_allclose(np.nanmax(field), step.states["a"].internal[0].max())
     assert np.nanmin(field) == 0.0 < np.nanmax(field)
 
@@ -77,9 +77,9 @@ def test_what_does_not_exist_is_listed():
     basis, forms = two_bodies("Q1")
     step = step_of(forms, basis.zeros())
     with pytest.raises(ValueError, match=r"no field 'uz'; existing: .*mises.*ux"):
-        sc.nodal_field(forms, step, "uz")
+        step.field("uz")
     with pytest.raises(ValueError, match="no SolidForm"):
-        sc.nodal_field({}, step, "ux")
+        step.field("ux")
 
 
 def curved(mesh):
@@ -102,7 +102,7 @@ def test_vtu_holds_the_nodes_in_the_order_of_vtk(element, tmp_path, rng):
         basis = vector_basis(mesh, element, intorder=4)
     forms = {"plate": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3))}
     step = step_of(forms, stretched(basis))
-    sc.export_vtu(tmp_path / "plate.vtu", forms, step)
+    step.to_vtu(tmp_path / "plate.vtu")
     read = meshio.read(tmp_path / "plate.vtu")
 
     (block,) = read.cells
@@ -127,7 +127,7 @@ def test_vtu_of_two_bodies(tmp_path):
     """[X] Bodies do not share points; stress, body and region of every cell; the third body is left out."""
     basis, forms = two_bodies("Q2")
     step = step_of(forms, stretched(basis))
-    sc.export_vtu(tmp_path / "two.vtu", forms, step)
+    step.to_vtu(tmp_path / "two.vtu")
     read = meshio.read(tmp_path / "two.vtu")
     (block,) = read.cells
     assert len(read.points) == 50
@@ -145,15 +145,15 @@ def test_solids_that_are_not_there_are_left_out(tmp_path):
     step = step_of({"b": forms["b"]}, stretched(basis))
     there = np.unique(basis.element_dofs[::2, basis.mesh.subdomains["b"]]) // 2
     for quantity in ("ux", "sxx", "mises", "plastic"):
-        field = sc.nodal_field(forms, step, quantity)
+        field = step.field(quantity)
         np.testing.assert_array_equal(np.flatnonzero(np.isfinite(field)), there, err_msg=quantity)
-    sc.export_vtu(tmp_path / "b.vtu", forms, step)
+    step.to_vtu(tmp_path / "b.vtu")
     read = meshio.read(tmp_path / "b.vtu")
     np.testing.assert_array_equal(read.cell_data["region"][0], [1] * 4)
     with pytest.raises(ValueError, match=r"none of the solids \['a'\] is there in stage 'now', which holds \['b'\]"):
-        sc.nodal_field({"a": forms["a"]}, step, "ux")
+        step.field("ux")
     with pytest.raises(ValueError, match=r"one stage is needed, result\[name of the stage\], not Result"):
-        sc.nodal_field(forms, sc.Result((step,)), "ux")
+        sc.results.Result((step,)).field("ux")
 
 
 @pytest.mark.parametrize("element", IN_SPACE)
@@ -169,7 +169,7 @@ def test_contact_in_space_as_cells(element):
     x = basis.zeros()
     x[2::3] = np.where(basis.doflocs[2, 2::3] >= 1.0, -1e-3, 0.0)
     states = {name: form.assemble(x, form.initial_state()).state for name, form in forms.items()}
-    grid = sc.to_pyvista(forms, sc.StageResult("s", x, basis.zeros(), states, (), 0.0, forms=forms))
+    grid = sc.results.StageResult("s", x, basis.zeros(), states, (), 0.0, forms=forms).to_pyvista()
     cells = grid.extract_cells(np.isfinite(grid.cell_data["pressure"]))
     assert cells.n_cells == len(pair.slave.facets)
     assert abs(cells.compute_cell_sizes()["Area"]).sum() == pytest.approx(1.0)

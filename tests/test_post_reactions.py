@@ -16,8 +16,8 @@ def pushed_block():
     block = grid("Q1", np.linspace(1, 3, 6), [1, 2])
     basis = vector_basis(sc.join_bodies({"base": base, "block": block}), "Q1", intorder=2)
     forms = {
-        "base": sc.SolidForm(basis.with_elements("base"), sc.MohrCoulomb(E=1e4, nu=0.3, c=5.0, phi=20.0), sc.b_bar),
-        "block": sc.SolidForm(basis.with_elements("block"), sc.LinearElastic(E=1e5, nu=0.2), sc.b_bar),
+        "base": sc.SolidForm(basis.with_elements("base"), sc.MohrCoulomb(E=1e4, nu=0.3, c=5.0, phi=20.0), "b_bar"),
+        "block": sc.SolidForm(basis.with_elements("block"), sc.LinearElastic(E=1e5, nu=0.2), "b_bar"),
         "joint": sc.ContactPair(basis, "block:bottom", "base:top", sc.Coulomb(mu=0.3), quadrature=2),
     }
     weight = sc.weight(basis, {"base": 20.0, "block": 20.0})
@@ -27,7 +27,7 @@ def pushed_block():
     stages = [sc.Stage("pushed", weight + push, increments=3),
               sc.Stage("lifted", own, deactivate=("block", "joint"), increments=2)]
     fixed = basis.get_dofs("base:bottom").all()
-    return forms, fixed, sc.run(forms, stages, fixed, progress=False)
+    return forms, fixed, sc.Model(forms, fixed).run(stages, progress=False)
 
 
 def test_reactions_balance_the_load():
@@ -35,7 +35,7 @@ def test_reactions_balance_the_load():
     forms, fixed, result = pushed_block()
     assert "yielded" in result["pushed"].summary["base"]
     for stage, total in zip(result, ((-10.0, 120.0), (0.0, 80.0)), strict=True):
-        held = sc.reactions(forms, stage)
+        held = stage.reactions()
         # Newton's tolerance is 1e-8 of the load, some 100
         np.testing.assert_allclose([held[fixed[fixed % 2 == k]].sum() for k in (0, 1)], total, atol=1e-5)
         np.testing.assert_allclose(np.delete(held, fixed), 0.0, atol=1e-5)
@@ -45,4 +45,4 @@ def test_forms_of_the_stage_are_needed():
     forms, _, result = pushed_block()
     del forms["joint"]
     with pytest.raises(ValueError, match="there is no form, though the stage holds it, 'joint'"):
-        sc.reactions(forms, result["pushed"])
+        result["pushed"].reactions()

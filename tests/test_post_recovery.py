@@ -9,13 +9,14 @@ from skfem import Basis, ElementHex1, ElementQuad1, ElementVector, MeshHex, Mesh
 
 import skfem_contact as sc
 from skfem_contact.demo import culvert
+from skfem_contact.forms.solid import SolidState
 from skfem_contact.results.recovery import recovered, region_mesh
 from skfem_contact.results.strength import PointStatus, mobilised, point_status
 
 INTORDER = {"P1": 1, "Q1": 2, "P2": 4, "Q2": 4, "QuadS2": 4}
 
 
-def beam(element, layers, columns, strain=sc.plane_strain, nu=0.0):
+def beam(element, layers, columns, strain="full", nu=0.0):
     """A cantilever of 10 x 1 with the force 1 at its end: the fibre on top of midspan has 6 M / h^2 = 30."""
     kind = MeshTri if element.startswith("P") else MeshQuad
     x, y = np.linspace(0, 10, columns * layers + 1), np.linspace(-0.5, 0.5, layers + 1)
@@ -23,7 +24,7 @@ def beam(element, layers, columns, strain=sc.plane_strain, nu=0.0):
     basis = vector_basis(mesh, element, intorder=INTORDER[element])
     forms = {"beam": sc.SolidForm(basis, sc.LinearElastic(E=1e6, nu=nu), strain=strain)}
     load = traction(basis, "right", (0.0, -1.0))
-    return forms, sc.run(forms, [sc.Stage("load", load)], basis.get_dofs("left").all(), progress=False)["load"]
+    return forms, sc.Model(forms, basis.get_dofs("left").all()).run([sc.Stage("load", load)], progress=False)["load"]
 
 
 def node_at(basis, x, y):
@@ -34,15 +35,15 @@ def node_at(basis, x, y):
 # with four layers), and B-bar too soft in elements that are twice as high as long (1.3 %)
 @pytest.mark.parametrize("layers", [1, 2, 3, 4])
 @pytest.mark.parametrize("element, columns, strain", [
-    ("Q1", 20, sc.plane_strain), ("Q1", 16, sc.b_bar), ("Q2", 10, sc.plane_strain), ("QuadS2", 10, sc.plane_strain),
-    ("P2", 20, sc.plane_strain)])
+    ("Q1", 20, "full"), ("Q1", 16, "b_bar"), ("Q2", 10, "full"), ("QuadS2", 10, "full"),
+    ("P2", 20, "full")])
 def test_fibre_of_a_beam(element, columns, strain, layers):
     """[X] 30.0 within 1 % for one to four layers of elements; what is free of load has next to no stress across it."""
     forms, stage = beam(element, layers, columns, strain)
     at = node_at(forms["beam"].basis, 5.0, 0.5)
-    assert sc.nodal_field(forms, stage, "sxx")[at] == pytest.approx(30.0, rel=0.01)
+    assert stage.field("sxx")[at] == pytest.approx(30.0, rel=0.01)
     if layers > 1:
-        assert abs(sc.nodal_field(forms, stage, "syy")[at]) < 0.1
+        assert abs(stage.field("syy")[at]) < 0.1
 
 
 def test_crown_of_a_thick_ring():
@@ -50,7 +51,7 @@ def test_crown_of_a_thick_ring():
     model = culvert()
     stage, form = model.result["surcharge"], model.forms["culvert"]
     inner, outer = 0.72, 0.90
-    cut = sc.section_forces(form, stage.states["culvert"], sc.ring_sections((0.0, 0.0), inner, outer, n=72))
+    cut = stage.section_forces("culvert", sc.Sections.ring((0.0, 0.0), inner, outer, n=72))
     depth, middle = outer - inner, 0.5 * (inner + outer)
     neutral = depth / np.log(outer / inner)
     # the stress of a moment is M y / (A e r) with y from the neutral axis and e its distance from the middle
@@ -58,10 +59,10 @@ def test_crown_of_a_thick_ring():
     x, y = model.basis.doflocs[:, 0::2]
     crown = np.flatnonzero(np.abs(np.hypot(x, y) - inner) < 1e-3)
     crown = crown[np.argmax(y[crown])]
-    assert sc.nodal_field(model.forms, stage, "sxx")[crown] == pytest.approx(fibre, rel=0.04)
+    assert stage.field("sxx")[crown] == pytest.approx(fibre, rel=0.04)
 
 
-@pytest.mark.parametrize("element, strain", [("Q1", sc.b_bar), ("P2", sc.plane_strain)])
+@pytest.mark.parametrize("element, strain", [("Q1", "b_bar"), ("P2", "full")])
 def test_stress_of_the_ground_is_zero_at_its_surface(element, strain):
     """[X] Linear with depth, up to both ends: means of elements would be off by half of an element."""
     kind = MeshTri if element.startswith("P") else MeshQuad
@@ -69,8 +70,8 @@ def test_stress_of_the_ground_is_zero_at_its_surface(element, strain):
     basis = vector_basis(mesh, element, intorder=INTORDER[element])
     forms = {"ground": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3), strain=strain)}
     fixed = np.hstack((basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1")))
-    stage = sc.run(forms, [sc.Stage("weight", sc.weight(basis, 20.0))], fixed, progress=False)["weight"]
-    found = sc.nodal_field(forms, stage, "syy")
+    stage = sc.Model(forms, fixed).run([sc.Stage("weight", sc.weight(basis, 20.0))], progress=False)["weight"]
+    found = stage.field("syy")
     # the stresses themselves, means of elements, have a weight of a hundredth beside the forces
     np.testing.assert_allclose(found, -20.0 * (1.0 - basis.doflocs[1, 0::2]), atol=0.01)
 
@@ -94,7 +95,7 @@ def test_linear_stress_is_met_on_distorted_meshes(element, rng):
 def test_linear_stress_in_space():
     """[X] The same for B-bar hexahedra: the averaged volume strain has forces that linear fields do not have."""
     basis = Basis(MeshHex.init_tensor(*3 * [np.linspace(0, 1, 4)]), ElementVector(ElementHex1()), intorder=2)
-    form = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3), strain=sc.three_dimensional)
+    form = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3), strain="full")
     x = np.asarray(basis.global_coordinates())
     found = recovered(form, np.stack([1.0 + x[i % 3] for i in range(6)]), balanced=True)
     places = basis.doflocs[:, ::3]
@@ -136,16 +137,16 @@ def test_change_since_a_stage_strains_and_pore_pressure():
         x = basis.zeros()
         x[0::2], x[1::2] = amount * basis.doflocs[1, 0::2], -amount * basis.doflocs[1, 1::2]
         states = {"soil": form.assemble(x, form.initial_state()).state}
-        stages.append(sc.StageResult(str(number), x, 0 * x, states, (), 0.0))
+        stages.append(sc.results.StageResult(str(number), x, 0 * x, states, (), 0.0))
     expected = {"exy": 2e-3, "eyy": -2e-3, "exx": 0.0, "ev": -2e-3, "gamma": np.hypot(2e-3, 2e-3)}
     for quantity, value in expected.items():
-        field = sc.nodal_field(forms, stages[1], quantity, since=stages[0])
+        field = stages[1].field(quantity, since=stages[0])
         np.testing.assert_allclose(field, value, atol=1e-15)
     water = sc.hydrostatic(1.0, unit_weight=10.0)
-    np.testing.assert_allclose(sc.nodal_field(forms, stages[0], "pore", water=water),
+    np.testing.assert_allclose(stages[0].field("pore", water=water),
                                10.0 * np.maximum(1.0 - basis.mesh.p[1], 0.0))
     with pytest.raises(ValueError, match="give water="):
-        sc.nodal_field(forms, stages[0], "pore")
+        stages[0].field("pore")
 
 
 @pytest.mark.parametrize("law, stress, share", [
@@ -160,7 +161,7 @@ def test_mobilised_strength(law, stress, share):
     basis, _ = two_layers()
     form = sc.SolidForm(basis, law)
     state = form.initial_state()
-    state = sc.SolidState(state.strain, state.stress + np.array(stress)[:, None, None], state.internal)
+    state = SolidState(state.strain, state.stress + np.array(stress)[:, None, None], state.internal)
     np.testing.assert_allclose(mobilised(form, state), share)
     expected = PointStatus.YIELDS if share == 1.0 else PointStatus.ELASTIC
     assert (point_status(form, state) == expected).all()
@@ -182,14 +183,14 @@ def test_slice_in_space_is_the_plane():
         dim = mesh.dim()
         mesh = mesh.with_boundaries({"end": lambda p: p[0] > 3 - 1e-9, "clamp": lambda p: p[0] < 1e-9})
         basis = Basis(mesh, ElementVector(ElementQuad1() if dim == 2 else ElementHex1()), intorder=2)
-        forms = {"beam": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3), strain=sc.b_bar)}
+        forms = {"beam": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3), strain="b_bar")}
         across = np.arange(2, basis.N if dim == 3 else 0, 3)
         fixed = np.union1d(basis.get_dofs("clamp").all(), across)
         load = sc.traction(basis, "end", (0.0, -1.0, 0.0)[:dim])
-        stage = sc.run(forms, [sc.Stage("load", load)], fixed, progress=False)["load"]
+        stage = sc.Model(forms, fixed).run([sc.Stage("load", load)], progress=False)["load"]
         chosen = np.flatnonzero((mesh.p[0] > 0.6) & ((dim == 2) | (mesh.p[-1] < 0.1)))
         chosen = chosen[np.lexsort(mesh.p[:2, chosen].round(9))]
-        fields.append([sc.nodal_field(forms, stage, name)[chosen] for name in ("sxx", "syy", "sxy")])
+        fields.append([stage.field(name)[chosen] for name in ("sxx", "syy", "sxy")])
     for plane, slice_ in zip(*fields, strict=True):
         assert np.abs(slice_ - plane).max() < 0.02 * max(np.abs(plane).max(), 1.0)
 
@@ -202,8 +203,8 @@ def test_frames_have_pore_pressures_where_there_are_any():
     for material, there in ((soil, False), (sc.Undrained(soil, nu_u=0.49), True)):
         forms = {"soil": sc.SolidForm(basis, material)}
         stages = [sc.Stage("load", sc.weight(basis, 10.0))]
-        stage = sc.run(forms, stages, sc.box_supports(basis), progress=False)["load"]
-        frame = sc.to_frame(forms, stage)
+        stage = sc.Model(forms, sc.box_supports(basis)).run(stages, progress=False)["load"]
+        frame = stage.to_frame()
         assert ("pore" in frame.columns) == there
         if there:
-            np.testing.assert_allclose(frame["pore"], sc.nodal_field(forms, stage, "pore"))
+            np.testing.assert_allclose(frame["pore"], stage.field("pore"))

@@ -20,6 +20,7 @@ from skfem import (
 )
 
 import skfem_contact as sc
+from skfem_contact.results.sections import section_forces
 
 # Sums of some thousand nodal forces that cancel.
 ROUND_OFF = 1e-10
@@ -28,7 +29,7 @@ STEEL = sc.LinearElastic(E=1e4, nu=0.25)
 
 def solved(form, load, fixed):
     """State of a loaded body."""
-    stage = sc.run({"body": form}, [sc.Stage("load", load)], fixed=fixed, progress=False)["load"]
+    stage = sc.Model({"body": form}, fixed).run([sc.Stage("load", load)], progress=False)["load"]
     return stage.states["body"]
 
 
@@ -66,7 +67,7 @@ def test_loaded_at_its_tip(element, rng):
     state = solved(form, load, form.basis.get_dofs("left").all())
 
     start, end = turn @ (0.2, 0.05), turn @ (3.8, 0.05)
-    section = sc.section_forces(form, state, sc.line_sections(start, end, depth=1.2, n=37))
+    section = section_forces(form, state, sc.Sections.line(start, end, depth=1.2, n=37))
     expected = (total @ turn[:, 0], total @ turn[:, 1])
     np.testing.assert_allclose(section.N, expected[0], rtol=ROUND_OFF)
     np.testing.assert_allclose(section.V, expected[1], rtol=ROUND_OFF)
@@ -83,8 +84,8 @@ def test_own_weight_between_lines_of_nodes(element):
     mesh = grid(element, [0.0, 0.5, 1.0], np.linspace(0, 10, 21))
     form = sc.SolidForm(vector_basis(mesh, element), sc.LinearElastic(E=1e4, nu=0.0))
     state = solved(form, sc.weight(form.basis, 20.0), form.basis.get_dofs("top").all())
-    cuts = sc.line_sections((0.5, 9.7), (0.5, 0.3), depth=1.0, n=41)
-    section = sc.section_forces(form, state, cuts)
+    cuts = sc.Sections.line((0.5, 9.7), (0.5, 0.3), depth=1.0, n=41)
+    section = section_forces(form, state, cuts)
     np.testing.assert_allclose(section.N, 20.0 * section.y, rtol=ROUND_OFF)
     np.testing.assert_allclose(section.M, 0.0, atol=1e-8)  # of a weight of 200
 
@@ -96,7 +97,7 @@ def test_ends_of_a_body_carry_what_acts_there():
     pull = LinearForm(lambda v, w: 3.0 * v[0] - 2.0 * v[1]).assemble(
         FacetBasis(mesh, form.basis.elem, facets="right"))
     state = solved(form, pull, form.basis.get_dofs("left").all())
-    section = sc.section_forces(form, state, sc.line_sections((0, 0), (4, 0), depth=1.0, n=5))
+    section = section_forces(form, state, sc.Sections.line((0, 0), (4, 0), depth=1.0, n=5))
     np.testing.assert_allclose(section.N, 3.0, rtol=ROUND_OFF)
     np.testing.assert_allclose(section.V, -2.0, rtol=ROUND_OFF)
     np.testing.assert_allclose(section.M, 2.0 * (4 - section.position), atol=1e-9)
@@ -110,7 +111,7 @@ def test_positive_moment_stretches_the_left_fibres():
     bent = np.column_stack((1e-3 * x * y, -0.5e-3 * x**2)).ravel()
     state = form.assemble(bent, form.initial_state()).state
     for start, end, sign in (((0.5, 0), (3.5, 0), 1.0), ((3.5, 0), (0.5, 0), -1.0)):
-        section = sc.section_forces(form, state, sc.line_sections(start, end, depth=1.0, n=6))
+        section = section_forces(form, state, sc.Sections.line(start, end, depth=1.0, n=6))
         np.testing.assert_allclose(section.M, sign * 0.1, rtol=1e-9)  # E I k, I = 1/12
         np.testing.assert_allclose(section.N, 0.0, atol=1e-12)
 
@@ -126,13 +127,13 @@ def test_ring_under_pressure(curved):
     load = pressure.assemble(FacetBasis(mesh, element, facets="outer", intorder=4))
     right, top, left = form.basis.nodal_dofs[:, [0, n // 4, n // 2]].T
     state = solved(form, load, np.array([right[1], top[0], left[1]]))
-    section = sc.section_forces(form, state, sc.ring_sections((0, 0), inner, outer, n))
+    section = section_forces(form, state, sc.Sections.ring((0, 0), inner, outer, n))
     if curved:  # half an element to both sides: a quarter of the polygon's angle, squared
         np.testing.assert_allclose(section.N, -p * outer, rtol=(np.pi / n) ** 2)
     else:  # bars along the facets that balance the facets' loads at the corners
         np.testing.assert_allclose(section.N, -p * outer * np.cos(np.pi / n) ** 2, rtol=1e-9)
     np.testing.assert_allclose(section.V, 0.0, atol=1e-3)
-    between = sc.section_forces(form, state, sc.ring_sections((0, 0), inner, outer, 50))  # two on lines of nodes
+    between = section_forces(form, state, sc.Sections.ring((0, 0), inner, outer, 50))  # two on lines of nodes
     for name in ("N", "M"):  # the same all around, up to the round-off of the linear solver
         np.testing.assert_allclose(getattr(between, name), getattr(section, name)[0], rtol=1e-6)
 
@@ -166,11 +167,11 @@ def test_cuts_off_the_lines_of_nodes_interpolate():
 
     errors = []
     for offset in (0.0, 0.3, 0.5):  # of an element
-        cuts = sc.ring_sections((0, 0), 0.72, 0.9, 72)
+        cuts = sc.Sections.ring((0, 0), 0.72, 0.9, 72)
         turn = rotation(-offset * 5.0)
         cuts = replace(cuts, position=cuts.position + offset * 5.0, center=cuts.center @ turn.T,
                        axis=cuts.axis @ turn.T)
-        section = sc.section_forces(form, state, cuts)
+        section = section_forces(form, state, cuts)
         N, M = exact.section_forces(np.radians(90.0 - section.position))
         errors.append((np.abs(section.N / N - 1).max(), np.abs(section.M - M).max() / np.abs(M).max()))
     # second order in an element's angle of 5 degrees; a chord is off the circle by 0.7 mm: 0.6 % of M
@@ -186,8 +187,8 @@ def test_bodies_of_one_form_are_told_apart():
     x = 1e-3 * np.random.default_rng(1).standard_normal(basis.N)
     both = sc.SolidForm(basis, dict.fromkeys(parts, STEEL))
     ring = sc.SolidForm(basis.with_elements("ring"), STEEL)
-    cuts = sc.ring_sections((0, 0), 0.72, 0.9, 50)
-    of_both, of_ring = (sc.section_forces(form, form.assemble(x, form.initial_state()).state, cuts)
+    cuts = sc.Sections.ring((0, 0), 0.72, 0.9, 50)
+    of_both, of_ring = (section_forces(form, form.assemble(x, form.initial_state()).state, cuts)
                         for form in (both, ring))
     for name in ("N", "V", "M"):
         np.testing.assert_allclose(getattr(of_both, name), getattr(of_ring, name), atol=1e-9)
@@ -196,36 +197,36 @@ def test_bodies_of_one_form_are_told_apart():
 
 def test_what_is_no_solid_is_refused():
     form = sc.SolidForm(vector_basis(grid("Q1", [0, 1, 2], [0, 1]), "Q1"), STEEL)
-    cuts = sc.line_sections((0, 0.5), (2, 0.5), depth=1.0)
+    cuts = sc.Sections.line((0, 0.5), (2, 0.5), depth=1.0)
     for wrong in ((form, "wall"), ("wall", form.initial_state())):
         with pytest.raises(ValueError, match=r"section forces are those of a solid and its state, .* not of .*str"):
-            sc.section_forces(*wrong, cuts)
+            section_forces(*wrong, cuts)
 
 
 def test_a_cut_beside_the_body_is_refused():
     form = sc.SolidForm(vector_basis(grid("Q1", [0, 1, 2], [0, 1]), "Q1"), STEEL)
     with pytest.raises(ValueError, match=r"2 of 4 sections cut no element .* \(3, 0.5\)"):
-        sc.section_forces(form, form.initial_state(), sc.line_sections((1, 0.5), (4, 0.5), depth=1.0, n=4))
+        section_forces(form, form.initial_state(), sc.Sections.line((1, 0.5), (4, 0.5), depth=1.0, n=4))
     for inner, outer in ((0.9, 0.72), (0.0, 1.0), (np.nan, 1.0)):
         with pytest.raises(ValueError, match="inner < outer"):
-            sc.ring_sections((0, 0), inner, outer)
+            sc.Sections.ring((0, 0), inner, outer)
     with pytest.raises(ValueError, match="different ends"):
-        sc.line_sections((0, 0), (0, 0), depth=1.0)
+        sc.Sections.line((0, 0), (0, 0), depth=1.0)
 
 
 @pytest.mark.parametrize("n", [0, 1, 2.5])
 def test_a_number_of_cuts_that_is_none_is_refused(n):
     """At a single cut of a line nothing would tell its two ends."""
     with pytest.raises(ValueError, match="integer, at least 2, not"):
-        sc.line_sections((0, 0), (1, 0), depth=1.0, n=n)
-    assert len(sc.ring_sections((0, 0), 0.5, 1.0, n=1).position) == 1
+        sc.Sections.line((0, 0), (1, 0), depth=1.0, n=n)
+    assert len(sc.Sections.ring((0, 0), 0.5, 1.0, n=1).position) == 1
     with pytest.raises(ValueError, match="integer, at least 1, not"):
-        sc.ring_sections((0, 0), 0.5, 1.0, n=n if n != 1 else -1)
+        sc.Sections.ring((0, 0), 0.5, 1.0, n=n if n != 1 else -1)
 
 
 @pytest.mark.parametrize("point", [(0, 0, 0), 1.0, (0, np.nan)])
 def test_points_that_are_not_in_the_plane_are_refused(point):
-    for cut in (lambda: sc.line_sections(point, (1, 0), 1.0), lambda: sc.line_sections((1, 0), point, 1.0),
-                lambda: sc.ring_sections(point, 0.5, 1.0)):  # fmt: skip
+    for cut in (lambda: sc.Sections.line(point, (1, 0), 1.0), lambda: sc.Sections.line((1, 0), point, 1.0),
+                lambda: sc.Sections.ring(point, 0.5, 1.0)):  # fmt: skip
         with pytest.raises(ValueError, match=r"of the sections must be a finite \(x, y"):
             cut()

@@ -7,11 +7,14 @@ import pytest
 from helpers import body_along, facing, grid, rough_pair, vector_basis
 
 import skfem_contact as sc
+from skfem_contact.contact.laws import Status
+from skfem_contact.contact.state import ContactState
+from skfem_contact.results.tractions import contact_report, tractions
 
 LAW = sc.Coulomb(mu=0.3, adhesion=0.2)
 
 
-def sliding_block(shift: float) -> tuple[sc.ContactPair, np.ndarray, sc.ContactState]:
+def sliding_block(shift: float) -> tuple[sc.ContactPair, np.ndarray, ContactState]:
     """A block on a base, pressed down by 1e-3 and moved sideways."""
     base, block = grid("Q1", np.linspace(0, 4, 9), [0, 1]), grid("Q1", np.linspace(1, 2, 4), [1, 2])
     mesh = sc.join_bodies({"base": base, "block": block})
@@ -27,18 +30,18 @@ def sliding_block(shift: float) -> tuple[sc.ContactPair, np.ndarray, sc.ContactS
 def test_signs_of_a_sliding_block(shift):
     """[X] Pressure 10, friction 3: the block drags the base along, the base holds the block back."""
     pair, x, state = sliding_block(shift)
-    joint = sc.tractions(pair, state)
+    joint = tractions(pair, state)
     way = np.sign(shift)  # the top of the base runs from left to right: its body is on the right
     np.testing.assert_allclose(joint.pressure, 10.0)
     np.testing.assert_allclose(joint.shear, way * 3.0)
     np.testing.assert_allclose(joint.slip, shift)
     np.testing.assert_allclose(joint.gap, -1e-3)
-    assert (joint.status == sc.Status.SLIP).all()
+    assert (joint.status == Status.SLIP).all()
     np.testing.assert_allclose(joint.weight.sum(), 1.0)
     np.testing.assert_allclose(joint.arc, 2.0 - joint.x)  # the block's bottom runs from right to left
     np.testing.assert_allclose(joint.y, 1.0)
 
-    report = sc.contact_report(pair, x, state)
+    report = contact_report(pair, x, state)
     np.testing.assert_allclose(report.normal, (0, 10), atol=1e-12)
     np.testing.assert_allclose(report.tangential, (-way * 3, 0), atol=1e-12)
     assert (report.open, report.stick, report.slip) == (0, 0, 4)
@@ -54,7 +57,7 @@ def test_resultant_is_the_sum_of_nodal_forces(element, quadrature, options, rng)
     """[X] On a bent, displaced interface with open, sticking and slipping points."""
     _, pair, x, state = rough_pair(element, quadrature, LAW, rng, **options)
     out = pair.assemble(x, state)
-    report = sc.contact_report(pair, x, out.state)
+    report = contact_report(pair, x, out.state)
     on_slave = -pair.assemble(x, out.state).force[pair.slave.dofs].sum(axis=0)
     tolerance = 1e-9
     if element == "Q2":  # friction works on the master's curve, at a distance of the gap times its curvature
@@ -62,7 +65,7 @@ def test_resultant_is_the_sum_of_nodal_forces(element, quadrature, options, rng)
     if quadrature == "segments":  # the stick points are interpolated to the new cuts
         tolerance = 0.05
     np.testing.assert_allclose(report.force, on_slave, atol=tolerance * np.abs(on_slave).max())
-    joint = sc.tractions(pair, out.state)
+    joint = tractions(pair, out.state)
     np.testing.assert_allclose(report.pressure, (joint.weight * joint.pressure).sum())
     np.testing.assert_allclose(report.friction, (joint.weight * np.abs(joint.raw_shear)).sum())
     assert report.open + report.stick + report.slip == len(joint.arc)
@@ -79,14 +82,14 @@ def test_force_around_a_corner():
     x[pair.slave.dofs[:, 0]] = 0.002
     out = pair.assemble(x, pair.initial_state())
     assert out.force.any()
-    report = sc.contact_report(pair, x, out.state)
+    report = contact_report(pair, x, out.state)
     np.testing.assert_allclose(report.force, -out.force[pair.slave.dofs].sum(axis=0), atol=1e-9)
 
 
 def test_central_angle_runs_clockwise_from_the_crown():
     x, y = np.array([0.0, 1.0, 0.0, -1.0]) + 5.0, np.array([1.0, 0.0, -1.0, 0.0]) - 2.0
     zero = np.zeros(4)
-    joint = sc.Tractions(zero, x, y, *[zero] * 9)
+    joint = sc.results.Tractions(zero, x, y, *[zero] * 9)
     np.testing.assert_allclose(joint.central_angle((5.0, -2.0)), [0, 90, 180, 270])
 
 
@@ -95,13 +98,13 @@ def test_state_of_another_form_is_refused():
     basis = facing(body_along([(3, 0), (2, 0), (1, 0)]), body_along([(0, 0), (4, 0)]))
     other = sc.ContactPair(basis, "slave:face", "master:face", LAW, quadrature=3)
     with pytest.raises(ValueError, match="holds 4 points and the pair 6: it belongs to another pair"):
-        sc.tractions(other, state)
+        tractions(other, state)
     with pytest.raises(ValueError, match="str is not the state of a contact pair"):
-        sc.contact_report(pair, x, "skin")
+        contact_report(pair, x, "skin")
     with pytest.raises(ValueError, match=rf"displacements have shape \({pair.size - 2},\), not \({pair.size},\)"):
-        sc.contact_report(pair, x[:-2], state)
+        contact_report(pair, x[:-2], state)
     with pytest.raises(ValueError, match="str is no contact pair"):
-        sc.tractions("skin", state)
+        tractions("skin", state)
 
 
 @pytest.mark.parametrize("element", ["Q1", "Q2"])
@@ -119,8 +122,8 @@ def test_pressure_does_not_ripple(element, quadrature):
     }
     up, bottom = basis.zeros(), basis.get_dofs("block:bottom")
     up[bottom.all("u^2")] = 0.02
-    state = sc.run(forms, [sc.Stage("press", basis.zeros(), up)], bottom.all(), progress=False)[0].states["joint"]
-    joint, points = sc.tractions(forms["joint"], state), forms["joint"].points(state)
+    state = sc.Model(forms, bottom.all()).run([sc.Stage("press", basis.zeros(), up)], progress=False)[0].states["joint"]
+    joint, points = tractions(forms["joint"], state), forms["joint"].points(state)
 
     def forces(pressure):
         share = points.values * (points.weight * pressure)[:, None]

@@ -8,6 +8,7 @@ from helpers import grid, vector_basis
 from skfem import FacetBasis, LinearForm
 
 import skfem_contact as sc
+from skfem_contact.contact.laws import Status
 
 
 def blocks(quadrature="nodal", element: str = "Q1", n: int = 3, enforcement=None):
@@ -40,7 +41,7 @@ def blocks(quadrature="nodal", element: str = "Q1", n: int = 3, enforcement=None
 @pytest.fixture(scope="module")
 def example():
     basis, forms, fixed, stages = blocks()
-    return basis, forms, sc.run(forms, stages, fixed, progress=False)
+    return basis, forms, sc.Model(forms, fixed).run(stages, progress=False)
 
 
 def test_access(example):
@@ -63,7 +64,7 @@ def test_going_on_from_a_stage_that_is_not_the_last(example):
     """[X] The second stage once more, from the first: the same as it was."""
     _, _, fixed, (_, full) = blocks()
     _, forms, result = example
-    again = sc.run(forms, [full], fixed, start=result["half"], progress=False)
+    again = sc.Model(forms, fixed).run([full], start=result["half"], progress=False)
     assert [stage.name for stage in again] == ["half", "full"]
     # round-off of the first step, which is not predicted from a step before
     np.testing.assert_allclose(again["full"].x, result["full"].x, atol=1e-10 * np.abs(result["full"].x).max())
@@ -98,7 +99,7 @@ def test_table(example):
     assert words[0] == "full" and words[1] == "3" and int(words[2]) == sum(result["full"].iterations)
     assert "100%" in words and "joint:" in words and "stick," in words and "open" in words
     state = result["full"].states["joint"]
-    assert f"{(state.status == sc.Status.STICK).sum()} stick" in lines[2]
+    assert f"{(state.status == Status.STICK).sum()} stick" in lines[2]
     share = (result["full"].states["blocks"].internal[0] > 0).mean()
     assert share > 0 and f"blocks: {share:.1%} yielded" in lines[2]
 
@@ -108,7 +109,7 @@ def test_table(example):
 def test_save_and_load(tmp_path, quadrature, element):
     """[X] Case S25: everything comes back bit by bit, with its types."""
     _, forms, fixed, stages = blocks(quadrature, element)
-    result = sc.run(forms, stages, fixed, progress=False)
+    result = sc.Model(forms, fixed).run(stages, progress=False)
     file = tmp_path / "result.npz"
     result.save(file)
     loaded = sc.load_result(file, forms)
@@ -127,11 +128,11 @@ def test_save_and_load(tmp_path, quadrature, element):
 def test_load_with_multipliers_and_go_on(tmp_path, quadrature):
     """[X] Multipliers are those of the file as of memory."""
     _, forms, fixed, (half, full) = blocks(quadrature, enforcement=sc.AugmentedLagrangian())
-    result = sc.run(forms, [half], fixed, progress=False)
+    result = sc.Model(forms, fixed).run([half], progress=False)
     assert result["half"].states["joint"].multiplier.any()
     result.save(tmp_path / "result.npz")
     loaded = sc.load_result(tmp_path / "result.npz", forms)
-    again, direct = (sc.run(forms, [full], fixed, start=start, progress=False)["full"] for start in (loaded, result))
+    again, direct = (sc.Model(forms, fixed).run([full], start=start, progress=False)["full"] for start in (loaded, result))
     np.testing.assert_array_equal(again.x, direct.x)
 
 
@@ -158,7 +159,7 @@ def test_partial_result_can_be_saved(tmp_path):
     _, forms, fixed, stages = blocks()
     with pytest.raises(sc.NotConverged) as error:
         newton = sc.Newton(max_iterations=6)
-        sc.run(forms, [stages[0], sc.Stage("too much", 40 * stages[1].load)], fixed, newton=newton, progress=False)
+        sc.Model(forms, fixed, newton=newton).run([stages[0], sc.Stage("too much", 40 * stages[1].load)], progress=False)
     partial = error.value.result
     partial.save(tmp_path / "partial.npz")
     loaded = sc.load_result(tmp_path / "partial.npz", forms)
@@ -169,8 +170,8 @@ def test_partial_result_can_be_saved(tmp_path):
 
 def test_empty_result(tmp_path):
     """[X] A table without lines, and a file of it."""
-    assert len(sc.Result(())) == 0 and len(str(sc.Result(())).splitlines()) == 1
-    sc.Result(()).save(tmp_path / "empty.npz")
+    assert len(sc.results.Result(())) == 0 and len(str(sc.results.Result(())).splitlines()) == 1
+    sc.results.Result(()).save(tmp_path / "empty.npz")
     assert len(sc.load_result(tmp_path / "empty.npz", {})) == 0
 
 
@@ -185,12 +186,12 @@ def test_save_and_load_after_sliding(tmp_path):
         place[basis.get_dofs("upper:top").all("u^1")] = 0.07 * k
         place[basis.get_dofs("upper:top").all("u^2")] = -1e-2
         stages.append(sc.Stage(f"{k}", basis.zeros(), place))
-    whole = sc.run(forms, stages, fixed, progress=False)
+    whole = sc.Model(forms, fixed).run(stages, progress=False)
     numbers = [len(s.states["joint"].gap) for s in whole]
     assert len(set(numbers)) > 1
-    sc.run(forms, stages[:3], fixed, progress=False).save(tmp_path / "three.npz")
+    sc.Model(forms, fixed).run(stages[:3], progress=False).save(tmp_path / "three.npz")
     start = sc.load_result(tmp_path / "three.npz", forms)
-    resumed = sc.run(forms, stages[3:], fixed, start=start, progress=False)
+    resumed = sc.Model(forms, fixed).run(stages[3:], start=start, progress=False)
     np.testing.assert_allclose(resumed["4"].x, whole["4"].x, atol=1e-12)
     # forces of the order of one; a new factor of the same matrix rounds in another way
     one, other = (result["4"].states["joint"].traction[0] for result in (resumed, whole))

@@ -29,9 +29,9 @@ forms = {
 fixed = sc.box_supports(basis)
 weight = sc.weight(basis, {"sand": 18.0, "block": 24.0})
 push = sc.traction(basis, "top", (12.0, -40.0))
-result = sc.run(forms, [sc.Stage("weight", weight), sc.Stage("push", weight + push, increments=3)], fixed)
+result = sc.Model(forms, fixed).run([sc.Stage("weight", weight), sc.Stage("push", weight + push, increments=3)])
 print(result)
-print(sc.contact_report(forms["joint"], result["push"].x, result["push"].states["joint"]))
+print(result["push"].report("joint"))
 
 # %%
 # The load, the tractions that the sand exerts on the block, and the points that yield:

@@ -33,7 +33,7 @@ for s in settlements:
     moved = basis.zeros()
     moved[down] = -s
     stages.append(sc.Stage(f"{1e3 * s:g} mm", basis.zeros(), prescribed=moved))
-result = sc.run(forms, stages, np.union1d(sc.box_supports(basis), footing))
+result = sc.Model(forms, np.union1d(sc.box_supports(basis), footing)).run(stages)
 load = [-stage.reactions()[down].sum() / width for stage in result]
 
 fig, ax = plt.subplots(figsize=(6, 4), layout="constrained")

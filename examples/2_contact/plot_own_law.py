@@ -20,6 +20,7 @@ from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
 
 import skfem_contact as sc
 from skfem_contact.contact import Update
+from skfem_contact.contact.laws import Status
 
 # %%
 # What a law is asked
@@ -83,7 +84,7 @@ class Dilatant(sc.InterfaceLaw):
         traction = np.concatenate(((normal - by_gap * rise * plastic)[None], trial - by_slip * plastic * along))
         apart = traction[0] > 0
         traction[:, apart], tangent[:, :, apart], plastic[apart] = 0.0, 0.0, 0.0
-        status = np.where(apart, sc.Status.OPEN, np.where(slides, sc.Status.SLIP, sc.Status.STICK))
+        status = np.where(apart, Status.OPEN, np.where(slides, Status.SLIP, Status.STICK))
         return Update(traction, internal + rise * plastic, tangent, traction[1:] / by_slip, status)
 
 
@@ -130,7 +131,7 @@ class Cohesive(sc.InterfaceLaw):
         rate = np.where(grows, last * first / (largest**2 * (last - first)), 0.0)
         tangent -= rate * (stiffness * apart)[:, None] * apart / np.where(separation > 0, separation, 1.0)
 
-        status = np.where(damage < 1, sc.Status.STICK, np.where(jump[0] > 0, sc.Status.OPEN, sc.Status.SLIP))
+        status = np.where(damage < 1, Status.STICK, np.where(jump[0] > 0, Status.OPEN, Status.SLIP))
         return Update(secant * jump, largest[None], tangent, jump[1:].copy(), status)
 
 
@@ -141,7 +142,7 @@ class Cohesive(sc.InterfaceLaw):
 # tangents against differences, admissibility, dissipation.
 
 for law in (Dilatant(mu=0.5, psi=10.0), Cohesive(strength=2.0, energy=2e-3)):
-    print(type(law).__name__, f"{sc.check_interface_law(law):.0e}")
+    print(type(law).__name__, f"{sc.testing.check_interface_law(law):.0e}")
 
 # %%
 # The shear box
@@ -175,12 +176,12 @@ def sheared(stage_load, held, height=0.0):
         x = basis.zeros()
         x[along], x[lid] = s, height
         stages.append(sc.Stage(f"slip {s:g}", stage_load, x))
-    return list(sc.run(forms, stages, held, progress=False))
+    return list(sc.Model(forms, held).run(stages, progress=False))
 
 
 def carried(stages):
     """Pressure and shear of the joint in every stage."""
-    found = [sc.tractions(joint, stage.states["joint"]) for stage in stages]
+    found = [stage.tractions("joint") for stage in stages]
     return np.array([(t.weight @ t.pressure, abs(t.weight @ t.shear)) for t in found]).T
 
 
@@ -223,7 +224,7 @@ for number, up in enumerate(pull):
     x[lid] = up
     stages.append(sc.Stage(f"{number}", basis.zeros(), x))
 begin = process_time()
-result = sc.run({"block": block_form, "bond": bond}, stages, np.union1d(along, lid), progress=False)
+result = sc.Model({"block": block_form, "bond": bond}, np.union1d(along, lid)).run(stages, progress=False)
 bond_cpu = process_time() - begin
 stress = np.array([block_form.assemble(s.x, s.states["block"]).force[lid].sum() for s in result])
 

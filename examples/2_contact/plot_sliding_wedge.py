@@ -35,6 +35,7 @@ from skfem import Basis, ElementQuad1, ElementVector, FacetBasis, LinearForm, Me
 
 import skfem_contact as sc
 import skfem_contact.plot as plot
+from skfem_contact.contact.penalty import choose_penalties
 
 weight, E, stroke, n_steps = 1.0, 2e3, 0.12, 6
 
@@ -90,11 +91,11 @@ def driven(angle, mu1, mu2, mu3):
         x = basis.zeros()
         x[face] = way
         stages.append(sc.Stage(f"step {k + 1}", load, prescribed=x))
-    forms = sc.choose_penalties(forms)
+    forms = choose_penalties(forms)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", sc.AnalysisWarning)  # of the load that has left the wall
-        result = sc.run(forms, stages, fixed=face)
-    return forms, result, np.array([sc.reactions(forms, step)[face].sum() for step in result])
+        result = sc.Model(forms, face).run(stages)
+    return forms, result, np.array([step.reactions()[face].sum() for step in result])
 
 
 def statics(angle, mu1, mu2, mu3, sign):

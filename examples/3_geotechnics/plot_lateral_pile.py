@@ -74,7 +74,7 @@ def slice_of(alpha):
         x = basis.zeros()
         x[along] = -u
         stages.append(sc.Stage(f"{u:g} D", basis.zeros(), x))
-    result = sc.run(forms, stages, fixed, progress=False)
+    result = sc.Model(forms, fixed).run(stages, progress=False)
     force = [-2 * step.reactions()[along].sum() for step in result]
     return np.array(force), forms, result, process_time() - begin
 
@@ -116,7 +116,7 @@ def pushed(tension):
     begin = process_time()
     law = sc.Coulomb(adhesion=1.0, tension=tension)
     steel = sc.LinearElastic(E=1e6, nu=0.2)
-    forms = {"clay": sc.SolidForm(basis.with_elements("soil"), CLAY, strain=sc.b_bar),
+    forms = {"clay": sc.SolidForm(basis.with_elements("soil"), CLAY, strain="b_bar"),
              "pile": sc.SolidForm(basis.with_elements("pile"), steel),
              "shaft": sc.ContactPair(basis, "soil:shaft", "pile:shaft", law, "nodal",
                                      initial="adjusted")}
@@ -127,7 +127,7 @@ def pushed(tension):
         stages.append(sc.Stage(f"{u:g} D", basis.zeros(), x))
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", ".*opened with their bond", sc.AnalysisWarning)
-        result = sc.run(forms, stages, fixed, progress=False)
+        result = sc.Model(forms, fixed).run(stages, progress=False)
     force = [2 * step.reactions()[push].sum() / LENGTH for step in result]
     return np.array(force), forms, result, process_time() - begin
 

@@ -89,7 +89,7 @@ class HardeningVonMises(Isotropic):
 
 steel = HardeningVonMises(E=2e5, nu=0.3, strength=200.0, hardening=5e3)
 for components in (4, 6):
-    print(f"{components} components: {sc.check_material(steel, ncomp=components):.1e}")
+    print(f"{components} components: {sc.testing.check_material(steel, ncomp=components):.1e}")
 
 # %%
 # Simple shear has a closed form: beyond the strength :math:`\sigma_y / \sqrt 3` the slope is
@@ -105,7 +105,7 @@ for k, gamma in enumerate(amplitudes):
     x = basis.zeros()
     x[0::2] = gamma * basis.doflocs[1, 0::2]
     stages.append(sc.Stage(f"{k}", basis.zeros(), prescribed=x))
-result = sc.run(forms, stages, fixed=edge)
+result = sc.Model(forms, edge).run(stages)
 computed = np.array([stage.states["square"].stress[3].mean() for stage in result])
 
 shear = steel.lame[1]
@@ -145,14 +145,14 @@ grip = basis.get_dofs("grip").all("u^2")
 fixed = np.concatenate((basis.get_dofs("axis").all("u^1"), basis.get_dofs("waist").all("u^2"), grip))
 drawn = basis.zeros()
 drawn[grip] = 0.01
-for strain in (sc.plane_strain, sc.axisymmetric):
+for coordinates in ("plane", "axisymmetric"):
     begin = process_time()
-    forms = {"bar": sc.SolidForm(basis, steel, strain)}
-    step = sc.run(forms, [sc.Stage("drawn", basis.zeros(), prescribed=drawn, increments=8)], fixed)["drawn"]
+    forms = {"bar": sc.SolidForm(basis, steel, coordinates=coordinates)}
+    step = sc.Model(forms, fixed).run([sc.Stage("drawn", basis.zeros(), prescribed=drawn, increments=8)])["drawn"]
     force = forms["bar"].assemble(step.x, step.states["bar"]).force[grip].sum()
-    print(f"{strain.__name__}: force {force:.1f}, {step.summary['bar']}, iterations {step.iterations}")
+    print(f"{coordinates}: force {force:.1f}, {step.summary['bar']}, iterations {step.iterations}")
     assert max(step.iterations) <= 8
-    rows.append({"method": f"notched bar, {strain.__name__}", "n": 16, "unknowns": int(basis.N), "error": None,
+    rows.append({"method": f"notched bar, {coordinates}", "n": 16, "unknowns": int(basis.N), "error": None,
                  "cpu_s": round(process_time() - begin, 2), "iterations": sum(step.iterations)})  # fmt: skip
 
 # %%

@@ -62,7 +62,7 @@ def press(method, n, element="Q1"):
     forms = {"bodies": problem.solid, "joint": pair}
     stage = sc.Stage("press", problem.basis.zeros(), problem.pressed, increments=4)
     solver = "superlu" if problem.basis.N > 50_000 else None
-    result = sc.run(forms, [stage], problem.fixed, solver=solver, progress=False)
+    result = sc.Model(forms, problem.fixed, solver=solver).run([stage], progress=False)
     cpu, iterations = process_time() - begin, sum(result[-1].iterations)
     return figures(method, n, problem, result[-1].x, cpu, iterations, element), forms, result
 

@@ -45,7 +45,7 @@ def press(name, n, block, master, depth, force):
     pair = block.contact(master, quadrature="nodal", enforcement=sc.AugmentedLagrangian())
     forms = {"block": block.solid, "joint": pair}
     stage = sc.Stage(name, block.basis.zeros(), block.moved(depth, force), increments=2)
-    result = sc.run(forms, [stage], block.fixed, progress=False)
+    result = sc.Model(forms, block.fixed).run([stage], progress=False)
     row = {"method": name, "n": n, "unknowns": int(block.basis.N), "error": 0.0,
            "cpu_s": round(process_time() - begin, 2),
            "iterations": sum(result[-1].iterations)}  # fmt: skip

@@ -58,7 +58,7 @@ def turn(n):
         stages.append(sc.Stage(f"c = {k} a", body.basis.zeros(),
                                body.moved(1 / RADIUS, force, twist), 2, change=rough))  # fmt: skip
     forms = {"block": body.solid, "ball": pair}
-    return body, twists(force), sc.run(forms, stages, body.fixed, progress=False)
+    return body, twists(force), sc.Model(forms, body.fixed).run(stages, progress=False)
 
 
 def twists(force):

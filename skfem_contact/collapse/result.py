@@ -16,7 +16,7 @@ from ..forms.base import Form, solids_of
 from ..limit_analysis import Bounds
 from ..materials.reduction import dilates_less
 from ..nonlinear.system import System
-from ..stages.result import StageResult
+from ..results.result import StageResult
 from .history import Point, Step
 
 FACTOR, LOAD = "factor of safety", "limit load"
@@ -251,7 +251,7 @@ def conclude(what: str, found: Found, last: Point, system: System, load: ndarray
     residual = next(step.residual for step in reversed(steps) if step.outcome == "equilibrium")
     released = {name: form.released(last.x, last.states[name]) for name, form in system.forms.items()}
     forms, states = ({name: pair[i] for name, pair in released.items()} for i in (0, 1))
-    end = StageResult(what, last.x, load, states, (iterations,), residual, forms=forms)
+    end = StageResult(what, last.x, load, states, (iterations,), residual, forms=forms, layout=system.layout)
     value = found.highest.parameter
     return CollapseResult(what, value, (value, found.above), found.stop, method, flow, reduced,
                           describe_mesh(system.forms), tuple(steps), end, mechanism, bands,

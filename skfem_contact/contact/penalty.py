@@ -53,7 +53,7 @@ def choose_penalties(forms: Mapping[str, Any]) -> dict[str, Form]:
     >>> block = MeshQuad().refined(1).with_defaults()
     >>> mesh = sc.join_bodies({"lower": block, "upper": block.translated((0., 1.))})
     >>> basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
-    >>> forms = sc.choose_penalties({
+    >>> forms = choose_penalties({
     ...     "blocks": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=.3)),
     ...     "contact": sc.ContactPair(basis, "upper:bottom", "lower:top", sc.Coulomb(mu=.3))})
     >>> bool(1e3 < forms["contact"].penalty[0] < 1e5)        # some E/h
@@ -68,7 +68,7 @@ def with_chosen_penalty(pair: ContactPair, forms: Mapping[str, Form]) -> Contact
     bodies = [form for form in forms.values() if form.elastic_stiffness is not None]
     if not bodies:
         raise ValueError("there is no SolidForm among the forms: contact takes its stiffness from what it joins")
-    if any(form.axisymmetric for form in bodies) != pair.axisymmetric:
+    if any(form.coordinates == "axisymmetric" for form in bodies) != pair.axisymmetric:
         raise ValueError(f"contact of '{pair.slave.name}' on '{pair.facets.name}' has axisymmetric="
                          f"{pair.axisymmetric}, unlike the solids: pass axisymmetric={not pair.axisymmetric} to "
                          "ContactPair")

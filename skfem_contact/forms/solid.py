@@ -1,7 +1,7 @@
 """A body that carries load: a basis, a strain measure and the materials of its regions."""
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -10,15 +10,17 @@ import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix
 from skfem import CellBasis
+from typing_extensions import override
 
 from ..errors import Remark, check_basis, check_quadrature, check_size, look_up
+from ..loads import by_element, weight
 from ..materials import Material, Update
 from ..materials.reduction import reduced_strength
 from ..materials.spectral import largest_shear
 from .assembly import Pattern, damped, element_stiffness, force_matrix
-from .base import Form, Response
+from .base import Coordinates, Form, Response
 from .regions import Region, by_region, check_materials
-from .strain import StrainOperator, axisymmetric, b_bar, has_corners_only, strain_of
+from .strain import Measure, has_corners_only, strain_of, strain_operator
 
 #: Round-off of the forces of a displaced body, relative to those of its displacements taken one by one.
 _ROUND_OFF = 8 * np.finfo(float).eps
@@ -58,9 +60,17 @@ class SolidForm(Form):
         One material, or ``{subdomain: material}`` that covers every element of the basis exactly once. Parameters that
         are arrays have one value for each of these elements, in the order of ``mesh.subdomains[subdomain]``.
     strain
-        :func:`plane_strain`, :func:`b_bar`, :func:`axisymmetric` or :func:`three_dimensional`; by default plane or
-        three-dimensional strains, and :func:`b_bar` for quadrilaterals of four nodes and hexahedra of eight with a
-        material that yields, where they would lock.
+        ``"full"``: the strains of the displacements; ``"b_bar"``: their volumetric part averaged over each element.
+        By default ``"b_bar"`` for quadrilaterals of four nodes and hexahedra of eight with a material that yields,
+        where full strains lock.
+    coordinates
+        ``"axisymmetric"`` for axial symmetry about x = 0, where all forces are per radian and the radial displacement
+        on the axis has to be fixed. By default ``"plane"`` or ``"space"``, as the mesh.
+    unit_weight
+        Weight per volume: one number, or by subdomain, for every element. Stages and searches of a :class:`Model` then
+        carry the weight of the active bodies. By default the body is weightless.
+    porous
+        True if water at rest (``Stage(water=...)``) acts in its pores; False for concrete and steel.
 
     Attributes
     ----------
@@ -94,14 +104,18 @@ class SolidForm(Form):
     """
 
     def __init__(self, basis: CellBasis, materials: Material | Mapping[str, Material],
-                 strain: Callable[[CellBasis], StrainOperator] | None = None) -> None:
+                 strain: Measure | None = None, *, coordinates: Coordinates | None = None,
+                 unit_weight: float | Mapping[str, float] | None = None, porous: bool = True) -> None:
         check_basis(basis)
         check_quadrature(basis)
         self.basis, regions = by_region(basis, materials)  # state arrays follow this order of the elements
         flows = any(getattr(region.material, "n_internal", 0) for region in regions)
-        self.size, self.strain = int(self.basis.N), strain or strain_of(self.basis, flows)
-        self.joins, self.axisymmetric = np.zeros(0, int), self.strain is axisymmetric
-        B, self.weight = self.strain(self.basis)
+        self.size, self.joins = int(self.basis.N), np.zeros(0, int)
+        self.strain, self.coordinates = strain_of(self.basis, strain, coordinates, flows)
+        self.unit_weight, self.porous = unit_weight, porous
+        if unit_weight is not None:
+            self.own_weight(np.zeros(basis.mesh.dim()))
+        B, self.weight = strain_operator(self.basis, self.strain, self.coordinates)
         self._ncomp = B.shape[2]
         self._set(regions)
         self._pattern = Pattern.of(self.basis)
@@ -137,6 +151,18 @@ class SolidForm(Form):
             for name in ("_elasticity", "elastic_stiffness", "_diagonal"):
                 new.__dict__.pop(name, None)
         return new
+
+    @override
+    def own_weight(self, acceleration: ndarray) -> ndarray | None:
+        if self.unit_weight is None:
+            return None
+        gamma = by_element(self.basis.mesh, self.unit_weight, "unit weight", np.nan)[self.elements]
+        if np.isnan(gamma).any():
+            missing = [region.name for region in self.regions if np.isnan(gamma[region.elements]).any()]
+            raise ValueError(f"{np.isnan(gamma).sum()} elements of the regions {missing} have no unit weight: give one "
+                             "for each subdomain, 0 for a weightless one")
+        size = float(np.linalg.norm(acceleration))
+        return size * weight(self, self.unit_weight, acceleration / size) if size else np.zeros(self.size)
 
     def reduced(self, factor: float, flow: str, names: Collection[str]) -> SolidForm:
         """The same body with the strength of some regions divided by a factor, see :func:`reduced_strength`."""
@@ -248,8 +274,8 @@ class SolidForm(Form):
         if strain > _STRAIN:
             yield Remark("strain", strain, f"strains of up to {strain:.0%} are taken for small")
         yielded = float((state.internal[0] > 0).mean()) if len(state.internal) else 0.0
-        if yielded and self.strain is not b_bar and has_corners_only(self.basis):
-            instead = "" if self.axisymmetric else "strain=b_bar, or "
+        if yielded and self.strain != "b_bar" and has_corners_only(self.basis):
+            instead = "" if self.coordinates == "axisymmetric" else 'strain="b_bar", or '
             yield Remark("locking", yielded, f"{yielded:.1%} of the points yield in elements of corner nodes with full "
                          f"integration, which are too stiff where volume does not change: take {instead}elements of "
                          "second order")

@@ -96,7 +96,7 @@ def bounds(forms: Mapping[str, Any], fixed: ndarray, weight: float | Mapping[str
     >>> basis = Basis(MeshTri().refined(1).with_defaults(), ElementVector(ElementTriP2()), intorder=2)
     >>> column = sc.SolidForm(basis, sc.Tresca(E=1e3, nu=.3, c=10.))
     >>> fixed = np.hstack([basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1")])
-    >>> found = sc.bounds({"soil": column}, fixed, tractions={"top": (0., -10.)})
+    >>> found = sc.Model({"soil": column}, fixed).bounds(tractions={"top": (0., -10.)})
     >>> print(f"{found.lower:.3f} {found.upper:.3f}")
     2.000 2.000
     """

@@ -17,7 +17,7 @@ from scipy.sparse import coo_matrix, csr_matrix, hstack
 from scipy.sparse.csgraph import connected_components
 from skfem import CellBasis, ElementTriP2, ElementVector, MeshTri
 
-from ..forms.strain import plane_strain
+from ..forms.strain import strain_operator
 from ..layout import rigid_modes
 from .triangles import facet_lengths
 
@@ -117,7 +117,7 @@ def velocity_elements(mesh: MeshTri) -> Elements:
     integral.  Jumps are given by their Bernstein coefficients: where these obey a convex rule, the jump does all along.
     """
     basis = CellBasis(mesh, ElementVector(ElementTriP2()), quadrature=(_CORNERS, np.full(3, 1 / 6)))
-    B, weight = plane_strain(basis)
+    B, weight = strain_operator(basis, "full", "plane")
     ends, middles = basis.nodal_dofs.T[mesh.facets.T], basis.facet_dofs.T
     dofs = basis.element_dofs.T
     return Elements(mesh, B[:, :, [0, 1, 3]] * weight[:, :, None, None], dofs, basis.doflocs,

@@ -14,11 +14,10 @@ from skfem import CellBasis, Mesh
 from ..contact.laws import Coulomb, Tied
 from ..contact.pair import ContactPair
 from ..forms.solid import SolidForm
-from ..forms.strain import axisymmetric
 from ..forms.targets import reduced_parts
 from ..materials import LinearElastic, MohrCoulomb, Tresca, VonMises
 from ..materials.reduction import Flow, dilates_less
-from ..stages.supports import as_unknowns
+from ..stages.supports import as_dofs
 from .contact import Contact
 from .loading import Distributed, Loads, Site, Vectors
 from .model import Model
@@ -107,7 +106,7 @@ def _by_kind(forms: Mapping[str, Any]) -> tuple[dict[str, SolidForm], dict[str, 
 def _check_solids(solids: Mapping[str, SolidForm]) -> None:
     """Refuse what has no bounds: space, axial symmetry, other materials, overlapping solids."""
     for name, form in solids.items():
-        if form.basis.mesh.dim() != 2 or form.strain is axisymmetric:
+        if form.basis.mesh.dim() != 2 or form.coordinates == "axisymmetric":
             kind = "axially symmetric" if form.basis.mesh.dim() == 2 else "in three dimensions"
             raise ValueError(f"bounds are for plane strain, but '{name}' is {kind}")
         for region, material in form.materials.items():
@@ -154,7 +153,7 @@ def _parameters(material: Any, flow: Flow, name: str) -> tuple[Any, Any, Any]:
 
 def _unknowns(fixed: ndarray, basis: CellBasis) -> ndarray:
     """Fixed unknowns, checked."""
-    fixed = as_unknowns(fixed)
+    fixed = as_dofs(fixed)
     if len(fixed) == 0 or fixed[0] < 0 or fixed[-1] >= basis.N:
         raise ValueError(f"fixed must hold numbers of unknowns from 0 to {basis.N - 1}"
                          + (": without supports there are no bounds" if len(fixed) == 0 else ""))

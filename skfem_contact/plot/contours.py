@@ -9,8 +9,8 @@ import numpy as np
 from numpy import ndarray
 
 from ..errors import check_plane
-from ..results.fields import Water, basis_of, quantities, region_field, solids
-from ..stages.result import Result, StageResult
+from ..results.fields import Water, basis_of, quantities, region_field
+from ..results.result import Result, StageResult
 from .marks import Marks
 from .picture import Frame, can_draw, finish
 from .scales import Scale, make_scale
@@ -103,12 +103,12 @@ def contour(forms: Mapping[str, Any], step: StageResult, quantity: str, *, since
     >>> forms = {"block": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=.3))}
     >>> stage = sc.Stage("weight", sc.weight(basis, 20.))
     >>> fixed = basis.get_dofs("bottom").all()
-    >>> result = sc.run(forms, [stage], fixed)
+    >>> result = sc.Model(forms, fixed).run([stage])
     >>> picture = plot.contour(forms, result["weight"], "uy", deformed="auto", supports=fixed)
     """
     views = _views(forms, [step], quantity, since, deformed, water, supports=supports, loads=loads, vectors=vectors,
                    points=points, contact=contact)
-    scale, title = _scale(views, limits, levels, colors), headline(forms, quantity, since, water)
+    scale, title = _scale(views, limits, levels, colors), headline(step, quantity, since, water)
     return draw(views, scale, title, note_of(views[0].title, views[0].scene.factor), window, mesh, file, show)
 
 
@@ -136,7 +136,7 @@ def stages(forms: Mapping[str, Any], result: Result | Sequence[StageResult], qua
     >>> picture = plot.stages(model.forms, model.result, "syy", window=(-3., 3., -3., 2.))
     """
     views = _views(forms, list(result), quantity, since, deformed, water, points=points, contact=contact)
-    scale, title = _scale(views, limits, levels, colors), headline(forms, quantity, since, water)
+    scale, title = _scale(views, limits, levels, colors), headline(result[-1], quantity, since, water)
     return draw(views, scale, title, note_of("", views[0].scene.factor), window, mesh, file, show)
 
 
@@ -178,7 +178,7 @@ def animate(forms: Mapping[str, Any], result: Result | Sequence[StageResult], qu
         plotter.open_gif(str(file), fps=_FRAMES_A_SECOND)
     else:
         plotter.open_movie(str(file), framerate=_FRAMES_A_SECOND)
-    frame.put_foot(plotter, scale, headline(forms, quantity, since))
+    frame.put_foot(plotter, scale, headline(result[-1], quantity, since))
     for first, last in zip([views[0], *views], views):
         moving = _between(first, last, frames // 2)
         for view in moving:
@@ -205,8 +205,8 @@ def _views(forms: Mapping[str, Any], steps: Sequence[StageResult], quantity: str
     """The bodies and the field of every stage; an automatic factor is that of the stage that has moved most."""
     if not steps:
         raise ValueError("there is no stage to draw")
-    check_plane(basis_of(forms), "plot.contour")
-    views = [View(Scene(forms, step, deformed, since), region_field(forms, step, quantity, since, water),
+    check_plane(basis_of(steps[0]), "plot.contour")
+    views = [View(Scene(forms, step, deformed, since), region_field(step, quantity, since, water),
                   name_of(step, since), Marks(forms, step, water, **marks)) for step in steps]
     factors = [view.scene.factor for view in views if view.scene.displacement[view.scene.nodes].any()]
     for view in views:
@@ -231,9 +231,9 @@ def note_of(name: str, factor: float) -> str:
     return ", ".join(text for text in (name, enlarged) if text)
 
 
-def headline(forms: Mapping[str, Any], quantity: str, since: StageResult | None, water: Water | None = None) -> str:
+def headline(step: StageResult, quantity: str, since: StageResult | None, water: Water | None = None) -> str:
     """What the colour bar shows, with its unit."""
-    what = quantities(solids(forms), water)[quantity]
+    what = quantities(step, water)[quantity]
     title = labelled(what.title, what.unit)
     return f"Change of {title}" if since is not None else title[0].upper() + title[1:]
 

@@ -9,10 +9,10 @@ import numpy as np
 from numpy import ndarray
 
 from ..errors import check_basis
-from ..results.fields import basis_of, region_field, solids_there
-from ..results.files import vtk_cells
-from ..results.recovery import region_mesh
-from ..stages.result import StageResult
+from ..results.export import vtk_cells
+from ..results.fields import basis_of, region_field, solids
+from ..results.patch_recovery import region_mesh
+from ..results.result import StageResult
 from .contours import headline, name_of, note_of
 from .picture import Frame, can_draw, finish
 from .scales import Scale, make_scale
@@ -62,23 +62,23 @@ def cutaway(forms: Mapping[str, Any], step: StageResult, quantity: str, *, cuts:
     >>> import skfem_contact as sc
     >>> import skfem_contact.plot as plot
     >>> basis = Basis(MeshHex().refined(2), ElementVector(ElementHex1()), intorder=2)
-    >>> forms = {"block": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=.3), strain=sc.three_dimensional)}
-    >>> result = sc.run(forms, [sc.Stage("weight", sc.weight(basis, 20.))], sc.box_supports(basis))
+    >>> forms = {"block": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=.3), strain="full")}
+    >>> result = sc.Model(forms, sc.box_supports(basis)).run([sc.Stage("weight", sc.weight(basis, 20.))])
     >>> picture = plot.cutaway(forms, result["weight"], "szz", cuts=[((0, -1, 0), (0, .4, 0))])
     """
-    basis = basis_of(forms)
+    basis = basis_of(step)
     check_basis(basis)
     if basis.mesh.dim() != 3:
         raise ValueError("plot.cutaway is for bodies in space; plane ones are drawn by plot.contour")
     planes = [_plane(*cut) for cut in cuts]
-    nodes, cells, region = region_mesh(*solids_there(forms, step).values())
+    nodes, cells, region = region_mesh(*solids(step).values())
     moved = (step.x if since is None else step.x - since.x)[:basis.N].reshape(-1, 3)[nodes]
     kind, cells = vtk_cells(cells, 3)
     places = basis.doflocs[:, 3 * nodes].T
     grid = grid_of(places, kind, cells, moved)
     straight = grid_of(places, *_CORNERS[len(basis.mesh.t)](cells), moved)  # cells that are cut into polygons
     straight["region"] = region
-    grid["values"] = region_field(forms, step, quantity, since)
+    grid["values"] = region_field(step, quantity, since)
     factor = round_factor(grid.points, moved) if deformed == "auto" else float(deformed)
     kept = _without(grid, planes)
     if kept.n_cells == 0:
@@ -91,7 +91,7 @@ def cutaway(forms: Mapping[str, Any], step: StageResult, quantity: str, *, cuts:
     plotter = camera.frame.sheet(show)
     camera.aim(plotter)
     _draw(plotter, straight, kept, planes, factor, scale, mesh, camera)
-    title, note = headline(forms, quantity, since), note_of(name_of(step, since), factor)
+    title, note = headline(step, quantity, since), note_of(name_of(step, since), factor)
     camera.frame.put_foot(plotter, scale, title, note)
     return finish(plotter, file, show)
 

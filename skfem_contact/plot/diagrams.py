@@ -15,10 +15,10 @@ from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
 
 from ..contact.laws import Status
-from ..results.fields import basis_of, nodal_field, quantities, solids
-from ..results.resultants import SectionForces
+from ..results.fields import basis_of, nodal_field, quantities
+from ..results.result import Result
+from ..results.sections import SectionForces
 from ..results.tractions import Tractions
-from ..stages.result import Result
 from .units import labelled
 
 _COLORS = ("#d55e00", "#1f4e8c", "#2a7f3f", "#7b3294", "#444444")
@@ -95,7 +95,7 @@ def contact_diagram(series: Mapping[str, Tractions], along: Literal["arc", "x", 
     >>> import skfem_contact as sc
     >>> import skfem_contact.plot as plot
     >>> y, ones = np.linspace(-5., 0., 6), np.ones(6)
-    >>> joint = sc.Tractions(y + 5., 0. * y, y, 0. * y, -6. * y, -2. * y, 0. * y, 0. * y, ones.astype(int), ones,
+    >>> joint = sc.results.Tractions(y + 5., 0. * y, y, 0. * y, -6. * y, -2. * y, 0. * y, 0. * y, ones.astype(int), ones,
     ...                      -6. * y, -2. * y)
     >>> figure = plot.contact_diagram({"gravity": joint}, along="y")
     """
@@ -131,7 +131,7 @@ def section_diagram(series: Mapping[str, SectionForces], upright: bool = False,
     >>> import skfem_contact as sc
     >>> import skfem_contact.plot as plot
     >>> s = np.linspace(0., 15., 16)
-    >>> forces = sc.SectionForces(s, 0. * s, -s, N=-5. * s, V=15. - 2. * s, M=s * (15. - s))
+    >>> forces = sc.results.SectionForces(s, 0. * s, -s, N=-5. * s, V=15. - 2. * s, M=s * (15. - s))
     >>> figure = plot.section_diagram({"failure": forces}, upright=True)
     """
     titles = labelled("normal force N", "line"), labelled("shear force V", "line"), labelled("moment M", "moment")
@@ -169,10 +169,10 @@ def history(forms: Mapping[str, Any], result: Result, quantity: str, at: Mapping
     >>> model = culvert()
     >>> figure = plot.history(model.forms, model.result, "uy", {"crown": (0., .9), "surface": (.9, 3.5)})
     """
-    basis, what = basis_of(forms), quantities(solids(forms))
+    basis, what = basis_of(result[-1]), quantities(result[-1])
     tree = cKDTree(basis.doflocs[:, ::basis.mesh.dim()].T)
     nodes = {label: int(tree.query(np.asarray(place, float))[1]) for label, place in at.items()}
-    fields = [nodal_field(forms, stage, quantity) for stage in result]
+    fields = [nodal_field(stage, quantity) for stage in result]
     names = [stage.name for stage in result]
     figure, ax = plt.subplots(figsize=(8.0, 4.2), layout="constrained")
     for given, (label, node) in zip(_styles(len(nodes)), nodes.items()):
@@ -208,7 +208,7 @@ def load_curve(found: Any, *, file: str | Path | None = None) -> Figure:
     ...               intorder=2)
     >>> forms = {"cut": sc.SolidForm(basis, sc.Tresca(E=1e4, nu=.3, c=10.))}
     >>> fixed = np.append(basis.get_dofs("bottom").all(), basis.get_dofs("right").all("u^1"))
-    >>> figure = plot.load_curve(sc.limit_load(forms, fixed, sc.weight(basis, 5.), progress=False))
+    >>> figure = plot.load_curve(sc.Model(forms, fixed).limit_load(sc.weight(basis, 5.), progress=False))
     """
     _, parameter, displacement = np.asarray(found.curve).T
     begin = int(np.argmin(displacement))  # what is before has moved the structure to where the search starts

@@ -11,10 +11,10 @@ from scipy.spatial import cKDTree
 
 from ..contact.laws import Status
 from ..forms.solid import SolidForm
-from ..results.fields import Water, solids_there
+from ..results.fields import Water, solids
+from ..results.result import StageResult
 from ..results.strength import PointStatus, point_status
 from ..results.tractions import interfaces
-from ..stages.result import StageResult
 from ..water import Seepage
 from .scene import MARK, Scene
 
@@ -72,14 +72,14 @@ class Marks:
         marked = {status for status, _, _ in self._points()}
         found += [(label, _square(color)) for status, (label, color) in _POINTS.items() if status in marked]
         if self.contact:
-            pairs = interfaces(self.forms, self.step).values()
+            pairs = interfaces(self.step).values()
             present = {int(s) for pair in pairs for s in np.unique(pair.tractions.status)}
             found += [(f"contact {label}", _square(color)) for s, (label, color) in _STATUS.items() if s in present]
         return found
 
     def _points(self) -> Iterator[tuple[PointStatus, SolidForm, ndarray]]:
         """Where points are asked for: those of a status that is marked, (n_elements, n_points), solid by solid."""
-        for name, form in solids_there(self.forms, self.step).items() if self.points else ():
+        for name, form in solids(self.step).items() if self.points else ():
             found = point_status(form, self.step.states[name])
             for status in _POINTS:
                 if (at := found == status).any():
@@ -191,7 +191,7 @@ def _draw_vectors(plotter: Any, scene: Scene) -> None:
 
 def _draw_contact(plotter: Any, scene: Scene, forms: Mapping[str, Any], step: StageResult) -> None:
     """Status of contact points, and what the slave exerts on the master there as lines that end at them."""
-    found = interfaces(forms, step).values()
+    found = interfaces(step).values()
     sizes = [np.hypot(i.tractions.pressure, i.tractions.shear).max(initial=0.0) for i in found]
     largest = float(max(sizes, default=0.0))
     for interface in found:

@@ -15,8 +15,8 @@ from ..forms.solid import SolidForm
 from ..limit_analysis import Bounds
 from ..materials import LinearElastic
 from ..results.fields import Water, basis_of, solids
-from ..results.recovery import recovered
-from ..stages.result import StageResult
+from ..results.patch_recovery import recovered
+from ..results.result import StageResult
 from .contours import View, Window, draw
 from .marks import Marks
 from .scales import make_scale
@@ -61,12 +61,12 @@ def mechanism(forms: Mapping[str, Any], found: Any, *, deformed: bool = False, v
     ...               intorder=2)
     >>> forms = {"cut": sc.SolidForm(basis, sc.Tresca(E=1e4, nu=.3, c=10.))}
     >>> fixed = np.append(basis.get_dofs("bottom").all(), basis.get_dofs("right").all("u^1"))
-    >>> found = sc.limit_load(forms, fixed, sc.weight(basis, 5.), progress=False)
+    >>> found = sc.Model(forms, fixed).limit_load(sc.weight(basis, 5.), progress=False)
     >>> picture = plot.mechanism(forms, found)
     """
-    basis = basis_of(forms)
-    check_plane(basis, "plot.mechanism")
     there, stage, bands = _of_bounds(found) if isinstance(found, Bounds) else _of_search(forms, found)
+    basis = basis_of(stage)
+    check_plane(basis, "plot.mechanism")
     moved = stage.x[:basis.N]
     strain = np.concatenate([recovered(form, bands[name][None], limited=True)[0] for name, form in there.items()])
     scene = Scene(there, stage, 0.0)
@@ -89,7 +89,7 @@ def _value(found: Any) -> str:
 
 def _of_search(forms: Mapping[str, Any], found: Any) -> tuple[dict[str, SolidForm], StageResult, Mapping[str, ndarray]]:
     """Solids, the mechanism as a stage, and shear strains at the points of the solids."""
-    there = {name: form for name, form in solids(forms).items() if name in found.bands}
+    there = {name: form for name, form in solids(found.end).items() if name in found.bands}
     return there, replace(found.end, x=found.mechanism), found.bands
 
 
@@ -99,7 +99,8 @@ def _of_bounds(found: Bounds) -> tuple[dict[str, SolidForm], StageResult, Mappin
     x, n = basis.zeros(), found.mesh.nvertices
     x[basis.nodal_dofs], x[basis.facet_dofs] = found.mechanism[:, :n], found.mechanism[:, n:]
     form = SolidForm(basis, LinearElastic(E=1.0, nu=0.0))  # any law: strains are asked for
-    stage = StageResult("upper bound", x, 0.0 * x, {"mechanism": form.initial_state()}, (), 0.0)
+    stage = StageResult("upper bound", x, 0.0 * x, {"mechanism": form.initial_state()}, (), 0.0,
+                        forms={"mechanism": form})
     return {"mechanism": form}, stage, {"mechanism": form.shear_strain(x)}
 
 

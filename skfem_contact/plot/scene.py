@@ -9,10 +9,10 @@ import meshio
 import numpy as np
 from numpy import ndarray
 
-from ..results.fields import solids_there
-from ..results.files import vtk_cells
-from ..results.recovery import region_mesh
-from ..stages.result import StageResult
+from ..results.export import vtk_cells
+from ..results.fields import solids
+from ..results.patch_recovery import region_mesh
+from ..results.result import StageResult
 from .scales import Scale
 
 #: Largest displacement in a picture with deformed="auto", as a share of the bodies' size.
@@ -38,7 +38,7 @@ class Scene:
 
     def __init__(self, forms: Mapping[str, Any], step: StageResult, deformed: float | Literal["auto"],
                  since: StageResult | None = None) -> None:
-        bodies = list(solids_there(forms, step).values())
+        bodies = list(solids(step).values())
         basis = bodies[0].basis
         self.nodes, self.cells, region = region_mesh(*bodies)
         self.corners = len(basis.mesh.t)  # of an element

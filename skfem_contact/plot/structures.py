@@ -14,9 +14,9 @@ from numpy import ndarray
 
 from ..errors import check_plane, look_up
 from ..results.fields import basis_of
-from ..results.resultants import SectionForces
+from ..results.result import StageResult
+from ..results.sections import SectionForces
 from ..results.tractions import Tractions
-from ..stages.result import StageResult
 from .diagrams import saved
 from .scene import Scene
 from .units import labelled
@@ -57,11 +57,11 @@ def diagram_on(forms: Mapping[str, Any], step: StageResult, quantity: str, value
     >>> import skfem_contact.plot as plot
     >>> model = culvert()
     >>> stage = model.result["surcharge"]
-    >>> cuts = sc.ring_sections((0., 0.), .72, .90)
-    >>> moment = sc.section_forces(model.forms["culvert"], stage.states["culvert"], cuts)
+    >>> cuts = sc.Sections.ring((0., 0.), .72, .90)
+    >>> moment = stage.section_forces("culvert", cuts)
     >>> figure = plot.diagram_on(model.forms, stage, "M", moment)
     """
-    check_plane(basis_of(forms), "plot.diagram_on")
+    check_plane(basis_of(step), "plot.diagram_on")
     names = ("N", "V", "M") if isinstance(values, SectionForces) else ("pressure", "shear")
     title, unit = look_up(quantity, {name: _TITLES[name] for name in names}, f"quantity of {type(values).__name__}")
     axis, ordinate = np.column_stack((values.x, values.y)), getattr(values, quantity)

@@ -1,11 +1,10 @@
-"""Thrust, shear and moment of rings, walls and piles from the nodal forces of their elements.
+"""Section forces of rings, walls and piles from the nodal forces of their elements.
 
-The resultant of a cut follows from equilibrium, not from sampled stresses: for a virtual motion that is zero
-behind the cut and a rigid motion in front of it, the internal forces of the elements between do the work of
-the forces that the front exerts on the back.  The share ``phi`` of the motion rises linearly over the length
-of one layer of elements about the cut.  On a line of nodes this is the mean of the nodal forces on both
-sides; between two lines it interpolates.  The resultants are in equilibrium with all loads and contact forces
-beyond, however coarse the mesh.
+The resultant of a cut follows from equilibrium, not from sampled stresses. For a virtual motion that is zero behind the
+cut and a rigid motion in front of it, the internal forces of the elements between do the work of the forces that the
+front exerts on the back. The share ``phi`` of the motion rises linearly over the length of one layer of elements about
+the cut. On a line of nodes the resultant is the mean of the nodal forces on both sides; between two lines it
+interpolates. The resultants are in equilibrium with all loads and contact forces beyond, however coarse the mesh.
 """
 from __future__ import annotations
 
@@ -20,10 +19,69 @@ from ..errors import place
 from ..forms.solid import SolidForm, SolidState
 from ..layout import nodes as nodes_of
 from ..surfaces.vectors import dot
-from .resultants import SectionForces, SpaceSectionForces
 
 #: Round-off of a position, as a share of the element: a cut through the end of a body meets its elements.
 _ROUND_OFF = 1e-9
+
+
+@dataclass(frozen=True)
+class SectionForces:
+    """Section forces along a body, exerted by the front on the back: arrays, shape (n,), vectors in space (n, 3).
+
+    Attributes
+    ----------
+    position
+        Position of the sections, as in :class:`~skfem_contact.Sections`.
+    x, y, z
+        Coordinates of the sections; z is None in the plane.
+    N
+        Normal force, tension positive (a thrust is negative).
+    V
+        Shear force, in the plane to the left of the axis; ``V = dM/ds`` where no friction on a side of the body acts as
+        a couple. In space a vector across the axis.
+    M
+        Moment, in the plane positive where the fibres to the left of the axis, the outer ones of a ring, are in
+        tension. In space a vector across the axis.
+    T
+        Torque about the axis; None in the plane.
+    axis
+        Direction of the axis, shape (n, 3); None in the plane.
+    """
+
+    position: ndarray
+    x: ndarray
+    y: ndarray
+    N: ndarray
+    V: ndarray
+    M: ndarray
+    z: ndarray | None = None
+    T: ndarray | None = None
+    axis: ndarray | None = None
+
+    def towards(self, left: ArrayLike) -> SectionForces:
+        """Return the section forces of bending in a plane, with the height for y, from those in space.
+
+        Parameters
+        ----------
+        left
+            Direction across the axis, (3,): the shear force is positive to the left, the moment where the fibres there
+            are in tension.
+
+        Raises
+        ------
+        ValueError
+            A direction along the axis, or section forces in the plane.
+        """
+        if self.axis is None or self.z is None:
+            raise ValueError("section forces in the plane have one direction of bending only")
+        side = np.asarray(left, float) - (self.axis @ np.asarray(left, float))[:, None] * self.axis
+        length = np.linalg.norm(side, axis=1)
+        if not (length > 1e-9 * np.linalg.norm(left)).all():
+            raise ValueError(f"the side of a bent body lies across its axis, not at {left!r}")
+        side = side / length[:, None]
+        about = np.cross(self.axis, side)
+        V, M = dot(self.V, side), -dot(self.M, about)
+        return SectionForces(self.position, self.x, self.z, self.N, V, M)
 
 
 @dataclass(frozen=True)
@@ -49,6 +107,76 @@ class Sections:
     axis: ndarray
     half_depth: ndarray
     curvature: ndarray
+
+    @classmethod
+    def ring(cls, center: ArrayLike, inner: float, outer: float, n: int = 72) -> Sections:
+        """Return radial cuts through a ring at equal central angles, from the crown clockwise.
+
+        Parameters
+        ----------
+        center
+            Centre of the ring.
+        inner, outer
+            Its radii.
+        n
+            Number of cuts; their positions are ``360 / n`` degrees apart.
+
+        Raises
+        ------
+        ValueError
+            Radii that are no ring, a centre that is no finite (x, y), or no cut at all.
+
+        Examples
+        --------
+        >>> import skfem_contact as sc
+        >>> cuts = sc.Sections.ring(center=(0., 0.), inner=.72, outer=.9, n=4)
+        >>> cuts.position.tolist(), cuts.center[1].round(12).tolist()
+        ([0.0, 90.0, 180.0, 270.0], [0.81, 0.0])
+        """
+        if not 0.0 < inner < outer:
+            raise ValueError(f"a ring needs 0 < inner < outer, not inner={inner!r}, outer={outer!r}")
+        center = _point(center, "the center")
+        _check_number(n, 1)
+        middle = 0.5 * (inner + outer)
+        position = np.arange(n) * 360.0 / n
+        sin, cos = np.sin(np.radians(position)), np.cos(np.radians(position))
+        return cls(position, center + middle * np.column_stack((sin, cos)),
+                   np.column_stack((cos, -sin)), np.full(n, 0.5 * (outer - inner)), np.full(n, 1.0 / middle))
+
+    @classmethod
+    def line(cls, start: ArrayLike, end: ArrayLike, depth: float, n: int = 51) -> Sections:
+        """Return cuts across a straight wall, pile or beam, from one end of its axis to the other.
+
+        Parameters
+        ----------
+        start, end
+            Ends of the axis, in the plane or in space; the position is the distance from the start.
+        depth
+            Depth of the body across its axis; in space the diameter of a cylinder that holds it.
+        n
+            Number of cuts, both ends included.
+
+        Raises
+        ------
+        ValueError
+            Ends that coincide or are no finite places, a depth that is not positive, or fewer than two cuts.
+
+        Examples
+        --------
+        >>> import skfem_contact as sc
+        >>> sc.Sections.line((0., 0.), (0., -15.), depth=.2, n=4).position.tolist()
+        [0.0, 5.0, 10.0, 15.0]
+        """
+        dim = 3 if np.size(start) == 3 else 2
+        start, end = _point(start, "the start", dim), _point(end, "the end", dim)
+        _check_number(n, 2)
+        length = float(np.linalg.norm(end - start))
+        if not (length > 0.0 and depth > 0.0):
+            raise ValueError(f"a line of sections needs two different ends and a positive depth, not {depth!r}")
+        position = np.linspace(0.0, length, n)
+        axis = (end - start) / length
+        return cls(position, start + position[:, None] * axis, np.tile(axis, (n, 1)),
+                   np.full(n, 0.5 * depth), np.zeros(n))
 
     @property
     def left(self) -> ndarray:
@@ -79,76 +207,6 @@ class Sections:
         return s, y
 
 
-def ring_sections(center: ArrayLike, inner: float, outer: float, n: int = 72) -> Sections:
-    """Radial cuts through a ring at equal central angles, from the crown clockwise.
-
-    Parameters
-    ----------
-    center
-        Centre of the ring.
-    inner, outer
-        Its radii.
-    n
-        Number of cuts; their positions are ``360 / n`` degrees apart.
-
-    Raises
-    ------
-    ValueError
-        Radii that are no ring, a centre that is no finite (x, y), or no cut at all.
-
-    Examples
-    --------
-    >>> import skfem_contact as sc
-    >>> cuts = sc.ring_sections(center=(0., 0.), inner=.72, outer=.9, n=4)
-    >>> cuts.position.tolist(), cuts.center[1].round(12).tolist()
-    ([0.0, 90.0, 180.0, 270.0], [0.81, 0.0])
-    """
-    if not 0.0 < inner < outer:
-        raise ValueError(f"a ring needs 0 < inner < outer, not inner={inner!r}, outer={outer!r}")
-    center = _point(center, "the center")
-    _check_number(n, 1)
-    middle = 0.5 * (inner + outer)
-    position = np.arange(n) * 360.0 / n
-    sin, cos = np.sin(np.radians(position)), np.cos(np.radians(position))
-    return Sections(position, center + middle * np.column_stack((sin, cos)),
-                    np.column_stack((cos, -sin)), np.full(n, 0.5 * (outer - inner)), np.full(n, 1.0 / middle))
-
-
-def line_sections(start: ArrayLike, end: ArrayLike, depth: float, n: int = 51) -> Sections:
-    """Cuts across a straight wall, pile or beam, from one end of its axis to the other.
-
-    Parameters
-    ----------
-    start, end
-        Ends of the axis, in the plane or in space; the position is the distance from the start.
-    depth
-        Depth of the body across its axis; in space the diameter of a cylinder that holds it.
-    n
-        Number of cuts, both ends included.
-
-    Raises
-    ------
-    ValueError
-        Ends that coincide or are no finite places, a depth that is not positive, or fewer than two cuts.
-
-    Examples
-    --------
-    >>> import skfem_contact as sc
-    >>> sc.line_sections((0., 0.), (0., -15.), depth=.2, n=4).position.tolist()
-    [0.0, 5.0, 10.0, 15.0]
-    """
-    dim = 3 if np.size(start) == 3 else 2
-    start, end = _point(start, "the start", dim), _point(end, "the end", dim)
-    _check_number(n, 2)
-    length = float(np.linalg.norm(end - start))
-    if not (length > 0.0 and depth > 0.0):
-        raise ValueError(f"a line of sections needs two different ends and a positive depth, not {depth!r}")
-    position = np.linspace(0.0, length, n)
-    axis = (end - start) / length
-    return Sections(position, start + position[:, None] * axis, np.tile(axis, (n, 1)),
-                    np.full(n, 0.5 * depth), np.zeros(n))
-
-
 def _point(point: ArrayLike, what: str, dim: int = 2) -> ndarray:
     """Coordinates of a point."""
     found = np.asarray(point, float)
@@ -163,53 +221,7 @@ def _check_number(n: int, least: int) -> None:
 
 
 def section_forces(form: SolidForm, state: SolidState, sections: Sections) -> SectionForces:
-    """Normal force, shear force and moment at sections of a body.
-
-    Parameters
-    ----------
-    form
-        The solid that holds the body; it may hold others.
-    state
-        Its state, ``result["gravity"].states["culvert"]``.
-    sections
-        Where to cut, :func:`ring_sections` or :func:`line_sections`.
-
-    Raises
-    ------
-    ValueError
-        No solid or no state of one, a section that cuts no element, or sections of another dimension than the body.
-
-    Returns
-    -------
-    SectionForces
-        In space :class:`SpaceSectionForces`.
-
-    Notes
-    -----
-    Between two lines of nodes the forces are interpolated linearly.  At the very end of a body, where there
-    is no second layer of elements, they are those of the last layer.  A curved body whose elements form no layers
-    has chords for its arcs: with elements of length h its moment is uncertain by ``N h**2 / 8 R``.
-
-    Examples
-    --------
-    A bar under tension:
-
-    >>> import numpy as np
-    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
-    >>> import skfem_contact as sc
-    >>> mesh = MeshQuad.init_tensor(np.linspace(0., 4., 9), np.linspace(-.5, .5, 3))
-    >>> basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
-    >>> form = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.))
-    >>> x = basis.zeros()
-    >>> x[basis.nodal_dofs[0]] = 1e-3 * mesh.p[0]
-    >>> state = form.assemble(x, form.initial_state()).state
-    >>> forces = sc.section_forces(form, state, sc.line_sections((0., 0.), (4., 0.), depth=1., n=3))
-    >>> forces.N.round(12).tolist(), bool(abs(forces.M).max() < 1e-12)
-    ([1.0, 1.0, 1.0], True)
-    """
-    if not (isinstance(form, SolidForm) and isinstance(state, SolidState)):
-        raise ValueError(f"section forces are those of a solid and its state, result[stage].states[name of the solid], "
-                         f"not of {type(form).__name__} and {type(state).__name__}")
+    """Return normal force, shear force and moment at sections of a body."""
     if (dim := form.basis.mesh.dim()) != sections.center.shape[1]:
         raise ValueError(f"these sections have {sections.center.shape[1]} coordinates, the body has {dim}")
     back, front = _lines(form, sections) if sections.curvature.any() else np.zeros((2, len(sections.position)))
@@ -298,7 +310,7 @@ def _resultants(sections: Sections, section: ndarray, points: ndarray, forces: n
     moment = _by_section(section, np.cross(arm, forces).sum(axis=1), len(axis))
     T = dot(moment, axis)
     V, M = force - N[:, None] * axis, moment - T[:, None] * axis
-    return SpaceSectionForces(sections.position, x, y, N, V, M, z[0], T, axis)
+    return SectionForces(sections.position, x, y, N, V, M, z[0], T, axis)
 
 
 def _by_section(section: ndarray, values: ndarray, n: int) -> ndarray:

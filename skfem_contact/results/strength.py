@@ -115,39 +115,7 @@ def _by_element(value: Any) -> Any:
 
 
 def pore_pressure(form: SolidForm, state: SolidState) -> ndarray:
-    """Excess pore pressure in the regions of :class:`Undrained` soil, zero in others.
-
-    It adds to the pressure of :func:`water_load`, which is part of the load.
-
-    Parameters
-    ----------
-    form
-        A solid.
-    state
-        Its state.
-
-    Returns
-    -------
-    ndarray
-        Positive in compression, (n_elements, n_points) in the order of ``form.basis``.
-
-    Examples
-    --------
-    A quick load is carried by the water alone:
-
-    >>> import numpy as np
-    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
-    >>> import skfem_contact as sc
-    >>> basis = Basis(MeshQuad().with_defaults(), ElementVector(ElementQuad1()), intorder=2)
-    >>> clay = sc.Undrained(sc.MohrCoulomb(E=1e4, nu=.3, c=5., phi=25., psi=0.), Kw=1e8)
-    >>> forms = {"clay": sc.SolidForm(basis, clay)}
-    >>> fixed = np.append(basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1"))
-    >>> load = basis.zeros()
-    >>> load[basis.get_dofs("top").all("u^2")] = -50.
-    >>> loaded = sc.run(forms, [sc.Stage("load", load)], fixed, progress=False)["load"]
-    >>> sc.pore_pressure(forms["clay"], loaded.states["clay"]).round(1).tolist()
-    [[100.0, 100.0, 100.0, 100.0]]
-    """
+    """Return the excess pore pressure in regions of :class:`Undrained` soil, (n_elements, n_points), zero elsewhere."""
     pressure = np.zeros(form.weight.shape)
     for region in form.regions:
         if isinstance(region.material, Undrained) and len(state.internal) >= region.material.n_internal:
@@ -161,43 +129,7 @@ def soil_of(material: Any) -> Any:
 
 
 def undrained_strength(form: SolidForm, state: SolidState) -> dict[str, ndarray]:
-    r"""Undrained shear strength in plane strain that follows from the stresses in the ground.
-
-    Without drainage and dilation the mean effective stress in the plane, :math:`s' = -(\sigma_1' + \sigma_3') / 2`,
-    stays as it is if the soil is elastic and isotropic before it yields. So the strength is that of the stresses now,
-
-    .. math:: s_u = c \cos\varphi + s' \sin\varphi .
-
-    Parameters
-    ----------
-    form
-        A plane solid.
-    state
-        Its state; stresses are effective where :func:`water_load` acts.
-
-    Returns
-    -------
-    dict
-        By region with `c` and `phi`: one value for each of its elements, the mean of its points and at least zero,
-        (n_elements,), to be the `c` of :class:`Tresca` in that region.
-
-    Raises
-    ------
-    ValueError
-        A solid in space, or no region with `c` and `phi`.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
-    >>> import skfem_contact as sc
-    >>> basis = Basis(MeshQuad().with_defaults(), ElementVector(ElementQuad1()), intorder=2)
-    >>> form = sc.SolidForm(basis, sc.MohrCoulomb(E=1e4, nu=.3, c=0., phi=30.))
-    >>> state = form.initial_state()
-    >>> state.stress[:3] = -100.
-    >>> sc.undrained_strength(form, state)["all"].round(6)
-    array([50.])
-    """
+    """Return the undrained shear strength of a plane solid by region with `c` and `phi`, (n_elements,) each."""
     if len(state.stress) != 4:
         raise ValueError("the undrained strength is that of plane strain; this solid is in space")
     mean = -0.5 * (state.stress[0] + state.stress[1]) + pore_pressure(form, state)

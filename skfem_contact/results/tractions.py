@@ -1,18 +1,18 @@
-"""Contact tractions as arrays along the interface, and as means over facets."""
+"""Contact tractions along the interface, their means over facets, and their resultants."""
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy import ndarray
 from numpy.typing import ArrayLike
 
 from ..contact import ContactPair, ContactState
-from ..stages.result import StageResult
+from ..contact.laws import Status
 from ..surfaces.material_points import along_chain
 from ..surfaces.vectors import frame
+from .files import StageData
 
 #: Eigenvalues of a facet's mass below this share of the largest one are those of points that are too few.
 _SINGULAR = 1e-10
@@ -70,36 +70,7 @@ class Tractions:
 
 
 def tractions(pair: ContactPair, state: ContactState) -> Tractions:
-    """Contact tractions, gaps and slips of a state.
-
-    Parameters
-    ----------
-    pair
-        The pair; it needs no penalty.
-    state
-        Its state, ``result["gravity"].states["skin"]`` for a pair that is named ``"skin"`` among the forms.
-
-    Raises
-    ------
-    ValueError
-        No contact pair, or the state of another form.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
-    >>> import skfem_contact as sc
-    >>> block = MeshQuad().refined(1).with_defaults()
-    >>> mesh = sc.join_bodies({"lower": block, "upper": block.translated((0., 1.))})
-    >>> basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
-    >>> pair = sc.ContactPair(basis, "upper:bottom", "lower:top", sc.Coulomb(mu=.3), "nodal", penalty=1e4)
-    >>> x = basis.zeros()
-    >>> x[basis.nodal_dofs[1, mesh.t[:, mesh.subdomains["upper"]]]] = -1e-3     # press the upper block down
-    >>> joint = sc.tractions(pair, pair.assemble(x, pair.initial_state()).state)
-    >>> joint.pressure.round(9).tolist(), float((joint.weight * joint.pressure).sum().round(9))
-    ([10.0, 10.0, 10.0], 10.0)
-    """
-    check_state(pair, state)
+    """Return tractions, gaps and slips of a state."""
     points = pair.points(state)
     places, shear, slip = points.positions(pair.slave.nodes), state.traction[1], state.slip[0]
     if pair.slave.dim == 2:
@@ -136,18 +107,6 @@ def _consistent(pair: ContactPair, state: ContactState, values: ndarray) -> ndar
     projected = np.einsum("nk,nk...->n...", N, nodal[points.facet])
     smooth = (first == last)[points.facet]
     return np.asarray(np.where(smooth.reshape(-1, *[1] * (values.ndim - 1)), projected, values))
-
-
-def check_state(pair: ContactPair, state: ContactState) -> None:
-    """Refuse what is no contact pair, and the state of another form."""
-    if not isinstance(pair, ContactPair):
-        raise ValueError(f"{type(pair).__name__} is no contact pair")
-    if not isinstance(state, ContactState):
-        raise ValueError(f"{type(state).__name__} is not the state of a contact pair; "
-                         "pass result[stage].states[name of the pair]")
-    if len(state.gap) != (n := len(pair.points(state).weight)):
-        raise ValueError(f"the state holds {len(state.gap)} points and the pair {n}: "
-                         "it belongs to another pair")
 
 
 class Interface(NamedTuple):
@@ -194,14 +153,13 @@ class Interface(NamedTuple):
         return data | {"status": status}
 
 
-def interfaces(forms: Mapping[str, Any], step: StageResult) -> dict[str, Interface]:
-    """The contact pairs that are there in a stage."""
-    return {name: _interface(form, step, name) for name, form in forms.items()
-            if isinstance(form, ContactPair) and name in step.states}
+def interfaces(stage: StageData) -> dict[str, Interface]:
+    """Return the contact pairs of a stage."""
+    return {name: _interface(form, stage.states[name]) for name, form in stage.forms.items()
+            if isinstance(form, ContactPair)}
 
 
-def _interface(pair: ContactPair, step: StageResult, name: str) -> Interface:
-    state = step.states[name]
+def _interface(pair: ContactPair, state: ContactState) -> Interface:
     points, slave = pair.points(state), pair.slave
     at = tractions(pair, state)
     node, normal = slave.dofs[:, 0] // slave.dim, slave.at(points.facet, points.xi, slave.nodes).normal
@@ -212,3 +170,73 @@ def _interface(pair: ContactPair, step: StageResult, name: str) -> Interface:
         facet = np.repeat(np.arange(len(slave.facets)), slave.facets.shape[1])
         members = np.stack((facet, number[slave.facets.ravel()]))[:, number[slave.facets.ravel()] >= 0]
     return Interface(at, normal, node[points.nodes], points.values, node[slave.facets], members)
+
+
+@dataclass(frozen=True)
+class ContactReport:
+    """Sums over a contact pair; ``print`` shows it as text.
+
+    Attributes
+    ----------
+    name
+        Slave and master.
+    normal, tangential
+        Resultants of the contact pressure and of the friction on the slave, (dim,).
+    pressure, friction
+        Integrals of the pressure and of the magnitude of the friction over the surface.
+    mobilised
+        Largest friction over pressure of a point.
+    penetration
+        Largest penetration as a share of the slave's segment there.
+    open, stick, slip
+        Number of points of each status.
+    """
+
+    name: str
+    normal: ndarray
+    tangential: ndarray
+    pressure: float
+    friction: float
+    mobilised: float
+    penetration: float
+    open: int
+    stick: int
+    slip: int
+
+    @property
+    def force(self) -> ndarray:
+        """Resultant of all contact tractions on the slave, (dim,)."""
+        return self.normal + self.tangential
+
+    def __str__(self) -> str:
+        lines = [f"contact of {self.name}: {self.stick} stick, {self.slip} slip, {self.open} open"]
+        for what, total, vector in (("pressure", self.pressure, self.normal),
+                                    ("friction", self.friction, self.tangential)):
+            resultant = ", ".join(f"{part:.5g}" for part in vector)
+            lines.append(f"  {what:8} {total:12.5g}   resultant on the slave ({resultant})")
+        lines.append(f"  friction over pressure at most {self.mobilised:.3f}, "
+                     f"penetration at most {self.penetration:.2%} of a segment")
+        return "\n".join(lines)
+
+
+def contact_report(pair: ContactPair, x: ndarray, state: ContactState) -> ContactReport:
+    """Return resultants, status and penetration of a contact pair."""
+    closed = state.status != Status.OPEN
+    weight = pair.share * pair.points(state).weight[closed]
+    normal, friction = state.traction[0, closed], np.linalg.norm(state.traction[1:, closed], axis=0)
+    resultants = _resultants(pair, x, state)
+    counts = np.bincount(state.status, minlength=3)
+    ratio = np.divide(friction, -normal, out=np.zeros(len(normal)), where=normal < 0)
+    return ContactReport(
+        name=f"{pair.slave.name} on {pair.master.name}",
+        normal=resultants[0], tangential=resultants[1],
+        pressure=-float(weight @ normal), friction=float(weight @ friction),
+        mobilised=float(ratio.max(initial=0.0)), penetration=pair.penetration(state),
+        open=int(counts[Status.OPEN]), stick=int(counts[Status.STICK]), slip=int(counts[Status.SLIP]))
+
+
+def _resultants(pair: ContactPair, x: ndarray, state: ContactState) -> list[ndarray]:
+    """Sums of the nodal forces on the slave from pressure and from friction, (dim,) each."""
+    forces, normal = pair.tractions_at(x, state).forces, np.zeros_like(state.traction)
+    normal[0] = state.traction[0]
+    return [-(forces @ part.ravel())[pair.slave.dofs].sum(axis=0) + 0.0 for part in (normal, state.traction - normal)]

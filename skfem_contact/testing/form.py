@@ -61,7 +61,7 @@ def check_form(form: Any, x: ndarray, state: Any, locations: ndarray | None = No
     >>> basis = Basis(MeshQuad().refined(2), ElementVector(ElementQuad1()), intorder=2)
     >>> form = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=.3))
     >>> x = 1e-3 * np.random.default_rng(0).standard_normal(basis.N)
-    >>> sc.check_form(form, x, form.initial_state(), basis.doflocs) < 1e-8
+    >>> sc.testing.check_form(form, x, form.initial_state(), basis.doflocs) < 1e-8
     True
     """
     rng = np.random.default_rng(seed)

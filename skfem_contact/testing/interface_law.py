@@ -51,7 +51,7 @@ def check_interface_law(law: InterfaceLaw, penalties: tuple[float, float] = (1e4
     Examples
     --------
     >>> import skfem_contact as sc
-    >>> sc.check_interface_law(sc.Coulomb(mu=.3, adhesion=2.)) < 1e-8
+    >>> sc.testing.check_interface_law(sc.Coulomb(mu=.3, adhesion=2.)) < 1e-8
     True
     """
     require(isinstance(law, InterfaceLaw), "the law is no InterfaceLaw")

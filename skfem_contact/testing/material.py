@@ -49,7 +49,7 @@ def check_material(material: Material, strain: float = 1e-3, shape: tuple[int, i
     Examples
     --------
     >>> import skfem_contact as sc
-    >>> sc.check_material(sc.MohrCoulomb(E=1e4, nu=.3, c=5., phi=30., psi=10.)) < 1e-6
+    >>> sc.testing.check_material(sc.MohrCoulomb(E=1e4, nu=.3, c=5., phi=30., psi=10.)) < 1e-6
     True
     """
     rng = np.random.default_rng(seed)

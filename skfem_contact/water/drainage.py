@@ -59,10 +59,10 @@ class SeepageFace(Form):
     >>> basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
     >>> pores = sc.PoreWater(basis, k=1e-4, unit_weight=10.)
     >>> forms = {"clay": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.)), "water": pores,
-    ...          "face": sc.SeepageFace(pores, "top", 0.)}
+    ...          "face": sc.water.SeepageFace(pores, "top", 0.)}
     >>> load = sc.traction(basis, "top", (0., -100.))
     >>> stages = [sc.Stage("load", load, duration=100.), sc.Stage("unload", 0 * load, duration=100.)]
-    >>> result = sc.run(forms, stages, sc.box_supports(basis, base="rollers"))
+    >>> result = sc.Model(forms, sc.box_supports(basis, base="rollers")).run(stages)
     >>> top = basis.get_dofs("top").all("u^2")
     >>> [round(float(stage.x[top].mean()), 4) for stage in result]
     [-0.01, -0.01]

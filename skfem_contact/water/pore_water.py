@@ -14,7 +14,7 @@ from skfem import CellBasis
 from ..errors import Remark, check_basis, check_quadrature
 from ..forms.base import Form, Response
 from ..forms.strain import StrainOperator, plane_strain
-from ..layout import Field, elements_of, first_behind, nodes
+from ..layout import Field, elements_of, nodes
 from ..sparse import with_data
 from .conditions import Given, nodes_on, values_at
 from .darcy import Permeability, permeability_tensors, regions
@@ -91,7 +91,7 @@ class PoreWater(Form):
     >>> fixed = np.hstack((sc.box_supports(basis, base="rollers"), forms["water"].unknowns("top")))
     >>> load = sc.traction(basis, "top", (0., -100.))
     >>> stages = [sc.Stage("load", load, duration=.02), sc.Stage("wait", load, duration=1.96)]
-    >>> result = sc.run(forms, stages, fixed)
+    >>> result = sc.Model(forms, fixed).run(stages)
     >>> settlement = -result["wait"].x[basis.get_dofs("top").all("u^2")] / .01
     >>> bool(abs(settlement - .5).max() < .003)
     True
@@ -121,11 +121,11 @@ class PoreWater(Form):
         self.porous = Porous.of(basis, strain, self.mobility, joints)
         self.unit_weight, self._time_error = unit_weight, time_error
         self.nodes, self.joins = (np.arange(basis.N), basis.doflocs), np.zeros(0, int)
-        self.first = first_behind(basis, after)
+        self.first = int(basis.N)
         self._places = np.asarray(basis.mesh.p)[:, :self.porous.pressures.N]
         self.size = self.first + self._places.shape[1]
         self.carries = self.first + np.unique(self.porous.pressures.element_dofs)
-        self.fields = (Field("pore pressure", self._places, self.first, moves=False),)
+        self.fields = (Field("pore pressure", self._places, "pressure", shared="pore pressure"),)
         self.around: Surroundings | None = None
         self._duration: float | None = None
 

@@ -118,7 +118,7 @@ class Seepage:
         >>> import skfem_contact as sc
         >>> from skfem import Basis, ElementTriP1, MeshTri
         >>> column = Basis(MeshTri().refined(2).with_defaults(), ElementTriP1())
-        >>> water = sc.seepage(column, k=1e-5, head={"bottom": 1.5, "top": 1.})
+        >>> water = sc.water.seepage(column, k=1e-5, head={"bottom": 1.5, "top": 1.})
         >>> bool(abs(water.flux("top")[1] / 1e-5 + .5).max() < 1e-12)
         True
         """
@@ -227,7 +227,7 @@ def seepage(basis: CellBasis, k: Permeability | Mapping[str, Permeability], head
     >>> import skfem_contact as sc
     >>> from skfem import Basis, ElementTriP1, MeshTri
     >>> dam = MeshTri.init_tensor(np.linspace(0, 5, 11), np.linspace(0, 10, 21)).with_defaults()
-    >>> water = sc.seepage(Basis(dam, ElementTriP1()), k=1., head={"left": 10., "right": 2.}, face="right")
+    >>> water = sc.water.seepage(Basis(dam, ElementTriP1()), k=1., head={"left": 10., "right": 2.}, face="right")
     >>> print(water)
     seepage through 400 elements, 231 nodes, ... of them below the free surface
     ... Newton iterations

@@ -47,10 +47,10 @@ class Model:
     fixed: ndarray
     frame: Frame
 
-    def run(self, stages: Sequence[sc.Stage] | None = None, start: sc.Result | None = None) -> sc.Result:
+    def run(self, stages: Sequence[sc.Stage] | None = None, start: sc.results.Result | None = None) -> sc.results.Result:
         """The analysis, to a residual that the comparisons do not see."""
         newton = sc.Newton(tolerance=1e-10, max_iterations=25)
-        return sc.run(self.forms, list(stages or self.stages), self.fixed, start=start, newton=newton, progress=False)
+        return sc.Model(self.forms, self.fixed, newton=newton).run(list(stages or self.stages), start=start, progress=False)
 
 
 def build(scene: Scene, frame: Frame) -> Model:
@@ -125,8 +125,7 @@ def _basis(scene: Scene, mesh: Mesh) -> Basis:
 
 
 def _solids(scene: Scene, basis: Basis, frame: Frame) -> dict[str, sc.Form]:
-    strain = {"axisymmetric": sc.axisymmetric, "space": sc.three_dimensional, "plane": sc.plane_strain}[scene.kind]
-    solid = partial(sc.SolidForm, strain=sc.b_bar if scene.b_bar else strain)
+    solid = partial(sc.SolidForm, strain="b_bar" if scene.b_bar else "full", coordinates=scene.kind)
     stiff = sc.LinearElastic(E=scene.stiffer * MODULUS * frame.stress, nu=0.25)
     soil = _soil(scene, frame)
     parts = {"base": soil, "block": stiff, "cap": stiff, "pit": soil, "rest": soil}

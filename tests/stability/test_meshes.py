@@ -32,7 +32,7 @@ def test_sizes_across_the_interface(dim, sizes, quadrature):
         warnings.simplefilter("ignore", sc.AnalysisWarning)  # the small segments are shorter than the penetration
         stage = run(forms, [sc.Stage("press", load)], held(basis, "lower:bottom"))["press"]
     np.testing.assert_allclose(force_on(forms, stage), vector(basis, [-0.5, 5.0]), atol=1e-8)
-    joint = sc.tractions(forms["joint"], stage.states["joint"])
+    joint = stage.tractions("joint")
     force = joint.weight * joint.pressure
     # T acts at the height 1 above the interface; the settlement shifts the levers by some per cent
     assert (force @ joint.x) / force.sum() == pytest.approx(0.5 + 0.5 / 5.0, abs=0.02)

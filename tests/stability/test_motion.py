@@ -13,6 +13,8 @@ from helpers import arcs, body_along, facing, grid, moved_rigidly, traction, unk
 from setups import along_and_up, blocks, displaced, force_on, guided, in_contact, run
 
 import skfem_contact as sc
+from skfem_contact.contact.laws import Status
+from skfem_contact.contact.penalty import choose_penalties
 from skfem_contact.contact.recovery.chatter import FacetLock
 from skfem_contact.contact.recovery.family import Easing
 from skfem_contact.contact.search import project
@@ -98,7 +100,7 @@ def test_random_walk():
         x = basis.zeros()
         x[dofs] = [place, -1e-3 * rng.uniform(-0.2, 2.0)]
         new = pair.assemble(x, state).state
-        closed = new.status != sc.Status.OPEN
+        closed = new.status != Status.OPEN
         assert (np.abs(new.traction[1]) <= 0.4 * np.abs(new.traction[0]) * (1 + 1e-12)).all()
         gained = -new.traction[1] * (arcs(pair, new.stick) - arcs(pair, state.stick))
         assert gained[closed].max(initial=0.0) <= 1e-14
@@ -296,7 +298,7 @@ def test_point_that_chatters(caplog):
         result = quiet(forms, along(basis, path), fixed, newton=sc.Newton(max_iterations=5))
     assert "chatter between the facets" in caplog.text
     assert result[-1].fraction == 1.0 and result[-1].residual <= 1e-8
-    forms, free = sc.choose_penalties(forms), np.setdiff1d(np.arange(basis.N), fixed)
+    forms, free = choose_penalties(forms), np.setdiff1d(np.arange(basis.N), fixed)
     for stage in result:
         joint = stage.states["joint"]
         forces = [form.assemble(stage.x, stage.states[name]).force for name, form in forms.items()]

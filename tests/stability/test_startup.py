@@ -11,6 +11,8 @@ from helpers import body_along, grid, traction, unknowns_of, vector_basis
 from setups import along_and_up, blocks, displaced, force_on, held, in_contact, loaded, run, vector
 
 import skfem_contact as sc
+from skfem_contact.contact.laws import Status
+from skfem_contact.contact.penalty import choose_penalties
 
 H = 0.2  # size of the upper block's elements
 
@@ -72,14 +74,14 @@ def test_ring_falls_into_a_groove():
     }
     weight = sc.weight(basis, 1.0)
     result = run(forms, [sc.Stage("weight", weight)], np.zeros(0, int))["weight"]
-    joint = sc.tractions(forms["skin"], result.states["skin"])
+    joint = result.tractions("skin")
     for side in (-1, 1):
         at = np.sign(joint.x) == side
         normal, along = (joint.weight * joint.pressure)[at].sum(), (joint.weight * joint.shear)[at].sum()
         # the force on either side leans against the normal by friction, at most 0.1 of it
         assert abs(along) <= 0.1 * normal * (1 + 1e-9)
         assert normal / np.sqrt(2) == pytest.approx(-weight.sum() / 2, rel=0.11)
-    total = -sc.choose_penalties(forms)["skin"].assemble(result.x, result.states["skin"]).force.reshape(-1, 2).sum(0)
+    total = -choose_penalties(forms)["skin"].assemble(result.x, result.states["skin"]).force.reshape(-1, 2).sum(0)
     np.testing.assert_allclose(total, [0.0, -weight.sum()], atol=1e-8 * abs(weight.sum()))
 
 
@@ -150,7 +152,7 @@ def test_bodies_do_not_fly_through_each_other():
     with pytest.warns(sc.AnalysisWarning, match="penetrates by"):
         result = run(forms, [sc.Stage("press", side, target)], fixed)["press"]
     assert len(result.iterations) > 1
-    assert (result.states["joint"].status != sc.Status.OPEN).all()
+    assert (result.states["joint"].status != Status.OPEN).all()
     # two columns of unequal width and the penalty in series yield by 0.6; E = 1000
     assert 150 < force_on(forms, result)[1] < 600
 
@@ -163,7 +165,7 @@ def test_slave_that_is_deep_in_the_master_is_warned_of(dim, n):
     fixed = basis.get_dofs({"lower:bottom", "upper:top"}).all()
     with pytest.warns(sc.AnalysisWarning, match=rf"{n} of {n} points of 'upper:bottom' lie deeper .* up to 0.6"):
         result = run(forms, [sc.Stage("rest", loaded(basis, "upper:left", (1.0, 0.0)))], fixed)["rest"]
-    assert (result.states["joint"].status == sc.Status.OPEN).all()
+    assert (result.states["joint"].status == Status.OPEN).all()
 
 
 @pytest.mark.parametrize("dim", [2, 3])
@@ -214,7 +216,7 @@ def test_opens_completely_and_closes_again(quadrature, dim):
     # set down without sliding: as at the beginning, but for the place
     assert abs(forces[4, 0]) < 0.01 * forces[4, 1]
     assert forces[4, 1] == pytest.approx(forces[0, 1], rel=2e-2)
-    assert (result[4].states["joint"].status == sc.Status.STICK).mean() >= 0.4
+    assert (result[4].states["joint"].status == Status.STICK).mean() >= 0.4
 
 
 def test_pressure_that_comes_and_goes():

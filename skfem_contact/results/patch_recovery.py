@@ -21,7 +21,7 @@ from numpy import ndarray
 from scipy.sparse import coo_matrix, csr_matrix
 
 from ..forms.solid import SolidForm
-from ..forms.strain import b_bar, plane_strain, three_dimensional
+from ..forms.strain import strain_operator
 from ..layout import nodes
 
 #: Weight of the stresses themselves beside the forces, by the order of the elements and whether they are triangles or
@@ -140,8 +140,7 @@ def _incidence(cells: ndarray, n: int) -> csr_matrix:
 
 def _compatible(form: SolidForm) -> ndarray:
     """Strain-displacement matrices of the shape functions themselves, without averaged volumes."""
-    plain = plane_strain if form.basis.mesh.dim() == 2 else three_dimensional
-    return (plain if form.strain is b_bar else form.strain)(form.basis).B
+    return strain_operator(form.basis, "full", form.coordinates).B
 
 
 def _balance(patch: ndarray, cells: ndarray, B: ndarray, p: ndarray, w: ndarray, forces: ndarray
