@@ -17,6 +17,7 @@ from .model import Model
 from .nonlinear.newton import Newton
 from .results import Sections, load_result
 from .stages.stage import Stage
+from .surfaces import rigid
 from .water import PoreWater
 
 __version__ = "0.2.0"
@@ -26,6 +27,6 @@ __all__ = [
     "HardeningMohrCoulomb", "InterfaceLaw", "LinearElastic", "MatrixForm", "Model", "MohrCoulomb", "Newton",
     "NoEquilibrium", "NotConverged", "PoreWater", "Response", "RigidBoundary", "Sections", "SolidForm", "Spring",
     "Stage", "Surface", "Tied", "Tresca", "Undrained", "VonMises", "box_supports", "dofs_at", "hydrostatic",
-    "join_bodies", "load_mesh", "load_result", "mesh", "results", "testing", "traction", "water", "water_load",
+    "join_bodies", "load_mesh", "load_result", "mesh", "results", "rigid", "testing", "traction", "water", "water_load",
     "weight",
 ]

@@ -87,7 +87,7 @@ class Failure:
     >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
     >>> import skfem_contact as sc
     >>> basis = Basis(MeshQuad().with_defaults(), ElementVector(ElementQuad1()), intorder=2)
-    >>> floor = sc.rigid_line((-1., -.1), (2., -.1))
+    >>> floor = sc.rigid.line((-1., -.1), (2., -.1))
     >>> pair = sc.ContactPair(basis, "bottom", floor, sc.Coulomb(), penalty=1e4)
     >>> eased = pair.begin(pair.initial_state(), Failure(loose=True))
     >>> bool(eased.assemble(basis.zeros(), pair.initial_state()).force.any())

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy import ndarray
@@ -80,6 +80,14 @@ class Field:
         return self.kind in ("displacement", "rotation")
 
 
+@dataclass(frozen=True)
+class FieldDofs:
+    """Some dofs of a field, which the model numbers: ``Model(forms, [supports, water.dofs("top")])``."""
+
+    field: Field
+    indices: ndarray
+
+
 @dataclass(frozen=True, eq=False)
 class Layout:
     """Numbers of all dofs of an analysis: the displacements of the basis, then the fields one behind the other.
@@ -112,6 +120,25 @@ class Layout:
         """Return the dofs of some fields."""
         return {sought: np.arange(part.start, part.stop) for sought in fields
                 for f, part in zip(self.fields, self.parts, strict=True) if _same(f, sought)}
+
+    def dofs(self, given: Any) -> ndarray:
+        """Return dofs, sorted and each once, from numbers, :class:`FieldDofs`, or a list of both."""
+        several = isinstance(given, list | tuple) and any(isinstance(p, FieldDofs) or np.ndim(p) for p in given)
+        parts = given if several else [given]
+        numbers = []
+        for part in parts:
+            if isinstance(part, FieldDofs):
+                if not (known := self.numbers([part.field])):
+                    raise ValueError(f"fixed dofs belong to the field '{part.field.name}', which no form of the model "
+                                     "brings")
+                part = known[part.field][part.indices]
+            numbers.append(np.asarray(part).ravel())
+            if len(numbers[-1]) and numbers[-1].dtype.kind not in "iu":
+                raise ValueError("fixed must be dofs, integers such as basis.get_dofs('bottom').all()")
+        found = np.unique(np.concatenate(numbers).astype(int))
+        if len(found) and (found[0] < 0 or found[-1] >= self.size):
+            raise ValueError(f"fixed dofs must lie between 0 and {self.size - 1}")
+        return found
 
     @property
     def size(self) -> int:

@@ -33,7 +33,8 @@ class Model(Setup):
     forms
         Solids, contact pairs and other forms by name, those included that are active in some stages only.
     fixed
-        Dofs that are held (or moved by ``Stage.prescribed``).
+        Dofs that are held (or moved by ``Stage.prescribed``): numbers, dofs of a field such as ``water.dofs("top")``,
+        or a list of both.
     solver
         A scikit-fem linear solver ``(A, b) -> x``, or ``"amg"``, algebraic multigrid by pyamg. By default a direct
         solver with an ordering of its own; for large bodies in space multigrid where it is faster and installed.

@@ -23,6 +23,7 @@ from test_iteration_baseline import SCENES as RECORD
 from test_iteration_baseline import ring
 
 import skfem_contact as sc
+from skfem_contact.results import Result
 
 ROOMS = ("nonlinear", "contact", "collapse", "solvers")
 NAME = re.compile(r"_?[A-Z][A-Z_0-9]*$")
@@ -51,7 +52,7 @@ def two_bodies(gap: float, mu: float, penalty: float | None = None, **options: A
     return basis, forms, basis.get_dofs("base:bottom").all()
 
 
-def count(result: sc.results.Result) -> int:
+def count(result: Result) -> int:
     return sum(sum(stage.iterations) for stage in result)
 
 

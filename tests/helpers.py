@@ -222,9 +222,9 @@ def resultant(basis: Basis, x: ndarray, force: ndarray) -> ndarray:
     return np.append(f.sum(axis=0), moment.sum(axis=0))
 
 
-def analysis(method: str, forms: dict, fixed, *load, newton=None, solver=None, **settings):
+def analysis(name: str, /, forms: dict, fixed, *load, newton=None, solver=None, **settings):
     """Result of a method of the model of some forms and supports."""
-    return getattr(sc.Model(forms, fixed, newton=newton, solver=solver), method)(*load, **settings)
+    return getattr(sc.Model(forms, fixed, newton=newton, solver=solver), name)(*load, **settings)
 
 
 def run_stages(forms: dict, stages: list, fixed, newton=None, solver=None, **settings):

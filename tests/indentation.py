@@ -14,6 +14,7 @@ from skfem import Basis, BilinearForm, FacetBasis
 
 import skfem_contact as sc
 from skfem_contact.contact.penalty import choose_penalties
+from skfem_contact.results import StageResult
 
 E, NU = 1000.0, 0.3
 #: Below the surface by next to nothing: where the potentials of the body and of its mirror image differ.
@@ -41,7 +42,7 @@ class Indentation:
 
     basis: Basis
     forms: dict
-    stage: sc.results.StageResult
+    stage: StageResult
 
     @property
     def force(self) -> float:

@@ -12,6 +12,7 @@ from skfem import Basis, ElementHex1, ElementHex2, ElementQuad1, ElementQuad2, E
 
 import skfem_contact as sc
 from skfem_contact.contact.penalty import choose_penalties
+from skfem_contact.results import Result
 
 
 def block(element: str, x: ndarray, y: ndarray, z: ndarray) -> Mesh:
@@ -99,14 +100,14 @@ class Slice:
         """Displacements in space of those in the plane."""
         return None if plane is None else np.where(self.twin >= 0, np.asarray(plane)[self.twin], 0.0)
 
-    def run(self, stages: Sequence[sc.Stage], fixed: ndarray, **options) -> sc.results.Result:
+    def run(self, stages: Sequence[sc.Stage], fixed: ndarray, **options) -> Result:
         """The analysis of the slice."""
         stages = [replace(stage, load=self.share * self.lifted(stage.load), prescribed=self.lifted(stage.prescribed))
                   for stage in stages]
         fixed = np.flatnonzero(np.isin(self.twin, fixed) | (self.twin < 0))
         return sc.Model(self.forms, fixed).run(stages, progress=False, **options)
 
-    def compare(self, plane: sc.results.Result, solid: sc.results.Result, error: float) -> None:
+    def compare(self, plane: Result, solid: Result, error: float) -> None:
         """Displacements of all stages are those of the plane, but for a share of the largest."""
         largest = max(np.abs(stage.x).max() for stage in plane)
         for one, other in zip(plane, solid, strict=True):

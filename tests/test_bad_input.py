@@ -110,8 +110,8 @@ def test_empty_boundary():
     "slave, master",
     [
         ("b:top", "a:top"),
-        ("a:bottom", sc.rigid_line((2, 0), (-2, 0))),
-        ("b:top", sc.rigid_circle((0.5, 4), 2, hole=True)),
+        ("a:bottom", sc.rigid.line((2, 0), (-2, 0))),
+        ("b:top", sc.rigid.circle((0.5, 4), 2, hole=True)),
     ],
 )
 def test_slave_and_master_that_face_the_same_way(slave, master):
@@ -446,7 +446,7 @@ def test_rigid_obstacle_may_hold_a_body():
     """[X] A block on a rigid floor, held aside at one side: accepted, and it comes to rest."""
     mesh = grid("Q1", np.linspace(0, 1, 4), np.linspace(0, 1, 4))
     basis = vector_basis(mesh, "Q1", intorder=2)
-    floor = sc.rigid_line((-1.0, 0.0), (2.0, 0.0))
+    floor = sc.rigid.line((-1.0, 0.0), (2.0, 0.0))
     forms = {
         "block": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3)),
         "floor": sc.ContactPair(basis, "bottom", floor, sc.Coulomb(0.3), quadrature="nodal"),

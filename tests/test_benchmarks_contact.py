@@ -12,6 +12,7 @@ from helpers import body_along, facing, unknowns_of
 import skfem_contact as sc
 from skfem_contact.contact.penalty import choose_penalties
 from skfem_contact.contact.state import ContactState
+from skfem_contact.results import Result
 
 sys.path.append(str(Path(__file__).parents[1] / "examples" / "4_benchmarks"))
 import peers
@@ -20,7 +21,7 @@ from contact_problems import ELEMENTS, LOWER, MU, NU, UPPER, Contact, E, hertz, 
 AUGMENTED = sc.AugmentedLagrangian()
 
 
-def pressed(n: int, quadrature: str | int, **options) -> tuple[Contact, sc.results.Result]:
+def pressed(n: int, quadrature: str | int, **options) -> tuple[Contact, Result]:
     """The Hertz contact in four steps."""
     problem = hertz(n)
     result = problem.run(problem.pair(0.0, quadrature, **options), [problem.stage("press", increments=4)])
@@ -31,7 +32,7 @@ def nodal_gaps(pair: sc.ContactPair, state: ContactState) -> np.ndarray:
     """Mean gaps at the slave's nodes, weighted by the shape functions."""
     points = pair.points(state)
     share, n = points.values * points.weight[:, None], len(pair.slave.nodes)
-    gaps = (share * (state.gap - state.offset)[:, None]).ravel()
+    gaps = (share * (state.gap - state.clearance)[:, None]).ravel()
     return np.bincount(points.nodes.ravel(), gaps, n) / np.bincount(points.nodes.ravel(), share.ravel(), n)
 
 
@@ -180,7 +181,7 @@ def test_a_start_out_of_proportion_is_brought_in() -> None:
 
 
 @pytest.fixture(scope="module")
-def reversed_shift() -> tuple[sc.ContactPair, list[Contact], sc.results.Result]:
+def reversed_shift() -> tuple[sc.ContactPair, list[Contact], Result]:
     """Pressed, shifted and shifted back past zero."""
     problem = hertz(10)
     pair = problem.pair(MU, 4)

@@ -119,7 +119,7 @@ def test_flat_punch():
     section = quarter_disc(3, np.append(0.0, 1 - inside[:0:-1]), 1 + away)
     block = Block.of(drawn(section, away), near=lambda p: np.hypot(*p[:2]) < 1.0)
     force, _, _ = half_space.flat_punch(np.ones(1), 0.01, 1.0, MODULUS)
-    found = pressed(block, sc.rigid_plane((0, 0, 0), (0, 0, -1), 4.0), 0.01, force)
+    found = pressed(block, sc.rigid.plane((0, 0, 0), (0, 0, -1), 4.0), 0.01, force)
     assert found.normal.sum() == pytest.approx(force, rel=0.07)  # measured 5.9 %
     near = found.circle(0.45)
     _, exact, _ = half_space.flat_punch(found.r[near], 0.01, 1.0, MODULUS)
@@ -139,7 +139,7 @@ def round_block(n: int, turned: bool = False) -> Block:
 def test_cone():
     """[X] Force and radius of the contact."""
     force, depth, _ = half_space.cone(np.ones(1), 1.0, 0.02, MODULUS)
-    found = pressed(round_block(6), sc.rigid_cone((0, 0, 0), (0, 0, 1), 0.02, radius=2.0), depth, force)
+    found = pressed(round_block(6), sc.rigid.cone((0, 0, 0), (0, 0, 1), 0.02, radius=2.0), depth, force)
     assert found.normal.sum() == pytest.approx(force, rel=0.05)  # measured 3.6 %
     assert np.sqrt(3 * found.normal @ found.r**2 / found.normal.sum()) == pytest.approx(1.0, rel=0.03)
 
@@ -149,7 +149,7 @@ def test_torsion_with_slip():
     block, radius, mu = round_block(6, turned=True), 100.0, 0.3
     force = 4 / 3 * MODULUS / radius
     twist = half_space.lubkin_twist(0.5, mu * force, 1.0, SHEAR_MODULUS)
-    pair = block.contact(sc.rigid_sphere((0, 0, radius), radius), quadrature=2, penalty=20e3)
+    pair = block.contact(sc.rigid.sphere((0, 0, radius), radius), quadrature=2, penalty=20e3)
     stages = [sc.Stage("press", block.basis.zeros(), block.moved(1 / radius, force)),
               sc.Stage("turn", block.basis.zeros(), block.moved(1 / radius, force, twist), 2,
                        change={"ball": pair.with_law(sc.Coulomb(mu=mu))})]  # fmt: skip

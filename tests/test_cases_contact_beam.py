@@ -31,7 +31,7 @@ def line_load(basis: Basis, q: float) -> ndarray:
 def above_floor(q: float, thickness: float = 0.05, n: int = 80):
     """A cantilever above a floor: places and forces of contact in order, shear force and moment at the clamp."""
     basis = vector_basis(beam(LENGTH, thickness, n), "Q2")
-    pair = sc.ContactPair(basis, "bottom", sc.rigid_line((-1.0, -GAP), (3.0, -GAP)), sc.Coulomb(), "segments")
+    pair = sc.ContactPair(basis, "bottom", sc.rigid.line((-1.0, -GAP), (3.0, -GAP)), sc.Coulomb(), "segments")
     forms = {"beam": sc.SolidForm(basis, elastic(thickness)), "floor": pair}
     clamp, load = basis.get_dofs("left"), line_load(basis, q)
     stage = sc.Stage("load", load)
@@ -82,7 +82,7 @@ def test_heavy_beam_is_lifted():
     """
     q, lift, thickness, length = 2.0, 0.1, 0.1, 5.0
     basis = vector_basis(beam(length, thickness, 60), "Q2")
-    pair = sc.ContactPair(basis, "bottom", sc.rigid_line((-1.0, 0.0), (6.0, 0.0)), sc.Coulomb(), "segments")
+    pair = sc.ContactPair(basis, "bottom", sc.rigid.line((-1.0, 0.0), (6.0, 0.0)), sc.Coulomb(), "segments")
     forms = {"beam": sc.SolidForm(basis, elastic(thickness)), "floor": pair}
     left, load = basis.get_dofs("left").all("u^1"), line_load(basis, q)
     middle = basis.get_dofs("right").all("u^2")

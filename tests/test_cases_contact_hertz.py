@@ -34,7 +34,7 @@ def parabola(exact, scale: float) -> sc.Surface:
     place = displacement(exact, 0.0, 0.0, -4 * A)[1]
     height = A**2 / (2 * RADIUS) * scale
     window = (-A / 2, 1.5 * A, place - 0.1 * height, place + 2 * height)
-    return sc.rigid_level_set(lambda x, y: place + scale * x**2 / (2 * RADIUS) - y, window)
+    return sc.rigid.level_set(lambda x, y: place + scale * x**2 / (2 * RADIUS) - y, window)
 
 
 def shallow(element: str, n: int, **options):
@@ -106,7 +106,7 @@ def round_punch(element: str, n: int, **options):
     """The punch of case B1 (iii), a circle, on the box."""
     exact = elliptic(PEAK, A)
     place = displacement(exact, 0.0, 0.0, -4 * A)[1]
-    return pressed(element, *box(n), exact, sc.rigid_circle((0.0, place + RADIUS), RADIUS), **options)
+    return pressed(element, *box(n), exact, sc.rigid.circle((0.0, place + RADIUS), RADIUS), **options)
 
 
 @pytest.mark.parametrize("element", ["Q1", "Q2"])

@@ -59,7 +59,7 @@ def patch_errors(element: str, meshes: tuple[int, int], quadrature, slave: str =
     forms = {"blocks": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=nu))}
     master = LOWER if slave == UPPER else UPPER
     if passes == 2:
-        forms |= sc.two_pass(basis, slave, master, sc.Coulomb(), quadrature=quadrature, **options)
+        forms |= sc.ContactPair.two_pass(basis, slave, master, sc.Coulomb(), quadrature=quadrature, **options)
     else:
         forms["contact"] = sc.ContactPair(basis, slave, master, sc.Coulomb(), quadrature, **options)
     stage = sc.Stage("press", pressure_on(basis, "upper:top", p))

@@ -9,6 +9,7 @@ from helpers import dofs_at, grid, vector_basis
 import skfem_contact as sc
 from skfem_contact.contact.laws import Status
 from skfem_contact.contact.penalty import choose_penalties
+from skfem_contact.results import StageResult
 from skfem_contact.results.tractions import tractions
 
 QUADRATURES = ["nodal", 4, "segments"]
@@ -17,7 +18,7 @@ QUICK = sc.Newton(max_iterations=12)
 PHI = np.tan(np.radians(26.6))
 
 
-def support(forms: dict, stage: sc.results.StageResult) -> tuple[np.ndarray, np.ndarray]:
+def support(forms: dict, stage: StageResult) -> tuple[np.ndarray, np.ndarray]:
     """Nodal contact forces on the block and the places of their nodes, where it was meshed, (n, 2)."""
     pair = choose_penalties(forms)["floor"]
     force = -pair.assemble(stage.x, stage.states["floor"]).force
@@ -27,10 +28,10 @@ def support(forms: dict, stage: sc.results.StageResult) -> tuple[np.ndarray, np.
 # -- C6: a block on a plane ---------------------------------------------------------------------------------
 
 
-def pushed(quadrature, law: sc.Coulomb, height: float | None) -> tuple[dict, list[sc.results.StageResult]]:
+def pushed(quadrature, law: sc.Coulomb, height: float | None) -> tuple[dict, list[StageResult]]:
     """The block of the case, 4 x 1 and 100 heavy, pushed at its left side: at one height, or the whole side."""
     basis = vector_basis(grid("Q1", np.linspace(0, 4, 17), np.linspace(0, 1, 5)), "Q1")
-    plane = sc.rigid_line((-5.0, 0.0), (10.0, 0.0))
+    plane = sc.rigid.line((-5.0, 0.0), (10.0, 0.0))
     forms = {
         "block": sc.SolidForm(basis, sc.LinearElastic(E=1e6, nu=0.2)),
         "floor": sc.ContactPair(basis, "bottom", plane, law, quadrature),
@@ -105,7 +106,7 @@ def test_incline(angle: float, quadrature) -> None:
     """[X] C6: it rests up to tan(angle) = mu, N = W cos and T = W sin; beyond, the error names its load."""
     mu, weight = 0.5, 20.0  # atan(0.5) = 26.565 degrees
     basis = vector_basis(grid("Q1", np.linspace(0, 2, 9), np.linspace(0, 1, 5)), "Q1")
-    plane = sc.rigid_line((-5.0, 0.0), (10.0, 0.0))
+    plane = sc.rigid.line((-5.0, 0.0), (10.0, 0.0))
     forms = {
         "block": sc.SolidForm(basis, sc.LinearElastic(E=1e5, nu=0.2)),
         "floor": sc.ContactPair(basis, "bottom", plane, sc.Coulomb(mu), quadrature),
@@ -144,7 +145,7 @@ def table(kind: str, quadrature) -> tuple[dict, np.ndarray, int]:
         held = basis.get_dofs("table:bottom").all()
     else:
         edge = [(-4.0, 0.0), (0.0, 0.0)] + ([(0.0, -2.0)] if kind == "corner" else [])
-        master = sc.rigid_polyline(edge)
+        master = sc.rigid.polyline(edge)
     drag = dofs_at(basis, BLOCK, (-1.0, 0.0))[0]
     forms = {
         "bodies": sc.SolidForm(basis, materials),

@@ -11,6 +11,7 @@ from scipy.sparse import coo_matrix
 
 import skfem_contact as sc
 from skfem_contact.contact.laws import Status
+from skfem_contact.results import Result, StageResult
 
 
 @dataclass(frozen=True)
@@ -80,7 +81,7 @@ class Capstan:
         basis = vector_basis(mesh, "Q1")
         distance = np.linalg.norm(mesh.p[:, :, None] - line.T[:, None, :], axis=0)
         self.string = String(basis.nodal_dofs[:, distance.argmin(axis=0)].T, line, basis.N, stiffness, pretension)
-        drum = sc.rigid_circle((0.0, 0.0), 1.0)
+        drum = sc.rigid.circle((0.0, 0.0), 1.0)
         pair = sc.ContactPair(basis, "face", drum, sc.Coulomb(mu), quadrature="nodal", initial="adjusted")
         self.forms = {
             "string": self.string,
@@ -92,7 +93,7 @@ class Capstan:
         self.weight = basis.zeros()
         self.weight[self.string.dofs[0, 1]] = -1.0
 
-    def run(self, pull: float, increments: int) -> sc.results.Result:
+    def run(self, pull: float, increments: int) -> Result:
         """Hung up, and pulled."""
         x = np.zeros_like(self.weight)
         x[self.string.dofs[-1]] = pull * self.end
@@ -101,11 +102,11 @@ class Capstan:
         newton = sc.Newton(tolerance=1e-7, max_iterations=40)
         return sc.Model(self.forms, self.fixed, newton=newton).run(stages, progress=False)
 
-    def tensions(self, stage: sc.results.StageResult) -> np.ndarray:
+    def tensions(self, stage: StageResult) -> np.ndarray:
         """Tension in the bars, from the weight on."""
         return self.string.bars(stage.x)[2]
 
-    def ratio(self, stage: sc.results.StageResult, mu: float | np.ndarray) -> float:
+    def ratio(self, stage: StageResult, mu: float | np.ndarray) -> float:
         """Exact ratio of the last tension to the first where all nodes slide to the right, as they lie.
 
         With a bar that falls off by a from the tangent at a node, and the one after it by b: T2 cos b - T1 cos a = mu N

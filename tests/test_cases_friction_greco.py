@@ -38,7 +38,7 @@ class Plate:
         load = traction(basis, "top", (0.0, -TOP)) + traction(basis, "left", (LEFT, 0.0))
         right = basis.get_dofs("right").all("u^1")
         corner = np.flatnonzero((basis.doflocs[0] == SIZE) & (basis.doflocs[1] == 0.0))
-        plane = sc.rigid_line((-SIZE, 0.0), (2 * SIZE, 0.0))
+        plane = sc.rigid.line((-SIZE, 0.0), (2 * SIZE, 0.0))
         pair = sc.ContactPair(basis, "bottom", plane, sc.Coulomb(1.0), **{"quadrature": "nodal", **options})
         forms = {"plate": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=NU)), "plane": pair}
         stage = sc.Stage("press", load, increments=increments)

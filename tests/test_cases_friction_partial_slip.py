@@ -13,6 +13,7 @@ from oracles.partial_slip import PartialSlip, loaded, unloaded
 import skfem_contact as sc
 from skfem_contact.contact.laws import Status
 from skfem_contact.contact.penalty import choose_penalties
+from skfem_contact.results import Result, Tractions
 
 #: Case B1 (ii): two cylinders, R = 8, E = 200, under P = 10.  Stiffer and flatter by the same factor they have the
 #: same tractions, and displacements that are as small as the theory has them.
@@ -49,7 +50,7 @@ class Cylinders:
             x[dofs] = sign * (field(exact, *place) - middle).T
         return sc.Stage(name, self.basis.zeros(), x, increments)
 
-    def run(self, stages: list[sc.Stage], **options) -> sc.results.Result:
+    def run(self, stages: list[sc.Stage], **options) -> Result:
         """The analysis."""
         return sc.Model(self.forms, self.fixed, newton=sc.Newton(tolerance=1e-10)).run(stages, progress=False, **options)
 
@@ -88,14 +89,14 @@ def there_and_back(cylinders: Cylinders) -> list[sc.Stage]:
 
 
 @pytest.fixture(scope="module", params=[1.0, 0.8], ids=["matching", "not matching"])
-def cycle(request) -> tuple[float, list[sc.results.Tractions]]:
+def cycle(request) -> tuple[float, list[Tractions]]:
     """The meshes' ratio and the tractions after every stage, 20 elements in the half-width."""
     cylinders = Cylinders(20, request.param)
     result = cylinders.run(there_and_back(cylinders))
     return request.param, [stage.tractions("contact") for stage in result]
 
 
-def shear_error(joint: sc.results.Tractions, exact: PartialSlip) -> float:
+def shear_error(joint: Tractions, exact: PartialSlip) -> float:
     """Error of the shear traction in the L2 norm, over the norm of the friction mu p."""
     difference = (joint.shear - exact.shear(joint.x)) ** 2 @ joint.weight
     return float(np.sqrt(difference / ((MU * exact.pressure(joint.x)) ** 2 @ joint.weight)))
@@ -151,7 +152,7 @@ def test_opposite_force_has_the_opposite_traction(cycle) -> None:
 # -- C9: similar bodies -------------------------------------------------------------------------------------
 
 
-def pressed(E_upper: float, quadrature, mu: float) -> sc.results.Tractions:
+def pressed(E_upper: float, quadrature, mu: float) -> Tractions:
     """Cylinders of which the upper one has another stiffness, pressed together."""
     cylinders = Cylinders(10, 1.0, law=sc.Coulomb(mu), quadrature=quadrature, E_upper=E_upper)
     result = cylinders.run([cylinders.stage("press", PRESSED)])
@@ -227,7 +228,7 @@ def test_the_same_again(quadrature, tmp_path) -> None:
     np.testing.assert_allclose(shear, other, atol=1e-10 * PEAK)
 
 
-def assert_identical(a: sc.results.Result, b: sc.results.Result) -> None:
+def assert_identical(a: Result, b: Result) -> None:
     """Displacements and contact states agree bit by bit."""
     for one, other in zip(a, b, strict=True):
         assert np.array_equal(one.x, other.x) and one.iterations == other.iterations

@@ -32,7 +32,7 @@ class Point:
         # the face's other end is out of reach
         mesh = body_along(self.start + np.array([[0.0, 0.0], [0.3, 2.0]]), "P1", 0.2)
         self.basis = vector_basis(mesh, "P1")
-        drum = sc.rigid_polyline(corners, closed=True)
+        drum = sc.rigid.polyline(corners, closed=True)
         self.pair = sc.ContactPair(self.basis, "face", drum, law, "nodal", penalty=PENALTY, smoothing=smoothing)
         node = np.abs(mesh.p - self.start[:, None]).max(axis=0).argmin()
         self.dofs = self.basis.nodal_dofs[:, node]

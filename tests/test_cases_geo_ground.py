@@ -17,7 +17,7 @@ PENALTY = 1e9
 def silo(mu: float):
     """An elastic column, 2 x 6, between two rigid walls that touch it; forms, load, fixed unknowns, basis."""
     basis = vector_basis(grid("Q2", np.linspace(0, 2, 5), np.linspace(0, 6, 13)), "Q2", intorder=4)
-    walls = {"left": sc.rigid_line((0.0, 7.0), (0.0, -1.0)), "right": sc.rigid_line((2.0, -1.0), (2.0, 7.0))}
+    walls = {"left": sc.rigid.line((0.0, 7.0), (0.0, -1.0)), "right": sc.rigid.line((2.0, -1.0), (2.0, 7.0))}
     forms = {"column": sc.SolidForm(basis, sc.LinearElastic(E=1e5, nu=0.3))}
     for side, wall in walls.items():
         forms[side] = sc.ContactPair(basis, side, wall, sc.Coulomb(mu=mu), quadrature=3, penalty=PENALTY)

@@ -8,6 +8,7 @@ from helpers import grid, vector_basis
 from skfem import Basis, ElementQuadS2, ElementVector, MeshQuad
 
 import skfem_contact as sc
+from skfem_contact.results import Tractions
 
 GAMMA, HEIGHT = 18.0, 6.0
 
@@ -19,10 +20,10 @@ def graded(n: int, ratio: float = 2.5) -> np.ndarray:
 
 def smooth_wall(
     soil: sc.MohrCoulomb, towards: float, law: sc.Coulomb, heights: np.ndarray
-) -> tuple[float, sc.results.Tractions]:
+) -> tuple[float, Tractions]:
     """Thrust on a smooth wall that soil on a smooth base was pushed against or drawn away from, and the tractions."""
     basis = vector_basis(grid("Q2", np.linspace(0, 3, 4), heights), "Q2", intorder=4)
-    wall = sc.rigid_line((0.0, 2 * HEIGHT), (0.0, -1.0))  # higher than the soil rises
+    wall = sc.rigid.line((0.0, 2 * HEIGHT), (0.0, -1.0))  # higher than the soil rises
     forms = {"soil": sc.SolidForm(basis, soil),
              "joint": sc.ContactPair(basis, "left", wall, law, quadrature=3, penalty=1e8)}  # fmt: skip
     far = basis.get_dofs("right").all("u^1")
@@ -79,7 +80,7 @@ def rough_wall(n: int, delta: float, moved: float) -> float:
     basis = Basis(mesh, ElementVector(ElementQuadS2()), intorder=3)
     sand = sc.MohrCoulomb(E=1e6, nu=0.3, c=0.02, phi=30.0, psi=30.0)
     law = sc.Coulomb(mu=np.tan(np.radians(delta)))
-    wall = sc.rigid_line((0.0, 2 * HEIGHT), (0.0, -1.0))  # higher than the soil rises
+    wall = sc.rigid.line((0.0, 2 * HEIGHT), (0.0, -1.0))  # higher than the soil rises
     forms = {"sand": sc.SolidForm(basis, sand), "joint": sc.ContactPair(basis, "face", wall, law, quadrature=2)}
     below = basis.get_dofs("below").all("u^1")
     held = np.concatenate((below, basis.get_dofs("base").all("u^1"), basis.get_dofs("far").all("u^1")))

@@ -223,9 +223,9 @@ def test_point_dragged_over_an_arc(smooth):
     n = 90
     angle = -np.arange(n) * 2 * np.pi / n
     drum = (
-        sc.rigid_circle((0.0, 0.0), radius)
+        sc.rigid.circle((0.0, 0.0), radius)
         if smooth
-        else sc.rigid_polyline(radius * np.stack((np.cos(angle), np.sin(angle)), axis=1), closed=True)
+        else sc.rigid.polyline(radius * np.stack((np.cos(angle), np.sin(angle)), axis=1), closed=True)
     )
     # a triangle whose lowest corner touches; its face's other end is out of reach
     top = np.array([0.0, radius])

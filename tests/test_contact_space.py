@@ -293,7 +293,7 @@ def test_sphere_on_six_nodes(quadrature, error):
     along, radius = np.array([0.0, 0.2, 0.4, 0.6, 0.8, 1.2, 2.0]), 4.0
     basis = vector_basis(space.block("P2", along, along, [-2.0, -1.0, -0.5, -0.2, 0.0]), "P2")
     forms = {"block": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3), "full"),
-             "joint": sc.ContactPair(basis, "top", sc.rigid_sphere((0, 0, radius), radius), sc.Coulomb(), quadrature,
+             "joint": sc.ContactPair(basis, "top", sc.rigid.sphere((0, 0, radius), radius), sc.Coulomb(), quadrature,
                                      enforcement=sc.AugmentedLagrangian())}
     low, x = basis.get_dofs("bottom").all("u^3"), basis.zeros()
     x[low] = 0.06

@@ -153,10 +153,10 @@ def test_rigid_obstacles(obstacle, quadrature, rng):
         roof[:, 1] = -0.1 * np.linspace(1.2, -1.2, 6) ** 2 - 0.05
     basis = vector_basis(body_along(roof, "Q2", 0.4), "Q2")
     master = {
-        "line": lambda: sc.rigid_line((-2.0, 0.0), (2.0, 0.0)),
-        "circle": lambda: sc.rigid_circle((0.0, -5.0), 5.0),
-        "hole": lambda: sc.rigid_circle((0.0, 5.0), 5.0, hole=True),
-        "polyline": lambda: sc.rigid_polyline([(-2.0, 0.3), (0.1, -0.1), (2.0, 0.4)]),
+        "line": lambda: sc.rigid.line((-2.0, 0.0), (2.0, 0.0)),
+        "circle": lambda: sc.rigid.circle((0.0, -5.0), 5.0),
+        "hole": lambda: sc.rigid.circle((0.0, 5.0), 5.0, hole=True),
+        "polyline": lambda: sc.rigid.polyline([(-2.0, 0.3), (0.1, -0.1), (2.0, 0.4)]),
     }[obstacle]()
     for law in (LAWS["frictionless"], LAWS["slip"], LAWS["stick"]):
         pair = sc.ContactPair(basis, "face", master, law, quadrature, penalty=(1e3, 7e2))

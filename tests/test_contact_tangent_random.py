@@ -53,7 +53,7 @@ def augmented(state, rng):
         state,
         multiplier=np.stack((-5 * rng.uniform(0, 1, n), rng.standard_normal(n))),
         penalty_factor=np.array([3.0, 2.0]),
-        offset=0.01 * rng.standard_normal(state.offset.shape),
+        clearance=0.01 * rng.standard_normal(state.clearance.shape),
     )
 
 

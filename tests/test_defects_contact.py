@@ -75,7 +75,7 @@ def test_receding_contact(quadrature, element: str, n: int) -> None:
     mesh = grid(element, x, np.linspace(0, 1, n + 1))
     mesh = mesh.with_boundaries({"strip": lambda p: (p[1] > 1 - 1e-9) & (p[0] < 0.25)}, boundaries_only=False)
     basis = vector_basis(mesh, element, intorder=4)
-    floor = sc.rigid_line((-5.0, 0.0), (20.0, 0.0))
+    floor = sc.rigid.line((-5.0, 0.0), (20.0, 0.0))
     forms = {
         "layer": sc.SolidForm(basis, sc.LinearElastic(E=1.0, nu=0.3)),
         "floor": sc.ContactPair(basis, "bottom", floor, sc.Coulomb(), quadrature),
@@ -180,7 +180,7 @@ def test_patch_in_axial_symmetry(quadrature, upper: int, augmented: bool, elemen
     }
     basis = vector_basis(sc.join_bodies(bodies), element, intorder=4)
     enforcement = sc.AugmentedLagrangian() if augmented else None
-    options = {"quadrature": quadrature, "enforcement": enforcement, "axisymmetric": True}
+    options = {"quadrature": quadrature, "enforcement": enforcement}
     forms = {
         "solids": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3), coordinates="axisymmetric"),
         "joint": sc.ContactPair(basis, "up:bottom", "low:top", sc.Coulomb(), **options),
@@ -275,7 +275,7 @@ def test_null_stage_moves_nothing(meshes, stiffer: float, passes: int) -> None:
     names, rule = ("block:bottom", "base:top"), {"quadrature": 2, "enforcement": AUGMENTED}
     pairs = {"joint": sc.ContactPair(basis, *names, sc.Coulomb(0.3), **rule)}
     if passes == 2:
-        pairs = dict(sc.two_pass(basis, *names, sc.Coulomb(0.3), **rule))
+        pairs = dict(sc.ContactPair.two_pass(basis, *names, sc.Coulomb(0.3), **rule))
     stages = [sc.Stage(name, basis.zeros(), x) for name, x in (("there", there), ("back", back), ("again", back))]
     result = sc.Model({"solid": solid, **pairs}, fixed).run(stages, progress=False)
     # twice the tolerance of Newton's method, which may improve what it has accepted
@@ -309,7 +309,7 @@ def test_tie_of_unlike_bodies_by_multipliers(quadrature) -> None:
 # -- warnings: the penalty's share, facets that overlap, joints of the master ---------------------------------------
 
 
-def remarked(forms, stage, fixed) -> tuple[sc.results.StageResult, str]:
+def remarked(forms, stage, fixed) -> tuple[StageResult, str]:
     """A stage, and what is warned of of it."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")

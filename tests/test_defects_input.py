@@ -116,7 +116,7 @@ def test_altered_files(saved, key):
 
 @pytest.mark.parametrize(("shift", "stretch"), [(100.0, 1.0), (0.0, 2.0)])
 def test_another_mesh_of_the_same_size(saved, shift, stretch):
-    with pytest.raises(ValueError, match="'bodies' stands on another mesh"):
+    with pytest.raises(ValueError, match="'bodies' has another mesh"):
         sc.load_result(saved[0], model(shift, stretch)[1])
 
 

@@ -152,7 +152,7 @@ def test_ground_before_the_fill():
 def test_contact_with_a_body_that_is_not_there_at_first():
     basis, forms, fixed = pile(2)
     ground = sc.SolidForm(basis.with_elements("soil"), SOIL)
-    with pytest.raises(ValueError, match=r"'skin' is active, but acts on an inactive body"):
+    with pytest.raises(ValueError, match=r"'skin': boundary 'pile|soil' belongs to no solid"):
         sc.Model({"ground": ground, "skin": forms["skin"]}, fixed).gravity_state(sc.weight(basis, {"soil": 20.0}))
 
 

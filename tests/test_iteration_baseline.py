@@ -18,6 +18,7 @@ from helpers import grid, vector_basis
 from skfem import FacetBasis, LinearForm, MeshQuad
 
 import skfem_contact as sc
+from skfem_contact.results import Result
 
 BASELINE = Path(__file__).parent / "baseline" / "iterations.json"
 #: Growth that is let pass: round-off on another machine may cost an iteration in ten.
@@ -123,7 +124,7 @@ def slope() -> int:
     return found.iterations
 
 
-def total(result: sc.results.Result) -> int:
+def total(result: Result) -> int:
     return sum(sum(stage.iterations) for stage in result)
 
 

@@ -7,8 +7,7 @@ import pytest
 from helpers import grid, rough_pair, run_stages, vector_basis
 
 import skfem_contact as sc
-from skfem_contact.contact.recovery.family import Easing
-from skfem_contact.contact.recovery.start import Stabilisation
+from skfem_contact.contact.regularisation import Stabilised
 from skfem_contact.nonlinear.system import System
 from skfem_contact.stages.setup import build_system
 
@@ -80,7 +79,7 @@ def contact_skewness(law, quadrature, rng: np.random.Generator, springs: float =
     for element in ("Q1", "P2"):
         for _ in range(5):
             _, pair, x, state = rough_pair(element, quadrature, law, rng, **options)
-            pair.easing = Easing((Stabilisation(springs),) if springs else ())
+            pair = pair.with_law(Stabilised(pair.law, springs)) if springs else pair
             K = pair.assemble(x, state).stiffness
             worst = max(worst, abs(K - K.T).max() / abs(K).max())
     return pair, worst

@@ -50,7 +50,7 @@ def test_penalty_bar(element, quadrature):
     forms = {
         "column": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=nu)),
         "stop": sc.ContactPair(
-            basis, "bottom", sc.rigid_line((-1.0, -gap), (2.0, -gap)), sc.Coulomb(), quadrature, penalty=eps
+            basis, "bottom", sc.rigid.line((-1.0, -gap), (2.0, -gap)), sc.Coulomb(), quadrature, penalty=eps
         ),
     }
     fixed = np.concatenate((basis.get_dofs("top").all(), basis.get_dofs({"left", "right"}).all("u^1")))

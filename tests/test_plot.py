@@ -21,6 +21,7 @@ from skfem_contact.contact.laws import Status
 from skfem_contact.plot import picture
 from skfem_contact.plot.scales import make_scale
 from skfem_contact.plot.scene import Scene
+from skfem_contact.results import Result, SectionForces, StageResult, Tractions
 
 cutaway = sys.modules["skfem_contact.plot.cutaway"]  # the module; the package has its function
 matplotlib.use("Agg")
@@ -43,7 +44,7 @@ def block(element="Q1"):
     x = basis.zeros()
     x[0::2] = 0.1 * basis.doflocs[0, 0::2]
     states = {"block": forms["block"].assemble(x, forms["block"].initial_state()).state}
-    return forms, sc.results.StageResult("now", x, 0 * x, states, (), 0.0)
+    return forms, StageResult("now", x, 0 * x, states, (), 0.0, forms=forms)
 
 
 def shot(plotter):
@@ -145,7 +146,8 @@ def test_automatic_factors_are_round():
     forms, step = block()
     scene = Scene(forms, step, "auto")
     assert scene.factor == pytest.approx(0.2)  # 4 % of 2 over 0.2 is 0.4, and 1, 2 and 5 are round
-    assert Scene(forms, sc.results.StageResult("still", 0 * step.x, step.load, step.states, (), 0.0), "auto").factor == 1.0
+    still = StageResult("still", 0 * step.x, step.load, step.states, (), 0.0, forms=forms)
+    assert Scene(forms, still, "auto").factor == 1.0
 
 
 @needs_opengl
@@ -175,7 +177,7 @@ def test_bodies_that_are_not_there_are_not_drawn():
     plate = grid("Q1", np.linspace(0, 1, 3), np.linspace(0, 1, 3))
     basis = vector_basis(sc.join_bodies({"a": plate, "b": plate.translated((1.0, 0.0))}), "Q1")
     forms = {name: sc.SolidForm(basis.with_elements(name), sc.LinearElastic(E=1e3, nu=0.0)) for name in "ab"}
-    step = sc.results.StageResult("now", basis.zeros(), basis.zeros(), {"a": forms["a"].initial_state()}, (), 0.0)
+    step = StageResult("now", basis.zeros(), basis.zeros(), {"a": forms["a"].initial_state()}, (), 0.0, forms=forms)
     image = shot(plot.contour(forms, step, "uy", mesh=False))
     assert image.shape[:2] == (1000 + FOOT, 1000)  # a square of the largest height; two plates would be 1400 wide
 
@@ -190,7 +192,7 @@ def test_borders_of_materials_are_sharp():
     x = basis.zeros()
     x[0::2] = 0.1 * basis.doflocs[0, 0::2]
     states = {"block": forms["block"].assemble(x, forms["block"].initial_state()).state}
-    step = sc.results.StageResult("now", x, 0 * x, states, (), 0.0)
+    step = StageResult("now", x, 0 * x, states, (), 0.0, forms=forms)
     image = shot(plot.contour(forms, step, "sxx", mesh=False, limits=(0.0, 450.0), levels=9))
     row = image[350, 60:-60, :3].astype(int)
     _kinds, count = np.unique(row, axis=0, return_counts=True)
@@ -234,8 +236,8 @@ def test_free_surface_is_the_water_table():
     rows = [np.flatnonzero(marked.sum(axis=1) > 0.3 * marked.shape[1]).mean() for marked in blue]
     # the transition between wet and dry is a part of an element wide
     assert rows[1] == rows[2] == pytest.approx(rows[0], abs=5) == pytest.approx(len(blue[0]) / 2, rel=0.1)
-    assert headline(forms, "pore", None, water) == "Pore pressure"
-    assert headline(forms, "pore", None) == "Excess pore pressure"
+    assert headline(step, "pore", None, water) == "Pore pressure"
+    assert headline(step, "pore", None) == "Excess pore pressure"
 
 
 @needs_opengl
@@ -257,8 +259,9 @@ def test_stages_share_the_factor_of_the_one_that_has_moved_most():
     from skfem_contact.plot.contours import _views
 
     forms, step = block()
-    still = sc.results.StageResult("before", 0 * step.x, step.load, {"block": forms["block"].initial_state()}, (), 0.0)
-    less = sc.results.StageResult("less", 0.1 * step.x, step.load, step.states, (), 0.0)
+    still = StageResult("before", 0 * step.x, step.load, {"block": forms["block"].initial_state()}, (), 0.0,
+                        forms=forms)
+    less = StageResult("less", 0.1 * step.x, step.load, step.states, (), 0.0, forms=forms)
     views = _views(forms, [still, less, step], "ux", None, "auto")
     assert [view.scene.factor for view in views] == [pytest.approx(0.2)] * 3
 
@@ -266,7 +269,8 @@ def test_stages_share_the_factor_of_the_one_that_has_moved_most():
 @needs_opengl
 def test_stages_share_a_scale_and_a_film_has_frames(tmp_path):
     forms, step = block()
-    still = sc.results.StageResult("before", 0 * step.x, step.load, {"block": forms["block"].initial_state()}, (), 0.0)
+    still = StageResult("before", 0 * step.x, step.load, {"block": forms["block"].initial_state()}, (), 0.0,
+                        forms=forms)
     image = shot(plot.stages(forms, [still, step], "ux"))
     half = image.shape[1] // 2
     body = image[: len(image) - FOOT]
@@ -352,7 +356,7 @@ def test_contact_diagram_marks_what_slips():
     y, zero = np.array([-3.0, -2.0, -1.0]), np.zeros(3)
     status = np.array([Status.STICK, Status.SLIP, Status.OPEN])
     pressure, shear = np.array([3.0, 2.0, 0.0]), np.array([-1.0, 1.0, 0.0])
-    joint = sc.results.Tractions(y + 3.0, zero, y, zero, pressure, shear, zero, zero, status, zero, pressure, shear)
+    joint = Tractions(y + 3.0, zero, y, zero, pressure, shear, zero, zero, status, zero, pressure, shear)
     figure = plot.contact_diagram({"failure": joint}, along="y")
     for axes, values in zip(figure.axes, (pressure, shear)):
         line, circles = axes.lines
@@ -365,7 +369,7 @@ def test_contact_diagram_marks_what_slips():
 
 def test_section_diagram_runs_downwards():
     s = np.array([0.0, 1.0, 2.0])
-    forces = sc.results.SectionForces(s, 0 * s, -s, N=-s, V=2 * s, M=3 * s)
+    forces = SectionForces(s, 0 * s, -s, N=-s, V=2 * s, M=3 * s)
     figure = plot.section_diagram({"pile": forces}, upright=True)
     assert all(axes.yaxis_inverted() for axes in figure.axes)
     for axes, values in zip(figure.axes, (-s, 2 * s, 3 * s)):
@@ -419,9 +423,10 @@ def test_curve_ends_at_the_limit():
 
 def test_history_shows_the_nearest_nodes():
     forms, step = block()
-    still = sc.results.StageResult("before", 0 * step.x, step.load, {"block": forms["block"].initial_state()}, (), 0.0)
+    still = StageResult("before", 0 * step.x, step.load, {"block": forms["block"].initial_state()}, (), 0.0,
+                        forms=forms)
     plot.set_units("N", "mm")
-    (axes,) = plot.history(forms, sc.results.Result((still, step)), "ux", {"right": (2.0, 1.0), "middle": (1.01, 0.5)}).axes
+    (axes,) = plot.history(forms, Result((still, step)), "ux", {"right": (2.0, 1.0), "middle": (1.01, 0.5)}).axes
     np.testing.assert_allclose([line.get_ydata() for line in axes.lines], [[0.0, 0.2], [0.0, 0.1]])
     assert axes.get_ylabel() == "horizontal displacement [mm]"
     assert [tick.get_text() for tick in axes.get_xticklabels()] == ["before", "now"]
@@ -431,7 +436,7 @@ def test_diagram_stands_on_the_structure():
     """Ordinates to the left of the axis, the longest 28 % of its length; extremes are written."""
     forms, step = block()
     s = np.linspace(0.0, 2.0, 5)
-    forces = sc.results.SectionForces(s, s, 0.5 + 0 * s, N=0 * s, V=0 * s, M=s * (2.0 - s) * 10.0)
+    forces = SectionForces(s, s, 0.5 + 0 * s, N=0 * s, V=0 * s, M=s * (2.0 - s) * 10.0)
     (axes,) = plot.diagram_on(forms, step, "M", forces).axes
     tips = axes.lines[0].get_xydata()
     np.testing.assert_allclose(tips[:, 0], s)
@@ -448,7 +453,7 @@ def test_tractions_are_drawn_as_the_slave_exerts_them():
 
     model = culvert()
     stage = model.result["surcharge"]
-    (interface,) = interfaces(model.forms, stage).values()
+    (interface,) = interfaces(stage).values()
     t, normal = interface.tractions, interface.normal
     against = np.column_stack((-normal[:, 1], normal[:, 0]))
     total = (t.weight[:, None] * (t.pressure[:, None] * normal + t.shear[:, None] * against)).sum(axis=0)
@@ -464,7 +469,7 @@ def test_an_own_picture(tmp_path):
     """Principal strains as arrows, which no function here draws: from `to_pyvista` in a few lines."""
     import pyvista
 
-    forms, step = block()
+    _, step = block()
     grid = step.to_pyvista()
     values, directions = np.linalg.eigh([[[s[0], s[3] / 2], [s[3] / 2, s[1]]] for s in grid.point_data["strain"]])
     grid["first"] = np.pad(values[:, -1:] * directions[:, :, -1], ((0, 0), (0, 1)))
@@ -487,7 +492,7 @@ def cube(element):
     x = basis.zeros()
     x[2::3] = 0.1 * basis.doflocs[2, 2::3]
     states = {"cube": forms["cube"].assemble(x, forms["cube"].initial_state()).state}
-    return forms, sc.results.StageResult("now", x, 0 * x, states, (), 0.0)
+    return forms, StageResult("now", x, 0 * x, states, (), 0.0, forms=forms)
 
 
 @needs_opengl

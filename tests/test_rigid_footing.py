@@ -9,6 +9,7 @@ from helpers import grid, vector_basis
 from skfem import Basis, ElementQuad2, ElementTetP1, ElementTriP2, ElementVector, MeshQuad, MeshTet
 
 import skfem_contact as sc
+from skfem_contact.results import Result
 
 E, NU, FORCE, LEVER = 1e4, 0.49, 100.0, 0.3
 
@@ -78,7 +79,7 @@ def test_displacements_are_counted_anew(elastic):
     """[X] The same load once more on the footing that has been reset: the same motion, and no jump in between."""
     _, basis, footing, stage = elastic
     forms = {"ground": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=NU)), "footing": footing}
-    reset = sc.results.Result((stage,)).reset()
+    reset = Result((stage,)).reset()
     stages = [sc.Stage("still", stage.load), sc.Stage("twice", 2.0 * stage.load)]
     still, twice = list(sc.Model(forms, sc.box_supports(basis)).run(stages, start=reset))[-2:]
     size = np.abs(stage.x[:basis.N]).max()

@@ -15,6 +15,7 @@ from skfem_contact.contact import interface, neighbours
 from skfem_contact.contact.laws import Status
 from skfem_contact.contact.penalty import choose_penalties
 from skfem_contact.nonlinear.stepping import Predictor
+from skfem_contact.results import Result
 from skfem_contact.solvers import direct, schur, superlu
 from skfem_contact.solvers.choice import as_solver
 from skfem_contact.solvers.schur import SchurSolver
@@ -43,11 +44,11 @@ def pressed(material: sc.MohrCoulomb | sc.LinearElastic, load: float = 40.0, abo
     return forms, [sc.Stage("pressed", basis.zeros(), prescribed=x, increments=3)], fixed
 
 
-def analysed(*scene) -> sc.results.Result:
+def analysed(*scene) -> Result:
     return run_stages(*scene, newton=NEWTON)
 
 
-def assert_same(one: sc.results.Result, other: sc.results.Result) -> None:
+def assert_same(one: Result, other: Result) -> None:
     a, b = one[-1], other[-1]
     assert a.iterations == b.iterations
     np.testing.assert_allclose(a.x, b.x, rtol=0, atol=SAME * np.abs(b.x).max())
@@ -55,7 +56,7 @@ def assert_same(one: sc.results.Result, other: sc.results.Result) -> None:
     np.testing.assert_allclose(a.states["joint"].traction[0], pressure, rtol=0, atol=SAME * np.abs(pressure).max())
 
 
-def assert_same_state(one: sc.results.Result, other: sc.results.Result) -> None:
+def assert_same_state(one: Result, other: Result) -> None:
     a, b = one[-1], other[-1]
     np.testing.assert_allclose(a.x, b.x, rtol=0, atol=SAME * np.abs(b.x).max())
     for new, old in zip(*((*s.traction, s.slip) for s in (a.states["joint"], b.states["joint"])), strict=True):
@@ -63,7 +64,7 @@ def assert_same_state(one: sc.results.Result, other: sc.results.Result) -> None:
     np.testing.assert_array_equal(a.states["joint"].status, b.states["joint"].status)
 
 
-def assert_identical(one: sc.results.Result, other: sc.results.Result) -> None:
+def assert_identical(one: Result, other: Result) -> None:
     """To the last bit, what open points remember included."""
     a, b = one[-1], other[-1]
     assert a.iterations == b.iterations

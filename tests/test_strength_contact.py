@@ -8,13 +8,14 @@ from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
 
 import skfem_contact as sc
 from skfem_contact.contact.laws import Status
+from skfem_contact.results import Result
 
 SLOPE = 0.4
 WEIGHT = 20.0
 ADHESION = 10.0 * np.sin(np.arctan(SLOPE))  # carries half of the driving force, 20 sin(beta)
 
 
-def on_an_incline(law: sc.Coulomb) -> tuple[dict, sc.results.Result, np.ndarray]:
+def on_an_incline(law: sc.Coulomb) -> tuple[dict, Result, np.ndarray]:
     """An elastic unit block at rest on a plane that is inclined by the slope; gravity is, in fact."""
     block = MeshQuad().refined(1).with_defaults()
     plane = block.scaled((3.0, 1.0)).translated((-1.0, -1.0))

@@ -60,7 +60,7 @@ def test_contact_pairs(element, quadrature, law, rng):
 def test_rigid_obstacle_is_a_support(rng):
     """[X] Its reaction is no force of the form: without places the check passes, with them it says so."""
     basis = vector_basis(grid("Q1", np.linspace(-1, 1, 5), np.linspace(0, 1, 3)), "Q1")
-    pair = sc.ContactPair(basis, "bottom", sc.rigid_circle((0.0, -0.9), 1.0), sc.Coulomb(0.3), 3, penalty=1e3)
+    pair = sc.ContactPair(basis, "bottom", sc.rigid.circle((0.0, -0.9), 1.0), sc.Coulomb(0.3), 3, penalty=1e3)
     x = 1e-3 * rng.standard_normal(basis.N)
     assert sc.testing.check_form(pair, x, pair.initial_state()) < 1e-6  # steps of 1e-9 in coordinates of order one
     with pytest.raises(sc.testing.CheckFailed, match="forces do not balance"):

@@ -333,7 +333,7 @@ def test_files(element, tmp_path):
     x = np.zeros(basis.N)
     x[1::3] = 1e-3 * basis.doflocs[2, 1::3]  # u_y = z: yz alone is strained
     state = forms["cube"].assemble(x, forms["cube"].initial_state()).state
-    step = sc.results.StageResult("sheared", x, 0 * x, {"cube": state}, (), 0.0)
+    step = StageResult("sheared", x, 0 * x, {"cube": state}, (), 0.0, forms=forms)
     step.to_vtu(tmp_path / "cube.vtu")
     grid = pyvista.read(tmp_path / "cube.vtu")
     volumes = grid.compute_cell_sizes()["Volume"] * (1 if "Hex" in element else np.sign(orientation(basis)))
@@ -391,7 +391,7 @@ def test_other_plane_things():
     basis = box("Hex1", n=1)
     form = sc.SolidForm(basis, ELASTIC, "full")
     forms, state = {"cube": form}, form.initial_state()
-    step = sc.results.StageResult("none", np.zeros(basis.N), np.zeros(basis.N), {"cube": state}, (), 0.0)
+    step = StageResult("none", np.zeros(basis.N), np.zeros(basis.N), {"cube": state}, (), 0.0, forms=forms)
     with pytest.raises(ValueError, match=r"plot\.contour is for plane bodies, but this is a MeshHex1 in three dim"):
         plot.contour(forms, step, "ux")
     with pytest.raises(ValueError, match="these sections have 2 coordinates, the body has 3"):

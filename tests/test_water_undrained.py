@@ -11,6 +11,7 @@ from skfem import Basis, ElementTetP2, ElementTriP2, ElementVector, FacetBasis, 
 from slope_meshes import held, slope_mesh
 
 import skfem_contact as sc
+from skfem_contact.results import StageResult
 from skfem_contact.results.strength import PointStatus, mobilised, point_status, pore_pressure, undrained_strength
 
 E, NU, P0 = 1e4, 0.25, 100.0
@@ -95,7 +96,7 @@ def test_pressure_is_not_taken_for_plastic_strain():
     pressure = pore_pressure(form, state)
     assert pressure[0] == pytest.approx(BULK * 0.01) and not pressure[1].any()
     assert "50.0% yielded" in form.summary(state)
-    stage = sc.results.StageResult("now", x, 0 * x, {"soil": state}, (), 0.0, 1.0, {})
+    stage = StageResult("now", x, 0 * x, {"soil": state}, (), 0.0, forms={"soil": form})
     field = stage.field("pore")
     # nodes between both regions get the mean of both
     assert sorted(set(np.round(field / BULK / 0.01, 9))) == [0.0, 0.5, 1.0]

@@ -28,7 +28,7 @@ ROOMS = {
     "Bounds": ("limit_analysis",),
     "Water": ("water",),
     "Equilibrium": ("nonlinear", "forms", "unknowns", "errors"),
-    "Results": ("post",),
+    "Results": ("results",),
     "Pictures": ("plot",),
     "Checks of own laws and forms": ("testing",),
 }
@@ -40,6 +40,7 @@ def public_names() -> dict[str, list[str]]:
     for name in skfem_contact.__all__:
         module = getattr(skfem_contact, name).__module__.split(".")[1]
         names.setdefault(module, []).append(f"skfem_contact.{name}")
+    names["results"] = [f"skfem_contact.results.{name}" for name in skfem_contact.results.__all__]
     names["plot"] = [f"skfem_contact.plot.{name}" for name in plot.__all__]
     homeless = set(names).difference(*ROOMS.values())
     if homeless:

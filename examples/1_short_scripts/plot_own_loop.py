@@ -50,8 +50,8 @@ for iteration in range(20):
 state = {name: answer.state for name, answer in out.items()}  # accepting the step
 
 # %%
-# A stage's result is a place for what was found, so that pictures and tables take it.
-found = sc.results.StageResult("own", x, load, state, (iteration,), 0.0)
+# The result of a stage gives pictures and tables of the state that was found.
+found = sc.results.of(forms, x, state, load=load)
 plot.contour(forms, found, "sxx", deformed=50.0, loads=load)
 
 # sphinx_gallery_start_ignore

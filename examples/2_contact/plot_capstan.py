@@ -81,7 +81,7 @@ def pulled(thickness):
                             traction=tension / thickness)
     forms = {
         "belt": sc.SolidForm(basis, sc.LinearElastic(E=stiffness / thickness, nu=0.0)),
-        "drum": sc.ContactPair(basis, "on drum", sc.rigid_circle((0.0, 0.0), radius), sc.Coulomb(mu=mu), "nodal",
+        "drum": sc.ContactPair(basis, "on drum", sc.rigid.circle((0.0, 0.0), radius), sc.Coulomb(mu=mu), "nodal",
                                penalty=1e7),
     }
     stages = [sc.Stage("weight", load)]

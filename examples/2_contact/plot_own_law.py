@@ -160,7 +160,7 @@ rise = np.tan(np.radians(psi))
 block = MeshQuad.init_tensor(np.linspace(0, 1, 9), np.linspace(0, H, 5)).with_defaults()
 basis = Basis(block, ElementVector(ElementQuad1()), intorder=2)
 along, lid = basis.nodal_dofs[0], basis.get_dofs("top").all("u^2")
-plane = sc.rigid_line((-1.0, 0.0), (3.0, 0.0))
+plane = sc.rigid.line((-1.0, 0.0), (3.0, 0.0))
 block_form = sc.SolidForm(basis, sc.LinearElastic(E=E, nu=0.0))
 joint = sc.ContactPair(basis, "bottom", plane, Dilatant(mu, psi), quadrature="nodal", penalty=eps)
 forms = {"block": block_form, "joint": joint}

@@ -80,10 +80,10 @@ def driven(angle, mu1, mu2, mu3):
     face = basis.get_dofs("wedge:left").all("u^1")
     forms = {
         "bodies": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=0.3)),
-        "floor": sc.ContactPair(basis, "wedge:bottom", sc.rigid_line((-3.0, 0.0), (3.0, 0.0)), sc.Coulomb(mu=mu1),
+        "floor": sc.ContactPair(basis, "wedge:bottom", sc.rigid.line((-3.0, 0.0), (3.0, 0.0)), sc.Coulomb(mu=mu1),
                                 "nodal"),
         "slope": sc.ContactPair(basis, "load:bottom", "wedge:top", sc.Coulomb(mu=mu2), "nodal"),
-        "wall": sc.ContactPair(basis, "load:right", sc.rigid_line((1.0, 0.0), (1.0, 3.0)), sc.Coulomb(mu=mu3), "nodal"),
+        "wall": sc.ContactPair(basis, "load:right", sc.rigid.line((1.0, 0.0), (1.0, 3.0)), sc.Coulomb(mu=mu3), "nodal"),
     }
     load = pressed.assemble(FacetBasis(mesh, basis.elem, facets=mesh.boundaries["load:top"]))
     stages = [sc.Stage("weight", load)]

@@ -65,7 +65,7 @@ def slice_of(alpha):
     basis = Basis(half_ring(*(24, 36) if FULL else (14, 24), 3.0),
                   ElementVector(ElementQuad2()), intorder=4)
     law = sc.Coulomb(adhesion=alpha, tension=SUCTION)
-    circle = sc.rigid_circle((0.0, 0.0), 0.5)
+    circle = sc.rigid.circle((0.0, 0.0), 0.5)
     forms = {"clay": sc.SolidForm(basis, CLAY),
              "shaft": sc.ContactPair(basis, "shaft", circle, law, 2, initial="adjusted")}
     fixed = np.union1d(basis.get_dofs("far").all(), basis.get_dofs("symmetry").all("u^2"))

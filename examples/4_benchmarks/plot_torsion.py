@@ -49,7 +49,7 @@ def turn(n):
     """The block with its forms and what a ball makes of it that is pressed and turned."""
     body = block(n)
     force = 4 / 3 * MODULUS / RADIUS  # a = 1
-    ball = sc.rigid_sphere((0, 0, RADIUS), RADIUS, name="ball")
+    ball = sc.rigid.sphere((0, 0, RADIUS), RADIUS, name="ball")
     pair = body.contact(ball, quadrature=2, penalty=PENALTY)
     stages = [sc.Stage("press", body.basis.zeros(), body.moved(1 / RADIUS, force), increments=2)]
     for k in STICK:

@@ -89,8 +89,8 @@ def loaded_start(setup: Setup, load: Any, start: Result | StageResult | None) ->
     those of one geometry, whatever the stiffness.
     """
     last = last_stage(start)
-    active = setup.forms if last is None else {name: setup.forms[look_up(name, setup.forms, "form")]
-                                               for name in last.states}
+    active = setup.forms if last is None else {
+        name: look_up(name, setup.forms, "form, though the start holds it,") for name in last.states}
     system = setup.checked_system(active, np.union1d(setup.fixed, setup.inactive(active)))
     x = np.zeros(system.size) if last is None else last.x
     states = {name: form.initial_state() for name, form in system.forms.items()} if last is None else last.states
@@ -99,7 +99,8 @@ def loaded_start(setup: Setup, load: Any, start: Result | StageResult | None) ->
     weight, carried = setup.weights(active), last is not None and load is None
     on_top = setup.vector(last.load, "the load of the start") - weight if carried else setup.load(load)
     if not (weight + on_top).any():
-        raise ValueError("there is no load that drives a collapse: give `load`, unit weights, or a loaded `start`")
+        what = "the load is zero" if load is not None else "there is no load"
+        raise ValueError(f"{what}: give a `load`, unit weights of the forms, or a loaded `start`")
     return Begun(dict(active), system.with_forms(in_place), Point(x, states, 0.0), weight, on_top)
 
 

@@ -17,7 +17,6 @@ from ..forms.solid import SolidForm
 from ..forms.targets import reduced_parts
 from ..materials import LinearElastic, MohrCoulomb, Tresca, VonMises
 from ..materials.reduction import Flow, dilates_less
-from ..stages.supports import as_dofs
 from .contact import Contact
 from .loading import Distributed, Loads, Site, Vectors
 from .model import Model
@@ -153,7 +152,7 @@ def _parameters(material: Any, flow: Flow, name: str) -> tuple[Any, Any, Any]:
 
 def _unknowns(fixed: ndarray, basis: CellBasis) -> ndarray:
     """Fixed unknowns, checked."""
-    fixed = as_dofs(fixed)
+    fixed = np.unique(fixed)
     if len(fixed) == 0 or fixed[0] < 0 or fixed[-1] >= basis.N:
         raise ValueError(f"fixed must hold numbers of unknowns from 0 to {basis.N - 1}"
                          + (": without supports there are no bounds" if len(fixed) == 0 else ""))

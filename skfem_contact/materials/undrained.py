@@ -21,7 +21,7 @@ class Undrained:
     The soil takes the strain with its own, effective parameters; the water resists its volume part. With the bulk
     modulus :math:`K_w` of the water over the porosity the excess pore pressure, positive in compression, grows by
     :math:`-K_w\,\Delta\varepsilon_v`, and the stress of this material is the effective stress less that pressure. It
-    is the last internal variable, see :func:`~skfem_contact.pore_pressure`.
+    is the last internal variable, see :meth:`~skfem_contact.results.StageResult.pore_pressure`.
 
     Parameters
     ----------

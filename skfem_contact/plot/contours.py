@@ -50,7 +50,7 @@ def contour(forms: Mapping[str, Any], step: StageResult, quantity: str, *, since
     step
         A stage of the result of these forms.
     quantity
-        A field of :func:`~skfem_contact.nodal_field`: ``"ux"``, ``"syy"``, ``"mises"``, ``"gamma"``, ...
+        A field of :meth:`~skfem_contact.results.StageResult.field`: ``"ux"``, ``"syy"``, ``"mises"``, ``"gamma"``, ...
     since
         An earlier stage: draw the change from there on.
     deformed

@@ -95,8 +95,8 @@ def contact_diagram(series: Mapping[str, Tractions], along: Literal["arc", "x", 
     >>> import skfem_contact as sc
     >>> import skfem_contact.plot as plot
     >>> y, ones = np.linspace(-5., 0., 6), np.ones(6)
-    >>> joint = sc.results.Tractions(y + 5., 0. * y, y, 0. * y, -6. * y, -2. * y, 0. * y, 0. * y, ones.astype(int), ones,
-    ...                      -6. * y, -2. * y)
+    >>> joint = sc.results.Tractions(y + 5., 0. * y, y, 0. * y, -6. * y, -2. * y, 0. * y, 0. * y, ones.astype(int),
+    ...                              ones, -6. * y, -2. * y)
     >>> figure = plot.contact_diagram({"gravity": joint}, along="y")
     """
     upright = along == "y"
@@ -154,7 +154,7 @@ def history(forms: Mapping[str, Any], result: Result, quantity: str, at: Mapping
     forms, result
         Forms by name and the result of their analysis.
     quantity
-        A field of :func:`~skfem_contact.nodal_field`.
+        A field of :meth:`~skfem_contact.results.StageResult.field`.
     at
         Places (x, y) by their labels; the nearest nodes are taken. Stages in which no solid is there have no value.
     time

@@ -42,7 +42,7 @@ def diagram_on(forms: Mapping[str, Any], step: StageResult, quantity: str, value
     quantity
         ``"N"``, ``"V"`` or ``"M"`` of section forces; ``"pressure"`` or ``"shear"`` of tractions.
     values
-        :func:`~skfem_contact.section_forces` or :func:`~skfem_contact.tractions` of that stage.
+        ``stage.section_forces(...)`` or ``stage.tractions(...)``.
     scale
         Length of the ordinates per unit; by default the largest is 28 % of the structure's size.
     window

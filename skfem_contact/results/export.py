@@ -1,8 +1,10 @@
 """Results for other programs: meshes for VTU files and pyvista, and data frames."""
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
+from xml.sax.saxutils import quoteattr
 
 import meshio
 import numpy as np
@@ -62,6 +64,21 @@ def grid(stage: StageData, known: Mapping[str, SolidForm] | None = None) -> mesh
     cell_data = {key: [part.get(key, _nothing(like, len(cells))) for part, (_, cells) in zip(parts, blocks)]
                  for key, like in kinds.items()}
     return meshio.Mesh(_in_space(basis.doflocs[:, dim * mesh.nodes].T, 3), blocks, point_data, cell_data)
+
+
+def series(file: str | Path, stages: Sequence[StageData]) -> list[Path]:
+    """Write a ``.pvd`` file and a ``.vtu`` file for each stage beside it, and return their names."""
+    file = Path(file)
+    paths = [file.with_name(f"{file.stem}_{number}.vtu") for number in range(len(stages))]
+    known = {name: form for stage in stages for name, form in solids(stage).items()}
+    for path, stage in zip(paths, stages, strict=True):
+        grid(stage, known).write(path, file_format="vtu")
+    times = [stage.time for stage in stages] if any(stage.time for stage in stages) else range(len(stages))
+    lines = [f'    <DataSet timestep="{time:g}" name={quoteattr(stage.name)} file={quoteattr(path.name)}/>'
+             for time, stage, path in zip(times, stages, paths, strict=True)]
+    file.write_text("\n".join(['<?xml version="1.0"?>', '<VTKFile type="Collection" version="0.1">', "  <Collection>",
+                               *lines, "  </Collection>", "</VTKFile>", ""]), encoding="utf-8")
+    return [file, *paths]
 
 
 def vtk_cells(cells: ndarray, dim: int) -> tuple[str, ndarray]:

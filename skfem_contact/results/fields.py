@@ -1,4 +1,4 @@
-"""Fields at nodes, region by region: displacements, strains, stresses and what follows from them."""
+"""Fields at nodes, region by region: displacements, strains, stresses and derived quantities."""
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
@@ -89,7 +89,7 @@ def region_field(stage: StageData, name: str, since: StageData | None = None, wa
     quantity = look_up(name, quantities(stage), "field")
     if name == "pore" and water is None and not has_excess(stage):
         raise ValueError("pore pressure where there is no PoreWater and no ground is Undrained: give water=, a Seepage "
-                         "or a function of places such as hydrostatic(level)")
+                         "or a function of coordinates such as hydrostatic(level)")
     values = np.concatenate([_of_form(form, stage, key, quantity, since) for key, form in there.items()])
     if name != "pore":
         return values
@@ -99,7 +99,7 @@ def region_field(stage: StageData, name: str, since: StageData | None = None, wa
         return values - _excess(since, nodes)
     if water is None:
         return values
-    pressure = getattr(water, "pressure_at", water)
+    pressure: Any = getattr(water, "pressure_at", water)
     return values + pressure(basis.doflocs[:, basis.mesh.dim() * nodes])
 
 
@@ -119,9 +119,9 @@ def solids(stage: StageData) -> dict[str, SolidForm]:
     """Return the solids of a stage."""
     if not isinstance(stage, StageData):
         raise ValueError(f"one stage is needed, result[name of the stage], not {type(stage).__name__}")
-    there = {name: form for name, form in stage.forms.items() if isinstance(form, SolidForm)}
+    there = {name: form for name, form in stage.forms.items() if isinstance(form, SolidForm) and name in stage.states}
     if not there:
-        raise ValueError(f"there is no SolidForm in stage '{stage.name}', which holds {list(stage.forms)}")
+        raise ValueError(f"there is no SolidForm in stage '{stage.name}', which holds {list(stage.states)}")
     return there
 
 

@@ -131,7 +131,8 @@ def _records(stream: BinaryIO) -> tuple[list[bytes], int]:
     stream.seek(0)
     if stream.read(len(_MAGIC)) != _MAGIC:
         raise ValueError(f"{stream.name} is no file of appended increments: give it another name")
-    records, end = [], len(_MAGIC)
+    records: list[bytes] = []
+    end = len(_MAGIC)
     size = os.fstat(stream.fileno()).st_size
     while len(prefix := stream.read(_PREFIX.size)) == _PREFIX.size:
         length, checksum = _PREFIX.unpack(prefix)
@@ -202,11 +203,11 @@ def _stage(arrays: Mapping[str, ndarray], key: str, head: Mapping[str, Any], giv
     states: dict[str, Any] = {}
     for name, form in forms.items():
         if not np.allclose(head["meshes"].get(name, _fingerprint(form)), _fingerprint(form), rtol=1e-9, atol=0.0):
-            raise ValueError(f"'{name}' stands on another mesh")
+            raise ValueError(f"'{name}' has another mesh")
         initial = form.initial_state()
-        kinds = arrays_of(initial)
-        parts = {part: arrays[f"{key}/{name}/{part}"] for part in kinds if f"{key}/{name}/{part}" in arrays}
-        if set(parts) != set(kinds) or not form.fits(states.setdefault(name, with_arrays(initial, parts))):
+        keys = {part: f"{key}/{name}/{part}" for part in arrays_of(initial)}
+        parts = {part: arrays[path] for part, path in keys.items() if path in arrays}
+        if set(parts) != set(arrays_of(initial)) or not form.fits(states.setdefault(name, with_arrays(initial, parts))):
             raise ValueError(f"'{name}' is another form there: its mesh, its element or its settings differ")
     increments = tuple(_stage(arrays, f"{key}.{k}", part, given, make)
                        for k, part in enumerate(head.get("increments", ())))

@@ -9,8 +9,8 @@ Methods Eng. 40 (1997) 137-164), recovery by equilibrium in patches. Around ever
 
 for these balance the loads even where the elements are too stiff in bending (full integration) or too soft
 (B-bar), and a surface without load gets no stress from the inside. Around vertices of elements of second order the
-field is quadratic. What is no stress has no forces: the second term alone is left, superconvergent patch recovery
-(Zienkiewicz and Zhu, Int. J. Numer. Methods Eng. 33 (1992) 1331-1364).
+field is quadratic. Other fields have no forces: the second term alone is superconvergent patch recovery (Zienkiewicz
+and Zhu, Int. J. Numer. Methods Eng. 33 (1992) 1331-1364).
 """
 from __future__ import annotations
 
@@ -33,25 +33,15 @@ _CHUNK = 500  # patches at a time
 
 
 class RegionMesh(NamedTuple):
-    """Nodes and elements of the regions of solids; a node between two regions stands in both of them.
+    """Nodes and elements of the regions of solids; both regions of a border have its nodes."""
 
-    Attributes
-    ----------
-    nodes
-        Numbers of the nodes, region after region, (n,).
-    cells
-        Positions in `nodes` of the nodes of every element, (n_elements, k).
-    region
-        Region of every element, counted through all solids.
-    """
-
-    nodes: ndarray
-    cells: ndarray
-    region: ndarray
+    nodes: ndarray  # region after region, (n,)
+    cells: ndarray  # positions in `nodes`, (n_elements, k)
+    region: ndarray  # of every element, counted through all solids
 
 
 def region_mesh(*forms: SolidForm) -> RegionMesh:
-    """The regions of some solids on one mesh."""
+    """Return the regions of some solids on one mesh."""
     numbers = np.concatenate([nodes(form.basis) for form in forms])
     sizes = [len(range(form.basis.nelems)[region.elements]) for form in forms for region in form.regions]
     region, n = np.repeat(np.arange(len(sizes)), sizes), int(numbers.max()) + 1
@@ -60,18 +50,9 @@ def region_mesh(*forms: SolidForm) -> RegionMesh:
 
 
 def recovered(form: SolidForm, values: ndarray, *, balanced: bool = False, limited: bool = False) -> ndarray:
-    """Values at the nodes of the :func:`region_mesh` of a solid, (n_components, n), from those at its points.
+    """Return values at the nodes of the :func:`region_mesh` of a solid, (n_components, n), from those at its points.
 
-    Parameters
-    ----------
-    form
-        The solid.
-    values
-        What its integration points have, (n_components, n_elements, n_points).
-    balanced
-        Whether they are stresses, whose nodal forces count.
-    limited
-        Whether no node may have more, or less, than the points of the elements around it.
+    Balanced values are stresses, whose nodal forces count. Limited ones stay within those of the elements nearby.
     """
     mesh = region_mesh(form)
     found = _fitted(form, values, mesh, balanced)
@@ -79,7 +60,7 @@ def recovered(form: SolidForm, values: ndarray, *, balanced: bool = False, limit
 
 
 def _within_points(found: ndarray, values: ndarray, mesh: RegionMesh) -> ndarray:
-    """Values at nodes cut to the range of the points around each of them."""
+    """Clip values at nodes to the range of the points around each of them."""
     low, high = np.full_like(found, np.inf), np.full_like(found, -np.inf)
     for c, part in enumerate(values):
         np.minimum.at(low[c], mesh.cells, part.min(axis=1)[:, None])
@@ -88,7 +69,7 @@ def _within_points(found: ndarray, values: ndarray, mesh: RegionMesh) -> ndarray
 
 
 def _fitted(form: SolidForm, values: ndarray, mesh: RegionMesh, balanced: bool) -> ndarray:
-    """Polynomials in the patches around the vertices, evaluated at the nodes: (n_components, n)."""
+    """Fit polynomials in the patches around the vertices, and evaluate them at the nodes: (n_components, n)."""
     basis, cells = form.basis, mesh.cells
     dim, corners = basis.mesh.dim(), basis.mesh.t.shape[0]
     vertex = np.unique(cells[:, :corners])
@@ -124,7 +105,7 @@ def _fitted(form: SolidForm, values: ndarray, mesh: RegionMesh, balanced: bool) 
 
 
 def _powers(x: ndarray, degree: int) -> ndarray:
-    """Complete polynomials of places (dim, ...): their terms, (m, ...)."""
+    """Return the terms, (m, ...), of complete polynomials of coordinates (dim, ...)."""
     terms = [np.ones((1, *x.shape[1:])), x]
     if degree == 2:
         i, j = np.triu_indices(len(x))
@@ -133,19 +114,19 @@ def _powers(x: ndarray, degree: int) -> ndarray:
 
 
 def _incidence(cells: ndarray, n: int) -> csr_matrix:
-    """Which elements a node belongs to, (n, n_elements)."""
+    """Return the incidence of nodes and elements, (n, n_elements)."""
     rows, columns = cells.ravel(), np.repeat(np.arange(len(cells)), cells.shape[1])
     return coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(n, len(cells))).tocsr()
 
 
 def _compatible(form: SolidForm) -> ndarray:
-    """Strain-displacement matrices of the shape functions themselves, without averaged volumes."""
+    """Return strain-displacement matrices without averaged volumes."""
     return strain_operator(form.basis, "full", form.coordinates).B
 
 
 def _balance(patch: ndarray, cells: ndarray, B: ndarray, p: ndarray, w: ndarray, forces: ndarray
              ) -> tuple[ndarray, ndarray]:
-    """Nodal forces of the fields, (patches, rows, nc m), and those of the elements, (patches, rows)."""
+    """Return nodal forces of the fields, (patches, rows, nc m), and of the elements, (patches, rows)."""
     dim = forces.shape[1] // cells.shape[1]
     H = np.einsum("pqci,pqa,pq->pica", B, p, w, optimize=True)
     H = H.reshape(*H.shape[:2], -1)
@@ -160,21 +141,21 @@ def _balance(patch: ndarray, cells: ndarray, B: ndarray, p: ndarray, w: ndarray,
 
 
 def _sum_of(patch: ndarray, n: int, values: ndarray) -> ndarray:
-    """Sums over the elements of each patch."""
+    """Return sums over the elements of each patch."""
     pick = csr_matrix((np.ones(len(patch)), (patch, np.arange(len(patch)))), shape=(n, len(patch)))
     return np.asarray(pick @ values.reshape(len(patch), -1)).reshape(n, *values.shape[1:])
 
 
 def _inverse(A: ndarray) -> ndarray:
-    """Pseudoinverses, which give solutions of least norm where a patch has too few points for its polynomial."""
+    """Return pseudoinverses: solutions have the least norm where a patch has too few points."""
     return np.linalg.pinv(A, rcond=1e-10, hermitian=True)
 
 
 def _sources(form: SolidForm, mesh: RegionMesh, vertex: ndarray, incidence: csr_matrix) -> csr_matrix:
-    """Patches whose fits give the value at a node, (n_nodes, n_patches): rows sum to one.
+    """Return the shares of patches in the value at a node, (n_nodes, n_patches).
 
-    A vertex inside a region has its own patch. On the boundary patches are one-sided: there, and between vertices,
-    those of the vertices inside that share an element with the node count, or the largest there are.
+    A vertex inside a region has its own patch. Patches of boundary nodes are one-sided: these nodes, and those between
+    vertices, use the patches of inner vertices of their elements, or the largest patches.
     """
     grid = form.basis.mesh
     sides = mesh.region[:, None] * grid.nfacets + grid.t2f[:, form.elements].T
@@ -194,7 +175,7 @@ def _sources(form: SolidForm, mesh: RegionMesh, vertex: ndarray, incidence: csr_
 
 def _evaluated(fits: ndarray, places: ndarray, center: ndarray, size: ndarray, sources: csr_matrix, degree: int
                ) -> ndarray:
-    """Means of the fits of the sources at every node, (n_components, n_nodes)."""
+    """Return means of the fits of the sources at every node, (n_components, n_nodes)."""
     share = sources.tocoo()
     x = (places[:, share.row] - center[:, share.col]) / size[share.col]
     at = np.einsum("sca,as,s->sc", fits[share.col], _powers(x, degree), share.data)

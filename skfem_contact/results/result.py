@@ -5,7 +5,6 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
-from xml.sax.saxutils import quoteattr
 
 import numpy as np
 from numpy import ndarray
@@ -21,7 +20,7 @@ from .tractions import ContactReport, Tractions, contact_report, tractions
 
 #: Change of a form's internal force at a reset, as a share of all forces, that is more than round-off.
 _SAME_FORCE = 1e-9
-_COLUMNS = ("stage", "increments", "iterations", "residual", "load", "what the bodies carry")
+_COLUMNS = ("stage", "increments", "iterations", "residual", "load", "state")
 
 
 @dataclass(frozen=True)
@@ -30,26 +29,15 @@ class StageResult(files.StageData):
 
     Attributes
     ----------
-    name
-        Name of the stage.
-    x : ndarray, shape (N,)
-        Displacements, and the other degrees of freedom behind them.
-    load : ndarray, shape (N,)
-        External forces.
-    states
-        Accepted state of every form.
-    iterations
-        Newton iterations of every increment.
-    residual
-        Relative residual at the end.
-    fraction
-        Share of the stage's load that was reached: 1 unless the analysis failed.
-    summary
-        One line for every form.
-    forms
-        Forms by name, as they are in the stage.
-    time
-        Time at the end: the durations of all stages so far.
+    name, time
+        Name of the stage, and time at its end: the durations of all stages so far.
+    x, load : ndarray, shape (N,)
+        Displacements with the other degrees of freedom behind them, and external forces.
+    forms, states, summary
+        Forms by name as they are in the stage, their accepted states, and one line of text for each.
+    iterations, residual, fraction
+        Newton iterations of every increment, relative residual at the end, and share of the stage's load that was
+        reached: 1 unless the analysis failed.
     increments
         Accepted increments that were kept, in their order.
     unreleased : ndarray, shape (N,), or None
@@ -66,7 +54,7 @@ class StageResult(files.StageData):
     >>> bottom = basis.get_dofs("bottom")
     >>> stage = sc.Model(forms, bottom.all()).run([sc.Stage("weight", sc.weight(basis, 20.))])["weight"]
     >>> stage
-    <StageResult 'weight', 100% of its load, 50 unknowns, forms: block>
+    <StageResult 'weight', 100% of its load, 50 dofs, forms: block>
     >>> round(float(stage.reactions()[bottom.all("u^2")].sum()), 9)
     20.0
     >>> stage.section_forces("block", sc.Sections.line((.5, 0.), (.5, 1.), depth=1., n=3)).N.round(9).tolist()
@@ -81,27 +69,13 @@ class StageResult(files.StageData):
         return internal_force(self.forms, self.x, self.states) - self.load
 
     def tractions(self, pair: str) -> Tractions:
-        """Return tractions, gaps and slips of a contact pair.
-
-        Raises
-        ------
-        ValueError
-            The stage holds no contact pair of that name.
-        """
-        return tractions(self._form(pair, ContactPair, "contact pair"), self.states[pair])
+        """Return tractions, gaps and slips of a contact pair."""
+        return tractions(*self._of(pair, ContactPair))
 
     def report(self, pair: str) -> ContactReport:
-        """Return resultants, status and penetration of a contact pair.
-
-        Examples
-        --------
-        >>> from skfem_contact.demo import culvert
-        >>> print(culvert().result["gravity"].report("skin"))
-        contact of culvert:outer on soil:bore: ... stick, ... slip, 0 open
-        ...
-        """
-        form = self._form(pair, ContactPair, "contact pair")
-        return contact_report(form, self.x[:form.size], self.states[pair])
+        """Return resultants, status and penetration of a contact pair."""
+        form, state = self._of(pair, ContactPair)
+        return contact_report(form, self.x[:form.size], state)
 
     def section_forces(self, solid: str, sections: Sections) -> SectionForces:
         """Return normal force, shear force and moment at sections of a body.
@@ -113,26 +87,20 @@ class StageResult(files.StageData):
         sections
             Cuts, :meth:`Sections.ring` or :meth:`Sections.line`.
 
-        Raises
-        ------
-        ValueError
-            No solid of that name, a section that cuts no element, or sections of another dimension than the body.
-
         Notes
         -----
-        Between two lines of nodes the forces are interpolated linearly. At the very end of a body, where there is no
-        second layer of elements, the forces are those of the last layer. A curved body whose elements form no layers
-        has chords for its arcs: with elements of length h its moment is uncertain by ``N h**2 / 8 R``.
+        Between two lines of nodes the forces are interpolated linearly. At the very end of a body the forces are those
+        of the last layer of elements. A curved body whose elements form no layers has chords for its arcs: with
+        elements of length h its moment is uncertain by ``N h**2 / 8 R``.
         """
-        return section_forces(self._form(solid, SolidForm, "solid"), self.states[solid], sections)
+        return section_forces(*self._of(solid, SolidForm), sections)
 
     def field(self, name: str, since: StageResult | None = None, *, water: fields.Water | None = None) -> ndarray:
-        """Return a field at the nodes.
+        """Return a field at the nodes, shape (N / dim,), the mesh's vertices first; NaN at nodes of no solid.
 
         Stresses are recovered at the nodes of every region of every body from the forces and the stresses of its
-        elements (:doc:`theory </theory/recovery>`). No value is taken across a contact or from another material. A node
-        between two regions has their mean here, and both values in pictures and files. Invariants are those of the
-        recovered stress.
+        elements (:doc:`theory </theory/recovery>`). A node between two regions has the mean of both values; pictures
+        and files have both. Invariants are those of the recovered stress.
 
         Parameters
         ----------
@@ -149,30 +117,15 @@ class StageResult(files.StageData):
         water
             Given pore pressure: a :class:`~skfem_contact.water.Seepage`, or a function of coordinates such as
             :func:`hydrostatic`.
-
-        Returns
-        -------
-        ndarray, shape (N / dim,)
-            Values at the nodes of the basis, the mesh's vertices first; NaN at nodes of no solid.
-
-        Raises
-        ------
-        ValueError
-            Unknown field, or no solid in the stage.
         """
         return fields.nodal_field(self, name, since, water)
 
     def pore_pressure(self, solid: str) -> ndarray:
-        """Return the excess pore pressure of :class:`Undrained` soil at integration points, zero in other regions.
+        """Return the excess pore pressure of :class:`Undrained` soil at points, (n_elements, n_points), zero elsewhere.
 
-        It adds to the pressure of :func:`water_load`, which is part of the load.
-
-        Returns
-        -------
-        ndarray, shape (n_elements, n_points)
-            Pressure, positive in compression, in the order of the solid's basis.
+        Compression is positive. The pressure of :func:`water_load`, which is part of the load, is not included.
         """
-        return strength.pore_pressure(self._form(solid, SolidForm, "solid"), self.states[solid])
+        return strength.pore_pressure(*self._of(solid, SolidForm))
 
     def undrained_strength(self, solid: str) -> dict[str, ndarray]:
         r"""Return the undrained shear strength in plane strain that follows from the stresses in the ground.
@@ -182,27 +135,17 @@ class StageResult(files.StageData):
 
         .. math:: s_u = c \cos\varphi + s' \sin\varphi .
 
-        Stresses are effective where :func:`water_load` acts.
-
-        Returns
-        -------
-        dict
-            By region with `c` and `phi`: an array, shape (n_elements,), the mean of the points of each element and at
-            least zero, to be the `c` of :class:`Tresca` in that region.
-
-        Raises
-        ------
-        ValueError
-            A solid in space, or no region with `c` and `phi`.
+        Stresses are effective where :func:`water_load` acts. Every region with `c` and `phi` has an array, shape
+        (n_elements,): means of the points of each element, at least zero, to be the `c` of :class:`Tresca`.
         """
-        return strength.undrained_strength(self._form(solid, SolidForm, "solid"), self.states[solid])
+        return strength.undrained_strength(*self._of(solid, SolidForm))
 
     def to_vtu(self, file: str | Path) -> None:
         """Write the solids and the contact to a ``.vtu`` file.
 
-        Points carry the ``displacement``, the recovered ``stress`` and ``strain`` (xx, yy, zz, xy, yz, xz; engineering
+        Points have the ``displacement``, the recovered ``stress`` and ``strain`` (xx, yy, zz, xy, yz, xz; engineering
         shear) and the equivalent ``plastic_strain``. Regions share no points, so that no value is averaged between
-        regions. Cells carry means of ``stress`` and ``plastic_strain``, the number of the ``body``, in the order of
+        regions. Cells have means of ``stress`` and ``plastic_strain``, the number of the ``body``, in the order of
         :func:`~skfem_contact.mesh.join.bodies`, and of the ``region``, counted through the materials of all solids. The
         slave's facets of every contact pair are cells with ``pressure``, ``shear``, ``gap``, ``slip`` and ``status``.
         Quadratic elements stay quadratic.
@@ -229,15 +172,16 @@ class StageResult(files.StageData):
 
         return contour(self.forms, self, quantity, **options)
 
-    def _form(self, name: str, kind: type, noun: str) -> Any:
+    def _of(self, name: str, kind: type) -> tuple[Any, Any]:
+        """Return a form of a kind, and its state."""
         form = look_up(name, self.forms, f"form in stage '{self.name}'")
         if not isinstance(form, kind):
-            raise ValueError(f"'{name}' is a {type(form).__name__}, no {noun}; there are "
+            raise ValueError(f"'{name}' is a {type(form).__name__}, no {kind.__name__}; there are "
                              f"{[key for key, other in self.forms.items() if isinstance(other, kind)]}")
-        return form
+        return form, self.states[name]
 
     def __repr__(self) -> str:
-        return (f"<StageResult '{self.name}', {self.fraction:.0%} of its load, {len(self.x)} unknowns, "
+        return (f"<StageResult '{self.name}', {self.fraction:.0%} of its load, {len(self.x)} dofs, "
                 f"forms: {', '.join(self.states)}>")
 
 
@@ -247,9 +191,17 @@ class Result:
 
     Examples
     --------
-    >>> from skfem_contact.results import Result
-    >>> print(Result(()))
-    stage            increments  iterations  residual  load    what the bodies carry
+    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+    >>> import skfem_contact as sc
+    >>> basis = Basis(MeshQuad().refined(1).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+    >>> forms = {"ground": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=.3))}
+    >>> result = sc.Model(forms, basis.get_dofs("bottom").all()).run([sc.Stage("gravity", sc.weight(basis, 20.))])
+    >>> print(result)
+    stage            increments  iterations  residual  load    state
+    gravity                   1           1   ...  100%
+    >>> start = result.reset()["gravity"]
+    >>> bool(start.x.any()), bool(start.states["ground"].stress.any())
+    (False, True)
     """
 
     stages: tuple[StageResult, ...]
@@ -288,57 +240,22 @@ class Result:
         files.write(file, self.stages)
 
     def to_pvd(self, file: str | Path) -> list[Path]:
-        """Write a series for ParaView: a ``.pvd`` file and beside it a ``.vtu`` file for each stage.
+        """Write a ``.pvd`` series for ParaView, and beside it a ``.vtu`` file for each stage or kept increment.
 
-        Parameters
-        ----------
-        file
-            Name of the series, ``"dig.pvd"``; the stages are ``dig_0.vtu``, ``dig_1.vtu``, ... Kept increments are
-            parts of the series. Its time is that of the analysis where stages have a duration, otherwise a number.
-
-        Returns
-        -------
-        list of Path
-            Written files, the series first.
+        ``"dig.pvd"`` has the parts ``dig_0.vtu``, ``dig_1.vtu``, ... Its time is that of the analysis where stages have
+        a duration, otherwise a number. The names of the written files are returned, the series first.
         """
-        file = Path(file)
-        steps = [part for stage in self for part in stage.increments or (stage,)]
-        paths = [file.with_name(f"{file.stem}_{number}.vtu") for number in range(len(steps))]
-        solids = {name: form for step in steps for name, form in fields.solids(step).items()}
-        for path, step in zip(paths, steps, strict=True):
-            export.grid(step, solids).write(path, file_format="vtu")
-        times = [step.time for step in steps] if any(step.time for step in steps) else range(len(steps))
-        lines = [f'    <DataSet timestep="{time:g}" name={quoteattr(step.name)} file={quoteattr(path.name)}/>'
-                 for time, step, path in zip(times, steps, paths, strict=True)]
-        file.write_text("\n".join(['<?xml version="1.0"?>', '<VTKFile type="Collection" version="0.1">',
-                                   "  <Collection>", *lines, "  </Collection>", "</VTKFile>", ""]), encoding="utf-8")
-        return [file, *paths]
+        return export.series(file, [part for stage in self for part in stage.increments or (stage,)])
 
     def reset(self) -> Result:
         """Return the result with displacements counted from its end on: they become zero, and all forces stay.
 
         Contact has followed the bodies and comes back with them: a stage of the same load finds equilibrium there.
 
-        Returns
-        -------
-        Result
-            The same stages; the last one has no displacements.
-
         Raises
         ------
         ValueError
             A form without a ``rebased`` of its own changes its internal force.
-
-        Examples
-        --------
-        >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
-        >>> import skfem_contact as sc
-        >>> basis = Basis(MeshQuad().refined(1).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
-        >>> forms = {"ground": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=.3))}
-        >>> fixed = basis.get_dofs("bottom").all()
-        >>> start = sc.Model(forms, fixed).run([sc.Stage("gravity", sc.weight(basis, 20.))]).reset()
-        >>> bool(start["gravity"].x.any()), bool(start["gravity"].states["ground"].stress.any())
-        (False, True)
         """
         last = self[-1]
         x = np.zeros_like(last.x)
@@ -348,13 +265,13 @@ class Result:
         scale = float(np.abs(last.load).max(initial=0.0))
         for name, form in last.forms.items():
             if getattr(form.rebased, "__func__", None) is not Form.rebased:
-                continue  # the form has an answer of its own: contact follows the bodies
+                continue  # the form has a rule of its own: contact follows the bodies
             before = form.assemble(last.x[:form.size], last.states[name]).force
             change = float(np.abs(form.assemble(x[:form.size], states[name]).force - before).max(initial=0.0))
             scale = max(scale, float(np.abs(before).max(initial=0.0)))
             if change > _SAME_FORCE * scale:
-                raise ValueError(f"the force of '{name}' changes by {change:.3g} when displacements are reset: give "
-                                 f"{type(form).__name__} a method rebased(x, state) that returns a state whose force "
+                raise ValueError(f"the force of '{name}' changes by {change:.3g} when displacements are reset: give it "
+                                 "a method rebased(x, state) that returns a state whose force "
                                  "at zero displacements is that at x")
         return Result((*self.stages[:-1], replace(last, x=x, states=states)))
 
@@ -405,24 +322,23 @@ def of(model: Any, x: ndarray, states: Mapping[str, Any], *, load: ndarray | Non
     --------
     >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
     >>> import skfem_contact as sc
-    >>> block = MeshQuad().refined(1).with_defaults()
-    >>> mesh = sc.join_bodies({"lower": block, "upper": block.translated((0., 1.))})
-    >>> basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
-    >>> pair = sc.ContactPair(basis, "upper:bottom", "lower:top", sc.Coulomb(mu=.3), "nodal", penalty=1e4)
+    >>> basis = Basis(MeshQuad().with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+    >>> line = sc.rigid.line((-1., 0.), (2., 0.))
+    >>> floor = sc.ContactPair(basis, "bottom", line, sc.Coulomb(mu=.3), "nodal", penalty=1e4)
     >>> x = basis.zeros()
-    >>> x[basis.nodal_dofs[1, mesh.t[:, mesh.subdomains["upper"]]]] = -1e-3     # press the upper block down
-    >>> stage = sc.results.of({"joint": pair}, x, {"joint": pair.assemble(x, pair.initial_state()).state})
-    >>> stage.tractions("joint").pressure.round(9).tolist()
-    [10.0, 10.0, 10.0]
-    >>> print(stage.report("joint"))
-    contact of upper:bottom on lower:top: 3 stick, 0 slip, 0 open
+    >>> x[basis.nodal_dofs[1]] = -1e-3
+    >>> stage = sc.results.of({"floor": floor}, x, {"floor": floor.assemble(x, floor.initial_state()).state})
+    >>> print(stage.report("floor"))
+    contact of bottom on obstacle: 2 stick, 0 slip, 0 open
       pressure           10   resultant on the slave (0, 10)
       friction            0   resultant on the slave (0, 0)
-      friction over pressure at most 0.000, penetration at most 0.20% of a segment
+      friction over pressure at most 0.000, penetration at most 0.10% of a segment
     """
     given = as_forms(getattr(model, "forms", model))
     forms = {name: look_up(name, given, "form") for name in states}
     for name, form in forms.items():
+        if np.ndim(x) != 1 or len(x) < (form.size or 0):
+            raise ValueError(f"displacements of '{name}' have shape {np.shape(x)}, not ({form.size or 'N'},)")
         if not form.fits(states[name]):
             raise ValueError(f"the state of '{name}' belongs to another form: {type(states[name]).__name__}")
     return StageResult("state", x, np.zeros_like(x) if load is None else load, states, (), 0.0, forms=forms,

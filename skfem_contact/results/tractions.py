@@ -14,40 +14,39 @@ from ..surfaces.material_points import along_chain
 from ..surfaces.vectors import frame
 from .files import StageData
 
-#: Eigenvalues of a facet's mass below this share of the largest one are those of points that are too few.
+#: Eigenvalues of a facet's mass below this share of the largest one count as zero: the points are too few.
 _SINGULAR = 1e-10
 
 
 @dataclass(frozen=True)
 class Tractions:
-    """What a contact pair transmits, arrays (n_points,), in the plane in the order of the slave's chain.
+    """Tractions of a contact pair, arrays, shape (n_points,), in the plane in the order of the slave's chain.
 
     Attributes
     ----------
     arc
-        Position along the slave's chain in the plane, none in space; it has its body to the right: clockwise around a
-        body, anticlockwise around a hole.
+        Position along the slave's chain in the plane, empty in space. The chain has its body to the right: it runs
+        clockwise around a body, anticlockwise around a hole.
     x, y, z
-        Place of the point in the undeformed slave; z is zero in the plane.
+        Coordinates of the points in the undeformed slave; z is zero in the plane.
     pressure
-        Normal traction, compression positive, as the slave's elements see it: projected onto their shape functions
-        where all points of a facet have one status, which leaves the nodal forces as they are.
+        Normal traction, compression positive. Where all points of a facet have one status, it is projected onto the
+        shape functions of the slave, with the same nodal forces.
     shear
-        Friction that the slave exerts on the master, likewise: in the plane positive along the master's chain,
-        clockwise around a pipe; in space vectors, (n_points, 3), on the undeformed slave.
+        Friction of the slave on the master, likewise projected: in the plane positive along the master's chain,
+        clockwise around a pipe; in space vectors, shape (n_points, 3), on the undeformed slave.
     gap
-        Normal gap from what counts as touching; negative where the penalty lets the point penetrate,
-        infinite where no master is near.
+        Normal gap beyond the clearance: negative where the penalty lets the point penetrate, infinite where no master
+        is near.
     slip
-        Distance along the master's chain that the point has slid; in space vectors, (n_points, 3).
+        Slip along the master's chain; in space vectors, shape (n_points, 3).
     status
-        :class:`~skfem_contact.Status` of the point.
+        :class:`~skfem_contact.Status` of the points.
     weight
-        Length of surface that belongs to it, times the pair's share: ``(weight * pressure).sum()`` is a
-        force.
+        Length or area of surface times the pair's share: ``(weight * pressure).sum()`` is a force.
     raw_pressure, raw_shear
-        What acts at the points themselves.  It makes the same nodal forces, but ripples within facets, by 10 % and
-        more on curved masters: elements do not follow these, and the penalty answers to what gapes.
+        Tractions at the points themselves. They have the same nodal forces, but ripple within facets, by 10 % and more
+        on curved masters.
     """
 
     arc: ndarray
@@ -64,7 +63,7 @@ class Tractions:
     raw_shear: ndarray
 
     def central_angle(self, center: ArrayLike = (0.0, 0.0)) -> ndarray:
-        """Angle about a centre in degrees, from the crown clockwise, 0 to 360."""
+        """Return the angle about a centre in degrees, from the crown clockwise, 0 to 360."""
         x, y = np.asarray(center, float)
         return np.degrees(np.arctan2(self.x - x, self.y - y)) % 360.0
 
@@ -82,16 +81,13 @@ def tractions(pair: ContactPair, state: ContactState) -> Tractions:
         shear, slip = (np.einsum("in,nic->nc", part, tangents) for part in (state.traction[1:], state.slip))
     x, y, z = places.T
     return Tractions(arc, x, y, z, pressure=_consistent(pair, state, -state.traction[0]),
-                     shear=_consistent(pair, state, shear), gap=state.gap - state.offset, slip=slip,
+                     shear=_consistent(pair, state, shear), gap=state.gap - state.clearance, slip=slip,
                      status=state.status, weight=pair.share * points.weight, raw_pressure=-state.traction[0],
                      raw_shear=shear)
 
 
 def _consistent(pair: ContactPair, state: ContactState, values: ndarray) -> ndarray:
-    """Values at points, (n, ...), projected onto the slave's shape functions facet by facet: nodal forces stay.
-
-    Facets with points of more than one status keep their values: there tractions have kinks.
-    """
+    """Return values at points projected onto the slave's shape functions, but on facets with kinks: mixed status."""
     points, m = pair.points(state), len(pair.slave.facets)
     N, k = points.values, points.nodes.shape[1]
     if k == 1:
@@ -110,35 +106,21 @@ def _consistent(pair: ContactPair, state: ContactState, values: ndarray) -> ndar
 
 
 class Interface(NamedTuple):
-    """A contact pair in a stage.
-
-    Attributes
-    ----------
-    tractions
-        At the points of the slave.
-    normal
-        Outward normals of the slave there, undeformed, (n, dim).
-    nodes, shares
-        Nodes that move each of them, and their shape functions, (n, k).
-    facets
-        Nodes of the slave's facets, (n_facets, k): ends, middle.
-    members
-        Facet and point of every pair of both, (2, m).
-    """
+    """Contact pair in a stage: points with their normals, nodes and shape functions, and facets with their nodes."""
 
     tractions: Tractions
     normal: ndarray
     nodes: ndarray
     shares: ndarray
     facets: ndarray
-    members: ndarray
+    members: ndarray  # facet and point of every pair of both, (2, m)
 
     def moved_by(self, u: ndarray) -> ndarray:
-        """Displacements of the points, (n, dim), from those of all nodes, (n_nodes, dim)."""
+        """Return displacements of the points, (n, dim), from those of all nodes, (n_nodes, dim)."""
         return np.einsum("nk,nkc->nc", self.shares, u[self.nodes])
 
     def on_facets(self) -> dict[str, ndarray]:
-        """Means over the facets; the status is that of the point that carries most."""
+        """Return means over the facets, and the highest status of their points."""
         facet, point = self.members
         t = self.tractions
         weight = np.bincount(facet, t.weight[point])
@@ -156,7 +138,7 @@ class Interface(NamedTuple):
 def interfaces(stage: StageData) -> dict[str, Interface]:
     """Return the contact pairs of a stage."""
     return {name: _interface(form, stage.states[name]) for name, form in stage.forms.items()
-            if isinstance(form, ContactPair)}
+            if isinstance(form, ContactPair) and name in stage.states}
 
 
 def _interface(pair: ContactPair, state: ContactState) -> Interface:
@@ -174,20 +156,18 @@ def _interface(pair: ContactPair, state: ContactState) -> Interface:
 
 @dataclass(frozen=True)
 class ContactReport:
-    """Sums over a contact pair; ``print`` shows it as text.
+    """Resultants and status of a contact pair; ``print`` shows them as text.
 
     Attributes
     ----------
     name
         Slave and master.
-    normal, tangential
-        Resultants of the contact pressure and of the friction on the slave, (dim,).
+    normal, tangential : ndarray, shape (dim,)
+        Resultants of the contact pressure and of the friction on the slave.
     pressure, friction
         Integrals of the pressure and of the magnitude of the friction over the surface.
-    mobilised
-        Largest friction over pressure of a point.
-    penetration
-        Largest penetration as a share of the slave's segment there.
+    mobilised, penetration
+        Largest ratio of friction to pressure of a point, and largest penetration as a share of the slave's segment.
     open, stick, slip
         Number of points of each status.
     """
@@ -205,7 +185,7 @@ class ContactReport:
 
     @property
     def force(self) -> ndarray:
-        """Resultant of all contact tractions on the slave, (dim,)."""
+        """Resultant of all contact tractions on the slave, shape (dim,)."""
         return self.normal + self.tangential
 
     def __str__(self) -> str:
@@ -236,7 +216,7 @@ def contact_report(pair: ContactPair, x: ndarray, state: ContactState) -> Contac
 
 
 def _resultants(pair: ContactPair, x: ndarray, state: ContactState) -> list[ndarray]:
-    """Sums of the nodal forces on the slave from pressure and from friction, (dim,) each."""
+    """Return the sums of the nodal forces on the slave from pressure and from friction."""
     forces, normal = pair.tractions_at(x, state).forces, np.zeros_like(state.traction)
     normal[0] = state.traction[0]
     return [-(forces @ part.ravel())[pair.slave.dofs].sum(axis=0) + 0.0 for part in (normal, state.traction - normal)]

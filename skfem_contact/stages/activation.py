@@ -19,7 +19,7 @@ from ..sparse import padded
 from .loading import water_at_rest
 from .setup import Setup, dofs_of
 from .stage import Stage
-from .supports import as_dofs, check_supports
+from .supports import check_supports
 
 #: Springs to the ground, as a share of the stiffness, that hold what a new body does not share with others.
 _LOOSE = 1e-9
@@ -76,7 +76,7 @@ def plan(setup: Setup, stages: Sequence[Stage], start: StageResult | None) -> li
         try:
             active = _after(stage, now, active)
             now.update(_changed(setup, stage.change, now))
-            supported, fixed = fixed, fixed if stage.fixed is None else as_dofs(stage.fixed)
+            supported, fixed = fixed, fixed if stage.fixed is None else setup.layout.dofs(stage.fixed)
             there = {name: now[name] for name in now if name in active}
             if changes or not phases:
                 held = setup.inactive(there)

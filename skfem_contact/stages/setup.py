@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 from numpy import ndarray
-from numpy.typing import ArrayLike
 from typing_extensions import Self
 
 from ..errors import is_number
@@ -18,26 +17,25 @@ from ..mesh.check import check_mesh
 from ..nonlinear.newton import Newton
 from ..nonlinear.system import System
 from ..solvers.choice import linear_solver
-from .supports import as_dofs, check_supports
+from .supports import check_supports
 
 
 class Setup:
     """Forms, supports and settings that all analyses of a model share; see :class:`~skfem_contact.Model`."""
 
-    def __init__(self, forms: Mapping[str, Any], fixed: ArrayLike = (), *, solver: Any = None,
+    def __init__(self, forms: Mapping[str, Any], fixed: Any = (), *, solver: Any = None,
                  newton: Newton | None = None, gravity: Sequence[float] | None = None,
                  seismic: float | Sequence[float] = 0.0, water_unit_weight: float | None = None) -> None:
         if not isinstance(newton, Newton | None):
             raise ValueError(f"newton must be settings Newton(...), not {newton!r}")
         given = as_forms(forms)
-        self.fixed, self.solver, self.newton = as_dofs(fixed), solver, newton
+        self.solver, self.newton = solver, newton
         self.coordinates = _coordinates_of(given)
         self._completed = {name: _completed(name, form, given) for name, form in given.items()}
         _check_fields(self._completed)
         self.layout = _layout_of(self._completed)
         self.forms = {name: self._numbered(form) for name, form in self._completed.items()}
-        if len(self.fixed) and (self.fixed[0] < 0 or self.fixed[-1] >= self.layout.size):
-            raise ValueError(f"fixed dofs must lie between 0 and {self.layout.size - 1}")
+        self.fixed = self.layout.dofs(fixed)
         self.water_unit_weight = water_unit_weight
         if water_unit_weight is not None and not is_number(water_unit_weight, 0.0, np.inf):
             raise ValueError(f"water_unit_weight must be positive, not {water_unit_weight!r}")

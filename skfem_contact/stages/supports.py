@@ -2,7 +2,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 from numpy import ndarray
@@ -12,14 +11,6 @@ from ..errors import place
 from ..forms.base import Form, solids_of
 from ..layout import rigid_modes
 from ..mesh.join import bodies
-
-
-def as_dofs(fixed: Any) -> ndarray:
-    """Return dofs, sorted and each once; a ``ValueError`` where they are no integers."""
-    numbers = np.unique(np.asarray(fixed))
-    if len(numbers) and numbers.dtype.kind not in "iu":
-        raise ValueError("fixed must be dofs, integers such as basis.get_dofs('bottom').all()")
-    return numbers.astype(int)
 
 
 def check_supports(forms: Mapping[str, Form], fixed: ndarray) -> None:

@@ -10,6 +10,7 @@ from numpy import ndarray
 
 import skfem_contact as sc
 from skfem_contact.contact.laws import Status
+from skfem_contact.results import Result, StageResult
 
 from .model import HEIGHT, Model
 from .scenes import Scene
@@ -41,7 +42,7 @@ _BEYOND = 0.06
 BALANCE = 1e-9
 
 
-def of_stage(scene: Scene, model: Model, result: sc.results.Result, k: int) -> Iterator[Finding]:
+def of_stage(scene: Scene, model: Model, result: Result, k: int) -> Iterator[Finding]:
     """Everything that must hold in a stage of a result by itself."""
     stage = result[k]
     for oracle in ORACLES:
@@ -52,7 +53,7 @@ def of_stage(scene: Scene, model: Model, result: sc.results.Result, k: int) -> I
 Errors = Iterator[tuple[float, float]]
 
 
-def equilibrium(scene: Scene, model: Model, stage: sc.results.StageResult, before: sc.results.StageResult | None) -> Errors:
+def equilibrium(scene: Scene, model: Model, stage: StageResult, before: StageResult | None) -> Errors:
     """Forces that are assembled again from the accepted states balance."""
     forces = [form.assemble(stage.x, stage.states[name]) for name, form in stage.forms.items()]
     left = stage.load - sum(answer.force for answer in forces)
@@ -64,7 +65,7 @@ def equilibrium(scene: Scene, model: Model, stage: sc.results.StageResult, befor
     yield np.linalg.norm(left) / largest, BALANCE + sum(answer.round_off for answer in forces) / largest
 
 
-def stresses(scene: Scene, model: Model, stage: sc.results.StageResult, before: sc.results.StageResult | None) -> Errors:
+def stresses(scene: Scene, model: Model, stage: StageResult, before: StageResult | None) -> Errors:
     """Internal forces are the integral of the stresses over the gradients of scikit-fem's shape functions."""
     for name, form in stage.forms.items():
         if isinstance(form, sc.SolidForm) and not scene.b_bar:
@@ -91,7 +92,7 @@ def _internal(scene: Scene, form: sc.SolidForm, stress: ndarray) -> ndarray:
     return force
 
 
-def action(scene: Scene, model: Model, stage: sc.results.StageResult, before: sc.results.StageResult | None) -> Errors:
+def action(scene: Scene, model: Model, stage: StageResult, before: StageResult | None) -> Errors:
     """Forces of contact between two bodies have no resultant, and no moment where the bodies are."""
     for name, pair in _pairs(stage):
         if (pair.facets.dofs < 0).any():
@@ -114,7 +115,7 @@ def _places(n: int, pair: sc.ContactPair, x: ndarray, dim: int) -> ndarray:
     return places
 
 
-def friction(scene: Scene, model: Model, stage: sc.results.StageResult, before: sc.results.StageResult | None) -> Errors:
+def friction(scene: Scene, model: Model, stage: StageResult, before: StageResult | None) -> Errors:
     """Shear lies within Coulomb's cone, and points that slip lie on it."""
     for name, pair in _pairs(stage):
         if not isinstance(pair.law, sc.Coulomb):
@@ -129,7 +130,7 @@ def friction(scene: Scene, model: Model, stage: sc.results.StageResult, before: 
         yield np.abs(shear - bears)[sliding].max(initial=0.0) / largest, SAME
 
 
-def complementarity(scene: Scene, model: Model, stage: sc.results.StageResult, before: sc.results.StageResult | None) -> Errors:
+def complementarity(scene: Scene, model: Model, stage: StageResult, before: StageResult | None) -> Errors:
     """Open points carry nothing; closed ones carry no more tension than they may; nothing is deep inside."""
     for name, pair in _pairs(stage):
         state = stage.states[name]
@@ -140,11 +141,11 @@ def complementarity(scene: Scene, model: Model, stage: sc.results.StageResult, b
             yield (state.traction[0] - pair.law.tension)[~is_open].max(initial=0.0) / largest, SAME
             near = is_open & np.isfinite(state.gap) & (state.gap > -pair.interface.depth(pair.points(state)))
             closing = pair.points(state).at(state.multiplier[0]) / pair.penalties(state)[0]
-            inside = (state.offset - closing - state.gap)[near].max(initial=0.0)
+            inside = (state.clearance - closing - state.gap)[near].max(initial=0.0)
             yield inside / (HEIGHT * model.frame.length), 1e-9  # beyond the coordinates' round-off
 
 
-def closest(scene: Scene, model: Model, stage: sc.results.StageResult, before: sc.results.StageResult | None) -> Errors:
+def closest(scene: Scene, model: Model, stage: StageResult, before: StageResult | None) -> Errors:
     """Gaps of closed points are distances from the displaced master, by trying every facet."""
     for name, pair in _pairs(stage):
         if scene.smoothing is not None or scene.element in ("Q2", "P2"):
@@ -190,7 +191,7 @@ def _distance_in_space(points: ndarray, corners: ndarray, beyond: float) -> ndar
     return distance.min(axis=(1, 2))
 
 
-def yielding(scene: Scene, model: Model, stage: sc.results.StageResult, before: sc.results.StageResult | None) -> Errors:
+def yielding(scene: Scene, model: Model, stage: StageResult, before: StageResult | None) -> Errors:
     """Stresses do not lie beyond the yield function."""
     for name, form in stage.forms.items():
         if not isinstance(form, sc.SolidForm):
@@ -222,7 +223,7 @@ def _beyond(material: object) -> Callable[[ndarray], ndarray] | None:
     return None
 
 
-def dissipation(scene: Scene, model: Model, stage: sc.results.StageResult, before: sc.results.StageResult | None) -> Errors:
+def dissipation(scene: Scene, model: Model, stage: StageResult, before: StageResult | None) -> Errors:
     """Plastic strain does work on the stress; a step of one increment tells."""
     if before is None or len(stage.iterations) != 1 or stage.fraction < 1.0:
         return
@@ -245,7 +246,7 @@ def _unit(stress: ndarray) -> ndarray:
     return np.array([1.0, 1.0, 1.0, *[0.0] * (len(stress) - 3)])[:, None, None]
 
 
-def _pairs(stage: sc.results.StageResult) -> Iterator[tuple[str, sc.ContactPair]]:
+def _pairs(stage: StageResult) -> Iterator[tuple[str, sc.ContactPair]]:
     for name, form in stage.forms.items():
         if isinstance(form, sc.ContactPair):
             yield name, form

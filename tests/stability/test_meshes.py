@@ -224,7 +224,7 @@ def test_search_in_space(n):
     line = np.linspace(0, 10, n + 1)
     mesh = MeshHex.init_tensor(line, line, np.array([-1.0, 0.0])).with_boundaries({"top": lambda x: x[2] > -0.1})
     x, y, z = mesh.p
-    surface = sc.rigid_surface(replace(mesh, doflocs=np.stack((x, y, z + 0.1 * np.sin(x) * np.cos(y)))), "top")
+    surface = sc.rigid.mesh(replace(mesh, doflocs=np.stack((x, y, z + 0.1 * np.sin(x) * np.cos(y)))), "top")
     at = np.stack(np.meshgrid(line[:-1], line[:-1]), axis=-1).reshape(-1, 2) + 5.0 / n
     points = np.column_stack((at, 0.1 * np.sin(at[:, 0]) * np.cos(at[:, 1]) + 0.1 / n))
     near, _ = neighbours(surface, surface.nodes, points)
@@ -238,7 +238,7 @@ def test_search_grows_like_the_number_of_segments():
     """[X] Case S20: a point is projected on a few segments, however many there are."""
     for n in (200, 20000):
         t = np.linspace(0, 10, n + 1)
-        surface = sc.rigid_polyline(np.stack((t, 0.1 * np.sin(t)), axis=1))
+        surface = sc.rigid.polyline(np.stack((t, 0.1 * np.sin(t)), axis=1))
         points = np.stack((t[:-1] + 5.0 / n, 0.1 * np.sin(t[:-1]) + 0.1 / n), axis=1)
         near, _ = neighbours(surface, surface.nodes, points)
         assert len(near.point) <= 8 * n  # a sphere about the nearest sample meets a few segments

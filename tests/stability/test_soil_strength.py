@@ -15,6 +15,7 @@ from slope_meshes import held, reduced_slope, slope_mesh
 
 import skfem_contact as sc
 from skfem_contact.collapse.result import CollapseResult
+from skfem_contact.results import Result
 
 SOIL = {"E": 1e5, "nu": 0.3, "c": 10.0, "phi": 20.0}
 
@@ -136,7 +137,7 @@ def test_soil_torn_from_all_sides():
     apex = 1.0 / np.tan(np.radians(30.0))
     np.testing.assert_allclose(step.states["soil"].stress[:3], apex, rtol=1e-9)
     np.testing.assert_allclose(step.states["soil"].stress[3], 0.0, atol=1e-9)
-    back = sc.Model(forms, edge).run([sc.Stage("back", basis.zeros(), 0.999 * x)], start=sc.results.Result((step,)), progress=False)["back"]
+    back = sc.Model(forms, edge).run([sc.Stage("back", basis.zeros(), 0.999 * x)], start=Result((step,)), progress=False)["back"]
     assert (back.states["soil"].stress[:3] < apex - 1e-3).all()  # unloading is elastic
 
 
@@ -204,7 +205,7 @@ def test_unsymmetric_stiffness_of_soil_and_friction():
     """[X] Case S22: sand with psi = 0 that slides on a rough base: the solver gets the whole, unsymmetric matrix."""
     basis = vector_basis(grid("Q1", np.linspace(0, 2, 7), np.linspace(0, 1, 4)), "Q1", intorder=2)
     sand = sc.MohrCoulomb(E=1e4, nu=0.3, c=4.0, phi=30.0, psi=0.0)
-    base = sc.rigid_line((-1.0, 0.0), (3.0, 0.0))
+    base = sc.rigid.line((-1.0, 0.0), (3.0, 0.0))
     forms = {"sand": sc.SolidForm(basis, sand, "b_bar"),
              "base": sc.ContactPair(basis, "bottom", base, sc.Coulomb(mu=0.3), "nodal", penalty=1e6)}  # fmt: skip
     fixed = basis.get_dofs("left").all("u^1")

@@ -50,7 +50,7 @@ def test_no_trace_of_the_springs(gap, mu):
     forms = {
         "column": sc.SolidForm(basis, sc.LinearElastic(E=modulus, nu=0.0)),
         "stop": sc.ContactPair(
-            basis, "bottom", sc.rigid_line((-1, -gap), (2, -gap)), sc.Coulomb(mu), "nodal", penalty=eps
+            basis, "bottom", sc.rigid.line((-1, -gap), (2, -gap)), sc.Coulomb(mu), "nodal", penalty=eps
         ),
     }
     guided = basis.get_dofs({"left", "right"}).all("u^1")
@@ -66,11 +66,11 @@ def test_ring_falls_into_a_groove():
     angle = -2 * np.pi / n * (np.arange(n) + 0.5)
     ring = body_along(np.stack((np.cos(angle), np.sin(angle)), axis=1), "Q1", 0.2, closed=True)
     basis = vector_basis(ring, "Q1", intorder=2)
-    groove = sc.rigid_polyline([(-4.0, 4.0), (0.0, 0.0), (4.0, 4.0)], name="groove").nodes
+    groove = sc.rigid.polyline([(-4.0, 4.0), (0.0, 0.0), (4.0, 4.0)], name="groove").nodes
     groove = groove - [0.0, np.sqrt(2) + 0.05]
     forms = {
         "ring": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.2)),
-        "skin": sc.ContactPair(basis, "face", sc.rigid_polyline(groove), sc.Coulomb(0.1), 2),
+        "skin": sc.ContactPair(basis, "face", sc.rigid.polyline(groove), sc.Coulomb(0.1), 2),
     }
     weight = sc.weight(basis, 1.0)
     result = run(forms, [sc.Stage("weight", weight)], np.zeros(0, int))["weight"]

@@ -32,7 +32,7 @@ def pushed_block():
 
 def test_reactions_balance_the_load():
     """[X] The supports carry weight and push; later the weight of the base, and nothing of what has gone."""
-    forms, fixed, result = pushed_block()
+    _, fixed, result = pushed_block()
     assert "yielded" in result["pushed"].summary["base"]
     for stage, total in zip(result, ((-10.0, 120.0), (0.0, 80.0)), strict=True):
         held = stage.reactions()
@@ -41,8 +41,11 @@ def test_reactions_balance_the_load():
         np.testing.assert_allclose(np.delete(held, fixed), 0.0, atol=1e-5)
 
 
-def test_forms_of_the_stage_are_needed():
-    forms, _, result = pushed_block()
-    del forms["joint"]
-    with pytest.raises(ValueError, match="there is no form, though the stage holds it, 'joint'"):
-        result["pushed"].reactions()
+def test_forms_of_the_right_kind_are_needed():
+    stage = pushed_block()[2]["pushed"]
+    with pytest.raises(ValueError, match=r"'base' is a SolidForm, no ContactPair; there are \['joint'\]"):
+        stage.report("base")
+    with pytest.raises(ValueError, match=r"'joint' is a ContactPair, no SolidForm; there are \['base'"):
+        stage.pore_pressure("joint")
+    with pytest.raises(ValueError, match="no form in stage 'pushed' 'skin'"):
+        stage.tractions("skin")

@@ -1,8 +1,8 @@
-"""Pieces into which the facets of a master divide those of a slave: cuts in the plane, points on the pieces in space.
+"""Clipping of the slave's facets by those of the master: cuts in the plane, points on the pieces in space.
 
-On every piece gap and shape functions are smooth on both sides, so that the contact work is integrated as exactly as
-the rule is: the patch test is passed.  In space, facet by facet, the polygon of the master's corners is clipped by that
-of the slave's in the mean plane of the slave's facet (I. E. Sutherland and G. W. Hodgman, 1974) and cut into triangles.
+On every piece gap and shape functions are smooth on both sides, so that the contact work is integrated as exactly
+as the rule is: the patch test is passed.  In space, facet by facet, the polygon of the master's corners is clipped by
+that of the slave's in the mean plane of the slave's facet (I. E. Sutherland and G. W. Hodgman, 1974).
 """
 from __future__ import annotations
 
@@ -12,10 +12,11 @@ from scipy.spatial import cKDTree
 from skfem.quadrature import get_quadrature
 from skfem.refdom import RefTri
 
-from ..surfaces.surface import Surface, rule
+from ..surfaces.shape import rule
+from ..surfaces.surface import Surface
 from ..surfaces.vectors import across, determinant, dot, solve, unit
 from .neighbours import NeighbourList
-from .search import _NEWTON_STEPS, project
+from .search import NEWTON_STEPS, project
 
 #: Pieces smaller than this share of the slave's facet are left out.
 _SLIVER = 1e-9
@@ -30,7 +31,7 @@ _LAST_STEP = 1e-9  # of Newton's method: the error is its square
 
 def common_cuts(slave: Surface, slave_nodes: ndarray, master: Surface, master_nodes: ndarray, facing: NeighbourList
                 ) -> ndarray:
-    """Chain coordinates at which a slave in the plane is cut: by its own segments' ends and by those of the master."""
+    """Return chain coordinates of the ends of the slave's facets and, projected, of the master's."""
     m = len(master.facets)
     ends = master.at(np.arange(m), -np.ones((m, 1)), master_nodes, 0).x[0]
     if not master.closed:
@@ -46,7 +47,7 @@ def common_cuts(slave: Surface, slave_nodes: ndarray, master: Surface, master_no
 
 
 def piecewise(slave: Surface, slave_nodes: ndarray, master: Surface, master_nodes: ndarray) -> ndarray:
-    """Points on all pieces of the slave's facets where the nodes lie now, a row each, (n, 5).
+    """Return points on all pieces of the slave's facets at present coordinates, a row each, shape (n, 5).
 
     A row holds the slave's facet, two local coordinates, the weight in their measure, and the facet of the master that
     the piece faces, -1 on facets that face none.
@@ -80,7 +81,7 @@ def _corners(surface: Surface, nodes: ndarray) -> ndarray:
 
 
 def _pairs(slave: Surface, slave_nodes: ndarray, master: Surface, master_nodes: ndarray) -> tuple[ndarray, ndarray]:
-    """Facets whose enclosing spheres come near each other; the master's are looked for by classes of their size."""
+    """Return facets whose enclosing spheres are near each other, searched by classes of size."""
     (at, reach), (place, radius) = (_spheres(_corners(s, x)) for s, x in ((slave, slave_nodes), (master, master_nodes)))
     reach = reach + _FACING * slave.size
     level, own, facing = np.floor(np.log2(radius)).astype(int), [], []
@@ -99,7 +100,7 @@ def _spheres(corners: ndarray) -> tuple[ndarray, ndarray]:
 
 
 def _mean_planes(corners: ndarray) -> tuple[ndarray, ndarray]:
-    """Centres of facets, and axes of which the last is their normal, (n, 3, 3)."""
+    """Return centres of facets, and axes, shape (n, 3, 3), of which the last is their normal."""
     diagonals = np.stack((corners[:, 2] - corners[:, 0], corners[:, -1] - corners[:, 1]), axis=1)
     if corners.shape[1] == 3:
         diagonals = corners[:, 1:] - corners[:, :1]
@@ -113,13 +114,12 @@ def _in_plane(places: ndarray, centre: ndarray, axes: ndarray) -> ndarray:
 
 
 def _area(polygons: ndarray) -> ndarray:
-    """Areas of polygons, (n, corners, 2), positive anticlockwise."""
     after = np.roll(polygons, -1, axis=1)
     return np.asarray(0.5 * (polygons[..., 0] * after[..., 1] - polygons[..., 1] * after[..., 0]).sum(axis=1))
 
 
 def _clipped(polygons: ndarray, clips: ndarray) -> tuple[ndarray, ndarray]:
-    """What of convex polygons lies within others, both (n, corners, 2) and anticlockwise, and their corners, (n,)."""
+    """Clip convex anticlockwise polygons, (n, corners, 2); return these and numbers of corners."""
     count = np.full(len(polygons), polygons.shape[1])
     for k in range(clips.shape[1]):
         start, along = clips[:, k, None], (clips[:, (k + 1) % clips.shape[1]] - clips[:, k])[:, None]
@@ -141,7 +141,7 @@ def _clipped(polygons: ndarray, clips: ndarray) -> tuple[ndarray, ndarray]:
 
 
 def _fans(polygons: ndarray, count: ndarray) -> tuple[ndarray, ndarray]:
-    """Numbers of the polygons and triangles, (n, 3, 2), that they consist of."""
+    """Return numbers of the polygons and their triangles, shape (n, 3, 2)."""
     number = np.arange(1, max(polygons.shape[1] - 1, 1))
     polygon, second = np.nonzero(number + 1 < count[:, None])
     second = number[second]
@@ -151,9 +151,9 @@ def _fans(polygons: ndarray, count: ndarray) -> tuple[ndarray, ndarray]:
 
 def _back(slave: Surface, nodes: ndarray, facet: ndarray, centre: ndarray, axes: ndarray, places: ndarray
           ) -> tuple[ndarray, ndarray]:
-    """Local coordinates on the slave's facets of places in their planes, and area in the plane of a unit of them."""
+    """Return local coordinates of points in the planes of facets, and area in the plane per unit."""
     xi = np.tile(slave.shape.centre, (len(facet), 1))
-    for _ in range(_NEWTON_STEPS):
+    for _ in range(NEWTON_STEPS):
         x = slave.at(facet, xi, nodes).x
         offset = places - ((x[0] - centre)[:, None] @ axes.transpose(0, 2, 1))[:, 0, :2]
         jacobian = x[1] @ axes.transpose(0, 2, 1)[:, :, :2]
@@ -166,7 +166,7 @@ def _back(slave: Surface, nodes: ndarray, facet: ndarray, centre: ndarray, axes:
 
 def _with_the_others(slave: Surface, facet: ndarray, xi: ndarray, weight: ndarray, facing: ndarray
                      ) -> ndarray:
-    """The points, ordered by facet, and Gauss points on the facets that face nothing."""
+    """Return the points by facet, with Gauss points on the facets that face nothing."""
     alone = np.setdiff1d(np.arange(len(slave.facets)), facet)
     inner, w = rule(slave.shape, int(slave.shape.exponents.max()) + 1)
     facets = np.concatenate((facet, np.repeat(alone, len(w))))
@@ -176,8 +176,8 @@ def _with_the_others(slave: Surface, facet: ndarray, xi: ndarray, weight: ndarra
     return rows[np.argsort(facets, kind="stable")]
 
 
-def moved(old: ndarray, new: ndarray) -> float:
-    """Largest distance of a cut, old or new, from the nearest one among the others; in space, change of an area."""
+def changed(old: ndarray, new: ndarray) -> float:
+    """Return the largest distance of a cut from the nearest one among the others; in space, of an area."""
     if old.ndim == 2:
         return _area_changed(old, new)
 
@@ -189,7 +189,6 @@ def moved(old: ndarray, new: ndarray) -> float:
 
 
 def _area_changed(old: ndarray, new: ndarray) -> float:
-    """Largest change of what a facet has in common with one of the master, over the largest such area."""
     pairs, number = np.unique(np.concatenate((old, new))[:, [0, 4]], axis=0, return_inverse=True)
     before, after = (np.bincount(rows, cuts[:, 3], minlength=len(pairs)) for rows, cuts in (
         (number.ravel()[:len(old)], old), (number.ravel()[len(old):], new)))

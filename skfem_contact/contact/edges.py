@@ -26,7 +26,7 @@ _STEP = 1e-30
 
 
 class First(NamedTuple):
-    """Unit vectors, first variations of gap and slip work, (n, m) and (n, dim - 1, m), and slip, (n, dim - 1)."""
+    """Unit vectors, first variations of gap and slip work, and slip, (n, dim - 1)."""
 
     normal: ndarray
     tangents: ndarray
@@ -36,12 +36,11 @@ class First(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Joints:
-    """Points at edges and vertices: those of the numbers `at` among all that are in contact.
+class OnEdges:
+    """Contact at edges and vertices: the points of the numbers `at` among all that are in contact.
 
-    The edge lies `along` a direction in local coordinates, (n, dim - 1), zero at vertices; `place` and `nodes` are the
-    places of the points, (n, dim), and of their facets' nodes, (n, k, dim); the slave's shape functions are `values`.
-    All else is as in :mod:`~skfem_contact.contact.kinematics`.
+    The edge lies `along` a direction in local coordinates, shape (n, dim - 1), zero at vertices.  `place` and `nodes`
+    are the coordinates of the points and of their facets' nodes; `values` are the slave's shape functions.
     """
 
     at: ndarray
@@ -65,7 +64,7 @@ class Joints:
 
     @cached_property
     def second(self) -> tuple[ndarray, ndarray, ndarray]:
-        """Derivatives of gap gradients (n, m, m), work of tractions (n, dim - 1, m, m), slips (n, dim - 1, m)."""
+        """Derivatives of gap gradients, work of tractions, and slips, (n, dim - 1, m)."""
         n, dim = self.place.shape
         slave, k, nodes = self.values.shape[1], self.nodes.shape[1], self.sigma.shape[1]
         eye = np.eye(dim)
@@ -83,7 +82,7 @@ class Joints:
         return G, T, s
 
     def _first(self, row: ndarray, r: ndarray, nodes: ndarray, from_stick: ndarray, direction: ndarray) -> First:
-        """First variations at complex places, of points given by their numbers."""
+        """Return first variations of points, given by their numbers, at complex coordinates."""
         facet, along = self.facet[row], self.along[row]
         xi = self._closest(facet, self.xi[row] + 0j, along, r, nodes)
         M = self.master.shape.at(facet, xi, 1)
@@ -102,7 +101,7 @@ class Joints:
         return First(*(result if np.iscomplexobj(r) else (part.real for part in result)))
 
     def _closest(self, facet: ndarray, xi: ndarray, along: ndarray, r: ndarray, nodes: ndarray) -> ndarray:
-        """Local coordinates after one step of Newton's method along the edge: exact for the complex part."""
+        """Return local coordinates after one Newton step along the edge: exact for the complex part."""
         moves = along.any(axis=1)
         M = self.master.shape.at(facet, xi, 2)
         offset = r - np.einsum("nk,nkc->nc", M[0], nodes)
@@ -113,12 +112,12 @@ class Joints:
 
 
 def lift_columns(factors: ndarray, eye: ndarray) -> ndarray:
-    """Motion of points with every unknown of their nodes, (n nodes dim, dim)."""
+    """Return the motion of points with every dof of their nodes, shape (n nodes dim, dim)."""
     return np.asarray((factors[:, :, None, None] * eye).reshape(-1, len(eye)))
 
 
 def _turning(e: ndarray, n: ndarray, facet_n: ndarray, dual: ndarray) -> ndarray:
-    """Vectors c with ``e . Omega n = c_a . da_a``, (n, dim - 1, dim)."""
+    """Return vectors c with ``e . Omega n = c_a . da_a``, shape (n, dim - 1, dim)."""
     by_n, by_e = np.einsum("nac,nc->na", dual, n), np.einsum("nac,nc->na", dual, e)
     along_normal = by_e * dot(facet_n, n)[:, None] - by_n * dot(facet_n, e)[:, None]
     return np.asarray(0.5 * (outer(by_n, e) - outer(by_e, n) - outer(along_normal, facet_n)))
