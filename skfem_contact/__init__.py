@@ -11,8 +11,7 @@ from .forms.solid import SolidForm
 from .layout import Field, box_supports, dofs_at
 from .loads import hydrostatic, traction, water_load, weight
 from .materials import DruckerPrager, HardeningMohrCoulomb, LinearElastic, MohrCoulomb, Tresca, Undrained, VonMises
-from .mesh.join import join_bodies
-from .mesh.read import load_mesh
+from .mesh import join_bodies, load_mesh
 from .model import Model
 from .nonlinear.newton import Newton
 from .results import Sections, load_result

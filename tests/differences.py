@@ -7,7 +7,7 @@ from helpers import closest
 from numpy import ndarray
 
 import skfem_contact as sc
-from skfem_contact.contact.state import ContactState
+from skfem_contact.contact.interface import ContactState
 
 #: Step of the differences; lengths are of the order 1, penetrations of the order 0.03.
 STEP = 1e-5

@@ -31,8 +31,8 @@ from skfem import (
 )
 
 import skfem_contact as sc
+from skfem_contact.contact.interface import ContactState
 from skfem_contact.contact.search import Projection, project
-from skfem_contact.contact.state import ContactState
 from skfem_contact.surfaces.material_points import MaterialPoints, along_chain
 
 #: Every supported element with a mesh that it lives on, in the plane and in space.

@@ -10,8 +10,8 @@ import pytest
 from helpers import body_along, facing, unknowns_of
 
 import skfem_contact as sc
+from skfem_contact.contact.interface import ContactState
 from skfem_contact.contact.penalty import choose_penalties
-from skfem_contact.contact.state import ContactState
 from skfem_contact.results import Result
 
 sys.path.append(str(Path(__file__).parents[1] / "examples" / "4_benchmarks"))

@@ -10,7 +10,7 @@ from helpers import analysis, grid
 from skfem import Basis, ElementQuad1, ElementTriP2, ElementVector, FacetBasis, LinearForm, MeshQuad, MeshTri
 
 import skfem_contact as sc
-from skfem_contact.contact.state import ContactState
+from skfem_contact.contact.interface import ContactState
 
 
 def supported(mesh):

@@ -185,9 +185,9 @@ def test_input_of_a_run(options, message):
         (lambda: sc.Newton(tolerance="x"), "tolerance must be positive"),
         (lambda: sc.MohrCoulomb(E=1e4, nu=0.3, c=None, phi=30.0), "c must be a number"),
         (lambda: sc.join_bodies({1: grid("Q1", [0, 1], [0, 1])}), "bodies have names"),
-        (lambda: ground()[1]["ground"].assemble(np.zeros(3), None), "3 displacements for 90 unknowns"),
-        (lambda: assembled_contact(-2), "88 displacements for 90 unknowns"),
-        (lambda: assembled_contact(50), "140 displacements for 90 unknowns"),
+        (lambda: ground()[1]["ground"].assemble(np.zeros(3), None), "3 displacements for 90 dofs"),
+        (lambda: assembled_contact(-2), "88 displacements for 90 dofs"),
+        (lambda: assembled_contact(50), "140 displacements for 90 dofs"),
     ],
 )
 def test_settings(make, message):

@@ -12,7 +12,7 @@ import skfem_contact
 PACKAGE = Path(skfem_contact.__file__).parent
 #: Rooms from the ground up: a room may use what stands before it. Those of one entry know nothing of each other.
 ROOMS = (
-    {"errors"}, {"display", "sparse"}, {"layout"}, {"materials", "mesh", "loads", "surfaces"}, {"forms"},
+    {"errors", "checks"}, {"display", "sparse"}, {"layout"}, {"materials", "mesh", "loads", "surfaces"}, {"forms"},
     {"contact"}, {"results"}, {"solvers"}, {"nonlinear"}, {"stages"},
     {"limit_analysis"}, {"collapse"}, {"water"},
     {"testing"}, {"plot"}, {"demo", "data"}, {""},

@@ -15,9 +15,9 @@ from skfem import BilinearForm, FacetBasis, Mesh, condense, solve
 from skfem.utils import solver_direct_scipy
 
 import skfem_contact as sc
+from skfem_contact.contact.interface import ContactState
 from skfem_contact.contact.laws import Status
 from skfem_contact.contact.penalty import choose_penalties
-from skfem_contact.contact.state import ContactState
 
 #: For comparisons to nine digits; a penalty of 1e6 times the round-off of coordinates is 1e-12 of the forces.
 EXACT = sc.Newton(tolerance=1e-11, max_iterations=40)

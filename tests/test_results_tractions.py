@@ -7,8 +7,8 @@ import pytest
 from helpers import body_along, facing, grid, rough_pair, vector_basis
 
 import skfem_contact as sc
+from skfem_contact.contact.interface import ContactState
 from skfem_contact.contact.laws import Status
-from skfem_contact.contact.state import ContactState
 from skfem_contact.results import Tractions
 from skfem_contact.results.tractions import contact_report, tractions
 

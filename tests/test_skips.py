@@ -10,10 +10,10 @@ import pytest
 from helpers import grid, run_stages, vector_basis
 
 import skfem_contact as sc
-from skfem_contact import solid
 from skfem_contact.contact import interface, neighbours
 from skfem_contact.contact.laws import Status
 from skfem_contact.contact.penalty import choose_penalties
+from skfem_contact.forms import solid
 from skfem_contact.nonlinear.stepping import Predictor
 from skfem_contact.results import Result
 from skfem_contact.solvers import direct, schur, superlu

@@ -119,7 +119,7 @@ class Wrong(sc.LinearElastic):
         ("shape", "the stress has the shape"),
         ("nan", "not finite"),
         ("drifts", "not admissible: a zero increment changes it"),
-        ("silent", "do not answer elastically"),
+        ("silent", "are not elastic"),
         ("tangent", "the tangent differs .* by 1.0e-01"),
         ("twice named", "different indices"),
         ("unsymmetric", "not symmetric"),
@@ -142,7 +142,7 @@ def test_material_with_a_memory_of_its_own():
             new = super().update(strain_increment, stress, internal)
             return new._replace(stress=new.stress + len(calls))
 
-    with pytest.raises(sc.testing.CheckFailed, match="differently the second time"):
+    with pytest.raises(sc.testing.CheckFailed, match="returns other values the second time"):
         sc.testing.check_material(Ageing(**STIFF))
 
 
@@ -196,9 +196,9 @@ class WrongFriction(sc.Coulomb):
         ("forgets", "not admissible"),
         ("soft", "pressure falls"),
         ("one way", "not admissible|opposite"),
-        ("not yet", "gap is zero are out of reach"),
-        ("loose", "gap is zero meet no resistance"),
-        ("no bonds", "`bonds` must say"),
+        ("not yet", "zero gap are out of reach"),
+        ("loose", "zero gap have no stiffness"),
+        ("no bonds", "`bonds` must be True or False"),
     ],
 )
 def test_faulty_friction(fault, message):
@@ -254,11 +254,11 @@ class WrongForm:
     ("fault", "message"),
     [
         ("", None),
-        ("memory", "differently the second time"),
-        ("eager", "computed before it is asked for"),
+        ("memory", "returns other values the second time"),
+        ("eager", "computed before its first access"),
         ("writes", "changes its arguments"),
         ("tangent", "tangent differs"),
-        ("symmetric", "says `symmetric`"),
+        ("symmetric", "the tangent is not symmetric"),
         ("state", "accepted candidate gives another force"),
         ("springs", "forces do not balance"),
         ("outer", "`outer`"),

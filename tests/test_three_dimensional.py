@@ -393,7 +393,7 @@ def test_other_plane_things():
     forms, state = {"cube": form}, form.initial_state()
     step = StageResult("none", np.zeros(basis.N), np.zeros(basis.N), {"cube": state}, (), 0.0, forms=forms)
     with pytest.raises(ValueError, match=r"plot\.contour is for plane bodies, but this is a MeshHex1 in three dim"):
-        plot.contour(forms, step, "ux")
+        plot.contour(step, "ux")
     with pytest.raises(ValueError, match="these sections have 2 coordinates, the body has 3"):
         section_forces(form, state, sc.Sections.line((0.0, 0.0), (1.0, 0.0), 1.0))
 

@@ -38,6 +38,10 @@ def public_names() -> dict[str, list[str]]:
     """Qualified public names by module, subpackages as a whole."""
     names: dict[str, list[str]] = {}
     for name in skfem_contact.__all__:
+        if inspect.ismodule(room := getattr(skfem_contact, name)):
+            own = [one for one in room.__all__ if one not in skfem_contact.__all__]
+            names.setdefault(name, []).extend(f"skfem_contact.{name}.{one}" for one in own)
+            continue
         module = getattr(skfem_contact, name).__module__.split(".")[1]
         names.setdefault(module, []).append(f"skfem_contact.{name}")
     names["results"] = [f"skfem_contact.results.{name}" for name in skfem_contact.results.__all__]

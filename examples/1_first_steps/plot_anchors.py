@@ -61,7 +61,7 @@ print({name: f"{force:.2f}" for name, force in forces.items()})
 
 # %%
 # Deformed 200 times: the wall as the jack bends it, with the stress along its height.
-plot.contour(result["lock"].forms, result["lock"], "syy", deformed=200.0)
+plot.contour(result["lock"], "syy", deformed=200.0)
 
 # %%
 # Figures

@@ -110,7 +110,7 @@ print(result)
 # off, for the frame pushes at the top of the sample and friction holds it at the bottom. This is the sample
 # at the end, displacements ten times enlarged; its shape before the test is grey.
 
-plot.contour(forms, result["1.0 mm"], "syy", deformed=10.0)
+plot.contour(result["1.0 mm"], "syy", deformed=10.0)
 
 # %%
 # What happens at the joint

@@ -35,10 +35,10 @@ print(result["push"].report("joint"))
 
 # %%
 # The load, the tractions that the sand exerts on the block, and the points that yield:
-plot.contour(forms, result["push"], "syy", loads=push, contact=True, points=True, window=(-3, 3, -2.2, 1.6))
+plot.contour(result["push"], "syy", loads=push, contact=True, points=True, window=(-3, 3, -2.2, 1.6))
 
 # %%
-plot.contact_diagram({stage.name: stage.tractions("joint") for stage in result}, along="x")
+plot.diagram({stage.name: stage.tractions("joint") for stage in result}, along="x")
 
 # sphinx_gallery_start_ignore
 import json

@@ -38,7 +38,7 @@ ax.set(xlabel="lever / width", ylabel="load / (width c)", xlim=(0, 0.5), ylim=(0
 ax.legend(frameon=False)
 
 # %%
-plot.mechanism(forms, found[3], window=(-3, 3, -3, 0.3))
+plot.mechanism(found[3], window=(-3, 3, -3, 0.3))
 
 # sphinx_gallery_start_ignore
 import json

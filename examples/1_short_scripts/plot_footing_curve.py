@@ -43,7 +43,7 @@ ax.set(xlabel="settlement [mm]", ylabel="mean pressure [kPa]", xlim=(0, None), y
 ax.legend(frameon=False)
 
 # %%
-plot.contour(forms, result[-1], "gamma", since=result[-2], vectors=True, window=(0, 4, -2.5, 0.2))
+plot.contour(result[-1], "gamma", since=result[-2], vectors=True, window=(0, 4, -2.5, 0.2))
 
 # sphinx_gallery_start_ignore
 import json

@@ -52,7 +52,7 @@ state = {name: answer.state for name, answer in out.items()}  # accepting the st
 # %%
 # The result of a stage gives pictures and tables of the state that was found.
 found = sc.results.of(forms, x, state, load=load)
-plot.contour(forms, found, "sxx", deformed=50.0, loads=load)
+plot.contour(found, "sxx", deformed=50.0, loads=load)
 
 # sphinx_gallery_start_ignore
 import json

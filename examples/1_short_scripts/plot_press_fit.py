@@ -42,7 +42,7 @@ pressure = result["fit"].tractions("fit").pressure
 print(f"pressure {pressure.mean():.1f} MPa, between {pressure.min():.1f} and {pressure.max():.1f}")
 
 # %%
-plot.contour(forms, result["fit"], "mises", deformed=1.0)
+plot.contour(result["fit"], "mises", deformed=1.0)
 
 # sphinx_gallery_start_ignore
 import json

@@ -46,11 +46,11 @@ print(f"prop {result['lift 2'].reactions()[prop][0]:.1f} kN/m")
 
 # %%
 both = [result["lift 1"], result["lift 2"]]
-plot.stages(forms, both, "ux", since=result["wall"], deformed="auto", window=(0, 14, 4, 17))
+plot.stages(both, "ux", since=result["wall"], deformed="auto", window=(0, 14, 4, 17))
 
 # %%
 cuts = sc.Sections.line((6.25, 16.0), (6.25, 6.0), depth=0.5, n=41)
-plot.diagram_on(forms, result["lift 2"], "M", result["lift 2"].section_forces("wall", cuts))
+plot.diagram(result["lift 2"].section_forces("wall", cuts), "M", on=result["lift 2"])
 
 # sphinx_gallery_start_ignore
 import json

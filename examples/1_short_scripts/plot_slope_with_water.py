@@ -37,7 +37,7 @@ print(f"with water {wet.factor:.2f}, without {dry.factor:.2f}")
 
 # %%
 # The mechanism: where the soil shears, and where it goes. It enters the clay and leaves at the toe.
-plot.mechanism(slope, wet, water=water)
+plot.mechanism(wet, water=water)
 
 # %%
 # The curve levels off at the factor: a collapse, and no failure of the computation.

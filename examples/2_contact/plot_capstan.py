@@ -113,7 +113,7 @@ for thickness in (0.02, 0.01, 0.005):
 # The belt of the middle thickness, seen with its displacements enlarged a thousand times: tension along the belt.
 
 forms, result, force, _, _ = runs[0.01]
-plot.contour({"belt": forms["belt"]}, result[-1], "s1", deformed=1000.0)
+plot.contour(result[-1], "s1", deformed=1000.0)
 
 # %%
 # How the belt begins to slide

@@ -91,7 +91,7 @@ for n in meshes:
 # The end of the way. Friction drags the slab along and tilts the block, so that the stresses are not symmetric.
 
 forms, result, *_ = runs[16, "smoothed, segments"]
-plot.contour({"bodies": forms["bodies"]}, result[-1], "syy", deformed=1.0)
+plot.contour(result[-1], "syy", deformed=1.0)
 
 # %%
 # Forces on the way

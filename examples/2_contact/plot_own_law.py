@@ -138,8 +138,8 @@ class Cohesive(sc.InterfaceLaw):
 # %%
 # Checked without a mesh
 # ----------------------
-# :func:`~skfem_contact.check_interface_law` leads random points to random jumps, in the plane and in space: shapes,
-# tangents against differences, admissibility, dissipation.
+# :func:`~skfem_contact.testing.check_interface_law` leads random points to random jumps, in the plane and in space:
+# shapes, tangents against differences, admissibility, dissipation.
 
 for law in (Dilatant(mu=0.5, psi=10.0), Cohesive(strength=2.0, energy=2e-3)):
     print(type(law).__name__, f"{sc.testing.check_interface_law(law):.0e}")

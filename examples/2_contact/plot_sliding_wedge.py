@@ -120,7 +120,7 @@ for name, wedge in wedges.items():
 # outlines of the start are grey.
 
 forms, result, *_ = runs["smooth wall"]
-plot.contour({"bodies": forms["bodies"]}, result[n_steps], "syy", deformed=1.0)
+plot.contour(result[n_steps], "syy", deformed=1.0)
 
 # %%
 # The force on the way

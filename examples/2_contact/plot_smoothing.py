@@ -92,7 +92,7 @@ for name, smoothing in (("facets", None), ("smoothed", 0.5)):
 # %%
 # The bush under the smoothed drum, which turns anticlockwise and drags the bush along.
 
-plot.contour({"bush": bodies["bush"]}, runs["smoothed"][1][-1], "syy", deformed=1.0, window=(-1.4, 1.4, -1.4, 0))
+plot.contour(runs["smoothed"][1][-1], "syy", bodies="bush", deformed=1.0, window=(-1.4, 1.4, -1.4, 0))
 
 # %%
 # Force and torque

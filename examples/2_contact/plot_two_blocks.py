@@ -105,7 +105,7 @@ for quadrature in ("nodal", 2):
 # The block near the middle of the first stroke: the pressure is highest at its front edge, to which the
 # friction tilts it. Outlines of the start are grey.
 
-plot.contour({"bodies": bodies}, runs["nodal"][1]["step 10"], "syy", deformed=1.0)
+plot.contour(runs["nodal"][1]["step 10"], "syy", deformed=1.0)
 
 # %%
 # The loop

@@ -157,7 +157,7 @@ if FULL:
 # That of the upper bound with the rough pile, and all brackets.
 
 name = "interface 1"
-plot.mechanism(model(slope(True), 1.0)[0], proven[name])
+plot.mechanism(proven[name])
 
 # %%
 

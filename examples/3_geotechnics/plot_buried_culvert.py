@@ -92,7 +92,7 @@ print(result)
 # The settlement that the surcharge adds, displacements enlarged, with the undeformed outline in grey; and what the
 # ground exerts on the pipe at the end:
 
-plot.contour(forms, result["surcharge"], "uy", since=result["gravity"], deformed="auto", contact=True, loads=strip)
+plot.contour(result["surcharge"], "uy", since=result["gravity"], deformed="auto", contact=True, loads=strip)
 
 # %%
 # What presses on the pipe
@@ -103,14 +103,14 @@ plot.contour(forms, result["surcharge"], "uy", since=result["gravity"], deformed
 skin = {stage.name: stage.tractions("skin") for stage in result}
 angle = skin["gravity"].central_angle()
 
-plot.ring_diagram(angle, {name: points.pressure for name, points in skin.items()}, "contact pressure (kPa)")
+plot.diagram({name: points.pressure for name, points in skin.items()}, "contact pressure (kPa)", angle=angle)
 
 # %%
 # Under gravity the pressure is symmetric, and low at both sides, where the layers meet. The surcharge
 # presses from the upper right and spoils the symmetry; the smallest pressure is now found at 90 degrees, at
 # *the right interface between soft and stiff soil*.
 
-plot.ring_diagram(angle, {name: points.shear for name, points in skin.items()}, "friction (kPa)")
+plot.diagram({name: points.shear for name, points in skin.items()}, "friction (kPa)", angle=angle)
 
 # %%
 # The soil drags the upper half of the pipe down, and holds the lower half up. Nowhere does the friction
@@ -128,11 +128,11 @@ for name, points in skin.items():
 cuts = sc.Sections.ring(center=(0.0, 0.0), inner=0.72, outer=0.90, n=72)
 ring = {stage.name: stage.section_forces("culvert", cuts) for stage in result}
 
-plot.ring_diagram(cuts.position, {name: forces.M for name, forces in ring.items()}, "moment (kNm/m)")
+plot.diagram({name: forces.M for name, forces in ring.items()}, "moment (kNm/m)", angle=cuts.position)
 
 # %%
 
-plot.ring_diagram(cuts.position, {name: -forces.N for name, forces in ring.items()}, "thrust (kN/m)")
+plot.diagram({name: -forces.N for name, forces in ring.items()}, "thrust (kN/m)", angle=cuts.position)
 
 # %%
 # Moment and thrust go round in the same rhythm in both stages, twice up and twice down: pressed harder from

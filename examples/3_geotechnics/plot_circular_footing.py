@@ -108,8 +108,7 @@ plt.show()
 # --------------------
 # The ground moves down with the disc, sideways, and up beside it.
 
-clay = {"clay": last[-1].forms["clay"]}
-plot.cutaway(clay, last[-1], "u", since=last[-2], towards=(1, 1.4, -0.7), deformed=500.0,
+plot.cutaway(last[-1], "u", since=last[-2], towards=(1, 1.4, -0.7), deformed=500.0,
              cuts=[((1, 0, 0), (2.5, 0, 0)), ((0, 1, 0), (0, 2.5, 0)),
                    ((0, 0, -1), (0, 0, -1.5))])  # fmt: skip
 

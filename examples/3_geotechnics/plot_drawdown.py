@@ -142,7 +142,7 @@ plt.show()
 
 down = sc.Stage("down", weight + on_surface(0.7 * HEIGHT) + in_pores)
 result = sc.Model(quick, fixed).run([down], start=start, progress=False)
-plot.contour(quick, result["down"], "pore", mesh=False, levels=5)
+plot.contour(result["down"], "pore", mesh=False, levels=5)
 
 # %%
 # With time

@@ -133,11 +133,11 @@ ax.legend(frameon=False)
 # The excess pressure right after the last lift, and its course below the middle of the road.
 
 forms, result = kept
-plot.contour(forms, result["lift 3"], "pore", mesh=False)
+plot.contour(result["lift 3"], "pore", mesh=False)
 
 # %%
 
-figure = plot.history(forms, result, "pore", {"3 m deep": (0.0, -3.0), "base": (0.0, -DEPTH)}, time=True)
+figure = plot.history(result, "pore", {"3 m deep": (0.0, -3.0), "base": (0.0, -DEPTH)}, time=True)
 figure.axes[0].set_xlabel("time [days]")
 plt.show()
 

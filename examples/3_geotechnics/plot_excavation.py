@@ -191,7 +191,7 @@ print({name: round(float(value), 1) for name, value in moments.items()})
 # Horizontal displacements at the end, enlarged. What has been dug away is not drawn.
 
 # sphinx_gallery_thumbnail_number = 2
-plot.contour(forms, last, "ux", deformed=40.0, window=(0, 18, 2, 17))
+plot.contour(last, "ux", deformed=40.0, window=(0, 18, 2, 17))
 
 # %%
 # Figures

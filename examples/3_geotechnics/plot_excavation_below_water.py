@@ -322,11 +322,11 @@ for ax in (left, right):
 # %%
 # On the wall itself, and the movements into the pit at the end.
 
-plot.diagram_on(forms, last, "M", moments["with water"]["dig 3"])
+plot.diagram(moments["with water"]["dig 3"], "M", on=last)
 
 # %%
 
-plot.contour(forms, last, "ux", deformed=20.0, window=(0, 20, -17, 1))
+plot.contour(last, "ux", deformed=20.0, window=(0, 20, -17, 1))
 
 # %%
 # The bottom of the pit
@@ -420,7 +420,7 @@ assert 1.7 < proven.lower < proven.upper < 2.05 and 1.5 < davis < proven.lower
 # %%
 # The mechanism of the upper bound: the toe moves into the pit and lifts its bottom.
 
-plot.mechanism(bodies, proven)
+plot.mechanism(proven)
 
 # %%
 # The flow round the toe.

@@ -164,7 +164,7 @@ row("gravity, slope", 24, null["null step"], error, begin)
 # %%
 # The shear stress in the slope, in equilibrium before anything is done to it.
 
-plot.contour(hill, null["null step"], "sxy")
+plot.contour(null["null step"], "sxy")
 
 # %%
 # Figures

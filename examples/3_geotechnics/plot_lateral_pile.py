@@ -91,7 +91,7 @@ for alpha, (force, *_) in slices.items():
 # with it, and beside it a body turns.
 
 _, forms, result, _ = slices[1.0]
-plot.contour(forms, result[-1], "u", since=result[-2], window=(-2.0, 2.0, 0.0, 2.0))
+plot.contour(result[-1], "u", since=result[-2], window=(-2.0, 2.0, 0.0, 2.0))
 
 # %%
 # A short pile
@@ -163,13 +163,13 @@ view = {"cuts": [((1, 0, 0), (2.5, 0, 0)), ((0, 1, 0), (0, 2.0, 0)),
                  ((0, 0, -1), (0, 0, -4.5))],
         "towards": (-0.6, 1.4, -0.8), "deformed": 30.0, "limits": (-1.2e-3, 1.2e-3)}
 _, forms, result, _ = piles["held by suction"]
-plot.cutaway(forms, result[-1], "uz", **view)
+plot.cutaway(result[-1], "uz", **view)
 
 # %%
 # Without it the clay behind the pile stays where it is.
 
 _, forms, result, _ = piles["free to come off"]
-plot.cutaway(forms, result[-1], "uz", **view)
+plot.cutaway(result[-1], "uz", **view)
 print(result[-1].report("shaft"))
 
 # %%

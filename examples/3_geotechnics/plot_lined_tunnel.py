@@ -323,7 +323,7 @@ contact.set_ylim(0)
 # that the sides of the tunnel yield and not its crown.
 
 # sphinx_gallery_thumbnail_number = 2
-plot.contour(forms, lined["lining after 80%"][-1], "plastic", window=(0.0, 6.0, 0.0, 5.0))
+plot.contour(lined["lining after 80%"][-1], "plastic", window=(0.0, 6.0, 0.0, 5.0))
 
 # %%
 # Figures

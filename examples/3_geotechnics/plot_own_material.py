@@ -83,9 +83,9 @@ class HardeningVonMises(Isotropic):
 # %%
 # Is it right?
 # ------------
-# :func:`~skfem_contact.check_material` tries the law on random paths: whether it is pure, whether what it returns is
-# admissible, whether the tangent is the derivative of the stress, whether plastic flow dissipates. It returns the error
-# of the tangent.
+# :func:`~skfem_contact.testing.check_material` checks the law on random paths. Arguments must not change, the returned
+# stress must be admissible, the tangent must be the derivative of the stress, and plastic flow must dissipate. The
+# largest error of the tangent is returned.
 
 steel = HardeningVonMises(E=2e5, nu=0.3, strength=200.0, hardening=5e3)
 for components in (4, 6):

@@ -201,13 +201,13 @@ ax.legend(frameon=False)
 failure = replace(gravity, name="failure", x=piled.x, states=piled.states)
 moved = replace(failure, x=piled.x - gravity.x)
 # sphinx_gallery_thumbnail_number = 2
-plot.contour(forms, moved, "ux")
+plot.contour(moved, "ux")
 
 # %%
 # The pile, displacements as they are. It has two hinges: one below the interface, where the firm ground holds it, and
 # one in the sliding ground. Near its head the soil uphill falls behind, and a gap opens.
 
-plot.contour(forms, moved, "ux", deformed=1.0, window=(-8.0, 6.0, -17.0, 4.0))
+plot.contour(moved, "ux", deformed=1.0, window=(-8.0, 6.0, -17.0, 4.0))
 
 # %%
 # What the soil does to the pile
@@ -226,7 +226,7 @@ def along_side(side, stage):
 
 right = {stage.name: along_side("right", stage) for stage in (gravity, failure)}
 left = {stage.name: along_side("left", stage) for stage in (gravity, failure)}
-plot.contact_diagram(right, along="y")
+plot.diagram(right, along="y")
 
 # %%
 # What the pile carries
@@ -237,7 +237,7 @@ plot.contact_diagram(right, along="y")
 
 cuts = sc.Sections.line((0.0, 0.0), (0.0, tip), depth=width, n=79)
 carried = {stage.name: stage.section_forces("pile", cuts) for stage in (gravity, failure)}
-plot.section_diagram(carried, upright=True)
+plot.diagram(carried, upright=True)
 
 for name, forces in carried.items():
     peak = np.argmax(abs(forces.M))

@@ -114,7 +114,7 @@ plt.show()
 # The ground that is drawn along
 # ------------------------------
 
-plot.cutaway(forms, result["8 mm"], "uz", since=result["initial"], limits=(0, 1.6e-3),
+plot.cutaway(result["8 mm"], "uz", since=result["initial"], limits=(0, 1.6e-3),
              cuts=[((1, 0, 0), (2.5, 0, 0)), ((0, 1, 0), (0, 2.5, 0))], towards=(1, 1.4, -0.8))
 
 # %%

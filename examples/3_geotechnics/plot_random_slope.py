@@ -89,7 +89,7 @@ ax.set(aspect="equal", xlabel="x [m]", ylabel="y [m]", title=f"Strength of sampl
 fig.colorbar(colors, label=r"$c_u / \gamma H$", shrink=0.8)
 
 # %%
-plot.mechanism(clay, found)
+plot.mechanism(found)
 
 # %%
 # Many samples

@@ -166,7 +166,7 @@ np.testing.assert_allclose(rest.pressure, K0 * WEIGHT * (HEIGHT - rest.y), atol=
 
 forms, result = states["passive"]
 # sphinx_gallery_thumbnail_number = 2
-plot.contour(forms, result[-1], "plastic", deformed=40.0, window=(-2, 18, -3, 8), colors="magma_r", limits=(0.0, 0.01))
+plot.contour(result[-1], "plastic", deformed=40.0, window=(-2, 18, -3, 8), colors="magma_r", limits=(0.0, 0.01))
 
 # %%
 # Figures

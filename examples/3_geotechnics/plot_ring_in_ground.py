@@ -254,7 +254,7 @@ for ax in axes[1]:
 
 forms, step, _ = analyse("Q1, nodal, smoothed", 0.0, 72)
 # sphinx_gallery_thumbnail_number = 2
-plot.contour(forms, step, "u", deformed=100.0, window=(-2.0, 2.0, -1.6, 1.6), limits=(0.0, 0.006))
+plot.contour(step, "u", deformed=100.0, window=(-2.0, 2.0, -1.6, 1.6), limits=(0.0, 0.006))
 
 # %%
 # Figures

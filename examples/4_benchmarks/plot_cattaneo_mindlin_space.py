@@ -186,7 +186,7 @@ plt.show()
 # ------
 # Sheared by nine tenths of the friction: the plane of symmetry.
 
-plot.cutaway(forms, result[f"{RATIOS[-1]} mu P"], "szx", towards=(0.3, 1.0, -0.5),
+plot.cutaway(result[f"{RATIOS[-1]} mu P"], "szx", towards=(0.3, 1.0, -0.5),
              cuts=[((1, 0, 0), (2.5, 0, 0)), ((-1, 0, 0), (-2.5, 0, 0)), ((0, 1, 0), (0, 2.5, 0)),
                    ((0, 0, 1), (0, 0, 2)), ((0, 0, -1), (0, 0, -2))])  # fmt: skip
 

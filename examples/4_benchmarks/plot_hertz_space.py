@@ -109,7 +109,7 @@ plt.show()
 # The largest shear stress lies below the surface, in both bodies. The symmetry planes are in
 # front.
 
-plot.cutaway(forms, result["press"], "mises", towards=(1.0, 1.4, -0.7),
+plot.cutaway(result["press"], "mises", towards=(1.0, 1.4, -0.7),
              cuts=[((1, 0, 0), (3, 0, 0)), ((0, 1, 0), (0, 3, 0)),
                    ((0, 0, 1), (0, 0, 2.5)), ((0, 0, -1), (0, 0, -2.5))])  # fmt: skip
 

@@ -103,7 +103,7 @@ drawn_beside(found.r, found.pressure, line, pressure, "flat punch", "r / a", yli
 # %%
 # How the ground settles, thirty times enlarged, and its vertical stress.
 
-plot.cutaway(forms, step, "szz", deformed=30.0, limits=(-20.0, 0.0), towards=(1.0, 1.4, -0.7),
+plot.cutaway(step, "szz", deformed=30.0, limits=(-20.0, 0.0), towards=(1.0, 1.4, -0.7),
              cuts=[((1, 0, 0), (2.5, 0, 0)), ((0, 1, 0), (0, 2.5, 0)),
                    ((0, 0, -1), (0, 0, -2.0))])  # fmt: skip
 

@@ -128,7 +128,7 @@ plt.show()
 # ----------------------------------------------------------
 # Largest shear strain, in front of the axis.
 
-plot.cutaway({"block": body.solid}, result["c = 0.5 a"], "gamma", since=result["press"],
+plot.cutaway(result["c = 0.5 a"], "gamma", since=result["press"],
              towards=(0.7, 1.4, -1.0), cuts=[((0, -1, 0), (0, 0, 0)), ((1, 0, 0), (2, 0, 0)),
                                              ((-1, 0, 0), (-2, 0, 0)), ((0, 0, -1), (0, 0, -1.5)),
                                              ((0, 1, 0), (0, 2, 0))])  # fmt: skip

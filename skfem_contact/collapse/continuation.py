@@ -212,7 +212,7 @@ def as_collapse(error: NotConverged, system: System) -> NotConverged:
     """The error, or :class:`NoEquilibrium` where all points flow from the start and nothing resists any more."""
     singular = error.__cause__
     if len(error.residuals) > 1 or not isinstance(singular, SingularSystem) \
-            or len(singular.unknowns) < len(system.free):
+            or len(singular.dofs) < len(system.free):
         return error
     return NoEquilibrium("all points flow at once, and nothing resists any more", error.x, error.residuals,
                          error.dof)

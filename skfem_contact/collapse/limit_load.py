@@ -15,7 +15,7 @@ from ..nonlinear.line_search import Search
 from ..nonlinear.newton import Newton
 from ..nonlinear.system import System
 from ..results.result import Result, StageResult
-from ..solvers.threads import single_threaded
+from ..solvers import single_threaded
 from ..stages.setup import Setup
 from .continuation import GROWTH, follow, last_stage, loaded_start
 from .history import Point, SearchLog

@@ -6,7 +6,7 @@ from typing import Any
 from ..errors import NoEquilibrium, NotConverged
 from ..nonlinear.newton import Newton
 from ..results.result import Result, StageResult
-from ..solvers.threads import single_threaded
+from ..solvers import single_threaded
 from ..stages.setup import Setup
 from .continuation import as_collapse, loaded_start
 

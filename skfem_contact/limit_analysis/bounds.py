@@ -12,7 +12,7 @@ from tqdm import tqdm
 
 from ..errors import AnalysisWarning, names_of
 from ..loads import Pressure
-from ..solvers.threads import single_threaded
+from ..solvers import single_threaded
 from .certify import dissipation
 from .loading import Loads, TractionLike, Vectors
 from .reading import Problem, read

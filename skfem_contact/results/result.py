@@ -170,7 +170,7 @@ class StageResult(files.StageData):
         """Draw a field, see :func:`~skfem_contact.plot.contour`."""
         from ..plot import contour
 
-        return contour(self.forms, self, quantity, **options)
+        return contour(self, quantity, **options)
 
     def _of(self, name: str, kind: type) -> tuple[Any, Any]:
         """Return a form of a kind, and its state."""

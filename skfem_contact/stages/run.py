@@ -16,7 +16,7 @@ from ..nonlinear.stepping import Predictor, Stepping
 from ..nonlinear.system import System
 from ..nonlinear.time_steps import Path, solve_step
 from ..results.result import Result, StageResult
-from ..solvers.threads import single_threaded
+from ..solvers import single_threaded
 from .activation import Phase, begin, check_start, plan, state_changes
 from .setup import Setup
 from .stage import Stage, checked

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 import skfem_contact as sc
-from skfem_contact.contact.state import ContactState
+from skfem_contact.contact.interface import ContactState
 from skfem_contact.results import Result, StageResult
 
 from .frames import Frame, in_units, mirrored, shifted, turned

@@ -137,7 +137,8 @@ def test_gap_closed_by_displacement(quadrature, elements):
             result = run(forms, stages, fixed)
         if gap > 0:
             assert np.abs(result["almost"].states["blocks"].stress).max() < 1e-9
-            assert result["almost"].iterations == (1,)
+            # a second one removes forces that round-off of the linear solver leaves, more than those of the assembly
+            assert result["almost"].iterations in ((1,), (2,))
         forces.append(force_on(forms, result["press"])[1])
     assert forces[0] == pytest.approx(forces[1], rel=1e-3)  # sides of joints, as above
 

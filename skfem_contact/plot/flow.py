@@ -16,18 +16,18 @@ from numpy import ndarray
 from ..layout import elements_of
 from ..water import Seepage
 from ..water.places import simplices
-from .diagrams import saved
+from .diagram import saved
 from .marks import WATER
 from .units import labelled
 
 _LEVELS, _ARROWS = 14, 24  # most bands of the head or pressure; arrows along the longer side of the picture
 _WIDTH, _HEIGHT = 9.0, 5.0  # inches of a picture at most
-_LABELS = {"head": ("hydraulic head", "length"), "pressure": ("pore pressure", "stress")}
+_FLOW = {"head": ("hydraulic head", "length"), "pressure": ("pore pressure", "stress")}
 
 
 def flow_diagram(water: Seepage, quantity: Literal["head", "pressure"] = "head", arrows: bool = True,
                  ax: Axes | None = None, file: str | Path | None = None) -> Figure:
-    """Contours of the head or of the pore pressure in wet ground, with the free surface and the directions of flow.
+    """Draw contours of the head or of the pore pressure in wet ground, the free surface and directions of flow.
 
     Parameters
     ----------
@@ -36,21 +36,12 @@ def flow_diagram(water: Seepage, quantity: Literal["head", "pressure"] = "head",
     quantity
         ``"head"`` or ``"pressure"``.
     arrows
-        Whether to draw arrows of the flow: those of the elements next to the points of a grid, as long as the flow is
-        strong but for the few strongest.
+        Draw the velocities of the elements nearest to the points of a grid; but for the few strongest, the arrows are
+        as long as the flow is strong.
     ax
         Axes to draw in; by default those of a new figure.
     file
         Name of a picture to write.
-
-    Returns
-    -------
-    Figure
-
-    Raises
-    ------
-    ValueError
-        An unknown quantity, or seepage in space.
 
     Examples
     --------
@@ -62,13 +53,13 @@ def flow_diagram(water: Seepage, quantity: Literal["head", "pressure"] = "head",
     >>> water = sc.water.seepage(Basis(dam, ElementTriP1()), k=1., head={"left": 5., "right": 1.}, face="right")
     >>> figure = plot.flow_diagram(water, "pressure")
     """
-    if quantity not in _LABELS:
-        raise ValueError(f"quantity must be one of {', '.join(_LABELS)}, not {quantity!r}")
-    mesh = water.basis.mesh
+    if quantity not in _FLOW:
+        raise ValueError(f"quantity must be one of {', '.join(_FLOW)}, not {quantity!r}")
+    mesh, elements = water.basis.mesh, elements_of(water.basis)
     if mesh.dim() != 2:
         raise ValueError("plot.flow_diagram is for plane seepage")
     x, y = mesh.p[:, :len(water.head)]
-    corners = simplices(mesh, elements_of(water.basis)).T
+    corners = simplices(mesh, elements).T
     if ax is None:
         width, height = np.ptp(mesh.p[:, corners.ravel()], axis=1)
         scale = min((_WIDTH - 2.0) / width, _HEIGHT / height)
@@ -80,35 +71,27 @@ def flow_diagram(water: Seepage, quantity: Literal["head", "pressure"] = "head",
     levels = MaxNLocator(_LEVELS).tick_values(shown.min(), shown.max())
     filled = ax.tricontourf(triangles, values, levels, cmap="Blues")
     ax.tricontour(triangles, values, levels, colors="white", linewidths=0.5)
-    ax.add_collection(LineCollection(mesh.p[:, _outline(water)].transpose(2, 1, 0), colors="black"))
+    outline = np.bincount(mesh.t2f[:, elements].ravel(), minlength=mesh.nfacets) == 1
+    ax.add_collection(LineCollection(mesh.p[:, mesh.facets[:, outline]].transpose(2, 1, 0), colors="black"))
     for line in water.free_surface:
         ax.plot(*line.T, color=WATER, linewidth=2.0)
     if arrows:
-        _draw_arrows(ax, water)
-    ax.figure.colorbar(filled, ax=ax, label=labelled(*_LABELS[quantity]), shrink=0.8)
+        _draw_arrows(ax, mesh.p[:, mesh.t[:, elements]].mean(axis=1), water.velocity)
+    ax.figure.colorbar(filled, ax=ax, label=labelled(*_FLOW[quantity]), shrink=0.8)
     ax.set(aspect="equal")
     figure = ax.get_figure()
     assert isinstance(figure, Figure)
     return saved(figure, file)
 
 
-def _outline(water: Seepage) -> ndarray:
-    """Ends of the facets with porous ground on one side only, (2, n)."""
-    mesh = water.basis.mesh
-    count = np.bincount(mesh.t2f[:, elements_of(water.basis)].ravel(), minlength=mesh.nfacets)
-    return mesh.facets[:, count == 1]
-
-
-def _draw_arrows(ax: Axes, water: Seepage) -> None:
-    """Darcy velocities of the elements nearest to the points of a regular grid."""
-    mesh = water.basis.mesh
-    centres = mesh.p[:, mesh.t[:, elements_of(water.basis)]].mean(axis=1)
+def _draw_arrows(ax: Axes, centres: ndarray, velocity: ndarray) -> None:
+    """Draw velocities (2, n) of the elements nearest to the points of a regular grid."""
     low, step = centres.min(axis=1, keepdims=True), float(np.ptp(centres, axis=1).max()) / _ARROWS
     cell = np.floor((centres - low) / step).astype(int)
     off = np.linalg.norm((centres - low) / step - cell - 0.5, axis=0)
     order = np.lexsort((off, *cell))
     first = order[np.append(True, (np.diff(cell[:, order]) != 0).any(axis=0))]
-    flow = water.velocity[:, first]
+    flow = velocity[:, first]
     speed = np.linalg.norm(flow, axis=0)
     longest = float(np.quantile(speed, 0.95)) or 1.0
     flow = flow / np.maximum(speed, longest) * 0.9 * step
