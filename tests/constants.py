@@ -155,9 +155,9 @@ iterations with the numbers as they are:
 {counts}
 
 A dash means no change. In these analyses the numbers change the cost only. The exception is the share of an
-interference that a step leaves: doubled it is one, and the analysis fails. The analysis with the hard penalty alternates between
-states: 13 iterations fewer are one attempt fewer. [Newton's method](newton.md) and [contact](contact.md) explain the
-numbers.
+interference that a step leaves: doubled it is one, and the analysis fails. The analysis with the hard penalty
+alternates between states: 13 iterations fewer are one attempt fewer. [Newton's method](newton.md) and
+[contact](contact.md) explain the numbers.
 """
 REST = """
 ## Numbers without influence here
