@@ -10,7 +10,17 @@ from .forms.rigid_boundary import RigidBoundary
 from .forms.solid import SolidForm
 from .layout import Field, box_supports, dofs_at
 from .loads import hydrostatic, traction, water_load, weight
-from .materials import DruckerPrager, HardeningMohrCoulomb, LinearElastic, MohrCoulomb, Tresca, Undrained, VonMises
+from .materials import (
+    DruckerPrager,
+    HardeningMohrCoulomb,
+    Internal,
+    LinearElastic,
+    Material,
+    MohrCoulomb,
+    Tresca,
+    Undrained,
+    VonMises,
+)
 from .mesh import join_bodies, load_mesh
 from .model import Model
 from .nonlinear.newton import Newton
@@ -23,7 +33,7 @@ __version__ = "0.2.0"
 
 __all__ = [
     "AnalysisWarning", "AugmentedLagrangian", "Bar", "ContactPair", "Coulomb", "DruckerPrager", "Field", "Form",
-    "HardeningMohrCoulomb", "InterfaceLaw", "LinearElastic", "MatrixForm", "Model", "MohrCoulomb", "Newton",
+    "HardeningMohrCoulomb", "InterfaceLaw", "Internal", "LinearElastic", "Material", "MatrixForm", "Model", "MohrCoulomb", "Newton",
     "NoEquilibrium", "NotConverged", "PoreWater", "Response", "RigidBoundary", "Sections", "SolidForm", "Spring",
     "Stage", "Surface", "Tied", "Tresca", "Undrained", "VonMises", "box_supports", "dofs_at", "hydrostatic",
     "join_bodies", "load_mesh", "load_result", "mesh", "results", "rigid", "testing", "traction", "water", "water_load",

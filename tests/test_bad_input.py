@@ -153,7 +153,6 @@ def test_number_of_points_may_be_numpy():
         ({"tangent": "full"}, "tangent must be one of"),
         ({"initial": "touching"}, "initial must be one of"),
         ({"share": 0.0}, "share must lie in"),
-        ({"axisymmetric": 1}, "axisymmetric must be True or False"),
         ({"share": 1.5}, "share must lie in"),
         ({"smoothing": 0.7}, "alpha must lie in"),
         ({"smoothing": 0.0}, "alpha must lie in"),

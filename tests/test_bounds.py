@@ -14,7 +14,7 @@ from skfem import Basis, ElementQuad1, ElementTriP1, ElementTriP2, ElementVector
 
 import skfem_contact as sc
 from skfem_contact.limit_analysis import Bounds, certify, search
-from skfem_contact.limit_analysis.loading import Loads
+from skfem_contact.limit_analysis.model import named_loads
 from skfem_contact.limit_analysis.reading import read
 from skfem_contact.limit_analysis.search import Search
 
@@ -77,7 +77,7 @@ def test_water_and_acceleration() -> None:
     forms, fixed = column(sc.MohrCoulomb(E=1e3, nu=0.3, c=10.0, phi=30.0, psi=30.0))
     dry = bounds(forms, fixed, weight=10.0, tractions={"top": (0.0, -1.0)}, live="top")
     water = sc.hydrostatic(3.0, unit_weight=10.0)
-    wet = bounds(forms, fixed, weight=20.0, water=water, wetted=("top", "right"), tractions={"top": (0.0, -1.0)},
+    wet = bounds(forms, fixed, weight=20.0, water=water, submerged=("top", "right"), tractions={"top": (0.0, -1.0)},
                  live="top")  # fmt: skip
     assert wet.lower == pytest.approx(dry.lower, rel=1e-4) and wet.upper == pytest.approx(dry.upper, rel=1e-4)
     pushed = bounds(forms, fixed, weight=10.0, seismic=0.1, tractions={"top": (0.0, -1.0)}, live="top")
@@ -211,8 +211,8 @@ def test_early_stop(monkeypatch, iterations: int) -> None:
 def test_equilibrium_that_is_not_reached_proves_nothing() -> None:
     """[X] A stress that is out of balance is refused."""
     case = CASES["Griffiths and Lane 1"][0]
-    loads = Loads(case["weight"], 0.0, {}, None, (), ())
-    problem = read(case["forms"], case["fixed"], loads, None, (), False)
+    problem = read(case["forms"], case["fixed"], lambda site: named_loads(site, case["weight"], {}, None, (), 0.0, ()),
+                   False, None, (), False)  # fmt: skip
     found = Search(problem, _Silent()).lower
     program = found.program
     assert certify.prove_lower(program, found.solution, False).value == pytest.approx(found.proof.value)

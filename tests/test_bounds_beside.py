@@ -15,7 +15,7 @@ from skfem import Basis, ElementQuad2, ElementTriP1, ElementTriP2, ElementVector
 
 import skfem_contact as sc
 import skfem_contact.plot as plot
-from skfem_contact.limit_analysis.loading import Site, Vectors
+from skfem_contact.limit_analysis.model import Site, vector_loads
 
 sys.path.append(str(Path(__file__).parents[1] / "examples" / "4_benchmarks"))
 from bound_cases import ground, slope_mesh
@@ -61,7 +61,7 @@ def test_loads_of_a_vector(element) -> None:
     load = own.assemble(basis) + sc.traction(basis, "strip", (0.0, -35.0))
     load = load + sc.traction(basis, "right", lambda x: (-4.0 * (1 - x[1]), 0 * x[0]))
     everywhere = np.arange(basis.mesh.nelements)
-    given = Vectors(load, None).on(Site(basis, everywhere, everywhere, basis.get_dofs("bottom").all()))
+    given = vector_loads(Site(basis, everywhere, everywhere, basis.get_dofs("bottom").all()), load, None)
     low = basis.mesh.subdomains["low"]
     assert np.allclose(given.dead[low], [3.0, -20.0], atol=1e-6)
     assert np.allclose(np.delete(given.dead, low, 0), [3.0, -18.0], atol=1e-6)
@@ -79,7 +79,7 @@ def test_what_is_not_distributed_is_refused() -> None:
     load[sc.dofs_at(basis, (0.5, 1.0)).ravel()[1]] -= 5.0
     with pytest.raises(ValueError, match=r"are left, most at \(0.5, 1\)"):
         sc.Model(forms, fixed).strength_reduction(load, certify=True, progress=False)
-    with pytest.raises(ValueError, match="certify must be True, or arguments of bounds among water, wetted, gap"):
+    with pytest.raises(ValueError, match="certify must be True, or arguments of bounds among water, submerged, gap"):
         sc.Model(forms, fixed).strength_reduction(sc.weight(basis, 20.0), certify={"weight": 20.0}, progress=False)
     with pytest.raises(ValueError, match="HardeningMohrCoulomb"):
         hard = sc.HardeningMohrCoulomb(1e4, 0.3, c=20.0, c_end=5.0, phi=0.0, phi_end=0.0, strain_end=0.1)
@@ -95,7 +95,7 @@ def test_the_same_bounds_as_by_name() -> None:
     water = sc.hydrostatic(1.0, unit_weight=10.0)
     load = sc.weight(basis, 20.0) + sc.traction(basis, "top", (0.0, -15.0))
     load = load + sc.water_load(basis, water, ["top", "right"])
-    given = {"water": water, "wetted": ("top", "right"), "elements": 100}
+    given = {"water": water, "submerged": ("top", "right"), "elements": 100}
     found = quiet(analysis, "strength_reduction", forms, fixed, load, certify=given)
     named = quiet(analysis, "bounds", forms, fixed, weight=20.0, tractions={"top": (0.0, -15.0)}, **given)
     assert found.proven.lower == pytest.approx(named.lower, rel=1e-6)

@@ -11,10 +11,9 @@ from scipy.optimize import minimize_scalar
 from skfem import Basis, ElementQuad2, ElementVector, MeshQuad, MeshQuad2
 
 import skfem_contact as sc
-from skfem_contact.contact.clipping import common_cuts
 from skfem_contact.contact.laws import Status
 from skfem_contact.contact.neighbours import NeighbourList
-from skfem_contact.contact.quadrature import between, gauss, nodal
+from skfem_contact.contact.quadrature import between, common_cuts, gauss, nodal
 from skfem_contact.contact.search import project
 from skfem_contact.surfaces.material_points import along_chain
 from skfem_contact.surfaces.smoothing import smoothed

@@ -9,9 +9,8 @@ from helpers import IN_SPACE, vector_basis
 from skfem import Basis, ElementTetP1, ElementVector, ElementWedge1, MeshHex, MeshTet, MeshWedge1
 
 import skfem_contact as sc
-from skfem_contact.contact.clipping import piecewise
 from skfem_contact.contact.neighbours import NeighbourList
-from skfem_contact.contact.quadrature import gauss, nodal
+from skfem_contact.contact.quadrature import gauss, nodal, piecewise
 from skfem_contact.contact.search import project
 from skfem_contact.surfaces.smoothing import smoothed
 from skfem_contact.surfaces.surface import EXTENSION, Surface

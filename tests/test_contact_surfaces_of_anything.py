@@ -22,11 +22,13 @@ def solved(K, pair, free, prescribed) -> tuple[np.ndarray, object]:
     for share in (0.5, 1.0):
         x = np.where(free, x, share * prescribed)
         for _ in range(40):
-            contact = pair.assemble(x[: pair.size], state).among(len(x))
-            residual = (K @ x + contact.force)[free]
+            contact = pair.assemble(x[: pair.size], state)
+            residual = (K @ x + np.pad(contact.force, (0, len(x) - pair.size)))[free]
             if np.abs(residual).max() < 1e-9:
                 break
-            x[free] -= spsolve((K + contact.stiffness)[free][:, free].tocsc(), residual)
+            stiffness = contact.stiffness.copy()
+            stiffness.resize(K.shape)
+            x[free] -= spsolve((K + stiffness)[free][:, free].tocsc(), residual)
         else:
             raise AssertionError("no equilibrium")
         state = contact.state

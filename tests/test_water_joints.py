@@ -64,7 +64,7 @@ def test_open_joint(law, options):
         np.testing.assert_allclose(p[joint], LOAD * terzaghi(T, np.array([0.5]))[0, 0], atol=0.004 * LOAD)
         low, high = (water.pressure(stage.x)[joint[np.isin(joint, part)]].mean() for part in sides)
         assert abs(low - high) < 1e-3 * LOAD
-        area = 0.1**2 / 2 if forms["joint"].axisymmetric else 0.1
+        area = 0.1**2 / 2 if stage.forms["joint"].axisymmetric else 0.1
         force = stage.report("joint").force[1]
         assert abs(force) == pytest.approx(area * (LOAD - p[joint].mean()), abs=0.002 * LOAD * area)
     state = stages[-1].states["water"]

@@ -396,7 +396,7 @@ def in_pores(x):
 
 began, found = process_time(), {}
 for key in ("associated", "given"):
-    found[key] = sc.Model(bodies, held).bounds(weight={"sand": WEIGHT, "wall": WALL_WEIGHT}, water=in_pores, wetted=("sand|wall", "wall|sand"), flow=key, gap=0.1, elements=1300)
+    found[key] = sc.Model(bodies, held).bounds(weight={"sand": WEIGHT, "wall": WALL_WEIGHT}, water=in_pores, submerged=("sand|wall", "wall|sand"), flow=key, gap=0.1, elements=1300)
 proven, davis = found["associated"], found["given"].lower
 rows.append(
     {

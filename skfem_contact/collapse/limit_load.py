@@ -10,7 +10,7 @@ from numpy import ndarray
 from ..display import progress_bar
 from ..errors import NotConverged
 from ..limit_analysis import beside
-from ..materials.reduction import Flow, check_reduction
+from ..materials.base import Flow, check_reduction
 from ..nonlinear.line_search import Search
 from ..nonlinear.newton import Newton
 from ..nonlinear.system import System

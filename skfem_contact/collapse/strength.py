@@ -14,7 +14,7 @@ from ..display import progress_bar
 from ..errors import NoEquilibrium, NotConverged
 from ..forms.targets import reduced_parts
 from ..limit_analysis import beside
-from ..materials.reduction import Flow, associated_bound, check_reduction, dilates_less
+from ..materials.base import Flow, check_reduction
 from ..nonlinear.line_search import Search
 from ..nonlinear.newton import Newton
 from ..nonlinear.system import System
@@ -69,7 +69,7 @@ class _Strength:
         rest = [form.reduced(1.0, "associated", self.targets.get(name, ())) for name, form in self.whole.forms.items()]
         if not davis.stop.shows_limit or not all(form.symmetric for form in rest):
             return np.inf
-        return max(associated_bound(material, davis.bracket[1]) for material in self.materials)
+        return max(material.associated_bound(davis.bracket[1]) for material in self.materials)
 
     def at(self, parameter: float) -> tuple[System, ndarray]:
         """Forms of reduced strength, and the load."""
@@ -108,7 +108,7 @@ def strength_reduction(setup: Setup, load: Any, start: Result | StageResult | No
     begun = loaded_start(setup, load, start)
     whole = begun.weight + begun.load
     branch = _Strength(begun.system, whole, reduced_parts(begun.system.forms, reduce, exclude), flow)
-    free = flow == "given" and any(dilates_less(material) for material in branch.materials)
+    free = flow == "given" and any(material.dilates_less for material in branch.materials)
     newton = setup.newton or Newton(tolerance=(_LOOSE if free else _BALANCE) * tolerance, max_iterations=30)
     proven = beside(certify, begun.forms, begun.system.fixed, whole, None, reduce, exclude, flow, progress)
     search = partial(_search, origin=begun.origin, newton=newton, tol=tolerance, step=max(step, tolerance),

@@ -77,10 +77,10 @@ class ContactBase(Form):
             self.penalty = self.with_penalty(*both).penalty
 
     def _connect(self) -> None:
-        """Build what follows from the surfaces."""
         self.interface = Interface(self.slave, self.master, self.quadrature)
-        self.size: int = max(self._n, self.slave.end, self.master.end)
-        self._gathering = Gathering(self.size)
+        size = max(self._n, self.slave.end, self.master.end)
+        self.size: int = size or None  # type: ignore[assignment]  # unknown before fields are numbered
+        self._gathering = Gathering(size)
 
     def __repr__(self) -> str:
         return (f"<ContactPair {self.slave.name} on {self.master.name}, {len(self.slave.facets)} facets, "
@@ -93,15 +93,7 @@ class ContactBase(Form):
         return new
 
     def with_penalty(self, normal: float, tangential: float, stiffness: float | None = None) -> Self:
-        """Return a copy with other penalties.
-
-        Parameters
-        ----------
-        normal, tangential : float
-            Traction per penetration and per elastic slip.
-        stiffness : float, optional
-            Traction per displacement of the bodies' surfaces, about E/h. The augmented method divides tractions by it.
-        """
+        """Return a copy with other penalties; `stiffness` is the traction per displacement of the surfaces, E/h."""
         for value in (normal, tangential):
             if not is_number(value, 0.0, np.inf):
                 raise ValueError(f"penalties must be positive numbers, not {value!r}")
@@ -172,9 +164,9 @@ class ContactBase(Form):
 
     @property
     @override
-    def nodes(self) -> tuple[ndarray, ndarray]:  # type: ignore[override]
-        """Dofs of the slave's nodes and their coordinates."""
-        return self.slave.dofs[:, 0], self.slave.nodes.T
+    def nodes(self) -> tuple[ndarray, ndarray] | None:  # type: ignore[override]
+        """Dofs of the slave's nodes and their coordinates, if they are nodes of the mesh."""
+        return (self.slave.dofs[:, 0], self.slave.nodes.T) if self.slave.meshed else None
 
     @property
     @override
@@ -188,11 +180,11 @@ class ContactBase(Form):
     @property
     @override
     def strengths(self) -> tuple[str, ...]:  # type: ignore[override]
-        return ("",) if hasattr(self.law, "reduced") else ()
+        return () if type(self.law).reduced is InterfaceLaw.reduced else ("",)
 
     @override
     def reduced(self, factor: float, flow: str, names: Collection[str]) -> Self:
-        return self.with_law(self.law.reduced(factor)) if names else self  # type: ignore[attr-defined]
+        return self.with_law(self.law.reduced(factor)) if names else self
 
     def points(self, state: ContactState) -> SlavePoints:
         """Return the slave's points of a state."""

@@ -31,7 +31,7 @@ ROUND_OFF = 8 * np.finfo(float).eps
 _CLOSED = 0.05
 #: Round-off of the shear of sticking points, as a share of the largest traction, that is remarked on.
 _LOST = 1e-3
-#: Tractions below this share of what round-off may leave are none: a broken bond, contact that carries nothing.
+#: Tractions below this share of what round-off may leave are none: a broken bond, contact without traction.
 _NONE = 0.1
 
 
@@ -164,7 +164,6 @@ def _on_sliding(pair: ContactBase, state: ContactState) -> Iterator[Remark]:
 
 
 def _within_facets(slave: Surface, points: SlavePoints, values: ndarray) -> ndarray:
-    """Return standard deviations of values within each facet of the slave, shape (n_facets,)."""
     if points.nodes.shape[1] == 1:
         nodal = np.zeros(len(slave.nodes))
         nodal[points.nodes[:, 0]] = values

@@ -40,7 +40,7 @@ class OnEdges:
     """Contact at edges and vertices: the points of the numbers `at` among all that are in contact.
 
     The edge lies `along` a direction in local coordinates, shape (n, dim - 1), zero at vertices.  `place` and `nodes`
-    are the coordinates of the points and of their facets' nodes; `values` are the slave's shape functions.
+    are coordinates of the points and of their facets' nodes; `values` are the slave's shape functions.
     """
 
     at: ndarray
@@ -82,7 +82,6 @@ class OnEdges:
         return G, T, s
 
     def _first(self, row: ndarray, r: ndarray, nodes: ndarray, from_stick: ndarray, direction: ndarray) -> First:
-        """Return first variations of points, given by their numbers, at complex coordinates."""
         facet, along = self.facet[row], self.along[row]
         xi = self._closest(facet, self.xi[row] + 0j, along, r, nodes)
         M = self.master.shape.at(facet, xi, 1)

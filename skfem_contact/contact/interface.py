@@ -162,7 +162,6 @@ class Interface:
 
     @cached_property
     def _last(self) -> list[Any]:
-        """Cuts and points of the last call of `points`."""
         return [None, None]
 
     @cached_property
@@ -285,7 +284,6 @@ class Interface:
         return np.asarray(cKDTree(before).query(after)[1])
 
     def _places_and_normals(self, points: SlavePoints) -> ndarray:
-        """Return coordinates and normals of points of a slave in space, shape (n, 6): none is near round a corner."""
         normal = self.slave.at(points.facet, points.xi, self.slave.nodes).normal
         return np.hstack((points.positions(self.slave.nodes), self.slave.spacing * normal))
 

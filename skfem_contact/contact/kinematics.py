@@ -173,7 +173,6 @@ def _levers(blocks: list[tuple[Surface, ndarray]]) -> tuple[ndarray, ndarray | N
 
 
 def _free(master: Surface, feature: ndarray) -> ndarray:
-    """Return directions, shape (n, dim - 1), in which closest points on sides move: along edges."""
     along = master.shape.along
     return np.concatenate((0 * along[:1], along, 0 * along[:1]))[feature]
 

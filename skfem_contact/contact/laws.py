@@ -105,6 +105,10 @@ class InterfaceLaw:
         """
         raise NotImplementedError(f"{type(self).__name__} has no `update`")
 
+    def reduced(self, factor: float) -> InterfaceLaw:
+        """Return the law with its strength divided by a factor; laws that do not override this have no strength."""
+        raise NotImplementedError(f"{type(self).__name__} has no `reduced`")
+
     def debonded(self, internal: ndarray) -> ndarray:
         """Return the internal variables of points whose bond is broken; by default the same ones."""
         return internal
@@ -151,6 +155,7 @@ class Coulomb(InterfaceLaw):
                                  f"not {getattr(self, name)!r}")
             object.__setattr__(self, name, value if value.ndim else float(value))
 
+    @override
     def reduced(self, factor: float) -> Coulomb:
         """Return the law with friction, adhesion and tension cut-off divided by a positive factor."""
         if not factor > 0.0:

@@ -159,7 +159,6 @@ def _longest_side(surface: Surface) -> ndarray:
 
 
 def _samples(surface: Surface, nodes: ndarray, divisions: ndarray) -> tuple[ndarray, ndarray, ndarray]:
-    """Return facets and coordinates of samples on lattices, and the widest gap on each facet."""
     facets, places, gap = [], [], np.zeros(len(divisions))
     for n in np.unique(divisions):
         on = np.flatnonzero(divisions == n)

@@ -36,7 +36,7 @@ _WANTED, _HARDEST = 10.0, 100.0
 #: ... and the softest one that it starts from: with less, bodies might sink into each other by more than an element.
 _SOFTEST = 0.1
 #: Share of the largest entry that is added to the products of the shape functions: fewer points than nodes, as two on
-#: a quadratic facet, leave combinations of multipliers that nothing tells, and that are kept.
+#: a quadratic facet, leave combinations of multipliers undetermined, which are kept.
 _INDIFFERENT = 1e-10
 #: Share of the largest traction below which the mean at a node is none: beside a corner, where the halves of an open
 #: element cancel, the last bits would decide.
@@ -57,10 +57,11 @@ def choose_penalties(forms: Mapping[str, Any]) -> dict[str, Form]:
     forms : dict
         Forms by name; the solids among them supply the stiffness.
 
-    Returns
-    -------
-    dict
-        The same forms, contact pairs with a penalty.
+    Examples
+    --------
+    >>> from skfem_contact.contact import choose_penalties
+    >>> choose_penalties({})            # the same forms, contact pairs with a penalty
+    {}
     """
     given = as_forms(forms)
     return {name: form.completed(given) for name, form in given.items()}
@@ -96,7 +97,7 @@ def chosen(slave: Surface, master: Surface, bodies: Sequence[csr_matrix], penalt
 
 
 def _per_area(surface: Surface, bodies: Sequence[csr_matrix], axisymmetric: bool) -> float | None:
-    """Return the largest stiffness of a facet against pressure per area, about E/h, or None where nothing tells it.
+    """Return the largest stiffness of a facet against pressure per area, about E/h, or None where it is unknown.
 
     The stiffness along the surface does not count: in thin elements it is larger by the square of their shape.
     """
@@ -203,7 +204,6 @@ class AugmentedLagrangian:
     @staticmethod
     def _corrected(found: ContactState, before: ndarray, points: SlavePoints, penalties: tuple[float, float],
                    stiffness: float, moves: ndarray) -> tuple[ndarray, ndarray, ndarray]:
-        """Return improved multipliers, their correction over the penalties, and the error."""
         pressure = found.traction[0]
         largest = pressure.max(initial=0.0)  # a mean of tractions is no larger; zero where nothing pulls
         none = largest - _ROUND_OFF * np.abs(pressure).max(initial=0.0)
@@ -219,7 +219,6 @@ class AugmentedLagrangian:
 
 
 def _improved(points: SlavePoints, traction: ndarray, multiplier: ndarray, closed: ndarray) -> ndarray:
-    """Return multipliers with the tractions' forces at closed nodes, and their means at the others."""
     excess = _excess(points, traction, multiplier)
     at, mass = np.flatnonzero(closed), _mass(points)
     mass = csc_matrix(mass + diags_array(np.full(mass.shape[0], _INDIFFERENT * mass.diagonal().max())))
@@ -251,6 +250,5 @@ def _nodal_mean(points: SlavePoints, values: ndarray) -> ndarray:
 
 
 def _integral(points: SlavePoints, values: ndarray, shapes: ndarray) -> ndarray:
-    """Return integrals of values at the points times functions of the slave's nodes."""
     share = shapes * (points.weight * values)[:, None]
     return np.asarray(np.bincount(points.nodes.ravel(), share.ravel(), points.nodes.max() + 1))

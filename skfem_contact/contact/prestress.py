@@ -45,8 +45,9 @@ def prestressed(operators: Mapping[str, TractionOperator], force: ndarray, where
     where = np.arange(len(force)) if where is None else where
     near = {name: np.zeros(a.forces.shape[1]) if guess is None else a.of_stress(guess[name])
             for name, a in operators.items()}
-    left = force - sum(a.forces @ near[name] for name, a in operators.items())
-    operator = csr_matrix(hstack([a.forces @ diags_array(a.scale) for a in operators.values()]))[where]
+    forces = {name: a.forces_on(len(force)) for name, a in operators.items()}
+    left = force - sum(part @ near[name] for name, part in forces.items())
+    operator = csr_matrix(hstack([forces[name] @ diags_array(a.scale) for name, a in operators.items()]))[where]
     found = lsqr(operator, left[where], atol=_ACCURACY, btol=_ACCURACY, conlim=0.0, iter_lim=_MOST)[0]
     ends = np.cumsum([0] + [len(a.scale) for a in operators.values()])
     return {name: a.state_with(near[name] + a.scale * found[ends[k]:ends[k + 1]])
@@ -73,6 +74,12 @@ class TractionOperator:
         moving = rows >= 0
         self.forces = coo_matrix((values[moving], (rows[moving], columns[moving])), shape=(pair.size, dim * n)).tocsr()
         self.scale = np.tile(1.0 / np.sqrt(points.weight), dim)
+
+    def forces_on(self, n: int) -> csr_matrix:
+        """Return the map to forces on n dofs, of which the pair knows the first ones."""
+        forces = self.forces.copy()
+        forces.resize(n, forces.shape[1])
+        return forces
 
     def of_stress(self, stress: ndarray) -> ndarray:
         """Return the tractions of stresses at the points, shape (dim n_points,)."""
@@ -168,7 +175,7 @@ class LinearisedContact(Form):
     @override
     def reduced(self, factor: float, flow: str, names: Collection[str]) -> LinearisedContact:
         new = copy(self)
-        new.pair = self.pair.reduced(factor, flow, names)  # type: ignore[assignment]
+        new.pair = self.pair.reduced(factor, flow, names)
         return new
 
     @override

@@ -113,7 +113,7 @@ def nodal(surface: Surface) -> SlavePoints:
     weight[np.abs(weight) < _EQUAL * weight.max()] = 0.0
     if (weight < 0.0).any():
         raise ValueError(f"'{surface.name}': the corners of facets of eight nodes have negative areas: use Gauss "
-                         'points or quadrature="segments" in place of "nodal"')
+                         'points or quadrature="segments" instead of "nodal"')
     size = np.zeros(len(weight))
     np.maximum.at(size, surface.facets.ravel(), np.repeat(surface.size, k))
     _, first = np.unique(surface.facets.ravel(), return_index=True)
@@ -224,7 +224,6 @@ def _corners(surface: Surface, nodes: ndarray) -> ndarray:
 
 
 def _pairs(slave: Surface, slave_nodes: ndarray, master: Surface, master_nodes: ndarray) -> tuple[ndarray, ndarray]:
-    """Return facets whose enclosing spheres are near each other, searched by classes of size."""
     (at, reach), (place, radius) = (_spheres(_corners(s, x)) for s, x in ((slave, slave_nodes), (master, master_nodes)))
     reach = reach + _FACING * slave.size
     level, own, facing = np.floor(np.log2(radius)).astype(int), [], []
@@ -284,7 +283,6 @@ def _clipped(polygons: ndarray, clips: ndarray) -> tuple[ndarray, ndarray]:
 
 
 def _fans(polygons: ndarray, count: ndarray) -> tuple[ndarray, ndarray]:
-    """Return numbers of the polygons and their triangles, shape (n, 3, 2)."""
     number = np.arange(1, max(polygons.shape[1] - 1, 1))
     polygon, second = np.nonzero(number + 1 < count[:, None])
     second = number[second]
@@ -309,7 +307,6 @@ def _back(slave: Surface, nodes: ndarray, facet: ndarray, centre: ndarray, axes:
 
 def _with_the_others(slave: Surface, facet: ndarray, xi: ndarray, weight: ndarray, facing: ndarray
                      ) -> ndarray:
-    """Return the points by facet, with Gauss points on the facets that face nothing."""
     alone = np.setdiff1d(np.arange(len(slave.facets)), facet)
     inner, w = rule(slave.shape, int(slave.shape.exponents.max()) + 1)
     facets = np.concatenate((facet, np.repeat(alone, len(w))))

@@ -67,7 +67,7 @@ def proceed(pair: Pair, accepted: ContactState, found: ContactState) -> Pair:
         if (step := family.proceed(pair, accepted, found)) is not None:
             after, regularised = step
             last = (family,) if regularised else ()
-            return after.with_(families=(*_without(pair, family), *last))  # type: ignore[return-value]
+            return after.with_(families=(*_without(pair, family), *last))
     return pair
 
 
@@ -91,7 +91,6 @@ def _start_interference(pair: ContactBase, accepted: ContactState, failure: Fail
 
 def _resolve_interference(pair: ContactBase, accepted: ContactState, found: ContactState
                           ) -> tuple[ContactBase, bool] | None:
-    """Leave half of the overlap, and nothing of a small one."""
     assert pair.clearance is not None
     now, wanted = pair.clearance
     left = _LEFT * (now - wanted)
@@ -114,7 +113,6 @@ def _start_springs(pair: ContactBase, accepted: ContactState, failure: Failure |
 
 
 def _soften_springs(pair: ContactBase, accepted: ContactState, found: ContactState) -> tuple[ContactBase, bool]:
-    """Return a pair with softer springs, or without any where they exert next to nothing."""
     assert isinstance(pair.law, Stabilised)
     force = pair.points(accepted).weight * np.abs(found.traction[0])
     is_open, slides = found.status == Status.OPEN, (found.status == Status.SLIP).any()
@@ -200,7 +198,6 @@ def _start_soft_stick(pair: ContactBase, accepted: ContactState, failure: Failur
 
 
 def _harden_stick(pair: ContactBase, accepted: ContactState, found: ContactState) -> tuple[ContactBase, bool]:
-    """Return a harder stick, with the tractions of the last solution."""
     elastic = pair.interface.elastic_slip(found) * pair.softness
     sticks = found.status == Status.STICK
     wrong = np.abs(pair.interface.elastic_slip(accepted, found) - elastic)[:, sticks].max(initial=0.0)

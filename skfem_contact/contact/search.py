@@ -118,7 +118,6 @@ def merged(near: ndarray, found: Projection, projected: Callable[[ndarray], Proj
 
 
 def _foot(surface: Surface, nodes: ndarray, points: ndarray, facet: ndarray, xi: ndarray) -> ndarray:
-    """Return local coordinates of the orthogonal projections by Newton's method from flat facets."""
     shape = surface.shape
     if shape.affine:
         return xi
@@ -138,7 +137,6 @@ def _foot(surface: Surface, nodes: ndarray, points: ndarray, facet: ndarray, xi:
 
 
 def _newton_step(x: list[ndarray], points: ndarray) -> ndarray:
-    """Return Newton's step towards the orthogonal projection; x as in :class:`Place`."""
     offset, metric = points - x[0], products(x[1], x[1])
     matrix = metric - np.einsum("nabc,nc->nab", x[2], offset)
     # beyond the centre of curvature the full Newton step runs away: fall back to the safe Gauss-Newton step
@@ -162,7 +160,6 @@ def _on_facets(surface: Surface, nodes: ndarray, points: ndarray, facet: ndarray
 
 def _above(surface: Surface, nodes: ndarray, facet: ndarray, feature: ndarray, xi: ndarray, normal: ndarray,
            offset: ndarray) -> ndarray:
-    """Return True for points outside the body, seen from their closest points."""
     if (bent := np.flatnonzero(feature)).size:  # all facets there tell what is outside
         normal[bent] = side_of_joint(surface, nodes, facet[bent], feature[bent], xi[bent])
     return np.asarray(dot(normal, offset) >= 0)
@@ -237,7 +234,6 @@ def on_sides(surface: Surface, nodes: ndarray, points: ndarray, facet: ndarray, 
 
 def _along_side(surface: Surface, nodes: ndarray, points: ndarray, facet: ndarray, start: ndarray, along: ndarray,
                 ends: ndarray) -> tuple[ndarray, ndarray]:
-    """Return the closest share of the way along a side, between two ends, and the point there."""
     s, left = np.full(len(facet), 0.5), np.arange(len(facet))
     for _ in range(_ALONG_STEPS):
         if len(left) == 0:

@@ -49,6 +49,10 @@ class Scale(NamedTuple):
 
 def make_scale(values: ndarray, area: ndarray, limits: tuple[float, float] | None, n: int, colors: str | None) -> Scale:
     """Return a scale of about n bands for values (n,) and their areas: given limits stay, others become round."""
+    known = np.isfinite(values)
+    if not known.any():
+        raise ValueError("there is nothing to draw: no material of these bodies defines this field")
+    values, area = values[known], area[known]
     if limits is not None:
         low, high = float(limits[0]), float(limits[1])
         if not -np.inf < low < high < np.inf:

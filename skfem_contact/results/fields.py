@@ -11,10 +11,10 @@ from skfem import CellBasis
 
 from ..errors import look_up
 from ..forms.solid import SolidForm
-from ..materials.spectral import largest_shear
+from ..materials.spectral import largest_shear, principal_stresses
 from .files import StageData
 from .patch_recovery import recovered, region_mesh
-from .strength import mises, mobilised, plastic_strain, pore_pressure, principal, soil_of
+from .strength import mises, mobilised, plastic_strain, pore_pressure
 
 
 class _PressureField(Protocol):
@@ -46,9 +46,9 @@ PLANE = {
     "syy": Quantity("vertical stress", "stress", "stress", itemgetter(1)),
     "szz": Quantity("out-of-plane stress", "stress", "stress", itemgetter(2)),
     "sxy": Quantity("shear stress", "stress", "stress", itemgetter(3)),
-    "s1": Quantity("largest principal stress", "stress", "stress", lambda s: principal(s)[0]),
-    "s2": Quantity("middle principal stress", "stress", "stress", lambda s: principal(s)[1]),
-    "s3": Quantity("smallest principal stress", "stress", "stress", lambda s: principal(s)[2]),
+    "s1": Quantity("largest principal stress", "stress", "stress", lambda s: principal_stresses(s)[0]),
+    "s2": Quantity("middle principal stress", "stress", "stress", lambda s: principal_stresses(s)[1]),
+    "s3": Quantity("smallest principal stress", "stress", "stress", lambda s: principal_stresses(s)[2]),
     "mean": Quantity("mean stress", "stress", "stress", lambda s: s[:3].mean(axis=0)),
     "mises": Quantity("von Mises stress", "stress", "stress", mises),
     "exx": Quantity("horizontal strain", "", "strain", itemgetter(0)),
@@ -106,7 +106,7 @@ def region_field(stage: StageData, name: str, since: StageData | None = None, wa
 def has_excess(stage: StageData) -> bool:
     """Return True if excess pore pressures are computed: water flows, or some ground is or was undrained."""
     grounds = [material for form in solids(stage).values() for material in form.materials.values()]
-    return any(soil_of(m) is not m for m in grounds) or any(True for _ in _pressures(stage))
+    return any(m.undrained for m in grounds) or any(True for _ in _pressures(stage))
 
 
 def quantities(stage: StageData, water: Water | None = None) -> dict[str, Quantity]:

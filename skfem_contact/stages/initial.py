@@ -16,7 +16,7 @@ from ..contact.prestress import prestressed
 from ..errors import AnalysisWarning, look_up
 from ..forms.base import Form, internal_force
 from ..loads import by_element
-from ..materials.elastic import LinearElastic
+from ..materials import LinearElastic, Material
 from ..nonlinear.evaluation import Evaluation
 from ..nonlinear.system import System
 from ..results.result import Result, StageResult
@@ -171,7 +171,7 @@ def _balanced(setup: Setup, load: ndarray, stress: _StressField, name: str) -> R
         if values.shape != states[key].stress.shape or not np.isfinite(values).all():
             raise ValueError(f"the stress of '{key}' must be finite and of shape {states[key].stress.shape}; its shape "
                              f"is {values.shape}")
-        states[key] = form.assemble(x[:form.size], replace(states[key], stress=values)).state
+        states[key] = form.assemble(x[:form.size], form.initial_state(stress=values)).state
     tractions = {key: form.tractions_at(x[:form.size], states[key]) for key, form in system.forms.items()}
     operators = {key: operator for key, operator in tractions.items() if operator is not None}
     if operators:
@@ -240,7 +240,9 @@ def _overburden(mesh: Any, layers: list[tuple[str, ndarray, float]]) -> Callable
     return lambda y: np.interp(y, levels, above)
 
 
-def _elastic(material: Any, K0: float) -> LinearElastic:
+def _elastic(material: Material, K0: float) -> LinearElastic:
+    """Return an elastic material of the same Young's modulus whose Poisson's ratio gives K0."""
     if not 0.0 < K0 < 1.0:
         raise ValueError(f"K0 must lie between 0 and 1 for elastic ground, not {K0!r}; k0_state has no such limit")
-    return LinearElastic(E=material.E, nu=K0 / (1.0 + K0))
+    E = np.asarray(1.0 / np.linalg.inv(material.elasticity(4))[..., 0, 0], dtype=float)
+    return LinearElastic(E, nu=K0 / (1.0 + K0))

@@ -298,7 +298,6 @@ def _patch(function: Callable[[ndarray, ndarray], ndarray], u: tuple[float, floa
 
 
 def _joined(patches: list[tuple[ndarray, ndarray]]) -> tuple[ndarray, ndarray]:
-    """Join patches: points that coincide become one."""
     points = np.concatenate([part[0] for part in patches])
     starts = np.cumsum([0] + [len(part[0]) for part in patches])
     facets = np.concatenate([part[1] + start for part, start in zip(patches, starts[:-1], strict=True)])
@@ -319,7 +318,6 @@ def _surface(name: str, points: ndarray, facets: ndarray, shape: Shape,
 
 
 def _mirror(shape: Shape) -> ndarray:
-    """Return the order of a facet's nodes the other way round."""
     mirrored = shape.nodes[:, ::-1]  # the two local coordinates change places
     return np.argmin(np.abs(mirrored[:, None] - shape.nodes).sum(axis=2), axis=1)
 
@@ -337,7 +335,7 @@ def _axes(name: str, direction: ArrayLike) -> ndarray:
 def _place(name: str, point: ArrayLike) -> ndarray:
     place = np.asarray(point, float)
     if place.shape != (3,) or not np.isfinite(place).all():
-        raise ValueError(f"'{name}': a place or direction must be a finite (x, y, z), not {point!r}")
+        raise ValueError(f"'{name}': a point or direction must be a finite (x, y, z), not {point!r}")
     return place
 
 

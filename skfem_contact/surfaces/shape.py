@@ -75,6 +75,12 @@ class Shape:
         coefficients = np.round(np.linalg.inv(monomials).T, 12)  # halves and quarters
         return cls(powers, coefficients[None], corners, nodes)
 
+    @classmethod
+    def of_cells(cls, dim: int, k: int) -> Shape:
+        """Return the shape functions of facets with k nodes in so many dimensions; a KeyError if there are none."""
+        kinds = {facet.doflocs.shape: element for element, (facet, _) in _FACETS.items()}
+        return cls.of_facets(kinds[k, dim - 1]())
+
     def of(self, coefficients: ndarray, exponents: ndarray) -> Shape:
         """Return other polynomials on the same domain."""
         return replace(self, coefficients=coefficients, exponents=exponents)
@@ -136,7 +142,6 @@ class Shape:
 
     @cached_property
     def _level(self) -> ndarray:
-        """Products of the sides' normals with points on them, shape (n_sides,)."""
         return np.einsum("sc,sc->s", self.outward, self.corners[self.side_corners[:, 0]])
 
     def at(self, facet: ndarray, xi: ndarray, derivatives: int = 3) -> list[ndarray]:

@@ -66,7 +66,6 @@ def _straight(start: ndarray, end: ndarray) -> ndarray:
 
 
 def _rounded(alpha: float) -> ndarray:
-    """Return shape functions of the three nodes of a rounded joint, shape (3, 4)."""
     ends = np.array([[alpha, 1 - alpha, 0], [0, 1 - alpha, alpha],  # x_a, x_b
                      [-alpha, alpha, 0], [0, -alpha, alpha]])  # tangents, eq. 23
     return np.asarray(ends.T @ _HERMITE)

@@ -140,8 +140,8 @@ class Surface:
         >>> beam.nodes[:, 1].tolist(), beam.arms[0, :, 0].round(12).tolist()      # its lower side
         ([0.9, 0.9, 0.9], [0.1, 0.0])
         """
-        nodes, facets, neighbours, element = joined_cells(coordinates, cells, name)
-        shape, (n, dim) = Shape.of_facets(element), nodes.shape
+        nodes, facets, neighbours, shape = joined_cells(coordinates, cells, name)
+        n, dim = nodes.shape
         parts = {"dofs": (dofs, (n, dim)), "rotations": (rotations, (n, 1 if dim == 2 else 3))}
         given = {part: numbers_of(value, size, f"'{name}': {part}") for part, (value, size) in parts.items()
                  if value is not None}
@@ -178,8 +178,10 @@ class Surface:
 
     def numbered(self, numbers: Mapping[Any, ndarray]) -> Surface:
         """Return the surface with global dofs, numbers[field] : ndarray, shape (n,)."""
-        new = {part: np.where(getattr(self, part) < 0, -1, np.asarray(numbers[field])[getattr(self, part).clip(0)])
-               for part, field in self.unnumbered}
+        new: dict[str, Any] = {}
+        for part, field in self.unnumbered:
+            local = getattr(self, part)
+            new[part] = np.where(local < 0, -1, np.asarray(numbers[field])[local.clip(0)])
         return replace(self, unnumbered=(), **new) if new else self
 
     @cached_property

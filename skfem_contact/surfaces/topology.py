@@ -2,31 +2,18 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
+from typing import Any
 
 import numpy as np
 from numpy import ndarray
 from numpy.typing import ArrayLike
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
-from skfem import (
-    CellBasis,
-    Element,
-    ElementHex1,
-    ElementHex2,
-    ElementHexS2,
-    ElementTetP1,
-    ElementTetP2,
-    ElementTriP1,
-    ElementTriP2,
-)
+from skfem import CellBasis
 
 from ..errors import check_basis, facets_of
+from .shape import Shape
 from .vectors import across
-
-#: Elements with facets of these numbers of dimensions and nodes.
-_CELLS: dict[tuple[int, int], type[Element]] = {
-    (2, 2): ElementTriP1, (2, 3): ElementTriP2, (3, 3): ElementTetP1, (3, 4): ElementHex1, (3, 6): ElementTetP2,
-    (3, 8): ElementHexS2, (3, 9): ElementHex2}  # fmt: skip
 
 #: Global dofs, or a field and numbers in it.
 Numbers = ArrayLike | tuple[Hashable, ArrayLike]
@@ -53,18 +40,21 @@ def boundary(basis: CellBasis, name: str) -> tuple[ndarray, ndarray, ndarray, nd
     return at_nodes, basis.doflocs[:, unique].T.copy(), numbers.reshape(len(facets), -1), neighbours
 
 
-def joined_cells(coordinates: ArrayLike, cells: ArrayLike, name: str) -> tuple[ndarray, ndarray, ndarray, Element]:
-    """Return nodes, facets and neighbours of given cells, and an element with such facets."""
+def joined_cells(coordinates: ArrayLike, cells: ArrayLike, name: str) -> tuple[ndarray, ndarray, ndarray, Shape]:
+    """Return nodes, facets, neighbours and shape functions of given cells."""
     nodes, facets = np.array(coordinates, float), np.array(cells)
     n, dim = nodes.shape if nodes.ndim == 2 else (0, 0)
-    kind = _CELLS.get((dim, facets.shape[-1] if facets.ndim == 2 else 0))
-    if kind is None or not ((facets >= 0) & (facets < n)).all() or not np.isfinite(nodes).all():
+    try:
+        shape = Shape.of_cells(dim, *facets.shape[1:])
+    except (KeyError, TypeError):
+        shape = None
+    if shape is None or not ((facets >= 0) & (facets < n)).all() or not np.isfinite(nodes).all():
         raise ValueError(f"'{name}': cells must be numbers of 2 or 3 of the {n} nodes in the plane, and of 3, 4, 6, 8 "
                          f"or 9 in space, with finite coordinates, not of shape {facets.shape}")
     if dim == 3:
-        return nodes, facets, adjacent(facets[:, : 3 if facets.shape[1] in (3, 6) else 4], name), kind()
+        return nodes, facets, adjacent(facets[:, : len(shape.corners)], name), shape
     facets = facets[ordered(facets[:, :2].T, name)]
-    return nodes, facets, following(len(facets), bool(facets[0, 0] == facets[-1, 1])), kind()
+    return nodes, facets, following(len(facets), bool(facets[0, 0] == facets[-1, 1])), shape
 
 
 def ordered(ends: ndarray, name: str) -> ndarray:
@@ -115,7 +105,6 @@ def adjacent(corners: ndarray, name: str) -> ndarray:
 
 
 def _pinched(corners: ndarray, neighbours: ndarray) -> ndarray:
-    """Return nodes whose facets do not all follow each other around them."""
     m, n = corners.shape
     facet, side = np.nonzero(neighbours >= 0)
     beyond = neighbours[facet, side]
@@ -126,11 +115,11 @@ def _pinched(corners: ndarray, neighbours: ndarray) -> ndarray:
     return np.asarray(node[fans > 1])
 
 
-def numbers_of(given: Numbers, shape: tuple[int, ...], what: str) -> tuple[ndarray, Hashable]:
+def numbers_of(given: Any, shape: tuple[int, ...], what: str) -> tuple[ndarray, Hashable]:
     """Return numbers of dofs as an array of a shape, and the field that they count in, or None."""
     has_field = isinstance(given, tuple) and len(given) == 2 and not isinstance(
         given[0], (int, np.integer, list, tuple, np.ndarray))
-    field, values = given if has_field else (None, given)  # type: ignore[misc]
+    field, values = given if has_field else (None, given)
     numbers = np.asarray(values)
     if numbers.size != np.prod(shape) or numbers.dtype.kind not in "iu" or numbers.min(initial=0) < -1:
         raise ValueError(f"{what} must be whole numbers from -1 of shape {shape}, not {values!r}")
@@ -145,7 +134,6 @@ def arms_of(offset: ndarray) -> ndarray:
 
 
 def _outward(p: ndarray, t: ndarray, corners: ndarray, element: ndarray) -> ndarray:
-    """Turn every facet so that its element's centroid lies inside."""
     x = p[:, corners].transpose(2, 1, 0)  # (n, corners, dim)
     inward = p[:, t[:, element]].mean(axis=1).T - x[:, 0]
     tangents = x[:, [1]] - x[:, [0]] if len(p) == 2 else np.stack((x[:, 1] - x[:, 0], x[:, -1] - x[:, 0]), axis=1)

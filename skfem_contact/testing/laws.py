@@ -10,7 +10,7 @@ from numpy import ndarray
 
 from ..contact.laws import InterfaceLaw, Status
 from ..contact.laws import Update as Traction
-from ..materials.base import Material, Update
+from ..materials.base import Material, Update, as_material, updated
 
 #: Steps of the differences, relative to the size of what is varied.
 STEP = 1e-6
@@ -100,23 +100,25 @@ def check_material(material: Material, strain: float = 1e-3, shape: tuple[int, i
     >>> sc.testing.check_material(sc.MohrCoulomb(E=1e4, nu=.3, c=5., phi=30., psi=10.)) < 1e-6
     True
     """
-    rng = np.random.default_rng(seed)
+    rng, material = np.random.default_rng(seed), as_material(material)
     D = np.asarray(material.elasticity(ncomp))
     require(D.shape in ((ncomp, ncomp), (shape[0], ncomp, ncomp)), f"elasticity has the shape {D.shape}")
     require(np.abs(D - np.swapaxes(D, -1, -2)).max() <= EXACT * np.abs(D).max(), "the elasticity is not symmetric")
     require(np.linalg.eigvalsh(D).min() > 0, "the elasticity is not positive definite")
-    D = np.broadcast_to(D, (shape[0], ncomp, ncomp))
-    stress, internal = np.zeros((ncomp, *shape)), np.zeros((material.n_internal, *shape))
+    stress = np.zeros((ncomp, *shape))
+    internal = material.initial_internal(stress)
     worst = 0.0
     for _ in range(steps):
         increment = strain * rng.standard_normal((ncomp, *shape)) * rng.uniform(0, 1, shape)
-        new = same_twice(lambda e=increment, s=stress, i=internal: material.update(e, s, i),  # type: ignore[misc]
+        D = _moduli(material, stress, internal)
+        new = same_twice(lambda e=increment, s=stress, i=internal: updated(material, e, s, i, 0.0),  # type: ignore[misc]
                           (increment, stress, internal), "material.update")
         _check_update(new, internal.shape, stress.shape)
-        again = material.update(np.zeros_like(increment), new.stress, new.internal)
+        again = updated(material, np.zeros_like(increment), new.stress, new.internal, 0.0)
         require_all(np.abs(again.stress - new.stress).max(axis=0) <= 1e-7 * np.abs(new.stress).max(),
                      "the stress is not admissible: a zero increment changes it")
-        flow = increment - np.linalg.solve(D, (new.stress - stress).transpose(1, 0, 2)).transpose(1, 0, 2)
+        elastic = np.linalg.solve(D, np.moveaxis(new.stress - stress, 0, -1)[..., None])[..., 0]
+        flow = increment - np.moveaxis(elastic, -1, 0)
         plastic = np.zeros(shape, bool)
         plastic.ravel()[new.plastic] = True
         require_all(plastic | (np.abs(flow).max(axis=0) <= EXACT * strain),
@@ -127,6 +129,15 @@ def check_material(material: Material, strain: float = 1e-3, shape: tuple[int, i
         worst = max(worst, _material_tangent(material, increment, stress, internal, new, D, strain, tolerance))
         stress, internal = new.stress, new.internal
     return worst
+
+
+def _moduli(material: Material, stress: ndarray, internal: ndarray) -> ndarray:
+    """Return the elastic stiffness at the points of a state, (n_elements, n_points, ncomp, ncomp)."""
+    ncomp = len(stress)
+    if material.stress_dependent:
+        return material.elasticity(ncomp, stress, internal)
+    D = np.asarray(material.elasticity(ncomp))
+    return np.broadcast_to(D if D.ndim == 2 else D[:, None], (*stress.shape[1:], ncomp, ncomp))
 
 
 def _check_update(new: Update, internal: tuple[int, ...], stress: tuple[int, ...]) -> None:
@@ -146,14 +157,14 @@ def _material_tangent(material: Material, increment: ndarray, stress: ndarray, i
                       D: ndarray, strain: float, tolerance: float) -> float:
     """Return the largest error of the tangent at smooth points."""
     ncomp, h, modulus = len(stress), STEP * strain, np.abs(D).max()
-    tangent = np.repeat(D, stress.shape[2], axis=0)
+    tangent = D.reshape(-1, ncomp, ncomp).copy()
     if len(new.plastic):
         tangent[new.plastic] = new.tangent()
 
     def stress_at(j: int, step: float) -> ndarray:
         moved = increment.copy()
         moved[j] += step
-        return material.update(moved, stress, internal).stress
+        return updated(material, moved, stress, internal, 0.0).stress
 
     slopes = [differences(lambda step, j=j: stress_at(j, step), h) for j in range(ncomp)]  # type: ignore[misc]
     slope = np.stack([s for s, _ in slopes]).reshape(ncomp, ncomp, -1).transpose(2, 1, 0)

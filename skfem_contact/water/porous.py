@@ -15,7 +15,6 @@ from ..forms.base import Form
 from ..forms.solid import SolidForm
 from ..forms.strain import StrainOperator, axisymmetric
 from ..layout import elements_of, linear_element
-from ..materials import Undrained
 from .conditions import open_joints, pressed
 
 
@@ -134,9 +133,9 @@ class Surroundings(NamedTuple):
                 elements = form.elements[region.elements]
                 D = region.material.elasticity(4 if mesh.dim() == 2 else 6)
                 modulus[elements], shear[elements] = D[..., 0, 0], D[..., 3, 3]
-                if isinstance(region.material, Undrained) and np.isin(elements, here).any():
+                if region.material.undrained and np.isin(elements, here).any():
                     raise ValueError(f"region '{region.name}' of '{name}' is Undrained and has PoreWater too: its "
-                                     f"water would count twice; give its soil alone, {region.material.soil!r}")
+                                     "water would count twice; give its soil alone")
         lost = here[np.isnan(modulus[here])]
         if len(lost):
             raise ValueError(f"there is PoreWater in {len(lost)} elements of no SolidForm, the first at "
