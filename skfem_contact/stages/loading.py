@@ -45,7 +45,7 @@ def water_at_rest(solids: Mapping[str, Any], water: Any, unit_weight: float | No
     for form in solids.values():
         if form.porous:
             total += pore_load(form.basis, _in_elements(form.basis, pressure, form.elements), axisymmetric)
-    outside = FacetBasis(mesh, first.basis.elem, facets=_bounding(mesh, solids), intorder=first.basis.intorder)
+    outside = FacetBasis(mesh, first.basis.elem, facets=_bounding(mesh, solids))
     owner = np.asarray(outside.tind)
     if isinstance(pressure, Mapping):
         owner = _porous_owner(outside, owner, np.concatenate([f.elements for f in solids.values() if f.porous]))
