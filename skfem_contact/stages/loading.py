@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 from skfem import FacetBasis, Mesh
 from skfem.generic_utils import OrientedBoundary
 
-from ..errors import look_up
+from ..checks import look_up
 from ..loads import at_points, face_load, hydrostatic, pore_load
 
 #: Pore pressure at coordinates, (dim, n, m), in elements of the mesh, (n, 1).

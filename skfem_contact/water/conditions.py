@@ -10,7 +10,7 @@ from scipy.sparse import coo_matrix, csr_matrix, diags_array, eye, lil_matrix
 from scipy.sparse.csgraph import connected_components
 from skfem import CellBasis, FacetBasis, Mesh
 
-from ..errors import look_up, names_of, place
+from ..checks import look_up, names_of, place
 from ..layout import elements_of
 
 #: Head or pressure on a boundary: a number, or a function of places (dim, ...).

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from scipy.sparse import coo_matrix, csr_matrix
 from skfem import Basis, CellBasis
 
-from ..errors import look_up
+from ..checks import look_up
 from ..layout import elements_of, linear_element
 from .retention import Retention
 

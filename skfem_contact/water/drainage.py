@@ -10,7 +10,8 @@ from numpy import ndarray
 from scipy.sparse import csr_matrix
 from typing_extensions import override
 
-from ..errors import Remark, names_of
+from ..checks import names_of
+from ..errors import Remark
 from ..forms.base import Form, Response
 from ..layout import Field
 from .conditions import Given

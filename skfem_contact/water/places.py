@@ -8,7 +8,7 @@ from scipy.sparse.csgraph import connected_components, depth_first_order
 from scipy.spatial import cKDTree
 from skfem import Mesh
 
-from ..errors import place
+from ..checks import place
 
 #: Corners of the triangles of a quadrilateral and of the tetrahedra of a hexahedron, as in scikit-fem.
 _PARTS = {(2, 3): ((0, 1, 2),), (2, 4): ((0, 1, 3), (1, 2, 3)), (3, 4): ((0, 1, 2, 3),),

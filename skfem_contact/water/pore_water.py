@@ -12,7 +12,8 @@ from scipy.sparse import csr_matrix, diags_array
 from skfem import CellBasis
 from typing_extensions import override
 
-from ..errors import Remark, check_basis, check_quadrature
+from ..checks import check_basis, check_quadrature
+from ..errors import Remark
 from ..forms.base import Form, Response
 from ..layout import Field, FieldDofs, elements_of, nodes
 from ..sparse import with_data

@@ -10,7 +10,7 @@ from numpy import ndarray
 from scipy.sparse import coo_matrix, csr_matrix
 from skfem import CellBasis
 
-from ..errors import place
+from ..checks import place
 from ..forms.base import Form
 from ..forms.solid import SolidForm
 from ..forms.strain import strain_operator

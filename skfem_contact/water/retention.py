@@ -7,7 +7,7 @@ from typing import Protocol
 import numpy as np
 from numpy import ndarray
 
-from ..errors import is_number
+from ..checks import is_number
 
 #: The slope of van Genuchten's curve is that of this relative suction where there is less.
 _STEEPEST = 1e-9

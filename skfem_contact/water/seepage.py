@@ -9,7 +9,8 @@ import numpy as np
 from numpy import ndarray
 from skfem import CellBasis, FacetBasis, LinearForm
 
-from ..errors import AnalysisWarning, look_up, place
+from ..checks import look_up, place
+from ..errors import AnalysisWarning
 from ..layout import elements_of
 from .balance import WaterBalance
 from .conditions import Given, check_connected, conditions, tied_heads
