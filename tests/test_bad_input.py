@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers import grid, unknowns_of, vector_basis
+from helpers import grid, run_stages, unknowns_of, vector_basis
 from skfem import (
     Basis,
     ElementHex0,
@@ -321,7 +321,7 @@ def problem(mesh=None):
 
 
 def run(forms, stages, fixed, **options):
-    return sc.Model(forms, fixed).run(stages, progress=False, **options)
+    return run_stages(forms, stages, fixed, progress=False, **options)
 
 
 def test_the_sound_analysis_is_accepted():

@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 import threadpoolctl
-from helpers import grid, vector_basis
+from helpers import grid, run_stages, vector_basis
 from scipy.sparse import csr_matrix
 
 import skfem_contact as sc
@@ -175,7 +175,7 @@ def test_input_of_a_run(options, message):
     _, forms, load, fixed = model()
     stages = options.pop("stages", lambda load: [sc.Stage("a", load)])(load)
     with pytest.raises(ValueError, match=message):
-        sc.Model(forms, fixed).run(stages, progress=False, **options)
+        run_stages(forms, stages, fixed, progress=False, **options)
 
 
 @pytest.mark.parametrize(
