@@ -13,7 +13,7 @@ from skfem import Basis, ElementHex1, ElementTetP2, ElementTriP2, ElementVector,
 
 import skfem_contact as sc
 from skfem_contact.contact.penalty import choose_penalties
-from skfem_contact.nonlinear.time_steps import PART
+from skfem_contact.nonlinear.increment import PART
 from skfem_contact.solvers.direct import DirectSolver
 
 E, NU, MOBILITY, LOAD = 1e4, 0.2, 1e-3, 100.0
