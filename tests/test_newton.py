@@ -450,7 +450,7 @@ def documented(*names):
     code = next(block for block in re.findall(r"```python\n(.*?)```", text, re.S) if f"def {names[0]}(" in block)
     scope = {"np": np, "sc": sc, "solve": solve, "condense": condense}
     tree = ast.parse(code)
-    tree.body = [node for node in tree.body if isinstance(node, ast.FunctionDef)]
+    tree.body = [node for node in tree.body if isinstance(node, ast.FunctionDef | ast.ImportFrom)]
     exec(compile(tree, "forms.md", "exec"), scope)
     return [scope[name] for name in names]
 
