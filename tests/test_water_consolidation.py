@@ -458,7 +458,7 @@ def test_bad_analyses():
         sc.water.SeepageFace(water, "top", np.nan)
     with pytest.raises(ValueError, match="PoreWater in 6 elements of no SolidForm"):
         sc.Model({"water": water, "plate": sc.MatrixForm(csr_matrix((basis.N, basis.N)))}, fixed).run([sc.Stage("load", load, duration=1.0)], **QUIET)  # fmt: skip
-    clay = sc.Undrained(sc.LinearElastic(E=E, nu=NU), Kw=1e6)
+    clay = sc.Undrained(sc.LinearElastic(E=E, nu=NU), bulk_modulus_water=1e6)
     with pytest.raises(ValueError, match="Undrained and has PoreWater too"):
         sc.Model({**forms, "clay": sc.SolidForm(basis, clay)}, fixed).run([sc.Stage("load", load, duration=1.0)], **QUIET)
     with pytest.raises(ValueError, match=r"after 1.1e.16 times H² / c_v"):
