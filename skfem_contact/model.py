@@ -69,14 +69,12 @@ class Model(Setup):
     >>> square = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.), unit_weight=20.)
     >>> model = sc.Model({"square": square}, basis.get_dofs("bottom").all())
     >>> print(model.run([sc.Stage("gravity")]))
-    stage            increments  iterations  residual  load    what the bodies carry
+    stage            increments  iterations  residual  load    state
     gravity                   1           1   ...  100%
     """
 
     def __repr__(self) -> str:
         return f"<Model {self.coordinates or ''} {self.layout.size} dofs, forms: {', '.join(self.forms)}>"
-
-    # -- initial states --------------------------------------------------------------------------------------
 
     def initial_state(self, load: Any = None, *, stress: Callable[[ndarray], ndarray], water: Any = None,
                       name: str = "initial") -> Result:
@@ -176,8 +174,6 @@ class Model(Setup):
         """
         return gravity_state(self, load, K0, water, name, increments)
 
-    # -- analyses --------------------------------------------------------------------------------------------
-
     def run(self, stages: Sequence[Stage], *, start: Result | StageResult | None = None,
             on_increment: Observer | None = None, progress: bool | None = None) -> Result:
         """Run stages one after the other.
@@ -190,8 +186,7 @@ class Model(Setup):
             Result to go on from, whose last stage is where the first stage starts, or one stage of a result. Forms
             that it does not hold are inactive.
         on_increment
-            Function that is called with every accepted increment, a :class:`StageResult`, such as
-            ``sc.results.Append(file)``.
+            Function of every accepted increment, a :class:`StageResult`, such as ``sc.results.Append(file)``.
         progress
             Show a progress bar; by default where the output is a terminal.
 
