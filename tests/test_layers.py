@@ -110,7 +110,7 @@ def test_contact_and_solids_do_not_know_each_other() -> None:
             assert not others & ({"contact", *ASKING} - {room}), name
         if room == "contact":
             known = {o for o in imported(name, typing_too=True) if o.startswith("forms.")}
-            assert known <= {"forms.base", "forms.states"}, name
+            assert known <= {"forms.base", "forms.staged"}, name
 
 
 def lines(name: str) -> int:

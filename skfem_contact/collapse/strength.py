@@ -12,7 +12,7 @@ from numpy import ndarray
 
 from ..display import progress_bar
 from ..errors import NoEquilibrium, NotConverged
-from ..forms.targets import reduced_parts
+from ..forms.base import reduced_parts
 from ..limit_analysis import beside
 from ..materials.base import Flow, check_reduction
 from ..nonlinear.newton import Newton, Search

@@ -14,7 +14,7 @@ from typing_extensions import override
 from ..checks import check_size
 from ..errors import Failure, IncrementTooLarge, Remark
 from ..forms.base import Form, Response
-from ..forms.states import arrays_of
+from ..forms.staged import arrays_of
 from . import regularisation
 from .base import ContactBase, initial_clearance
 from .diagnosis import ROUND_OFF, remarks

@@ -1,1 +1,1 @@
-"""Forms: what carries load, and what an analysis may ask of it."""
+"""Forms: internal force, tangent and state of bodies and links."""

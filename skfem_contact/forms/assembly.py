@@ -1,10 +1,9 @@
 """Fixed sparsity pattern, strain operators and batched kernels on top of a scikit-fem basis.
 
-The tangent of a solid is ``sum_e B^T D B``.  Everything that does not change while Newton iterates is
-computed once: the strain-displacement matrices, the sparse operator that maps stresses at all integration points
-to forces, the pattern of the stiffness matrix and the slot that every entry of every element
-matrix goes to.  An iteration then costs one batched ``matmul`` for the strain, one sparse product for the force
-and one batched ``matmul`` over the elements whose tangent has changed.
+The tangent of a solid is ``sum_e B^T D B``. Everything that does not change in Newton's iterations is computed once:
+strain-displacement matrices, the sparse operator from stresses to forces, the pattern of the stiffness matrix, and the
+slots of all element matrices. An iteration then costs one batched ``matmul`` for the strain, one sparse product for the
+force, and one batched ``matmul`` over the elements whose tangent has changed.
 """
 from __future__ import annotations
 
@@ -24,9 +23,9 @@ _CHUNK = 512  # elements a batch: B, DB and BᵀDB of a batch stay in the proces
 
 
 def force_matrix(B: ndarray, weight: ndarray, element_dofs: ndarray, n: int) -> csr_matrix:
-    """Sparse matrix that maps stresses (ncomp, n_elements, n_points) to the internal force (n,): ``B^T`` times weights.
+    """Return the matrix from stresses (ncomp, n_elements, n_points) to internal forces (n,): ``B^T`` times weights.
 
-    Stored by rows, it multiplies a third faster than the transpose of the matrix of the strains would.
+    Stored by rows, it multiplies a third faster than the transpose of the matrix of the strains.
     """
     data, indices, counts = [], [], []
     for component in range(B.shape[2]):
@@ -41,10 +40,9 @@ def force_matrix(B: ndarray, weight: ndarray, element_dofs: ndarray, n: int) -> 
 
 
 def element_stiffness(B: ndarray, D: ndarray) -> ndarray:
-    """``sum_q B^T D B`` of every element, (n_elements, n_local_dofs, n_local_dofs).
+    """Compute ``sum_q B^T D B`` of every element, (n_elements, n_local_dofs, n_local_dofs).
 
-    ``B`` is (n_elements, n_points, ncomp, n_local_dofs); ``D`` (n_elements, n_points, ncomp, ncomp) carries
-    the weights already.
+    ``B`` is (n_elements, n_points, ncomp, n_local_dofs); ``D`` (n_elements, n_points, ncomp, ncomp) holds the weights.
     """
     n_elements, n_points, ncomp, n_local = B.shape
     K = np.empty((n_elements, n_local, n_local))
@@ -60,14 +58,12 @@ def element_stiffness(B: ndarray, D: ndarray) -> ndarray:
 class Pattern:
     """Sparsity pattern of a basis and the slot of every entry of every element matrix in its CSR data.
 
-    Built from the graph of the nodes, once; it does not depend on values.
-
     Attributes
     ----------
     indptr, indices
-        The CSR pattern, sorted columns; read-only, since all matrices share it.
-    slots
-        (n_elements, n_local_dofs, n_local_dofs) positions in the CSR data.
+        CSR pattern with sorted columns; read-only, since all matrices share it.
+    slots : ndarray, shape (n_elements, n_local_dofs, n_local_dofs)
+        Positions in the CSR data.
     """
 
     indptr: ndarray
@@ -76,7 +72,7 @@ class Pattern:
 
     @classmethod
     def of(cls, basis: CellBasis) -> Pattern:
-        """Pattern of a basis whose displacement components follow each other node by node."""
+        """Build the pattern of a basis whose displacement components follow each other node by node."""
         d = basis.mesh.dim()
         nodes = basis.element_dofs[0::d].T // d
         n_elements, n_local = nodes.shape
@@ -104,16 +100,16 @@ class Pattern:
             n_elements, d * n_local, d * n_local))
 
     def scatter(self, matrices: ndarray, elements: ndarray | slice = slice(None)) -> ndarray:
-        """Sum of element matrices as CSR data."""
+        """Sum element matrices as CSR data."""
         return np.bincount(self.slots[elements].ravel(), matrices.ravel(), minlength=len(self.indices))
 
     def matrix(self, data: ndarray) -> csr_matrix:
-        """The ``csr_matrix`` with these data; the pattern is shared, not copied."""
+        """Return the ``csr_matrix`` of these data; the pattern is shared, not copied."""
         return with_data(self._empty, data)
 
     @cached_property
     def _empty(self) -> csr_matrix:
-        """A matrix of this pattern without data."""
+        """Matrix of this pattern without data."""
         n = len(self.indptr) - 1
         matrix = csr_matrix((n, n))
         matrix.indices, matrix.indptr = self.indices, self.indptr

@@ -1,7 +1,7 @@
-"""Forms: internal force, tangent and state of whatever carries load."""
+"""Base class of forms, and functions of all forms of an analysis."""
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from functools import cached_property
 from typing import Any, TypeVar
 
@@ -9,6 +9,7 @@ import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix
 
+from ..checks import names_of
 from ..errors import Remark
 from ..layout import Field, elements_of
 from ..sparse import padded, scattered
@@ -33,9 +34,9 @@ class Response:
         Function that returns a matrix near the tangent with which Newton's method is less prone to stall; by
         default the tangent itself.
     round_off
-        Norm of the forces that round-off may leave: equilibrium is not asked to be better.
+        Norm of the forces that round-off may leave: equilibrium is no better than that.
     active
-        Active set: the points that are closed and those that slide. The method may go on while it finds new sets.
+        Active set: the points that are closed and those that slide. Iterations continue while they find new sets.
     measure : ndarray
         Forces that unbalanced ones are compared with, where `force` is itself a difference that vanishes.
     dofs : ndarray, shape (n,)
@@ -89,8 +90,8 @@ class Response:
 class Form(Staged, InTime, Reducible, Regularised):
     """Base class of solids, contact pairs, bars, and forms of a user's own.
 
-    A form offers :meth:`assemble` and :meth:`initial_state`. Everything else that an analysis asks has a default here
-    or in one of the four base classes, each of which holds one optional part.
+    A form defines :meth:`assemble` and :meth:`initial_state`. All other members have defaults, here or in one of the
+    four base classes, each of which holds one optional part.
 
     Attributes
     ----------
@@ -205,3 +206,32 @@ def responses_of(forms: Mapping[str, Form], x: ndarray, states: Mapping[str, Any
 def internal_force(forms: Mapping[str, Form], x: ndarray, states: Mapping[str, Any]) -> ndarray:
     """Return the sum of the internal forces of all forms, (N,)."""
     return sum((response.force for response in responses_of(forms, x, states).values()), start=np.zeros(len(x)))
+
+
+def reduced_parts(forms: Mapping[str, Form], reduce: str | Collection[str] | None,
+                  exclude: str | Collection[str]) -> dict[str, tuple[str, ...]]:
+    """Return the parts to reduce by form, by default all: names of regions, or ``""`` for a form as a whole.
+
+    Raises
+    ------
+    ValueError
+        A name that does not exist or has no strength, or nothing to reduce.
+    """
+    exclude, named = set(names_of(exclude)), set(names_of(reduce or ()))
+    known = sorted({*forms, *(region for form in forms.values() for region in form.materials)})
+    for name in sorted(named | exclude):
+        if name not in known:
+            raise ValueError(f"there is no form or region '{name}' to reduce; existing: {', '.join(known)}")
+    targets = {}
+    for name, form in forms.items():
+        for region in named.intersection(form.materials).difference(form.strengths):
+            raise ValueError(f"'{region}' cannot be reduced: {type(form.materials[region]).__name__} has no strength")
+        if not form.materials and not form.strengths and name in named:
+            raise ValueError(f"'{name}' cannot be reduced: {form!r} has no strength")
+        parts = tuple(part for part in form.strengths
+                      if exclude.isdisjoint((name, part)) and (reduce is None or not named.isdisjoint((name, part))))
+        if parts:
+            targets[name] = parts
+    if not targets:
+        raise ValueError("there is nothing to reduce: nothing among the forms has a strength")
+    return targets

@@ -10,6 +10,7 @@ from numpy import ndarray
 from numpy.typing import ArrayLike
 from scipy.sparse import coo_matrix, csr_matrix
 from skfem import CellBasis
+from typing_extensions import override
 
 from ..checks import finite, is_number
 from ..layout import dofs_at
@@ -17,7 +18,7 @@ from .base import Form, Response
 
 
 class MatrixForm(Form):
-    """A linear form: the matrix of any ``BilinearForm``, of which nothing but ``K @ x`` is known.
+    """Linear form of any matrix, such as that of a ``BilinearForm``.
 
     Parameters
     ----------
@@ -55,18 +56,18 @@ class MatrixForm(Form):
         self.changing, self.acts_on = np.zeros(0, int), self.elastic_stiffness.indices
 
     def __repr__(self) -> str:
-        return f"<{type(self).__name__} {self.size} unknowns, {self.elastic_stiffness.nnz} entries>"
+        return f"<{type(self).__name__} {self.size} dofs, {self.elastic_stiffness.nnz} entries>"
 
-    def initial_state(self, x: ndarray | None = None) -> ndarray:
-        """Displacements at which nothing acts."""
+    @override
+    def initial_state(self, x: ndarray | None = None) -> ndarray:  # displacements without force
         return np.zeros(self.size) if x is None else x[:self.size].copy()
 
+    @override
     def assemble(self, x: ndarray, state: ndarray) -> Response:
-        """Forces in proportion to the displacements from those of the state."""
         return Response(self.elastic_stiffness @ (x - state), lambda: state, lambda: self.elastic_stiffness)
 
+    @override
     def rebased(self, x: ndarray, state: ndarray) -> ndarray:
-        """Displacements at which nothing acts, counted from x on."""
         return state - x[:self.size]
 
 
@@ -77,19 +78,19 @@ class Spring(MatrixForm):
     ----------
     basis
         ``Basis`` of the mesh.
-    places
-        Where they are, (n, dim) or (dim,): nodes of the mesh.
+    coordinates
+        Nodes of the mesh, (n, dim) or (dim,).
     stiffness
         Force per displacement in each direction, (dim,), or one number for all.
     to
-        Nodes at their other ends, by default the ground, which does not move.
+        Nodes at the other ends, by default the ground, which does not move.
     part, to_part
-        Subdomains of the nodes, where bodies touch and a place alone does not tell.
+        Subdomains of the nodes, where nodes of two bodies coincide.
 
     Raises
     ------
     ValueError
-        A place without a node or with nodes of two bodies, or a stiffness that is negative or not finite.
+        Coordinates without a node or with nodes of two bodies, or a stiffness that is negative or not finite.
 
     Examples
     --------
@@ -97,16 +98,16 @@ class Spring(MatrixForm):
     >>> import skfem_contact as sc
     >>> basis = Basis(MeshQuad(), ElementVector(ElementQuad1()))
     >>> sc.Spring(basis, (0., 1.), stiffness=(0., 50.))
-    <Spring 8 unknowns, 1 entries>
+    <Spring 8 dofs, 1 entries>
     """
 
-    def __init__(self, basis: CellBasis, places: ArrayLike, stiffness: float | Sequence[float],
+    def __init__(self, basis: CellBasis, coordinates: ArrayLike, stiffness: float | Sequence[float],
                  to: ArrayLike | None = None, part: str | None = None, to_part: str | None = None) -> None:
         k = finite(stiffness, "stiffness")
         k = np.broadcast_to(k, (basis.mesh.dim(),)) if k.ndim == 0 else k
         if not (k.shape == (basis.mesh.dim(),) and (k >= 0.0).all() and k.any()):
             raise ValueError(f"stiffness must be positive, in each direction or in one of them, not {stiffness!r}")
-        ends = [dofs_at(basis, places, part)]
+        ends = [dofs_at(basis, coordinates, part)]
         if to is not None:
             ends.append(dofs_at(basis, to, to_part))
         entries = [(sign_a * sign_b * k, a, b) for a, sign_a in zip(ends, (1, -1)) for b, sign_b in zip(ends, (1, -1))]
@@ -126,7 +127,7 @@ class BarState:
     force
         Normal force, tension positive.
     free
-        Elongation at which there is none.
+        Elongation without force.
     """
 
     force: ndarray
@@ -134,7 +135,7 @@ class BarState:
 
 
 class Bar(Form):
-    """Bars between nodes, or between nodes and the ground: anchors, struts, ties, all of one kind.
+    """Bars of one kind between nodes, or between nodes and the ground: anchors, struts, ties.
 
     Small displacements: a bar keeps its direction.
 
@@ -143,31 +144,31 @@ class Bar(Form):
     basis
         ``Basis`` of the mesh.
     start, end
-        Places of their ends, (n, dim) or (dim,): nodes of the mesh.
+        Coordinates of the ends, (n, dim) or (dim,): nodes of the mesh.
     EA
         Axial stiffness: force per strain; in the plane that of a metre, EA over the spacing of the anchors.
     fixed_end
-        Whether the ends are held by ground far away, which does not move: they need be no nodes then.
+        True if ground far away holds the ends: they do not move, and need be no nodes.
     yield_force
         Largest normal force; beyond it bars flow.
     tension_only
-        Whether bars, such as ropes, carry no thrust.
+        True if bars, such as ropes, resist no thrust.
     part, end_part
-        Subdomains of the nodes, where bodies touch and a place alone does not tell.
+        Subdomains of the nodes, where nodes of two bodies coincide.
 
     Raises
     ------
     ValueError
-        A place without a node or with nodes of two bodies, bars without length, EA or a yield force not positive.
+        Coordinates without a node or with nodes of two bodies, bars without length, EA or a yield force not positive.
 
     Notes
     -----
-    A bar is prestressed in a stage by :meth:`prestressed`, whose force does not depend on the displacements, and locked
-    in the next one, where it goes on from that force (``Stage(change={"anchor": bar})``).
+    A bar is prestressed in a stage by :meth:`prestressed`: the force then does not depend on the displacements. The bar
+    is locked in the next stage, where it continues from that force (``Stage(change={"anchor": bar})``).
 
     Examples
     --------
-    A block hangs on a rope of two metres that has been stretched by its weight of 20:
+    A rope of two metres holds a block and is stretched by the weight of 20:
 
     >>> import numpy as np
     >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
@@ -213,7 +214,7 @@ class Bar(Form):
         return f"<Bar {len(self._axis)} bars, EA/L {self._stiffness.min():.4g} to {self._stiffness.max():.4g}>"
 
     def prestressed(self, force: float) -> Bar:
-        """The bars with a jack that keeps their force, tension positive, whatever they elongate by."""
+        """Return the bars with a jack that keeps their force, tension positive, at any elongation."""
         if not self._least <= force <= self._yield_force:
             raise ValueError(f"the force of a jack must lie between {self._least:g} and {self._yield_force:g}")
         new = copy(self)
@@ -223,18 +224,19 @@ class Bar(Form):
     def _elongation(self, x: ndarray) -> ndarray:
         return np.einsum("nm,nm->n", self._axis, x[self._dofs])
 
+    @override
     def initial_state(self, x: ndarray | None = None) -> BarState:
-        """Bars without force in the place where their nodes are."""
         zero = np.zeros(len(self._axis))
         return BarState(zero, zero if x is None else self._elongation(x))
 
+    @override
     def assemble(self, x: ndarray, state: BarState) -> Response:
-        """Normal forces on the nodes; slack ropes and flowing bars have no stiffness."""
         k, elongation = self._stiffness, self._elongation(x)
         elastic = k * (elongation - state.free)
         force = np.full_like(elastic, self._jack) if self._jack is not None else \
             np.clip(elastic, self._least, self._yield_force)
         slack = self._tension_only & (elastic < 0.0) & (self._jack is None)
+        # slack ropes and bars that flow have no stiffness
         tangent = np.where((force == elastic) & (self._jack is None), k, 0.0)
 
         def stiffness() -> csr_matrix:
@@ -245,10 +247,10 @@ class Bar(Form):
         return Response(np.bincount(self._dofs.ravel(), (force[:, None] * self._axis).ravel(), minlength=len(x)),
                         lambda: BarState(force, np.where(slack, state.free, elongation - force / k)), stiffness)
 
+    @override
     def rebased(self, x: ndarray, state: BarState) -> BarState:
-        """The state with its forces, of nodes that count as unmoved from here on."""
         return BarState(state.force, state.free - self._elongation(x))
 
+    @override
     def summary(self, state: BarState) -> str:
-        """Smallest and largest force, for the table of a result."""
         return f"forces {state.force.min():.4g} to {state.force.max():.4g}"

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
+from dataclasses import fields, is_dataclass
 from types import MappingProxyType
 from typing import Any, TypeVar
 
@@ -9,13 +10,30 @@ import numpy as np
 from numpy import ndarray
 
 from ..errors import Failure, Remark
-from .states import arrays_of
 
 Self = TypeVar("Self")
 
 
+def arrays_of(state: Any) -> dict[str, Any]:
+    """Return the parts of a state: fields of a dataclass, items of a tuple, an array or number, or nothing."""
+    if is_dataclass(state):
+        return {field.name: getattr(state, field.name) for field in fields(state)}
+    if isinstance(state, tuple):
+        return {str(k): values for k, values in enumerate(state)}
+    return {} if state is None else {"values": state}
+
+
+def with_arrays(like: Any, arrays: Mapping[str, ndarray]) -> Any:
+    """Return a state like another one of these arrays; the inverse of :func:`arrays_of`."""
+    if is_dataclass(like):
+        return type(like)(**arrays)  # type: ignore[misc]
+    if isinstance(like, tuple):
+        return type(like)(*arrays.values()) if hasattr(like, "_fields") else tuple(arrays.values())
+    return arrays.get("values")
+
+
 class Staged:
-    """Stages: what a form does where bodies become active, inactive or other ones.
+    """Stages: activation, deactivation and replacement of bodies.
 
     Attributes
     ----------
@@ -49,19 +67,19 @@ class Staged:
         """Return the pore pressure that the form adds to the ground, at the nodes of the displacements, (N/dim,)."""
 
     def continues(self: Self, old: Any) -> Self:
-        """Return the form as it replaces an old one, from whose state it goes on.
+        """Return the form as it replaces an old one and continues from the old state; by default of the same class.
 
         Raises
         ------
         ValueError
-            The form cannot go on from the state of the old one.
+            The form cannot continue from the state of the old one.
         """
         if type(self) is not type(old):
             raise ValueError(f"{type(old).__name__} cannot become {type(self).__name__}")
         return self
 
     def inherits(self, old: Any, state: Any) -> Any:
-        """Return the state of an old form as this one goes on from it."""
+        """Return the state of an old form from which this one continues."""
         return state
 
     def fits(self, state: Any) -> bool:
@@ -70,18 +88,18 @@ class Staged:
         return {k: np.shape(a) for k, a in given.items()} == {k: np.shape(a) for k, a in initial.items()}
 
     def check_start(self, x: ndarray, state: Any) -> None:
-        """Raise a ``ValueError`` if the form cannot go on from a state of other settings."""
+        """Raise a ``ValueError`` if the form cannot continue from a state of other settings."""
 
     def check_stage(self, fixed: ndarray, held: ndarray, duration: float) -> Iterable[Remark]:
         """Return remarks on supports, inactive dofs, and the time since the last change to the end of a stage."""
         return ()
 
     def replaces(self, old: Any) -> bool:
-        """Return True if the form takes over the forces of an old one, in whose place it becomes active."""
+        """Return True if the form takes over the forces of an old one, instead of which it becomes active."""
         return False
 
     def tractions_at(self, x: ndarray, state: Any) -> Any | None:
-        """Return how tractions make nodal forces, where the form can begin with given ones, or None."""
+        """Return the map from tractions to nodal forces, where the form can start with given tractions, or None."""
 
     def rebased(self, x: ndarray, state: Any) -> Any:
         """Return the state once displacements are counted from x on."""
@@ -146,7 +164,7 @@ class Reducible:
 
 
 class Regularised:
-    """Regularisation: easier forms by which Newton's method comes to the form as it is given.
+    """Regularisation: forms by which Newton's method reaches equilibrium of the form as given.
 
     Attributes
     ----------
@@ -160,27 +178,27 @@ class Regularised:
     changing: ndarray | None = None
 
     def begin(self: Self, accepted: Any, failure: Failure | None = None) -> Self:
-        """Return a regularised form to begin an increment with, whose family ends at this form.
+        """Return the form to begin an increment with: this form, or a regularised one that leads to it.
 
         Parameters
         ----------
         accepted, failure
-            The accepted state; how Newton's method failed, None before the first attempt.
+            The accepted state; the failure of Newton's method, None before the first attempt.
         """
         return self
 
     def outer(self, x: ndarray, accepted: Any, found: Any) -> tuple[Any, Any] | None:
-        """Return the form and accepted state with which the increment is to be solved once more, or None.
+        """Return form and accepted state with which the increment must be solved once more, or None.
 
         Parameters
         ----------
         x, found
-            Displacements and state of the equilibrium that was found.
+            Displacements and state of the equilibrium.
         accepted
             The accepted state, at the start of the increment.
         """
 
     @property
     def reason(self) -> str:
-        """Reason why there may be no equilibrium but of this regularised form, for a message."""
+        """Reason why only this regularised form may have an equilibrium, for a message."""
         return ""

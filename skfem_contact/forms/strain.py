@@ -110,13 +110,3 @@ def _in_space(basis: CellBasis) -> StrainOperator:
     B[:, :, 1, 1::3] = B[:, :, 3, 0::3] = B[:, :, 4, 2::3] = G[..., 1]
     B[:, :, 2, 2::3] = B[:, :, 4, 1::3] = B[:, :, 5, 0::3] = G[..., 2]
     return StrainOperator(B, np.asarray(basis.dx))
-
-
-def plane_strain(basis: CellBasis) -> StrainOperator:
-    """Return plane strains."""
-    return strain_operator(basis, "full", "plane")
-
-
-def axisymmetric(basis: CellBasis) -> StrainOperator:
-    """Return strains in axial symmetry."""
-    return strain_operator(basis, "full", "axisymmetric")

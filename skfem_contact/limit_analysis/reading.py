@@ -13,8 +13,8 @@ from skfem import CellBasis, Mesh
 
 from ..contact.laws import Coulomb, Tied
 from ..contact.pair import ContactPair
+from ..forms.base import reduced_parts
 from ..forms.solid import SolidForm
-from ..forms.targets import reduced_parts
 from ..materials.base import Flow, Material
 from .model import Loads, Model, Site
 from .strength import FLAT, Strength

@@ -21,7 +21,7 @@ from typing_extensions import Self
 
 from ..contact.penalty import choose_penalties
 from ..forms.base import Form
-from ..forms.states import arrays_of, with_arrays
+from ..forms.staged import arrays_of, with_arrays
 from ..layout import Layout
 
 #: Layout of saved arrays: another number for other states.

@@ -11,7 +11,7 @@ from scipy.sparse import csr_matrix
 
 from ..errors import Remark
 from ..forms.base import Form, Response, as_forms
-from ..forms.states import arrays_of
+from ..forms.staged import arrays_of
 from .laws import EXACT, STEP, differences, largest_error, require, same_twice
 
 
