@@ -94,7 +94,7 @@ def _below(name: str, value: Given, x: ndarray, tolerance: float) -> tuple[ndarr
     wet = x[-1] <= heads + tolerance
     if not wet.any():
         raise ValueError(f"the head of boundary '{name}', {heads.max():.4g} at most, is below all of it, from "
-                         f"{x[-1].min():.4g} up: no water stands there; name it in face= if water may leave")
+                         f"{x[-1].min():.4g} up: no water stands there; name it in seepage_face= if water may leave")
     return wet, heads
 
 
@@ -107,7 +107,7 @@ def check_connected(basis: CellBasis, held: ndarray, tie: csr_matrix) -> None:
     lost = porous[~np.isin(part[porous], part[held])]
     if len(lost):
         raise ValueError(f"no head is given in the part of the ground around {place(basis.mesh.p[:, lost[0]])}, "
-                         f"{len(lost)} nodes: bodies that share no node need joints= or a head each")
+                         f"{len(lost)} nodes: bodies that share no node need connected= or a head each")
 
 
 def tied_heads(basis: CellBasis, joints: Sequence[tuple[str, str]], held: ndarray) -> csr_matrix:

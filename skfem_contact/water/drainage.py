@@ -57,7 +57,7 @@ class SeepageFace(Form):
     >>> import skfem_contact as sc
     >>> mesh = MeshTri.init_tensor(np.array([0., .1]), np.linspace(0, 1, 6)).with_defaults()
     >>> basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
-    >>> pores = sc.PoreWater(basis, k=1e-4, unit_weight=10.)
+    >>> pores = sc.PoreWater(basis, permeability=1e-4, unit_weight=10.)
     >>> forms = {"clay": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.)), "water": pores,
     ...          "face": sc.SeepageFace(pores, "top", 0.)}
     >>> load = sc.traction(basis, "top", (0., -100.))

@@ -44,7 +44,7 @@ class PoreWater(Form):
     ----------
     basis
         ``Basis`` of the displacements, whole or restricted to what is porous.
-    k
+    permeability
         Permeability (length per time): a number, numbers along the axes, ``(kh, kv)``, or a tensor (dim, dim); one for
         all ground or by subdomain.
     unit_weight
@@ -57,7 +57,7 @@ class PoreWater(Form):
     time_error
         Error of a step in time that is allowed, estimated by a method of first order, as a share of the water that the
         pressures can press out. Of Terzaghi's settlement 0.13 % is then wrong at most.
-    joints
+    connected
         Pairs of boundaries of bodies that share no nodes, closed or open, through which water passes freely, as in
         :func:`seepage`. It presses on both sides, so that contact there carries the effective stress. Other joints are
         tight, and contact there carries the water's pressure as well.
@@ -87,7 +87,7 @@ class PoreWater(Form):
     >>> mesh = MeshTri.init_tensor(np.array([0., .1]), np.linspace(0, 1, 11)).with_defaults()
     >>> basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
     >>> forms = {"clay": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.)),
-    ...          "water": sc.PoreWater(basis, k=1e-4, unit_weight=10.)}                 # c_v = 0.1
+    ...          "water": sc.PoreWater(basis, permeability=1e-4, unit_weight=10.)}      # c_v = 0.1
     >>> fixed = np.hstack((sc.box_supports(basis, base="rollers"), forms["water"].unknowns("top")))
     >>> load = sc.traction(basis, "top", (0., -100.))
     >>> stages = [sc.Stage("load", load, duration=.02), sc.Stage("wait", load, duration=1.96)]
@@ -103,22 +103,22 @@ class PoreWater(Form):
     capacity: ndarray
     _step: csr_matrix
 
-    def __init__(self, basis: CellBasis, k: Permeability | Mapping[str, Permeability], unit_weight: float = 9.81,
-                 storage: float | Mapping[str, float] = 0.0,
+    def __init__(self, basis: CellBasis, permeability: Permeability | Mapping[str, Permeability], *,
+                 unit_weight: float, storage: float | Mapping[str, float] = 0.0,
                  strain: Callable[[CellBasis], StrainOperator] = plane_strain, time_error: float = 0.01,
-                 joints: Sequence[tuple[str, str]] = (), after: Form | None = None) -> None:
+                 connected: Sequence[tuple[str, str]] = (), after: Form | None = None) -> None:
         check_basis(basis)
         check_quadrature(basis)
         for what, value in (("unit weight of water", unit_weight), ("error in time", time_error)):
             if not 0.0 < value < np.inf:
                 raise ValueError(f"the {what} must be positive, not {value!r}")
-        self.mobility = permeability_tensors(basis, k) / unit_weight
+        self.mobility = permeability_tensors(basis, permeability) / unit_weight
         self.storage = np.zeros(basis.nelems)
         for part, value in regions(basis, storage, "storage"):
             if not 0.0 <= value < np.inf:
                 raise ValueError(f"the storage must be finite and not negative, not {value!r}")
             self.storage[part] = value
-        self.porous = Porous.of(basis, strain, self.mobility, joints)
+        self.porous = Porous.of(basis, strain, self.mobility, connected)
         self.unit_weight, self._time_error = unit_weight, time_error
         self.nodes, self.joins = (np.arange(basis.N), basis.doflocs), np.zeros(0, int)
         self.first = first_behind(basis, after)

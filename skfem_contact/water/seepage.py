@@ -118,7 +118,7 @@ class Seepage:
         >>> import skfem_contact as sc
         >>> from skfem import Basis, ElementTriP1, MeshTri
         >>> column = Basis(MeshTri().refined(2).with_defaults(), ElementTriP1())
-        >>> water = sc.seepage(column, k=1e-5, head={"bottom": 1.5, "top": 1.})
+        >>> water = sc.seepage(column, permeability=1e-5, head={"bottom": 1.5, "top": 1.}, unit_weight=10.)
         >>> bool(abs(water.flux("top")[1] / 1e-5 + .5).max() < 1e-12)
         True
         """
@@ -167,10 +167,9 @@ class Seepage:
         return size
 
 
-def seepage(basis: CellBasis, k: Permeability | Mapping[str, Permeability], head: Mapping[str, Given],
-            face: str | Sequence[str] = (), joints: Sequence[tuple[str, str]] = (),
-            retention: Retention | Mapping[str, Retention] = _RAMP, unit_weight: float = 9.81,
-            axisymmetric: bool = False) -> Seepage:
+def seepage(basis: CellBasis, permeability: Permeability | Mapping[str, Permeability], head: Mapping[str, Given], *,
+            unit_weight: float, seepage_face: str | Sequence[str] = (), connected: Sequence[tuple[str, str]] = (),
+            retention: Retention | Mapping[str, Retention] = _RAMP, axisymmetric: bool = False) -> Seepage:
     """Steady flow of water through the ground, confined or with a free surface.
 
     The flow follows Darcy's law, v = -k grad h, with the head h at the corners of the elements. Where all ground
@@ -182,16 +181,17 @@ def seepage(basis: CellBasis, k: Permeability | Mapping[str, Permeability], head
     basis
         Basis of what is porous, of any element: ``basis.with_elements({"sand", "clay"})``, or the whole mesh. The last
         axis points up.
-    k
+    permeability
         Permeability (length per time): a number, numbers along the axes, ``(kh, kv)``, or a tensor (dim, dim); one for
         all ground or by subdomain.
     head
         Hydraulic head, a height, by boundary: a number or a function of places (dim, ...). It is the level of the water
-        that stands at the boundary and holds at and below that level; above it the boundary is tight or a `face`.
-    face
+        that stands at the boundary and holds at and below that level; above it the boundary is tight, or a
+        `seepage_face`.
+    seepage_face
         Names of boundaries through which water may leave but not enter, at zero pressure. One may be named in `head`
         too. All other boundaries are tight.
-    joints
+    connected
         Pairs of boundaries of bodies that share no nodes, ``("core|shell", "shell|core")``, between which water passes
         freely: the nodes of the side with the smaller facets take the heads of the other. Other joints are tight.
     retention
@@ -227,7 +227,8 @@ def seepage(basis: CellBasis, k: Permeability | Mapping[str, Permeability], head
     >>> import skfem_contact as sc
     >>> from skfem import Basis, ElementTriP1, MeshTri
     >>> dam = MeshTri.init_tensor(np.linspace(0, 5, 11), np.linspace(0, 10, 21)).with_defaults()
-    >>> water = sc.seepage(Basis(dam, ElementTriP1()), k=1., head={"left": 10., "right": 2.}, face="right")
+    >>> water = sc.seepage(Basis(dam, ElementTriP1()), permeability=1., head={"left": 10., "right": 2.},
+    ...                    seepage_face="right", unit_weight=10.)
     >>> print(water)
     seepage through 400 elements, 231 nodes, ... of them below the free surface
     ... Newton iterations
@@ -243,12 +244,12 @@ def seepage(basis: CellBasis, k: Permeability | Mapping[str, Permeability], head
     if not 0.0 < unit_weight < np.inf:
         raise ValueError(f"the unit weight of water must be positive, not {unit_weight!r}")
     porous = head_basis(basis)
-    given = conditions(porous, head, face)
-    tensors = permeability_tensors(porous, k)
+    given = conditions(porous, head, seepage_face)
+    tensors = permeability_tensors(porous, permeability)
     laws = regions(porous, retention, "retention")
     datum = float(np.nanmean(given.head))
     flow = DarcyFlow(porous, tensors, axisymmetric, datum)
-    tie = tied_heads(porous, joints, given.held)
+    tie = tied_heads(porous, connected, given.held)
     check_connected(porous, given.held, tie)
     lowered = replace(given, head=given.head - datum)
     found = WaterBalance(flow, lowered, tie, porous.mesh.p[:, :porous.N]).solve(laws)
@@ -277,5 +278,6 @@ def _warn_of_dry_ground(basis: CellBasis, tensors: ndarray, relative: ndarray, v
         x = np.asarray(basis.global_coordinates())[:, np.where(draining, flow, 0.0).argmax()].mean(axis=1)
         warnings.warn(f"water flows off through dry ground at {place(x)}, which conducts better than the wet ground "
                       "that it comes from: the free surface there is several per cent off; leave drained ground out of "
-                      "the basis and name the boundary towards it in face=, or give a smaller `least` in retention=",
+                      "the basis and name the boundary towards it in seepage_face=, or give a smaller `least` in "
+                      "retention=",
                       AnalysisWarning, stacklevel=3)
