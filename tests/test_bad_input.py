@@ -306,7 +306,7 @@ def test_direction_of_weight_that_is_no_unit_vector(direction):
 @pytest.mark.parametrize("unit_weight", [0.0, -9.81, np.nan, np.inf])
 def test_bad_unit_weight_of_water(unit_weight):
     with pytest.raises(ValueError, match="unit weight of water must be positive"):
-        sc.hydrostatic(1.0, unit_weight)
+        sc.hydrostatic(1.0, unit_weight=unit_weight)
 
 
 # -- analyses ---------------------------------------------------------------------------------------------------

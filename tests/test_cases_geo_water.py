@@ -19,7 +19,7 @@ RESERVOIR = 17.1
 def under_water(mesh: MeshTri, soil, unit_weight: float, table, **settings) -> float:
     """Factor of safety with water below and above a "surface"."""
     basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
-    water = sc.water_load(basis, sc.hydrostatic(table, WATER), "surface")
+    water = sc.water_load(basis, sc.hydrostatic(table, unit_weight=WATER), "surface")
     forms = {"soil": sc.SolidForm(basis, soil)}
     load = sc.weight(basis, unit_weight) + water
     result = sc.strength_reduction(forms, held(basis), load, progress=False, **settings)

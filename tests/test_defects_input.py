@@ -70,9 +70,9 @@ def test_water_that_presses_on_nothing():
     basis, *_ = ground()
     basis.mesh.boundaries["nowhere"] = np.zeros(0, int)
     with pytest.raises(ValueError, match=r"boundaries \['nowhere'\]: they are empty"):
-        sc.water_load(basis, sc.hydrostatic(1.0, 10.0), ["nowhere"])
+        sc.water_load(basis, sc.hydrostatic(1.0, unit_weight=10.0), ["nowhere"])
     with pytest.warns(sc.AnalysisWarning, match="there is no water"):
-        sc.water_load(basis, sc.hydrostatic(-5.0, 10.0), ["top"])
+        sc.water_load(basis, sc.hydrostatic(-5.0, unit_weight=10.0), ["top"])
 
 
 def test_angles_in_radians():

@@ -87,7 +87,7 @@ def test_ground_under_water():
         sc.water_load(basis, deep)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        sc.water_load(basis, sc.hydrostatic(5.9))
+        sc.water_load(basis, sc.hydrostatic(5.9, unit_weight=9.81))
 
 
 def test_water_by_values_at_nodes():
@@ -107,7 +107,7 @@ def test_water_by_values_at_nodes():
 @pytest.mark.parametrize("table", [[[0, 1], [0, 2]], [1, 2], np.nan, [[0, np.inf]]])
 def test_bad_water_table(table):
     with pytest.raises(ValueError, match="a water table is a height, or points"):
-        sc.hydrostatic(table)
+        sc.hydrostatic(table, unit_weight=9.81)
 
 
 def test_level_ground_is_demanded():

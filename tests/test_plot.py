@@ -205,7 +205,7 @@ def test_marks_are_drawn_where_they_belong():
     load[basis.get_dofs("top").all("u^2")] = -1.0
     plain = shot(plot.contour(forms, step, "uy"))
     image = shot(plot.contour(forms, step, "uy", supports=basis.get_dofs("bottom").all(), loads=load,
-                              water=sc.hydrostatic(0.5), vectors=True))
+                              water=sc.hydrostatic(0.5, unit_weight=9.81), vectors=True))
     height = len(image) - FOOT
     blue = (image[:height, :, 2].astype(int) - image[:height, :, 0] > 60).any(axis=1)
     assert np.flatnonzero(blue).mean() == pytest.approx(height / 2, rel=0.1)
@@ -226,9 +226,9 @@ def test_free_surface_is_the_water_table():
     forms, step = block()
     basis = forms["block"].basis
     height = np.ptp(basis.mesh.p[1])
-    water = sc.seepage(basis, 1.0, {"left": 0.5 * height})
+    water = sc.seepage(basis, 1.0, {"left": 0.5 * height}, unit_weight=9.81)
     pictures = [shot(plot.contour(forms, step, "pore", water=given, mesh=False, colors="Greys"))
-                for given in (sc.hydrostatic(0.5 * height), water, water.pressure_at)]
+                for given in (sc.hydrostatic(0.5 * height, unit_weight=9.81), water, water.pressure_at)]
     blue = [picture[:-FOOT, :, 2].astype(int) - picture[:-FOOT, :, 0] > 60 for picture in pictures]
     rows = [np.flatnonzero(marked.sum(axis=1) > 0.3 * marked.shape[1]).mean() for marked in blue]
     # the transition between wet and dry is a part of an element wide

@@ -406,7 +406,7 @@ def test_contact_carries_the_total_stress(soil):
     basis = vector_basis(mesh, "P2", intorder=4)
     wet = basis.with_elements("column")
     forms = {"base": sc.SolidForm(basis.with_elements("base"), sc.LinearElastic(E=1e5, nu=0.3)),
-             "column": sc.SolidForm(wet, soil), "water": sc.PoreWater(wet, 1e-2),
+             "column": sc.SolidForm(wet, soil), "water": sc.PoreWater(wet, 1e-2, unit_weight=9.81),
              "joint": sc.ContactPair(basis, "column:bottom", "base:top", sc.Coulomb(mu=0.5))}  # fmt: skip
     drained = forms["water"].unknowns("column:top", "column:left", "column:right")
     fixed = np.append(basis.get_dofs("base:bottom").all(), drained)
@@ -430,19 +430,19 @@ def test_contact_carries_the_total_stress(soil):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"k": 0.0}, "positive and finite"),
-        ({"k": -1e-3}, "positive and finite"),
-        ({"k": np.nan}, "positive and finite"),
-        ({"k": {"cly": 1.0}}, "no subdomain 'cly'"),
-        ({"k": 1.0, "storage": -1.0}, "storage must be finite and not negative"),
-        ({"k": 1.0, "storage": np.nan}, "storage must be finite and not negative"),
-        ({"k": 1.0, "unit_weight": 0.0}, "unit weight of water must be positive"),
-        ({"k": 1.0, "time_error": np.nan}, "error in time must be positive"),
+        ({"permeability": 0.0}, "positive and finite"),
+        ({"permeability": -1e-3}, "positive and finite"),
+        ({"permeability": np.nan}, "positive and finite"),
+        ({"permeability": {"cly": 1.0}}, "no subdomain 'cly'"),
+        ({"permeability": 1.0, "storage": -1.0}, "storage must be finite and not negative"),
+        ({"permeability": 1.0, "storage": np.nan}, "storage must be finite and not negative"),
+        ({"permeability": 1.0, "unit_weight": 0.0}, "unit weight of water must be positive"),
+        ({"permeability": 1.0, "time_error": np.nan}, "error in time must be positive"),
     ],
 )
 def test_bad_values(options, message):
     with pytest.raises(ValueError, match=message):
-        sc.PoreWater(ground("P2", 2), **options)
+        sc.PoreWater(ground("P2", 2), **{"unit_weight": 1.0, **options})
 
 
 def test_bad_analyses():
@@ -466,7 +466,7 @@ def test_bad_analyses():
     with pytest.raises(ValueError, match="Undrained and has PoreWater too"):
         sc.run({**forms, "clay": sc.SolidForm(basis, clay)}, [sc.Stage("load", load, duration=1.0)], fixed, **QUIET)
     with pytest.raises(ValueError, match=r"after 1.1e.16 times H² / c_v"):
-        sc.run({**forms, "water": sc.PoreWater(basis, k=1e12, unit_weight=1.0)},
+        sc.run({**forms, "water": sc.PoreWater(basis, permeability=1e12, unit_weight=1.0)},
                [sc.Stage("load", load, duration=1.0)], fixed, **QUIET)  # fmt: skip
     sealed = np.concatenate((sc.box_supports(basis, base="rollers"), basis.get_dofs("top").all("u^2")))
     with pytest.raises(ValueError, match="the pore pressure is not determined"):

@@ -18,19 +18,19 @@ HEADS = {"left": 2.0, "right": 1.0}
 @pytest.mark.parametrize(("changes", "message"), [
     ({"basis": "mesh"}, "a Basis of elements is needed, not str"),
     ({"basis": FacetBasis(MESH, ElementTriP1())}, "a Basis of elements is needed, not FacetBasis"),
-    ({"k": 0.0}, "permeability must be positive and finite in all directions, not 0.0; leave elements"),
-    ({"k": -1e-5}, "permeability must be positive"),
-    ({"k": np.nan}, "permeability must be positive and finite"),
-    ({"k": (1.0, 0.0)}, "permeability must be positive"),
-    ({"k": [[1.0, 2.0], [2.0, 1.0]]}, "permeability must be positive"),
-    ({"k": [[1.0, 0.2], [0.1, 1.0]]}, "permeability must be positive"),
-    ({"k": (1.0, 1.0, 1.0)}, r"a number, 2 numbers along the axes or a tensor \(2, 2\)"),
-    ({"k": "clay"}, "a permeability is a number"),
-    ({"k": {"a": 1e-12, "b": 1.0}}, "the permeabilities from 1e-12 to 1 are too far apart"),
-    ({"k": (1e12, 1.0)}, "too far apart"),
-    ({"k": {"a": 1.0}}, r"8 elements have no permeability; they lie in the subdomains \['b', 'b, c'\]"),
-    ({"k": {"a": 1.0, "b": 1.0, "b, c": 1.0}}, "12 elements have more than one permeability"),
-    ({"k": {"a": 1.0, "bb": 1.0}}, "no subdomain 'bb'; existing: a, b"),
+    ({"permeability": 0.0}, "permeability must be positive and finite in all directions, not 0.0; leave elements"),
+    ({"permeability": -1e-5}, "permeability must be positive"),
+    ({"permeability": np.nan}, "permeability must be positive and finite"),
+    ({"permeability": (1.0, 0.0)}, "permeability must be positive"),
+    ({"permeability": [[1.0, 2.0], [2.0, 1.0]]}, "permeability must be positive"),
+    ({"permeability": [[1.0, 0.2], [0.1, 1.0]]}, "permeability must be positive"),
+    ({"permeability": (1.0, 1.0, 1.0)}, r"a number, 2 numbers along the axes or a tensor \(2, 2\)"),
+    ({"permeability": "clay"}, "a permeability is a number"),
+    ({"permeability": {"a": 1e-12, "b": 1.0}}, "the permeabilities from 1e-12 to 1 are too far apart"),
+    ({"permeability": (1e12, 1.0)}, "too far apart"),
+    ({"permeability": {"a": 1.0}}, r"8 elements have no permeability; they lie in the subdomains \['b', 'b, c'\]"),
+    ({"permeability": {"a": 1.0, "b": 1.0, "b, c": 1.0}}, "12 elements have more than one permeability"),
+    ({"permeability": {"a": 1.0, "bb": 1.0}}, "no subdomain 'bb'; existing: a, b"),
     ({"head": {}}, "there is no head"),
     ({"head": 2.0}, "there is no head"),
     ({"head": {"lefft": 2.0}}, "no boundary 'lefft'; existing: bottom, left, right, top"),
@@ -38,21 +38,21 @@ HEADS = {"left": 2.0, "right": 1.0}
     ({"head": {"left": lambda x: np.ones(7)}}, "the head of boundary 'left' must be a finite number"),
     ({"head": {"left": 2.0, "top": 1.0}}, "head of boundary 'top', 1 at most, is below all of it, from 2 up"),
     ({"head": {"left": 3.0, "top": 2.0}}, r"'left' and 'top' share the node at \(0, 2\) and give it different heads"),
-    ({"face": "rigth"}, "no boundary 'rigth'"),
-    ({"face": ["right", "none"]}, "no boundary 'none'"),
+    ({"seepage_face": "rigth"}, "no boundary 'rigth'"),
+    ({"seepage_face": ["right", "none"]}, "no boundary 'none'"),
     ({"retention": {"a": sc.Ramp()}}, "8 elements have no retention"),
     ({"unit_weight": 0.0}, "unit weight of water must be positive"),
     ({"unit_weight": np.inf}, "unit weight of water must be positive"),
-    ({"joints": ["left"]}, "a joint is a pair of boundaries"),
-    ({"joints": [("left", "rihgt")]}, "no boundary 'rihgt'"),
-    ({"joints": [("bottom", "top")]}, "the boundaries 'bottom' and 'top' are nowhere next to each other"),
+    ({"connected": ["left"]}, "a joint is a pair of boundaries"),
+    ({"connected": [("left", "rihgt")]}, "no boundary 'rihgt'"),
+    ({"connected": [("bottom", "top")]}, "the boundaries 'bottom' and 'top' are nowhere next to each other"),
     ({"basis": BODIES, "head": {"p:left": 2.0}}, r"no head is given in the part of the ground around \(4, 0\), 15"),
-    ({"basis": BODIES, "head": {"p:left": 2.0}, "joints": [("p:right", "q:left"), ("q:left", "p:right")]},
+    ({"basis": BODIES, "head": {"p:left": 2.0}, "connected": [("p:right", "q:left"), ("q:left", "p:right")]},
      "in a circle"),
     ({"basis": BASIS.with_elements("a"), "head": {"right": 1.0}}, "'right' has no node of the porous ground"),
 ])  # fmt: skip
 def test_bad_input(changes, message):
-    arguments = {"basis": BASIS, "k": 1e-5, "head": HEADS} | changes
+    arguments = {"basis": BASIS, "permeability": 1e-5, "head": HEADS, "unit_weight": 9.81} | changes
     with pytest.raises(ValueError, match=message):
         sc.seepage(**arguments)
 
@@ -71,7 +71,7 @@ def test_bad_retention(law, options, message):
 
 
 def test_bad_questions_to_a_result():
-    water = sc.seepage(BASIS, 1e-5, HEADS)
+    water = sc.seepage(BASIS, 1e-5, HEADS, unit_weight=9.81)
     with pytest.raises(ValueError, match="no boundary 'wall'; existing: bottom, left, right, top"):
         water.discharge("wall")
     with pytest.raises(ValueError, match="no subdomain 'c'; existing: a, b"):

@@ -29,7 +29,7 @@ def cut_layer(law, joints, element="P2", n=(20, 20), strain=sc.plane_strain):
     basis = Basis(mesh, ElementVector(of), intorder=4 if element == "P2" else 2)
     axial = strain is sc.axisymmetric
     forms = {"clay": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=NU), strain=strain),
-             "water": sc.PoreWater(basis, MOBILITY, unit_weight=1.0, strain=strain, joints=joints),
+             "water": sc.PoreWater(basis, MOBILITY, unit_weight=1.0, strain=strain, connected=joints),
              "joint": sc.ContactPair(basis, *OPEN[0], law, penalty=HARD, axisymmetric=axial)}  # fmt: skip
     sides = {f"{body}:{side}" for body in ("low", "high") for side in ("left", "right")}
     fixed = np.concatenate((basis.get_dofs("low:bottom").all("u^2"), basis.get_dofs(sides).all("u^1"),
@@ -91,7 +91,7 @@ def test_friction_is_of_the_effective_stress():
     basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
     sides = [("block:bottom", "base:top")]
     forms = {"ground": sc.SolidForm(basis, sc.LinearElastic(E=1e6, nu=0.0)),
-             "water": sc.PoreWater(basis, 1e-3, joints=sides),
+             "water": sc.PoreWater(basis, 1e-3, connected=sides, unit_weight=9.81),
              "joint": sc.ContactPair(basis, *sides[0], sc.Coulomb(mu=0.5))}  # fmt: skip
     water, top = forms["water"], basis.get_dofs("block:top")
     fixed = np.concatenate((basis.get_dofs("base:bottom").all(), top.all("u^1"), water.unknowns()))
@@ -137,4 +137,4 @@ def test_joint_of_what_is_not_porous():
     basis, *_ = cut_layer(sc.Tied(), OPEN, n=(10, 10))
     part = basis.with_elements("high")
     with pytest.raises(ValueError, match="porous ground on both sides, but not on 'low:top'"):
-        sc.PoreWater(part, MOBILITY, joints=OPEN)
+        sc.PoreWater(part, MOBILITY, connected=OPEN, unit_weight=9.81)

@@ -43,7 +43,7 @@ def test_infinite_slope_with_parallel_seepage(element):
     def head(x):
         return x[1] + (DEPTH - sin / cos * x[0] - x[1]) * cos**2
 
-    water = sc.seepage(basis, 1e-5, {"left": head, "right": head}, face="top", unit_weight=WATER)
+    water = sc.seepage(basis, 1e-5, {"left": head, "right": head}, seepage_face="top", unit_weight=WATER)
     assert water.discharge("top") == pytest.approx(0.0, abs=1e-12 * water.discharge("left"))
     depth = DEPTH - sin / cos * basis.mesh.p[0] - basis.mesh.p[1]
     np.testing.assert_allclose(water.pressure, WATER * depth[: len(water.pressure)] * cos**2, atol=1e-9)
@@ -63,7 +63,7 @@ def test_contact_carries_the_effective_stress(open_joint):
     top = grid("Q1", np.linspace(0, 2, 9), np.linspace(1, 3, 6))
     basis = vector_basis(sc.join_bodies({"low": low, "top": top}), "Q1", intorder=2)
     heads = {"low:bottom": 3.6, "top:top": 3.0}
-    joint = {"joints": [("low:top", "top:bottom")]} if open_joint else {}
+    joint = {"connected": [("low:top", "top:bottom")]} if open_joint else {}
     water = sc.seepage(basis, {"low": 1.0, "top": 2.0}, heads, unit_weight=WATER, **joint)
     pressure = WATER * ((3.3 if open_joint else 3.0) - 1.0)
     sides = ["low:top", "top:bottom"]
@@ -80,7 +80,7 @@ def test_contact_carries_the_effective_stress(open_joint):
 def test_water_above_the_ground_is_warned_of():
     """Nodal pressures of ground under water: without its surface among the boundaries the user is warned."""
     basis = vector_basis(grid("P2", np.linspace(0, 2, 3), np.linspace(0, 1, 3)), "P2")
-    water = sc.seepage(basis, 1.0, {"top": 2.0, "bottom": 2.0})
+    water = sc.seepage(basis, 1.0, {"top": 2.0, "bottom": 2.0}, unit_weight=9.81)
     with pytest.warns(sc.AnalysisWarning, match="there is water above the surface"):
         sc.water_load(basis, water.pressure)
     with warnings.catch_warnings():

@@ -41,10 +41,11 @@ def dam(n: int, length: float, kind=MeshTri, height: float = 10.0, depth: float 
     return box(kind, x, *width, depth + np.linspace(0, height, n + 1))
 
 
-def flow_through(mesh, up: float, down: float, k=1.0, **options) -> sc.Seepage:
+def flow_through(mesh, up: float, down: float, k=1.0, unit_weight=9.81, **options) -> sc.Seepage:
     """Flow from left to right with a seepage face."""
     heads = {"left": up} | ({"right": down} if down > 0 else {})
-    return sc.seepage(Basis(mesh, ELEMENTS[type(mesh)]()), k, heads, face="right", **options)
+    return sc.seepage(Basis(mesh, ELEMENTS[type(mesh)]()), k, heads, seepage_face="right",
+                      unit_weight=unit_weight, **options)
 
 
 # -- the dam ----------------------------------------------------------------------------------------------------
@@ -154,12 +155,12 @@ def test_layers(kind):
         {"clay": lambda x: x[-1] < 0.5, "sand": lambda x: x[-1] > 0.5})
     k = {"clay": 1e-7, "sand": 1e-5}
     for element in (ELEMENTS[kind](), ElementVector(ELEMENTS[kind]())):
-        up = sc.seepage(Basis(mesh, element), k, {"bottom": 3.0, "top": 2.0})
+        up = sc.seepage(Basis(mesh, element), k, {"bottom": 3.0, "top": 2.0}, unit_weight=9.81)
         q = 1.0 / (0.5 / 1e-7 + 0.5 / 1e-5)
         assert up.iterations == (1,)
         assert up.discharge("bottom") == pytest.approx(q, rel=1e-9) == -up.discharge("top")
         np.testing.assert_allclose(up.velocity[-1], q, rtol=1e-9)
-    along = sc.seepage(Basis(mesh, element), k, {"left": 3.0, "right": 2.0})
+    along = sc.seepage(Basis(mesh, element), k, {"left": 3.0, "right": 2.0}, unit_weight=9.81)
     assert along.discharge("left") == pytest.approx(0.5 * (1e-7 + 1e-5), rel=1e-9)
 
 
@@ -167,7 +168,7 @@ def test_quadratic_meshes():
     """[X] Pressures are at the vertices of quadratic meshes: straight ones by P2 and Q2, curved ones by MeshTri2."""
     for mesh, element in ((dam(4, 10.0), ElementTriP2()), (dam(4, 10.0, MeshQuad), ElementQuad2()),
                           (MeshTri2.from_mesh(dam(4, 10.0)).with_boundaries(dam(4, 10.0).boundaries), ElementTriP2())):
-        water = sc.seepage(Basis(mesh, ElementVector(element)), 1.0, {"left": 12.0, "right": 11.0})
+        water = sc.seepage(Basis(mesh, ElementVector(element)), 1.0, {"left": 12.0, "right": 11.0}, unit_weight=9.81)
         np.testing.assert_allclose(water.head[: mesh.nvertices], 12.0 - mesh.p[0, : mesh.nvertices] / 10, rtol=1e-12)
         assert len(water.pressure) == mesh.nvertices
 
@@ -182,7 +183,7 @@ def test_any_direction(kind, rng):
     mesh = type(mesh)(np.where(inner, moved, mesh.p), mesh.t).with_boundaries({"all": lambda x: x[0] < np.inf})
     tensor = np.diag([3.0, 1.0, 2.0][:dim]) + 0.5
     slope = np.array([0.5, -0.3, 0.2][:dim])
-    water = sc.seepage(Basis(mesh, ELEMENTS[kind]()), tensor, {"all": lambda x: 9 + slope @ x})
+    water = sc.seepage(Basis(mesh, ELEMENTS[kind]()), tensor, {"all": lambda x: 9 + slope @ x}, unit_weight=9.81)
     np.testing.assert_allclose(water.head, 9 + slope @ mesh.p, rtol=1e-12)
     np.testing.assert_allclose(water.velocity, np.tile(-(tensor @ slope)[:, None], mesh.nelements), rtol=1e-9)
 
@@ -194,8 +195,8 @@ def test_well(confined):
     r = radius * (far / radius) ** np.linspace(0, 1, 2 * n + 1)
     mesh = box(MeshQuad, r, np.linspace(0, 10, n + 1))
     high, low = (15.0, 12.0) if confined else (10.0, 3.0)
-    water = sc.seepage(Basis(mesh, ElementQuad1()), 1e-4, {"right": high, "left": low}, face="left",
-                       axisymmetric=True)  # fmt: skip
+    water = sc.seepage(Basis(mesh, ElementQuad1()), 1e-4, {"right": high, "left": low}, seepage_face="left",
+                       axisymmetric=True, unit_weight=9.81)  # fmt: skip
     depth = 10 * (high - low) if confined else (high**2 - low**2) / 2
     assert water.discharge("left") == pytest.approx(-1e-4 * depth / np.log(far / radius), rel=3e-3)
     if confined:
@@ -212,13 +213,15 @@ def test_joint(matching):
     left = MeshTri.init_tensor(np.linspace(0, 4, 9), y).with_defaults()
     right = MeshTri.init_tensor(np.linspace(4, 10, 13), y if matching else np.linspace(0, 10, 25)).with_defaults()
     basis = Basis(sc.join_bodies({"a": left, "b": right}), ElementTriP1())
-    water = sc.seepage(basis, 1.0, {"a:left": 10.0}, face="b:right", joints=[("a:right", "b:left")])
+    water = sc.seepage(basis, 1.0, {"a:left": 10.0}, seepage_face="b:right", connected=[("a:right", "b:left")],
+                       unit_weight=9.81)
     assert water.discharge("a:left") == pytest.approx(5.0, rel=2e-3)
     assert water.discharge("b:right") == pytest.approx(-water.discharge("a:left"), rel=1e-8)
     assert water.discharge("b:left", of="b") == pytest.approx(water.discharge("a:left"), rel=1e-8)
     assert water.discharge("a:right", of="a") == pytest.approx(-water.discharge("a:left"), rel=1e-8)
     if matching:
-        whole = sc.seepage(Basis(dam(20, 10.0), ElementTriP1()), 1.0, {"left": 10.0}, face="right")
+        whole = sc.seepage(Basis(dam(20, 10.0), ElementTriP1()), 1.0, {"left": 10.0}, seepage_face="right",
+                           unit_weight=9.81)
         assert water.discharge("a:left") == pytest.approx(whole.discharge("left"), rel=1e-9)
 
 
@@ -234,7 +237,7 @@ def test_joints_of_three_bodies_in_space(middle, error):
     basis = Basis(sc.join_bodies(cubes), ElementTetP1())
     joints = [("low:top", "mid:bottom"), ("mid:top", "top:bottom")]
     k = {"low": 1.0, "mid": 0.5, "top": 1.0}
-    water = sc.seepage(basis, k, {"low:bottom": 7.0, "top:top": 3.0}, joints=joints)
+    water = sc.seepage(basis, k, {"low:bottom": 7.0, "top:top": 3.0}, connected=joints, unit_weight=9.81)
     assert water.discharge("low:bottom") == pytest.approx(4 / (1 + 2 + 1), rel=error)
 
 
@@ -256,7 +259,7 @@ def test_part_of_the_mesh_is_porous():
     middle = mesh.p[0][mesh.facets[:, surface]].mean(axis=0)
     mesh = mesh.with_boundaries({"up": surface[middle < 3], "down": surface[middle > 5]})
     basis = Basis(mesh, ElementVector(ElementQuad1())).with_elements("ground")
-    water = sc.seepage(basis, 1e-5, {"up": 4.0, "down": 3.0})
+    water = sc.seepage(basis, 1e-5, {"up": 4.0, "down": 3.0}, unit_weight=9.81)
     assert np.isnan(water.head[mesh.p[1] > 3.01]).all() and np.isfinite(water.head[mesh.p[1] < 3.01]).all()
     assert water.head[np.isclose(mesh.p[0], 4) & np.isclose(mesh.p[1], 0)] == pytest.approx(3.5)
     with pytest.raises(ValueError, match=r"places lie outside of the porous ground, the first is \(4, 3.5\)"):
@@ -267,7 +270,7 @@ def test_boundaries_that_meet_share_their_node():
     """The sum over all boundaries is zero although two of them hold the node of the corner."""
     mesh = dam(10, 10.0)
     heads = {"left": 12.0, "right": 11.0, "bottom": lambda x: 12.0 - 0.1 * x[0]}
-    water = sc.seepage(Basis(mesh, ElementTriP1()), 1.0, heads)
+    water = sc.seepage(Basis(mesh, ElementTriP1()), 1.0, heads, unit_weight=9.81)
     parts = [water.discharge(name) for name in ("left", "right", "bottom")]
     assert sum(parts) == pytest.approx(0.0, abs=1e-12)
     assert water.discharge("top") == 0.0

@@ -100,7 +100,7 @@ def test_pressure_is_not_taken_for_plastic_strain():
     # nodes between both regions get the mean of both
     assert sorted(set(np.round(field / BULK / 0.01, 9))) == [0.0, 0.5, 1.0]
     # what is given is below it; a change since a stage does not hold what stays
-    still = sc.hydrostatic(0.5)
+    still = sc.hydrostatic(0.5, unit_weight=9.81)
     whole = sc.nodal_field({"soil": form}, stage, "pore", water=still)
     np.testing.assert_allclose(whole, field + still(mesh.p))
     np.testing.assert_allclose(sc.nodal_field({"soil": form}, stage, "pore", since=stage, water=still), 0.0)

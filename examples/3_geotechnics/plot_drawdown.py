@@ -68,7 +68,7 @@ soil = sc.MohrCoulomb(E=1e5, nu=0.3, c=COHESION, phi=PHI, psi=PHI)
 slow = {"slope": sc.SolidForm(basis, soil)}
 for share in (-0.2, 0.0, 0.2, 0.4, 0.6, 0.7, 0.8, 0.9, 1.0):
     began = time.process_time()
-    water = sc.hydrostatic(HEIGHT * (1 - share), WATER)
+    water = sc.hydrostatic(HEIGHT * (1 - share), unit_weight=WATER)
     factor("slow", share, began, slow, weight + sc.water_load(basis, water, "surface"), PUBLISHED.get(share))
 
 assert abs(curves["slow"][0.7] - 1.30) < 0.02
@@ -85,7 +85,7 @@ assert min(curves["slow"], key=curves["slow"].get) in (0.7, 0.8)
 
 stiff = sc.MohrCoulomb(E=1e5, nu=0.3, c=COHESION, phi=PHI, psi=0.0)
 form = sc.SolidForm(basis, stiff)
-full = sc.hydrostatic(HEIGHT, WATER)
+full = sc.hydrostatic(HEIGHT, unit_weight=WATER)
 start = sc.gravity_state({"slope": form}, weight + sc.water_load(basis, full, "surface"), fixed)
 quick = {"slope": form.with_materials({"all": sc.Undrained(stiff, nu_u=0.4995)})}
 
@@ -96,7 +96,7 @@ push = LinearForm(lambda v, w: -w.p * (v[0] * w.n[0] + v[1] * w.n[1]))
 
 def on_surface(level: float) -> np.ndarray:
     """Load of a reservoir on the surface of the slope alone."""
-    return push.assemble(surface, p=sc.hydrostatic(level, WATER)(np.asarray(surface.global_coordinates())))
+    return push.assemble(surface, p=sc.hydrostatic(level, unit_weight=WATER)(np.asarray(surface.global_coordinates())))
 
 
 in_pores = sc.water_load(basis, full, "surface") - on_surface(HEIGHT)
@@ -162,7 +162,7 @@ LEVELS = HEIGHT * np.array([0.9, 0.8, 0.7, 0.6])
 
 def lift(level: float, days: float, rain: bool) -> sc.Stage:
     """The reservoir falls to a level, and the pressure at the face with it."""
-    outside = sc.hydrostatic(level, WATER)
+    outside = sc.hydrostatic(level, unit_weight=WATER)
     follows = pores.prescribed({"surface": lambda x: outside(x) - full(x)})
     held = at_face if rain else at_face[places[1] < level + 1e-9]
     load = weight + on_surface(level) + in_pores

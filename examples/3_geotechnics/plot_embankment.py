@@ -61,7 +61,7 @@ def build(psi: float, wait: float = WAITING):
     soft = sc.MohrCoulomb(E=3e3, nu=0.3, c=4.0, phi=PHI, psi=psi)
     sand = sc.MohrCoulomb(E=2e4, nu=0.3, c=2.0, phi=33.0, psi=0.0)
     forms = {name: sc.SolidForm(basis.with_elements(name), soft if name == "clay" else sand) for name in parts}
-    forms["water"] = sc.PoreWater(basis.with_elements("clay"), K)
+    forms["water"] = sc.PoreWater(basis.with_elements("clay"), K, unit_weight=9.81)
     load = sc.weight(basis, {"clay": GAMMA_CLAY})
     start = sc.k0_state({"clay": forms["clay"]}, load, fixed, {"clay": GAMMA_CLAY}, K0=0.6)
     stages = []

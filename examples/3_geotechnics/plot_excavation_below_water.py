@@ -203,7 +203,7 @@ def load(pumped: int, dug: int, wet: bool):
 
 def pressure(pumped: int):
     """Pore pressure as a function of the place."""
-    return flows[pumped].pressure_at if pumped else sc.hydrostatic(0.0, WATER)
+    return flows[pumped].pressure_at if pumped else sc.hydrostatic(0.0, unit_weight=WATER)
 
 
 def water_on(parts, function):
@@ -214,7 +214,7 @@ def water_on(parts, function):
 
 def dig(wet: bool):
     """Result of all stages."""
-    still = sc.hydrostatic(0.0, WATER)
+    still = sc.hydrostatic(0.0, unit_weight=WATER)
     whole = sc.weight(basis, WEIGHT)
     if wet:
         whole = whole + sc.water_load(basis, still, ["ground|piles", "piles|ground"])

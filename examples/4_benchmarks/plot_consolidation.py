@@ -58,7 +58,7 @@ ELEMENTS = {"P2-P1": (MeshTri, ElementTriP2, 4), "Q2-Q1": (MeshQuad, ElementQuad
 def consolidate(basis, nu, load, fixed, drained, times, strain=sc.plane_strain, more=None, ramp=0.25):
     """Stages that end at times T, after a load that comes within a share of the first one."""
     forms = {"ground": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=nu), strain=strain),
-             "water": sc.PoreWater(basis, k=K, unit_weight=1.0, strain=strain), **(more or {})}
+             "water": sc.PoreWater(basis, permeability=K, unit_weight=1.0, strain=strain), **(more or {})}
     c_v = K * E * (1 - nu) / (1 + nu) / (1 - 2 * nu)
     # a load that grows in proportion within a short time acts like one at once in the middle of that time
     whole = np.concatenate(([ramp * times[0]], np.asarray(times) + 0.5 * ramp * times[0]))
@@ -125,7 +125,7 @@ mesh = sc.join_bodies({name: MeshTri.init_tensor(np.array([0.0, 0.1]), part).wit
 basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=4)
 joint = ("high:bottom", "low:top")
 forms = {"ground": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=0.2)),
-         "water": sc.PoreWater(basis, k=K, unit_weight=1.0, joints=[joint]),
+         "water": sc.PoreWater(basis, permeability=K, unit_weight=1.0, connected=[joint]),
          "joint": sc.ContactPair(basis, *joint, sc.Tied(), penalty=1e3 * E)}
 sides = basis.get_dofs({f"{body}:{side}" for body in ("low", "high") for side in ("left", "right")}).all("u^1")
 fixed = np.concatenate((basis.get_dofs("low:bottom").all("u^2"), sides, forms["water"].unknowns("high:top")))
@@ -329,7 +329,7 @@ def seconds(solver, K):
 for n in (8, 16, 32) if FULL else (8, 16):
     basis = Basis(strip(n), ElementVector(ElementTriP2()), intorder=4)
     forms = sc.choose_penalties({"ground": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=0.3)),
-                                 "water": sc.PoreWater(basis, k=K, unit_weight=1.0)})
+                                 "water": sc.PoreWater(basis, permeability=K, unit_weight=1.0)})
     fixed = np.append(basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1"))
     held = np.append(fixed, forms["water"].unknowns("top"))
     alone = build_system({"ground": forms["ground"]}, fixed)

@@ -45,7 +45,7 @@ def leak(mesh, up: float, down: float, k=1.0) -> sc.Seepage:
     """Flow from the left to the right."""
     element = ElementTriP1() if isinstance(mesh, MeshTri) else ElementQuad1()
     heads = {"left": up, "right": down} if down > 0 else {"left": up}
-    return sc.seepage(Basis(mesh, element), k, heads, face="right")
+    return sc.seepage(Basis(mesh, element), k, heads, seepage_face="right", unit_weight=9.81)
 
 
 rows = []

@@ -60,7 +60,8 @@ def flow(n: int, toe: float) -> sc.Seepage:
     """The flow, and its row of the table."""
     began = time.process_time()
     basis = Basis(ground(n, toe), ElementQuad1())
-    water = sc.seepage(basis, K, {"left:top": DROP, "right:top": 0.0}, joints=[("left|right", "right|left")])
+    water = sc.seepage(basis, K, {"left:top": DROP, "right:top": 0.0}, connected=[("left|right", "right|left")],
+                       unit_weight=9.81)
     q, (nodes, flux) = water.discharge("left:top"), water.flux("right:top")
     gradient = -flux[basis.mesh.p[0, nodes].argmin()] / K
     rows.append({"method": f"Q1, s/T = {toe / THICKNESS:g}", "n": n, "unknowns": len(water.head),

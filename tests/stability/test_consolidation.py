@@ -27,7 +27,7 @@ def footing(element: str = "P2", k=1e-4, storage=0.0, length: float = 1.0, stres
     strain = sc.b_bar if element == "Q1" else sc.plane_strain
     soil = sc.LinearElastic(E=E * stress, nu=NU) if soil is None else soil
     forms = {"ground": sc.SolidForm(basis, soil, strain=strain),
-             "water": sc.PoreWater(basis, k, 1.0, storage, strain=strain)}  # fmt: skip
+             "water": sc.PoreWater(basis, k, unit_weight=1.0, storage=storage, strain=strain)}  # fmt: skip
     fixed = np.append(sc.box_supports(basis), forms["water"].unknowns("top"))
     return basis, forms, fixed, sc.traction(basis, "strip", (0.0, -100.0 * stress))
 
