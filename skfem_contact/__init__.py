@@ -1,170 +1,41 @@
 """Frictional contact, soil plasticity and staged analysis for scikit-fem."""
 
-from .collapse.limit_load import limit_load
-from .collapse.result import CollapseResult
-from .collapse.stands import stands
-from .collapse.strength import strength_reduction
-from .contact import (
-    AugmentedLagrangian,
-    ContactPair,
-    ContactState,
-    Surface,
-    choose_penalties,
-    rigid_circle,
-    rigid_cone,
-    rigid_cylinder,
-    rigid_level_set,
-    rigid_line,
-    rigid_plane,
-    rigid_polyline,
-    rigid_sphere,
-    rigid_surface,
-    two_pass,
-)
-from .contact.laws import Coulomb, InterfaceLaw, Status, Tied
-from .errors import AnalysisWarning, Failure, NoEquilibrium, NotConverged
+from . import mesh, results, testing, water
+from .contact import AugmentedLagrangian, ContactPair, Surface
+from .contact.laws import Coulomb, InterfaceLaw, Tied
+from .errors import AnalysisWarning, NoEquilibrium, NotConverged
 from .forms.base import Form, Response
-from .forms.links import Bar, BarState, MatrixForm, RigidBoundary, Spring
-from .forms.solid import SolidForm, SolidState
-from .forms.strain import StrainOperator, axisymmetric, b_bar, plane_strain, three_dimensional
+from .forms.links import Bar, MatrixForm, Spring
+from .forms.rigid_boundary import RigidBoundary
+from .forms.solid import SolidForm
 from .layout import Field, box_supports, dofs_at
-from .limit_analysis import Bounds, bounds
 from .loads import hydrostatic, traction, water_load, weight
-from .materials import DruckerPrager, HardeningMohrCoulomb, LinearElastic, MohrCoulomb, Tresca, Undrained, VonMises
-from .materials.reduction import reduced_strength
-from .mesh.check import check_mesh
-from .mesh.join import bodies, join_bodies
-from .mesh.read import load_mesh
-from .nonlinear.newton import Newton
-from .results import (
-    ContactReport,
-    PointStatus,
-    SectionForces,
-    Sections,
-    SpaceSectionForces,
-    Tractions,
-    contact_report,
-    export_pvd,
-    export_vtu,
-    line_sections,
-    nodal_field,
-    pore_pressure,
-    reactions,
-    ring_sections,
-    section_forces,
-    to_frame,
-    to_pyvista,
-    tractions,
-    undrained_strength,
+from .materials import (
+    DruckerPrager,
+    HardeningMohrCoulomb,
+    Internal,
+    LinearElastic,
+    Material,
+    MohrCoulomb,
+    Tresca,
+    Undrained,
+    VonMises,
 )
-from .stages.initial import given_state, gravity_state, k0_state
-from .stages.result import Result, StageResult, load_result, reset_displacements
-from .stages.run import Stage, run
-from .testing import CheckFailed, check_form, check_interface_law, check_material
-from .water import PoreWater, Ramp, Seepage, SeepageFace, VanGenuchten, seepage
+from .mesh import join_bodies, load_mesh
+from .model import Model
+from .nonlinear.newton import Newton
+from .results import Sections, load_result
+from .stages.stage import Stage
+from .surfaces import rigid
+from .water import PoreWater
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 __all__ = [
-    "AnalysisWarning",
-    "AugmentedLagrangian",
-    "Bar",
-    "BarState",
-    "Bounds",
-    "CheckFailed",
-    "CollapseResult",
-    "ContactPair",
-    "ContactReport",
-    "ContactState",
-    "Coulomb",
-    "DruckerPrager",
-    "Failure",
-    "Field",
-    "Form",
-    "HardeningMohrCoulomb",
-    "InterfaceLaw",
-    "LinearElastic",
-    "MatrixForm",
-    "MohrCoulomb",
-    "Newton",
-    "NoEquilibrium",
-    "NotConverged",
-    "PointStatus",
-    "PoreWater",
-    "Ramp",
-    "Response",
-    "Result",
-    "RigidBoundary",
-    "SectionForces",
-    "Sections",
-    "Seepage",
-    "SeepageFace",
-    "SolidForm",
-    "SolidState",
-    "SpaceSectionForces",
-    "Spring",
-    "Stage",
-    "StageResult",
-    "Status",
-    "StrainOperator",
-    "Surface",
-    "Tied",
-    "Tractions",
-    "Tresca",
-    "Undrained",
-    "VanGenuchten",
-    "VonMises",
-    "axisymmetric",
-    "b_bar",
-    "bodies",
-    "bounds",
-    "box_supports",
-    "check_form",
-    "check_interface_law",
-    "check_material",
-    "check_mesh",
-    "choose_penalties",
-    "contact_report",
-    "dofs_at",
-    "export_pvd",
-    "export_vtu",
-    "given_state",
-    "gravity_state",
-    "hydrostatic",
-    "join_bodies",
-    "k0_state",
-    "limit_load",
-    "line_sections",
-    "load_mesh",
-    "load_result",
-    "nodal_field",
-    "plane_strain",
-    "pore_pressure",
-    "reactions",
-    "reduced_strength",
-    "reset_displacements",
-    "rigid_circle",
-    "rigid_cone",
-    "rigid_cylinder",
-    "rigid_level_set",
-    "rigid_line",
-    "rigid_plane",
-    "rigid_polyline",
-    "rigid_sphere",
-    "rigid_surface",
-    "ring_sections",
-    "run",
-    "section_forces",
-    "seepage",
-    "stands",
-    "strength_reduction",
-    "three_dimensional",
-    "to_frame",
-    "to_pyvista",
-    "traction",
-    "tractions",
-    "two_pass",
-    "undrained_strength",
-    "water_load",
+    "AnalysisWarning", "AugmentedLagrangian", "Bar", "ContactPair", "Coulomb", "DruckerPrager", "Field", "Form",
+    "HardeningMohrCoulomb", "InterfaceLaw", "Internal", "LinearElastic", "Material", "MatrixForm", "Model", "MohrCoulomb", "Newton",
+    "NoEquilibrium", "NotConverged", "PoreWater", "Response", "RigidBoundary", "Sections", "SolidForm", "Spring",
+    "Stage", "Surface", "Tied", "Tresca", "Undrained", "VonMises", "box_supports", "dofs_at", "hydrostatic",
+    "join_bodies", "load_mesh", "load_result", "mesh", "results", "rigid", "testing", "traction", "water", "water_load",
     "weight",
 ]

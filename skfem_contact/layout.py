@@ -1,12 +1,12 @@
-"""Layout of an analysis: displacements first, then whatever else forms bring; their places and rigid motions.
+"""Degrees of freedom of an analysis: displacements of the basis first, then the fields that forms bring.
 
-The displacements of a node follow each other, component by component: this file is where that is known.
+The displacements of a node follow each other, component by component.
 """
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
 
 import numpy as np
 from numpy import ndarray
@@ -16,168 +16,229 @@ from skfem import CellBasis, Element, ElementHex1, ElementQuad1, ElementTetP1, E
 
 from .errors import finite, look_up, place
 
-if TYPE_CHECKING:
-    from .forms.base import Form
-
 #: Linear elements by the numbers of dimensions and of corners.
 _LINEAR = {(2, 3): ElementTriP1, (2, 4): ElementQuad1, (3, 4): ElementTetP1, (3, 8): ElementHex1}
-#: A node lies at a place if it is nearer than this share of the mesh.
+#: A node lies at given coordinates if it is nearer than this share of the mesh.
 _AT = 1e-6
+
+#: Kinds of fields.
+Kind = Literal["displacement", "rotation", "pressure", "multiplier"]
 
 
 @dataclass(frozen=True, eq=False)
 class Field:
-    """Layout of one kind that a form brings, numbered behind those of another.
+    """Degrees of freedom of one kind that a form brings besides the displacements of the basis.
 
     Parameters
     ----------
     name
-        What they are, such as ``"pore pressure"``: residuals are measured field by field.
-    places
-        Where they are, (dim, n): an elimination order and messages need to know.
-    first
-        Number of the first one: ``basis.N``, or the :attr:`end` of the field before.
+        Name for messages, such as ``"pore pressure"``. Residuals are measured field by field.
+    coordinates : ndarray, shape (dim, n)
+        Coordinates of the dofs, for the elimination order and for messages.
+    kind
+        Displacements and rotations become zero when displacements are reset; pressures and multipliers stay.
     scale
-        How much of the unknown goes with a unit of displacement: E/h for a pressure, 1/h for a rotation. Linear systems
-        are solved in scaled unknowns: without it a direct solver pivots off its order.
-    moves
-        Whether they are motions, which :func:`reset_displacements` sets to zero: pressures are not.
+        Change of the dof that goes with a unit of displacement: E/h for a pressure, 1/h for a rotation. Linear systems
+        are solved in scaled dofs: without the scale a direct solver leaves its elimination order.
+    shared
+        Name under which several forms share one field, such as the pore pressure of two parts of the ground.
+
+    Notes
+    -----
+    The model numbers the dofs and hands the numbers to the form: see :meth:`Form.numbered`. A field is known by its
+    identity, which :func:`dataclasses.replace` keeps.
 
     Examples
     --------
     >>> import numpy as np
-    >>> from skfem_contact.layout import Field
-    >>> Field("pore pressure", np.zeros((2, 5)), first=18, scale=1e4).end
-    23
+    >>> import skfem_contact as sc
+    >>> sc.Field("rotation", np.zeros((2, 5)), kind="rotation", scale=2.).n
+    5
     """
 
     name: str
-    places: ndarray
-    first: int
+    coordinates: ndarray
+    kind: Kind = "displacement"
     scale: float = 1.0
-    moves: bool = True
+    shared: str = ""
+    key: object = field(default_factory=object, repr=False)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Field) and other.key is self.key
+
+    def __hash__(self) -> int:
+        return hash(id(self.key))
 
     @property
-    def end(self) -> int:
-        """Number of the unknown behind the last one."""
-        return self.first + self.places.shape[1]
+    def n(self) -> int:
+        """Number of dofs."""
+        return int(self.coordinates.shape[1])
 
     @property
-    def numbers(self) -> ndarray:
-        """Numbers of its unknowns."""
-        return np.arange(self.first, self.end)
+    def moves(self) -> bool:
+        """True if the dofs are motions."""
+        return self.kind in ("displacement", "rotation")
+
+
+@dataclass(frozen=True)
+class FieldDofs:
+    """Some dofs of a field, which the model numbers: ``Model(forms, [supports, water.dofs("top")])``."""
+
+    field: Field
+    indices: ndarray
 
 
 @dataclass(frozen=True, eq=False)
 class Layout:
-    """All unknowns of an analysis: its fields in their order, without gaps; the first are the displacements."""
+    """Numbers of all dofs of an analysis: the displacements of the basis, then the fields one behind the other.
+
+    Attributes
+    ----------
+    fields
+        The fields in the order of their numbers; the first one holds the displacements of the basis.
+    parts
+        Dofs of each field in a vector.
+    """
 
     fields: tuple[Field, ...]
+    parts: tuple[slice, ...]
 
     @classmethod
-    def of(cls, displacements: ndarray, fields: Iterable[Field]) -> Layout:
-        """Displacements at their places, (dim, N), and the fields that forms bring, which may leave no gap."""
-        brought = {(field.name, field.first, field.end): field for field in fields}  # parts of the ground share theirs
-        given = sorted(brought.values(), key=lambda field: field.first)
-        known = [Field("displacement", displacements, 0)]
-        for field in given:
-            if field.first != known[-1].end:
-                raise ValueError(f"the field '{field.name}' begins with unknown {field.first}, but '{known[-1].name}' "
-                                 f"ends before {known[-1].end}: number one field behind the other")
-            known.append(field)
-        return cls(tuple(known))
+    def of(cls, displacements: ndarray, brought: Iterable[Field] = ()) -> Layout:
+        """Number the fields behind the displacements at their coordinates, (dim, N)."""
+        fields = [Field("displacement", displacements)]
+        for new in brought:
+            twin = next((f for f in fields if _same(f, new)), None)
+            if twin is None:
+                fields.append(new)
+            elif not np.array_equal(twin.coordinates, new.coordinates):
+                raise ValueError(f"two forms share the field '{new.shared}', but at other coordinates")
+        ends = np.cumsum([f.n for f in fields])
+        return cls(tuple(fields), tuple(slice(int(end) - f.n, int(end)) for f, end in zip(fields, ends, strict=True)))
+
+    def numbers(self, fields: Iterable[Field]) -> Mapping[Field, ndarray]:
+        """Return the dofs of some fields."""
+        return {sought: np.arange(part.start, part.stop) for sought in fields
+                for f, part in zip(self.fields, self.parts, strict=True) if _same(f, sought)}
+
+    def dofs(self, given: Any) -> ndarray:
+        """Return dofs, sorted and each once, from numbers, :class:`FieldDofs`, or a list of both."""
+        several = isinstance(given, list | tuple) and any(isinstance(p, FieldDofs) or np.ndim(p) for p in given)
+        parts = given if several else [given]
+        numbers = []
+        for part in parts:
+            if isinstance(part, FieldDofs):
+                if not (known := self.numbers([part.field])):
+                    raise ValueError(f"fixed dofs belong to the field '{part.field.name}', which no form of the model "
+                                     "brings")
+                part = known[part.field][part.indices]
+            numbers.append(np.asarray(part).ravel())
+            if len(numbers[-1]) and numbers[-1].dtype.kind not in "iu":
+                raise ValueError("fixed must be dofs, integers such as basis.get_dofs('bottom').all()")
+        found = np.unique(np.concatenate(numbers).astype(int))
+        if len(found) and (found[0] < 0 or found[-1] >= self.size):
+            raise ValueError(f"fixed dofs must lie between 0 and {self.size - 1}")
+        return found
 
     @property
     def size(self) -> int:
-        """Number of all unknowns."""
-        return self.fields[-1].end
+        """Number of all dofs."""
+        return self.parts[-1].stop
 
     @property
-    def places(self) -> ndarray:
-        """Where they are, (dim, N)."""
+    def n_displacements(self) -> int:
+        """Number of displacements of the basis."""
+        return self.parts[0].stop
+
+    @property
+    def coordinates(self) -> ndarray:
+        """Coordinates of all dofs, (dim, N)."""
         if len(self.fields) == 1:
-            return self.fields[0].places
-        return np.concatenate([field.places for field in self.fields], axis=1)
+            return self.fields[0].coordinates
+        return np.concatenate([f.coordinates for f in self.fields], axis=1)
 
     @property
     def scale(self) -> ndarray | None:
-        """Scales of all unknowns, (N,); None where there are displacements only."""
+        """Scales of all dofs, (N,); None where there are displacements only."""
         if len(self.fields) == 1:
             return None
-        return np.concatenate([np.full(field.end - field.first, field.scale) for field in self.fields])
+        return np.concatenate([np.full(f.n, f.scale) for f in self.fields])
 
     @property
-    def brought(self) -> ndarray:
-        """Layout that are no displacements."""
-        return np.arange(self.fields[0].end, self.size)
+    def still(self) -> ndarray:
+        """Dofs that are no motions, such as pressures and multipliers."""
+        parts = [np.arange(part.start, part.stop) for f, part in zip(self.fields, self.parts, strict=True)
+                 if not f.moves]
+        return np.concatenate(parts) if parts else np.zeros(0, int)
 
-    @property
-    def parts(self) -> tuple[slice, ...]:
-        """The fields as parts of a vector of unknowns."""
-        return tuple(slice(field.first, field.end) for field in self.fields)
+    def describe(self, dof: int) -> str:
+        """Return the coordinates of a dof, and its field unless it is a displacement, for a message."""
+        k = next(k for k, part in enumerate(self.parts) if dof < part.stop)
+        what = f"the {self.fields[k].name} " if k else ""
+        return f"{what}at {place(self.fields[k].coordinates[:, dof - self.parts[k].start])}"
+
+
+def _same(a: Field, b: Field) -> bool:
+    """Return True if two fields have the same dofs."""
+    return a == b or bool(a.shared and a.shared == b.shared)
 
 
 def nodes(basis: CellBasis) -> ndarray:
-    """Nodes of all elements, (n_elements, n_nodes): corners, middles of edges and faces, centre."""
+    """Return the nodes of all elements, (n_elements, n_nodes): corners, middles of edges and faces, centre."""
     dim = basis.mesh.dim()
     return np.asarray(basis.element_dofs[0::dim].T) // dim
 
 
 def elements_of(basis: CellBasis) -> ndarray:
-    """Numbers in the mesh of the elements of a basis, whole or restricted, (n_elements,)."""
+    """Return the numbers in the mesh of the elements of a basis, (n_elements,)."""
     return np.arange(basis.mesh.nelements) if basis.tind is None else np.asarray(basis.tind)
 
 
-def first_behind(basis: CellBasis, after: Form | None) -> int:
-    """Number of the first unknown behind the displacements, or behind those that another form brings."""
-    return int(basis.N) if after is None or not after.fields else after.fields[-1].end
-
-
 def linear_element(mesh: Mesh) -> Element:
-    """The linear element of a mesh, straight or curved: one unknown at each vertex."""
+    """Return the linear element of a mesh, straight or curved."""
     return _LINEAR[mesh.dim(), len(mesh.t)]()
 
 
-def _first_unknowns(basis: CellBasis, part: str | None) -> ndarray:
-    """Layout of the first component at all nodes, or at those of a subdomain."""
+def _first_components(basis: CellBasis, part: str | None) -> ndarray:
+    """Return the dofs of the first component at all nodes, or at those of a subdomain."""
     elements = slice(None) if part is None else look_up(part, basis.mesh.subdomains or {}, "subdomain")
     return np.unique(basis.dofs.element_dofs[::basis.mesh.dim(), elements])
 
 
-def dofs_at(basis: CellBasis, places: ArrayLike, part: str | None = None) -> ndarray:
-    """Layout of the nodes at some places.
+def dofs_at(basis: CellBasis, coordinates: ArrayLike, part: str | None = None) -> ndarray:
+    """Return the dofs of the nodes at given coordinates.
 
     Parameters
     ----------
     basis
         ``Basis`` of the mesh.
-    places
-        Where the nodes are, (n, dim) or (dim,).
+    coordinates : array_like, shape (n, dim) or (dim,)
+        Coordinates of the nodes.
     part
-        Subdomain to which they belong, where bodies touch and a place alone does not tell.
+        Subdomain of the nodes, where bodies touch.
 
     Returns
     -------
     ndarray
-        Layout of the components, (n, dim).
+        Dofs of the components.
 
     Raises
     ------
     ValueError
-        No node at a place, or several; places that are not finite.
+        No node or several nodes at given coordinates; coordinates that are not finite.
 
     Examples
     --------
     >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
-    >>> from skfem_contact.layout import dofs_at
-    >>> dofs_at(Basis(MeshQuad(), ElementVector(ElementQuad1())), (1., 0.)).tolist()
+    >>> import skfem_contact as sc
+    >>> sc.dofs_at(Basis(MeshQuad(), ElementVector(ElementQuad1())), (1., 0.)).tolist()
     [[2, 3]]
     """
     dim = basis.mesh.dim()
-    x = np.atleast_2d(finite(places, "places"))
+    x = np.atleast_2d(finite(coordinates, "coordinates"))
     if x.ndim != 2 or x.shape[1] != dim:
-        raise ValueError(f"places must be finite points of {dim} coordinates, not {places!r}")
-    numbers = _first_unknowns(basis, part)
+        raise ValueError(f"coordinates must be finite points of {dim} components, not {coordinates!r}")
+    numbers = _first_components(basis, part)
     tree, near = cKDTree(basis.doflocs[:, numbers].T), _AT * float(np.ptp(basis.doflocs, axis=1).max())
     for point, found in zip(x, tree.query_ball_point(x, near)):
         if len(found) != 1:
@@ -188,7 +249,7 @@ def dofs_at(basis: CellBasis, places: ArrayLike, part: str | None = None) -> nda
 
 
 def box_supports(basis: CellBasis, part: str | None = None, base: Literal["fixed", "rollers"] = "fixed") -> ndarray:
-    """Layout that the supports of a box of ground hold: its base, and its sides across.
+    """Return the dofs that the supports of a box of ground hold: its base, and its sides in normal direction.
 
     Parameters
     ----------
@@ -197,25 +258,25 @@ def box_supports(basis: CellBasis, part: str | None = None, base: Literal["fixed
     part
         Subdomain whose lowest nodes are the base and whose outermost ones are the sides; by default the whole mesh.
     base
-        ``"fixed"``: nothing moves there; ``"rollers"``: the base holds upright only.
+        ``"fixed"``: nothing moves there; ``"rollers"``: the base holds the upright direction only.
 
     Returns
     -------
     ndarray
-        Layout, ascending.
+        Dofs, ascending.
 
     Examples
     --------
     >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
     >>> import skfem_contact as sc
     >>> basis = Basis(MeshQuad().refined(1), ElementVector(ElementQuad1()))
-    >>> len(sc.box_supports(basis)), len(sc.box_supports(basis, base="rollers"))      # of 18 unknowns
+    >>> len(sc.box_supports(basis)), len(sc.box_supports(basis, base="rollers"))      # of 18 dofs
     (10, 9)
     """
     if base not in ("fixed", "rollers"):
-        raise ValueError(f"base is 'fixed' or 'rollers', not {base!r}")
+        raise ValueError(f"base must be 'fixed' or 'rollers', not {base!r}")
     dim = basis.mesh.dim()
-    numbers = _first_unknowns(basis, part)
+    numbers = _first_components(basis, part)
     x = basis.doflocs[:, numbers]
     near = _AT * float(np.ptp(basis.doflocs, axis=1).max())
     low, high = x.min(axis=1), x.max(axis=1)
@@ -225,24 +286,15 @@ def box_supports(basis: CellBasis, part: str | None = None, base: Literal["fixed
     return np.unique(np.concatenate(held))
 
 
-def rigid_modes(locations: ndarray, unknowns: ndarray) -> ndarray:
-    """Small rigid motions of a body: translations, then rotations about its centre, scaled by its size.
+def rigid_modes(locations: ndarray, dofs: ndarray) -> ndarray:
+    """Return small rigid motions of a body: translations, then rotations about its centre, scaled by its size.
 
-    From the places of all unknowns, (dim, N), and the n numbers of the body's: displacements, (n, 3), in space (n, 6).
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> rigid_modes(np.array([[0., 0., 2., 2.], [0., 0., 0., 0.]]), np.arange(4))
-    array([[ 1. ,  0. , -0. ],
-           [ 0. ,  1. , -0.5],
-           [ 1. ,  0. , -0. ],
-           [ 0. ,  1. ,  0.5]])
+    From the coordinates of all dofs, (dim, N), and the n dofs of the body: displacements, (n, 3), in space (n, 6).
     """
-    x = locations[:, unknowns]
+    x = locations[:, dofs]
     dim = len(x)
-    component = np.eye(dim)[unknowns % dim]
-    centre = x.mean(axis=1, keepdims=True) if len(unknowns) else 0.0
+    component = np.eye(dim)[dofs % dim]
+    centre = x.mean(axis=1, keepdims=True) if len(dofs) else 0.0
     arm = ((x - centre) / max(float(np.ptp(locations)), 1e-300)).T
     planes = [(i, j) for i in range(dim) for j in range(i + 1, dim)]
     turns = [component[:, j] * arm[:, i] - component[:, i] * arm[:, j] for i, j in planes]

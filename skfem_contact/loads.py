@@ -1,8 +1,9 @@
-"""Loads: ordinary scikit-fem load vectors."""
+"""Loads: ordinary load vectors of scikit-fem."""
 from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy import ndarray
@@ -15,29 +16,33 @@ from .layout import elements_of, linear_element
 #: Pressure of water, positive: a function of places (2, ...), or values at the nodes of the mesh, (n_nodes,).
 Pressure = Callable[[ndarray], ndarray] | ndarray
 
+#: A basis, or whatever has a basis and coordinates, as solid forms have.
+Body = Any
+
+
+class Domain(NamedTuple):
+    """Elements of a basis in a coordinate system."""
+
+    basis: CellBasis
+    coordinates: str | None
+
+
 #: Facets that look up by more than this are a surface on which water can stand.
 _UPWARDS = 0.01
 
 
-def weight(basis: CellBasis, unit_weights: float | Mapping[str, float],
-           direction: Sequence[float] | None = None, axisymmetric: bool = False) -> ndarray:
-    """Own weight of bodies as a load vector.
+def weight(body: Body, unit_weights: float | Mapping[str, float], direction: Sequence[float] | ndarray | None = None
+           ) -> Load:
+    """Return the load vector of the weight of bodies, (N,).
 
     Parameters
     ----------
-    basis
-        ``Basis`` of the mesh.
+    body
+        ``Basis`` of the mesh, or a solid form, whose coordinate system counts.
     unit_weights
         Weight per volume: one number, or by subdomain; subdomains that are not named are weightless.
     direction
         Unit vector of gravity; by default against the last axis, y or, in three dimensions, z.
-    axisymmetric
-        Weight per radian about the axis x = 0, for solids with ``strain=axisymmetric``.
-
-    Returns
-    -------
-    ndarray
-        Nodal forces, (N,).
 
     Raises
     ------
@@ -53,7 +58,7 @@ def weight(basis: CellBasis, unit_weights: float | Mapping[str, float],
     >>> float(sc.weight(basis, 20.).sum())
     -20.0
     """
-    check_basis(basis)
+    basis, axisymmetric = _basis_of(body)
     gamma = by_element(basis.mesh, unit_weights)[elements_of(basis)]
     field = np.broadcast_to(gamma[:, None], basis.dx.shape).copy()
     down = -np.eye(basis.mesh.dim())[-1] if direction is None else np.asarray(direction, dtype=float)
@@ -65,11 +70,34 @@ def weight(basis: CellBasis, unit_weights: float | Mapping[str, float],
         radius = w.x[0] if axisymmetric else 1.0
         return radius * w.gamma * np.einsum("c,c...->...", down, np.asarray(v))
 
-    return np.asarray(body_force.assemble(basis, gamma=field))
+    return Load.of(body_force.assemble(basis, gamma=field), axisymmetric)
+
+
+class Load(ndarray):
+    """Load vector that remembers the coordinate system it was integrated in."""
+
+    coordinates: str | None = None
+
+    def __array_finalize__(self, other: Any) -> None:
+        self.coordinates = getattr(other, "coordinates", None)
+
+    @classmethod
+    def of(cls, values: Any, axisymmetric: bool) -> Load:
+        """Return the vector with its coordinate system."""
+        load = np.asarray(values).view(cls)
+        load.coordinates = "axisymmetric" if axisymmetric else "plane"
+        return load
+
+
+def _basis_of(body: Body) -> tuple[CellBasis, bool]:
+    """Return the basis of a body, checked, and True in axial symmetry."""
+    basis = body if isinstance(body, CellBasis) else getattr(body, "basis", body)
+    check_basis(basis)
+    return basis, getattr(body, "coordinates", None) == "axisymmetric"
 
 
 def by_element(mesh: Mesh, values: float | Mapping[str, float], what: str = "weight", missing: float = 0.0) -> ndarray:
-    """Values of all elements of a mesh, checked, (n_elements,): one number, or by subdomain."""
+    """Return values of all elements of a mesh, checked, (n_elements,): one number, or by subdomain."""
     everywhere = {"all": np.arange(mesh.nelements)}
     parts, given = (mesh.subdomains or {}, values) if isinstance(values, Mapping) else (everywhere, {"all": values})
     result, count = np.full(mesh.nelements, missing), np.zeros(mesh.nelements, dtype=int)
@@ -84,25 +112,17 @@ def by_element(mesh: Mesh, values: float | Mapping[str, float], what: str = "wei
     return result
 
 
-def traction(basis: CellBasis, boundary: str, force: Sequence[float] | Callable[[ndarray], ArrayLike],
-             axisymmetric: bool = False) -> ndarray:
-    """Forces per area on a boundary as a load vector.
+def traction(body: Body, boundary: str, force: Sequence[float] | Callable[[ndarray], ArrayLike]) -> Load:
+    """Return the load vector of forces per area on a boundary, (N,).
 
     Parameters
     ----------
-    basis
-        ``Basis`` of the mesh.
+    body
+        ``Basis`` of the mesh, or a solid form, whose coordinate system counts.
     boundary
         Name of a boundary.
     force
-        Force per area, (dim,), or a function of places (dim, ...) that gives it, (dim, ...).
-    axisymmetric
-        Force per radian about the axis x = 0, for solids with ``strain=axisymmetric``.
-
-    Returns
-    -------
-    ndarray
-        Nodal forces, (N,).
+        Force per area, (dim,), or a function of coordinates (dim, ...) that returns it, (dim, ...).
 
     Raises
     ------
@@ -120,7 +140,7 @@ def traction(basis: CellBasis, boundary: str, force: Sequence[float] | Callable[
     >>> float(strip.sum())
     -17.5
     """
-    check_basis(basis)
+    basis, axisymmetric = _basis_of(body)
     surface = FacetBasis(basis.mesh, basis.elem, facets=facets_of(basis.mesh, boundary))
     x = np.asarray(surface.global_coordinates())
     shape = (basis.mesh.dim(), *x.shape[1:])
@@ -133,11 +153,11 @@ def traction(basis: CellBasis, boundary: str, force: Sequence[float] | Callable[
     def pushed(v, w):  # type: ignore[no-untyped-def]
         return sum(w[f"t{c}"] * v[c] for c in range(shape[0]))
 
-    return np.asarray(pushed.assemble(surface, **{f"t{c}": values[c] for c in range(shape[0])}))
+    return Load.of(pushed.assemble(surface, **{f"t{c}": values[c] for c in range(shape[0])}), axisymmetric)
 
 
 def hydrostatic(table: float | ArrayLike, unit_weight: float = 9.81) -> Callable[[ndarray], ndarray]:
-    """Pressure of water at rest below a water table.
+    """Return the pressure of water at rest below a water table.
 
     Parameters
     ----------
@@ -176,27 +196,23 @@ def hydrostatic(table: float | ArrayLike, unit_weight: float = 9.81) -> Callable
     return lambda x: unit_weight * np.maximum(np.interp(x[0], *points.T) - x[-1], 0.0)
 
 
-def water_load(basis: CellBasis, pressure: Pressure, boundaries: str | Sequence[str] = ()) -> ndarray:
-    """Load of water in the pores and on boundaries; with it solids carry the effective stress.
+def water_load(body: Body, pressure: Pressure, boundaries: str | Sequence[str] = ()) -> Load:
+    """Return the load vector of water in the pores and on boundaries, (N,); solids then carry the effective stress.
 
     The total stress is the effective stress less the pore pressure in all directions. Soils below the water table
     get their saturated unit weight.
 
     Parameters
     ----------
-    basis
-        Basis of what is porous: ``basis.with_elements({"sand", "gravel"})``, or the whole mesh.
+    body
+        Basis of the porous elements, such as ``basis.with_elements({"sand", "gravel"})``, or a solid form, whose
+        coordinate system counts.
     pressure
-        Pressure of the water: a function of the place such as :func:`hydrostatic`, or values at the nodes of the
+        Pressure of the water: a function of the coordinates such as :func:`hydrostatic`, or values at the nodes of the
         mesh, (n_nodes,), for example from a seepage analysis.
     boundaries
         Names of boundaries on which the water presses from outside: the surface of ground that is under water, and
         both sides of a contact, which then carries the effective stress.
-
-    Returns
-    -------
-    ndarray
-        Nodal forces, (N,).
 
     Raises
     ------
@@ -219,33 +235,47 @@ def water_load(basis: CellBasis, pressure: Pressure, boundaries: str | Sequence[
     >>> round(float((sc.weight(basis, 20.) + water).sum()), 9)
     -10.0
     """
-    check_basis(basis)
-    axes = range(basis.mesh.dim())
+    basis, axisymmetric = _basis_of(body)
     named = names_of(boundaries)
     facets = [look_up(name, basis.mesh.boundaries or {}, "boundary") for name in named]
     if empty := [name for name, part in zip(named, facets) if len(np.asarray(part)) == 0]:
         raise ValueError(f"water cannot press on the boundaries {empty}: they are empty")
     _warn_of_water(basis, pressure, np.concatenate([np.asarray(f) for f in facets]) if facets else np.zeros(0, int))
+    load = pore_load(basis, at_points(basis, pressure), axisymmetric)
+    for part in facets:
+        outside = FacetBasis(basis.mesh, basis.elem, facets=np.asarray(part))
+        load = load + face_load(outside, at_points(outside, pressure), axisymmetric)
+    if not load.any():
+        warnings.warn("there is no water: the pressure is zero everywhere", AnalysisWarning, stacklevel=2)
+    return Load.of(load, axisymmetric)
+
+
+def pore_load(basis: CellBasis, pressure: ndarray, axisymmetric: bool) -> ndarray:
+    """Return the load vector of a pore pressure at the integration points, (N,)."""
+    axes = range(basis.mesh.dim())
 
     @LinearForm
     def in_pores(v, w):  # type: ignore[no-untyped-def]
-        return w.p * sum(v.grad[c, c] for c in axes)
+        volume = sum(v.grad[c, c] for c in axes)
+        return w.p * (w.x[0] * volume + v[0] if axisymmetric else volume)
+
+    return np.asarray(in_pores.assemble(basis, p=pressure))
+
+
+def face_load(outside: FacetBasis, pressure: ndarray, axisymmetric: bool) -> ndarray:
+    """Return the load vector of a pressure at the integration points of facets, (N,)."""
+    axes = range(outside.mesh.dim())
 
     @LinearForm
     def from_outside(v, w):  # type: ignore[no-untyped-def]
-        return -w.p * sum(v[c] * w.n[c] for c in axes)
+        radius = w.x[0] if axisymmetric else 1.0
+        return -radius * w.p * sum(v[c] * w.n[c] for c in axes)
 
-    load = np.asarray(in_pores.assemble(basis, p=_at_points(basis, pressure)))
-    for part in facets:
-        outside = FacetBasis(basis.mesh, basis.elem, facets=np.asarray(part))
-        load = load + np.asarray(from_outside.assemble(outside, p=_at_points(outside, pressure)))
-    if not load.any():
-        warnings.warn("there is no water: the pressure is zero everywhere", AnalysisWarning, stacklevel=2)
-    return load
+    return np.asarray(from_outside.assemble(outside, p=pressure))
 
 
-def _at_points(basis: CellBasis | FacetBasis, pressure: Pressure) -> ndarray:
-    """The pressure at the integration points."""
+def at_points(basis: CellBasis | FacetBasis, pressure: Pressure) -> ndarray:
+    """Return the pressure at the integration points."""
     if callable(pressure):
         return np.asarray(pressure(np.asarray(basis.global_coordinates())))
     n = basis.mesh.nvertices
@@ -255,14 +285,14 @@ def _at_points(basis: CellBasis | FacetBasis, pressure: Pressure) -> ndarray:
 
 
 def _warn_of_water(basis: CellBasis, pressure: Pressure, pressed: ndarray) -> None:
-    """Tell of surfaces under water without pressure: facets with porous ground below and none above."""
+    """Warn of surfaces under water without pressure: facets with porous ground below and none above."""
     mesh = basis.mesh
     count = np.bincount(mesh.t2f[:, elements_of(basis)].ravel(), minlength=mesh.nfacets)
     facets = np.setdiff1d(np.flatnonzero((count == 1) & (mesh.f2t[1] < 0)), pressed)
     if len(facets) == 0:
         return
     surface = FacetBasis(mesh, basis.elem, facets=facets)
-    values = _at_points(surface, pressure)
+    values = at_points(surface, pressure)
     wet = (np.asarray(surface.normals)[-1] > _UPWARDS) & (values > 1e-9 * np.abs(values).max())
     if wet.any():
         where = place(np.asarray(surface.global_coordinates())[:, wet].T[0])

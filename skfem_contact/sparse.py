@@ -7,7 +7,7 @@ from functools import reduce
 
 import numpy as np
 from numpy import ndarray
-from scipy.sparse import csr_matrix
+from scipy.sparse import coo_matrix, csr_matrix
 
 
 def with_data(pattern: csr_matrix, data: ndarray) -> csr_matrix:
@@ -21,6 +21,12 @@ def padded(K: csr_matrix, n: int) -> csr_matrix:
     """The matrix among n unknowns, of which it knows the first ones; its data are shared."""
     indptr = np.pad(K.indptr, (0, n - K.shape[0]), mode="edge")
     return csr_matrix((K.data, K.indices, indptr), shape=(n, n))
+
+
+def scattered(K: csr_matrix, dofs: ndarray, n: int) -> csr_matrix:
+    """Return a matrix of some dofs among n dofs."""
+    local = K.tocoo()
+    return coo_matrix((local.data, (dofs[local.row], dofs[local.col])), shape=(n, n)).tocsr()
 
 
 class Gathering:

@@ -18,6 +18,6 @@ def bars(monkeypatch) -> list[tuple[str, str]]:
     import matplotlib.pyplot as plt
 
     found: list[tuple[str, str]] = []
-    monkeypatch.setattr("skfem_contact.plot.picture.bar_figure",
+    monkeypatch.setattr("skfem_contact.plot.sheet.bar_figure",
                         lambda scale, title, note, size, marks: found.append((title, note)) or plt.figure())
     return found

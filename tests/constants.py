@@ -23,6 +23,7 @@ from test_iteration_baseline import SCENES as RECORD
 from test_iteration_baseline import ring
 
 import skfem_contact as sc
+from skfem_contact.results import Result
 
 ROOMS = ("nonlinear", "contact", "collapse", "solvers")
 NAME = re.compile(r"_?[A-Z][A-Z_0-9]*$")
@@ -35,7 +36,7 @@ def limit() -> int:
     top, load = basis.get_dofs("top").all("u^2"), basis.zeros()
     load[top[basis.doflocs[0, top] < 1.1]] = -1.0
     fixed = np.append(basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1"))
-    return sc.limit_load({"soil": sc.SolidForm(basis, soil, strain=sc.b_bar)}, fixed, load, solver="superlu").iterations
+    return sc.Model({"soil": sc.SolidForm(basis, soil, strain="b_bar")}, fixed, solver="superlu").limit_load(load).iterations
 
 
 def two_bodies(gap: float, mu: float, penalty: float | None = None, **options: Any) -> tuple[Any, ...]:
@@ -51,7 +52,7 @@ def two_bodies(gap: float, mu: float, penalty: float | None = None, **options: A
     return basis, forms, basis.get_dofs("base:bottom").all()
 
 
-def count(result: sc.Result) -> int:
+def count(result: Result) -> int:
     return sum(sum(stage.iterations) for stage in result)
 
 
@@ -59,21 +60,21 @@ def dropped() -> int:
     """A block that nothing but contact holds, above a gap, then pushed aside."""
     basis, forms, fixed = two_bodies(0.02, 0.4)
     weight, push = sc.weight(basis, {"base": 0.0, "block": 20.0}), traction(basis, "block:left", (4.0, 0.0))
-    return count(sc.run(forms, [sc.Stage("weight", weight), sc.Stage("push", weight + push, increments=3)], fixed))
+    return count(sc.Model(forms, fixed).run([sc.Stage("weight", weight), sc.Stage("push", weight + push, increments=3)]))
 
 
 def hard() -> int:
     """Friction with a penalty a million times the stiffness."""
     basis, forms, fixed = two_bodies(0.0, 0.3, penalty=1e11)
     weight, push = sc.weight(basis, {"base": 0.0, "block": 200.0}), traction(basis, "block:left", (60.0, 0.0))
-    return count(sc.run(forms, [sc.Stage("weight", weight), sc.Stage("push", weight + push, increments=2)], fixed))
+    return count(sc.Model(forms, fixed).run([sc.Stage("weight", weight), sc.Stage("push", weight + push, increments=2)]))
 
 
 def augmented() -> int:
     """The augmented method, pressed and unloaded."""
     basis, forms, fixed = two_bodies(0.0, 0.3, enforcement=sc.AugmentedLagrangian())
     weight = sc.weight(basis, {"base": 0.0, "block": 200.0})
-    return count(sc.run(forms, [sc.Stage("weight", weight), sc.Stage("less", 0.3 * weight)], fixed))
+    return count(sc.Model(forms, fixed).run([sc.Stage("weight", weight), sc.Stage("less", 0.3 * weight)]))
 
 
 def interference() -> int:
@@ -85,7 +86,7 @@ def interference() -> int:
     )
     basis = vector_basis(mesh, "Q1", intorder=2)
     forms = {
-        "steel": sc.SolidForm(basis, sc.LinearElastic(E=2e5, nu=0.3), strain=sc.b_bar),
+        "steel": sc.SolidForm(basis, sc.LinearElastic(E=2e5, nu=0.3), strain="b_bar"),
         "joint": sc.ContactPair(basis, "skin", "hole", sc.Coulomb(mu=0.2), quadrature=2, initial="ramped"),
     }
     bore = basis.get_dofs("bore").all()
@@ -93,7 +94,7 @@ def interference() -> int:
     turned[bore] = 0.01 * np.where(bore % 2 == 0, -y, x)
     fixed = np.append(basis.get_dofs("rim").all(), bore)
     stages = [sc.Stage("fit", basis.zeros()), sc.Stage("turn", basis.zeros(), prescribed=turned, increments=3)]
-    return count(sc.run(forms, stages, fixed))
+    return count(sc.Model(forms, fixed).run(stages))
 
 
 SCENES: dict[str, Callable[[], int]] = {

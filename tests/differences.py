@@ -7,6 +7,7 @@ from helpers import closest
 from numpy import ndarray
 
 import skfem_contact as sc
+from skfem_contact.contact.interface import ContactState
 
 #: Step of the differences; lengths are of the order 1, penetrations of the order 0.03.
 STEP = 1e-5
@@ -19,7 +20,7 @@ _ENDS = ((1, 8 / 12), (-1, -8 / 12), (2, -1 / 12), (-2, 1 / 12))
 
 
 def difference(
-    pair: sc.ContactPair, state: sc.ContactState, x: ndarray, direction: ndarray
+    pair: sc.ContactPair, state: ContactState, x: ndarray, direction: ndarray
 ) -> tuple[ndarray, ndarray]:
     """Fourth-order difference of the force along a direction, and which points are smooth.
 
@@ -37,7 +38,7 @@ def difference(
     return numeric, ~np.isin(ends[0][2], touched[touched >= 0]).any(axis=1)
 
 
-def _at(pair: sc.ContactPair, state: sc.ContactState, x: ndarray) -> tuple[ndarray, ndarray, ndarray]:
+def _at(pair: sc.ContactPair, state: ContactState, x: ndarray) -> tuple[ndarray, ndarray, ndarray]:
     """The force; status, segment and vertex of every point; the unknowns that move the point and what it faces."""
     where, out = closest(pair, state, x), pair.assemble(x, state)
     points, facing = pair.points(state), pair.master.facets[where.facet]
@@ -48,7 +49,7 @@ def _at(pair: sc.ContactPair, state: sc.ContactState, x: ndarray) -> tuple[ndarr
 
 
 def tangent_error(
-    pair: sc.ContactPair, state: sc.ContactState, x: ndarray, directions: ndarray
+    pair: sc.ContactPair, state: ContactState, x: ndarray, directions: ndarray
 ) -> tuple[float, ndarray]:
     """Largest error of the tangent over the size of its row, and the status of the points that it covers.
 

@@ -31,6 +31,7 @@ from skfem import (
 )
 
 import skfem_contact as sc
+from skfem_contact.contact.interface import ContactState
 from skfem_contact.contact.search import Projection, project
 from skfem_contact.surfaces.material_points import MaterialPoints, along_chain
 
@@ -163,7 +164,7 @@ def moved_rigidly(
 
 def rough_pair(
     element: str, quadrature: str | int, law: sc.Coulomb | sc.Tied, rng: np.random.Generator, **options
-) -> tuple[Basis, sc.ContactPair, ndarray, sc.ContactState]:
+) -> tuple[Basis, sc.ContactPair, ndarray, ContactState]:
     """Two bodies that overlap along a bent line, displaced at random, with stick points at random.
 
     The master of five segments is both convex and concave; the slave's four segments lie within its ends.
@@ -179,7 +180,7 @@ def rough_pair(
     return basis, pair, x, slipped(pair.initial_state(), 0.05, rng)
 
 
-def slipped(state: sc.ContactState, amount: float, rng: np.random.Generator) -> sc.ContactState:
+def slipped(state: ContactState, amount: float, rng: np.random.Generator) -> ContactState:
     """The state with its stick points moved at random, by about an amount where facets have the length one."""
     return replace(state, stick_point=state.stick_point + 2 * amount * rng.standard_normal(state.slip.shape))
 
@@ -189,7 +190,7 @@ def arcs(pair: sc.ContactPair, points: MaterialPoints) -> ndarray:
     return np.where(points.exist, along_chain(pair.master, *points), np.nan)
 
 
-def sticking_at(pair: sc.ContactPair, state: sc.ContactState, arc: ndarray) -> sc.ContactState:
+def sticking_at(pair: sc.ContactPair, state: ContactState, arc: ndarray) -> ContactState:
     """The state with stick points at arc positions of a master with straight facets."""
     length = pair.master.area
     start = np.concatenate(([0.0], np.cumsum(length)[:-1]))
@@ -197,7 +198,7 @@ def sticking_at(pair: sc.ContactPair, state: sc.ContactState, arc: ndarray) -> s
     return state.with_stick(MaterialPoints(facet, (2 * (arc - start[facet]) / length[facet] - 1)[:, None]))
 
 
-def closest(pair: sc.ContactPair, state: sc.ContactState, x: ndarray) -> Projection:
+def closest(pair: sc.ContactPair, state: ContactState, x: ndarray) -> Projection:
     """Closest points on the master of the points of a state at the displacements x, at any depth."""
     points = pair.points(state).positions(pair.slave.positions(x))
     depth = np.full(len(points), np.inf)
@@ -219,3 +220,18 @@ def resultant(basis: Basis, x: ndarray, force: ndarray) -> ndarray:
     f, place = force.reshape(-1, dim), basis.doflocs[:, ::dim].T + x.reshape(-1, dim)
     moment = place[:, 0] * f[:, 1] - place[:, 1] * f[:, 0] if dim == 2 else np.cross(place, f)
     return np.append(f.sum(axis=0), moment.sum(axis=0))
+
+
+def analysis(name: str, /, forms: dict, fixed, *load, newton=None, solver=None, **settings):
+    """Result of a method of the model of some forms and supports."""
+    return getattr(sc.Model(forms, fixed, newton=newton, solver=solver), name)(*load, **settings)
+
+
+def run_stages(forms: dict, stages: list, fixed, newton=None, solver=None, **settings):
+    """Result of the stages of a scene."""
+    return sc.Model(forms, fixed, newton=newton, solver=solver).run(stages, **settings)
+
+
+def bounds_of(forms: dict, fixed, **settings):
+    """Bounds of the model of some forms and supports."""
+    return sc.Model(forms, fixed).bounds(**settings)

@@ -13,6 +13,8 @@ from scipy.sparse.linalg import spsolve
 from skfem import Basis, BilinearForm, FacetBasis
 
 import skfem_contact as sc
+from skfem_contact.contact.penalty import choose_penalties
+from skfem_contact.results import StageResult
 
 E, NU = 1000.0, 0.3
 #: Below the surface by next to nothing: where the potentials of the body and of its mirror image differ.
@@ -40,7 +42,7 @@ class Indentation:
 
     basis: Basis
     forms: dict
-    stage: sc.StageResult
+    stage: StageResult
 
     @property
     def force(self) -> float:
@@ -97,5 +99,5 @@ def pressed(element: str, x: ndarray, y: ndarray, exact: Potential, punch: sc.Su
     prescribed = np.zeros(basis.N)
     prescribed[edges] = field[edges]
     stage = sc.Stage("press", basis.zeros(), prescribed, increments)
-    result = sc.run(forms, [stage], fixed, newton=newton, progress=False)
-    return Indentation(basis, sc.choose_penalties(forms), result[0])
+    result = sc.Model(forms, fixed, newton=newton).run([stage], progress=False)
+    return Indentation(basis, choose_penalties(forms), result[0])

@@ -32,6 +32,6 @@ def infinite_slope(soil: sc.MohrCoulomb, rows: int = 12, element: str = "Q2") ->
     for side in ("left", "right"):
         dofs = np.setdiff1d(basis.get_dofs(side).all(), basis.get_dofs("bottom").all())
         tied.append(dofs[np.lexsort((np.round(basis.doflocs[1, dofs], 9), dofs % 2))])
-    forms = {"soil": sc.SolidForm(basis, soil, sc.b_bar if element == "Q1" else sc.plane_strain),
+    forms = {"soil": sc.SolidForm(basis, soil, "b_bar" if element == "Q1" else "full"),
              "ties": ties(*tied, 1e3 * soil.E, basis.N)}  # fmt: skip
     return basis, forms, basis.get_dofs("bottom").all(), sc.weight(basis, GAMMA)

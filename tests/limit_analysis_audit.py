@@ -19,6 +19,7 @@ from skfem import (
 )
 
 import skfem_contact as sc
+from skfem_contact.limit_analysis import Bounds
 
 
 class Ground(NamedTuple):
@@ -58,7 +59,7 @@ class Violations(NamedTuple):
     dissipation: float
 
 
-def violations(found: sc.Bounds, ground: Ground, multiplier: bool = False) -> Violations:
+def violations(found: Bounds, ground: Ground, multiplier: bool = False) -> Violations:
     """What is wrong with the fields of some bounds, recomputed from nothing but the fields."""
     lower, upper = (found.lower, found.upper) if not multiplier else (1.0, 1.0)
     return Violations(*_stresses(found, ground, lower), *_velocities(found, ground, upper))
@@ -82,7 +83,7 @@ def body_force(ground: Ground, mesh: MeshTri) -> ndarray:
     return force
 
 
-def _stresses(found: sc.Bounds, ground: Ground, factor: float) -> tuple[float, float, float, float]:
+def _stresses(found: Bounds, ground: Ground, factor: float) -> tuple[float, float, float, float]:
     mesh, element = found.stress_mesh, ElementTriDG(ElementTriP1())
     cells = Basis(mesh, element, intorder=2)
     fields = []
@@ -121,7 +122,7 @@ def _traction(basis, fields: list[ndarray], n: ndarray) -> ndarray:
     return np.stack([xx * n[0] + xy * n[1], xy * n[0] + yy * n[1]])
 
 
-def _velocities(found: sc.Bounds, ground: Ground, factor: float) -> tuple[float, float, float]:
+def _velocities(found: Bounds, ground: Ground, factor: float) -> tuple[float, float, float]:
     mesh = found.mesh
     element = ElementVector(ElementTriP2())
     basis = Basis(mesh, element, intorder=8)

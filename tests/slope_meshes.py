@@ -9,6 +9,7 @@ from numpy import ndarray
 from skfem import Basis, ElementTriP2, ElementVector, MeshQuad, MeshTri
 
 import skfem_contact as sc
+from skfem_contact.collapse.result import CollapseResult
 
 HEIGHT = 10.0
 
@@ -64,8 +65,8 @@ def held(basis: Basis) -> ndarray:
     return np.flatnonzero(np.isclose(y, y.min()) | (across & (np.isclose(x, x.min()) | np.isclose(x, x.max()))))
 
 
-def reduced_slope(mesh: MeshTri, materials, unit_weight: float = 20.0, **settings) -> sc.CollapseResult:
+def reduced_slope(mesh: MeshTri, materials, unit_weight: float = 20.0, **settings) -> CollapseResult:
     """Strength reduction under the weight."""
     basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
     forms = {"soil": sc.SolidForm(basis, materials)}
-    return sc.strength_reduction(forms, held(basis), sc.weight(basis, unit_weight), progress=False, **settings)
+    return sc.Model(forms, held(basis)).strength_reduction(sc.weight(basis, unit_weight), progress=False, **settings)

@@ -11,6 +11,8 @@ from numpy import ndarray
 from skfem import Basis, ElementHex1, ElementHex2, ElementQuad1, ElementQuad2, ElementVector, Mesh, MeshHex
 
 import skfem_contact as sc
+from skfem_contact.contact.penalty import choose_penalties
+from skfem_contact.results import Result
 
 
 def block(element: str, x: ndarray, y: ndarray, z: ndarray) -> Mesh:
@@ -83,13 +85,13 @@ class Slice:
         self.twin[dofs[same.any(axis=1)]] = flat[same.argmax(axis=1)[same.any(axis=1)]]
         level = np.unique(self.basis.doflocs[2].round(9), return_inverse=True)[1]
         self.share = thickness * np.array(weights)[level] / sum(weights)
-        self.forms = {name: self._form(form) for name, form in sc.choose_penalties(forms).items()}
+        self.forms = {name: self._form(form) for name, form in choose_penalties(forms).items()}
 
     def _form(self, form: sc.Form) -> sc.Form:
         if isinstance(form, sc.SolidForm):
             names = self.basis.mesh.subdomains or {}
             given = form.materials if set(form.materials) <= set(names) else form.regions[0].material
-            return sc.SolidForm(self.basis, given, sc.b_bar if form.strain is sc.b_bar else sc.three_dimensional)
+            return sc.SolidForm(self.basis, given, "b_bar" if form.strain == "b_bar" else "full")
         pair = sc.ContactPair(self.basis, form.slave.name, form.facets.name, form.law, form.quadrature,
                               enforcement=form.enforcement, initial=form.initial, share=form.share)
         return pair.with_penalty(*form.penalty, stiffness=form.stiffness)
@@ -98,14 +100,14 @@ class Slice:
         """Displacements in space of those in the plane."""
         return None if plane is None else np.where(self.twin >= 0, np.asarray(plane)[self.twin], 0.0)
 
-    def run(self, stages: Sequence[sc.Stage], fixed: ndarray, **options) -> sc.Result:
+    def run(self, stages: Sequence[sc.Stage], fixed: ndarray, **options) -> Result:
         """The analysis of the slice."""
         stages = [replace(stage, load=self.share * self.lifted(stage.load), prescribed=self.lifted(stage.prescribed))
                   for stage in stages]
         fixed = np.flatnonzero(np.isin(self.twin, fixed) | (self.twin < 0))
-        return sc.run(self.forms, stages, fixed, progress=False, **options)
+        return sc.Model(self.forms, fixed).run(stages, progress=False, **options)
 
-    def compare(self, plane: sc.Result, solid: sc.Result, error: float) -> None:
+    def compare(self, plane: Result, solid: Result, error: float) -> None:
         """Displacements of all stages are those of the plane, but for a share of the largest."""
         largest = max(np.abs(stage.x).max() for stage in plane)
         for one, other in zip(plane, solid, strict=True):

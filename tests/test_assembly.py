@@ -151,7 +151,7 @@ def test_b_bar_is_hughes_b_bar(rng):
     """[X] The same formula with our own shape functions and loops, on distorted quadrilaterals."""
     mesh = distorted(MeshQuad.init_tensor(np.linspace(0, 2, 5), np.linspace(0, 1, 4)), rng, 0.05)
     basis = vector_basis(mesh, "Q1", intorder=2)
-    form = sc.SolidForm(basis, sc.LinearElastic(E=5.0, nu=0.49), strain=sc.b_bar)
+    form = sc.SolidForm(basis, sc.LinearElastic(E=5.0, nu=0.49), strain="b_bar")
     reference = reference_b_bar(mesh, 5.0, 0.49)
     error = np.abs(form.elastic_stiffness.toarray() - reference).max()
     assert error <= ROUND_OFF * np.abs(reference).max()
@@ -167,12 +167,12 @@ def test_b_bar_is_hughes_b_bar(rng):
 def test_b_bar_of_constant_strain_triangles_changes_nothing():
     """[X] With one strain an element there is nothing to average."""
     basis = vector_basis(grid("P1", np.linspace(0, 1, 4), np.linspace(0, 1, 3)), "P1")
-    plain, averaged = sc.SolidForm(basis, HARD), sc.SolidForm(basis, HARD, strain=sc.b_bar)
+    plain, averaged = sc.SolidForm(basis, HARD), sc.SolidForm(basis, HARD, strain="b_bar")
     # B-bar fills the zz row with (mean - local)/3, which is round-off here
     assert_equal_matrices(averaged.elastic_stiffness, plain.elastic_stiffness)
 
 
-def cook(element: str, n: int, nu: float, strain=sc.plane_strain) -> float:
+def cook(element: str, n: int, nu: float, strain="full") -> float:
     """Deflection of the upper corner of Cook's membrane, plane strain, E = 250, shear load 100."""
     order = 2 if element == "Q1" else None
     mesh = grid(element, np.linspace(0, 1, n + 1), np.linspace(0, 1, n + 1))
@@ -188,7 +188,7 @@ def cook(element: str, n: int, nu: float, strain=sc.plane_strain) -> float:
 def test_b_bar_does_not_lock():
     """[N] Cook's membrane at nu = 0.4999; 7.77 extrapolates quadratic elements, 24, 48 and 96 a side."""
     # 16 linear elements a side miss 3 % at the clamped corner's singularity, at nu = 1/3 as well
-    assert cook("Q1", 16, 0.4999, sc.b_bar) == pytest.approx(7.77, rel=0.03)
+    assert cook("Q1", 16, 0.4999, "b_bar") == pytest.approx(7.77, rel=0.03)
     assert cook("Q2", 16, 0.4999) == pytest.approx(7.77, rel=0.03)
     assert cook("Q1", 16, 0.4999) < 0.4 * 7.77  # what the averaging mends
 
@@ -204,15 +204,13 @@ def smooth_punch(strain, n: int = 10) -> float:
     )
     sunk = basis.zeros()
     sunk[strip] = -0.08
-    stage = sc.run(
-        {"clay": form}, [sc.Stage("sink", basis.zeros(), sunk, increments=8)], fixed, progress=False
-    )["sink"]
+    stage = sc.Model({"clay": form}, fixed).run([sc.Stage("sink", basis.zeros(), sunk, increments=8)], progress=False)["sink"]
     return float(-form.assemble(stage.x, stage.states["clay"]).force[strip].sum())
 
 
 def test_plastic_flow_at_constant_volume_does_not_lock():
     """[X] Prandtl's strip footing, 2 + pi: a coarse mesh is near it with B-bar, and locks without."""
-    averaged, plain = smooth_punch(sc.b_bar), smooth_punch(sc.plane_strain)
+    averaged, plain = smooth_punch("b_bar"), smooth_punch("full")
     # a quarter element (0.0625) of the width is the nodes' share beyond the edge, and the mesh is coarse: 9 %
     assert 2 + np.pi < averaged < 1.12 * (2 + np.pi)
     assert plain > 2 * averaged
@@ -223,7 +221,7 @@ def test_plastic_tangent_is_full_assembly(element, rng):
     """[X] The elastic stiffness corrected in yielding elements is the sum over all points."""
     basis = vector_basis(two_materials(element, rng), element)
     soil = sc.MohrCoulomb(E=100.0, nu=0.3, c=1.0, phi=30.0, psi=5.0)
-    form = sc.SolidForm(basis, {"hard": HARD, "soft": soil}, sc.plane_strain)
+    form = sc.SolidForm(basis, {"hard": HARD, "soft": soil}, "full")
     x = 0.01 * rng.standard_normal(basis.N) * (basis.doflocs[0] < 1)  # the right half stays elastic
     state = form.initial_state()
     out = form.assemble(x, state)
@@ -247,7 +245,7 @@ def test_plastic_tangent_is_the_derivative_of_the_force(rng):
     """[X] Central differences."""
     basis = vector_basis(two_materials("Q1", rng), "Q1")
     form = sc.SolidForm(
-        basis, {"hard": HARD, "soft": sc.MohrCoulomb(E=100.0, nu=0.3, c=1.0, phi=30.0)}, sc.b_bar
+        basis, {"hard": HARD, "soft": sc.MohrCoulomb(E=100.0, nu=0.3, c=1.0, phi=30.0)}, "b_bar"
     )
     x, state = 0.01 * rng.standard_normal(basis.N), form.initial_state()
     out = form.assemble(x, state)
@@ -321,7 +319,7 @@ def test_b_bar_strain_operator_averages_volume(element, rng):
     """[X] One volume strain an element, the weighted mean of the plain one; the deviator is untouched."""
     mesh = distorted(MeshQuad.init_tensor(np.linspace(0, 1, 4), np.linspace(0, 1, 4)), rng, 0.05)
     basis = Basis(mesh, ElementVector(element()), intorder=4)
-    plain, averaged = sc.plane_strain(basis), sc.b_bar(basis)
+    plain, averaged = "full"(basis), "b_bar"(basis)
     volume, mean = plain.B[:, :, :3].sum(axis=2), averaged.B[:, :, :3].sum(axis=2)
     weighted = np.einsum("eq,eqb->eb", basis.dx, volume) / basis.dx.sum(axis=1)[:, None]
     np.testing.assert_allclose(mean, np.broadcast_to(weighted[:, None], mean.shape), atol=1e-12)

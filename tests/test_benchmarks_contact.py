@@ -10,6 +10,9 @@ import pytest
 from helpers import body_along, facing, unknowns_of
 
 import skfem_contact as sc
+from skfem_contact.contact.interface import ContactState
+from skfem_contact.contact.penalty import choose_penalties
+from skfem_contact.results import Result
 
 sys.path.append(str(Path(__file__).parents[1] / "examples" / "4_benchmarks"))
 import peers
@@ -18,18 +21,18 @@ from contact_problems import ELEMENTS, LOWER, MU, NU, UPPER, Contact, E, hertz, 
 AUGMENTED = sc.AugmentedLagrangian()
 
 
-def pressed(n: int, quadrature: str | int, **options) -> tuple[Contact, sc.Result]:
+def pressed(n: int, quadrature: str | int, **options) -> tuple[Contact, Result]:
     """The Hertz contact in four steps."""
     problem = hertz(n)
     result = problem.run(problem.pair(0.0, quadrature, **options), [problem.stage("press", increments=4)])
     return Contact.of(problem, result[-1].x), result
 
 
-def nodal_gaps(pair: sc.ContactPair, state: sc.ContactState) -> np.ndarray:
+def nodal_gaps(pair: sc.ContactPair, state: ContactState) -> np.ndarray:
     """Mean gaps at the slave's nodes, weighted by the shape functions."""
     points = pair.points(state)
     share, n = points.values * points.weight[:, None], len(pair.slave.nodes)
-    gaps = (share * (state.gap - state.offset)[:, None]).ravel()
+    gaps = (share * (state.gap - state.clearance)[:, None]).ravel()
     return np.bincount(points.nodes.ravel(), gaps, n) / np.bincount(points.nodes.ravel(), share.ravel(), n)
 
 
@@ -142,7 +145,7 @@ def test_nothing_penetrates() -> None:
     pair = problem.pair(0.0, 4, enforcement=AUGMENTED)
     result = problem.run(pair, [problem.stage("press", increments=4)])
     state = result[-1].states["contact"]
-    stiffness = sc.choose_penalties({"bodies": problem.solid, "contact": pair})["contact"].stiffness
+    stiffness = choose_penalties({"bodies": problem.solid, "contact": pair})["contact"].stiffness
     presses = state.multiplier[0] < 0.1 * state.multiplier[0].min()
     # the multipliers are one correction behind the tractions
     assert np.abs(nodal_gaps(pair, state)[presses]).max() * stiffness < 3e-4 * np.abs(state.traction[0]).max()
@@ -161,10 +164,10 @@ def test_ties_are_closed_in_tension() -> None:
     bodies = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3))
     tie = sc.ContactPair(basis, "slave:face", "master:face", sc.Tied(), 4, enforcement=AUGMENTED)
     fixed = np.concatenate((top.ravel(), floor.ravel()))
-    result = sc.run({"bodies": bodies, "tie": tie}, [sc.Stage("pull", basis.zeros(), x)], fixed, progress=False)
+    result = sc.Model({"bodies": bodies, "tie": tie}, fixed).run([sc.Stage("pull", basis.zeros(), x)], progress=False)
     state = result[-1].states["tie"]
     assert state.traction[0].min() > 0.0
-    stiffness = sc.choose_penalties({"bodies": bodies, "tie": tie})["tie"].stiffness
+    stiffness = choose_penalties({"bodies": bodies, "tie": tie})["tie"].stiffness
     assert np.abs(nodal_gaps(tie, state)).max() * stiffness < 3e-4 * state.traction[0].max()
 
 
@@ -178,7 +181,7 @@ def test_a_start_out_of_proportion_is_brought_in() -> None:
 
 
 @pytest.fixture(scope="module")
-def reversed_shift() -> tuple[sc.ContactPair, list[Contact], sc.Result]:
+def reversed_shift() -> tuple[sc.ContactPair, list[Contact], Result]:
     """Pressed, shifted and shifted back past zero."""
     problem = hertz(10)
     pair = problem.pair(MU, 4)

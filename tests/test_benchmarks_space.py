@@ -89,7 +89,7 @@ def test_partial_slip():
     stages = [sc.Stage(name, problem.basis.zeros(), problem.pressed + x * problem.shifted, increments)
               for name, x, increments in (("press", 0.0, 2), ("there", shift, 2), ("back", -shift, 4))]  # fmt: skip
     with pytest.warns(sc.AnalysisWarning, match="gives way"):
-        result = sc.run({"bodies": problem.solid, "joint": pair}, stages, problem.fixed, progress=False)
+        result = sc.Model({"bodies": problem.solid, "joint": pair}, problem.fixed).run(stages, progress=False)
     joint, force = result["there"].tractions("joint"), 2 * Nodes.of(problem, result["there"].x).force.sum(axis=0)
     a, _ = half_space.hertz(force[2], FLAT_RADIUS, BOTH)
     mindlin = half_space.Mindlin(MU * force[2], -force[0], a, compliance)
@@ -109,7 +109,7 @@ def pressed(block, master, depth, force):
     pair = block.contact(master, quadrature="nodal", enforcement=sc.AugmentedLagrangian())
     stage = sc.Stage("press", block.basis.zeros(), block.moved(depth, force), increments=2)
     forms = {"block": block.solid, "joint": pair}
-    return block.touched(sc.run(forms, [stage], block.fixed, progress=False)[-1].x)
+    return block.touched(sc.Model(forms, block.fixed).run([stage], progress=False)[-1].x)
 
 
 def test_flat_punch():
@@ -119,7 +119,7 @@ def test_flat_punch():
     section = quarter_disc(3, np.append(0.0, 1 - inside[:0:-1]), 1 + away)
     block = Block.of(drawn(section, away), near=lambda p: np.hypot(*p[:2]) < 1.0)
     force, _, _ = half_space.flat_punch(np.ones(1), 0.01, 1.0, MODULUS)
-    found = pressed(block, sc.rigid_plane((0, 0, 0), (0, 0, -1), 4.0), 0.01, force)
+    found = pressed(block, sc.rigid.plane((0, 0, 0), (0, 0, -1), 4.0), 0.01, force)
     assert found.normal.sum() == pytest.approx(force, rel=0.07)  # measured 5.9 %
     near = found.circle(0.45)
     _, exact, _ = half_space.flat_punch(found.r[near], 0.01, 1.0, MODULUS)
@@ -139,7 +139,7 @@ def round_block(n: int, turned: bool = False) -> Block:
 def test_cone():
     """[X] Force and radius of the contact."""
     force, depth, _ = half_space.cone(np.ones(1), 1.0, 0.02, MODULUS)
-    found = pressed(round_block(6), sc.rigid_cone((0, 0, 0), (0, 0, 1), 0.02, radius=2.0), depth, force)
+    found = pressed(round_block(6), sc.rigid.cone((0, 0, 0), (0, 0, 1), 0.02, radius=2.0), depth, force)
     assert found.normal.sum() == pytest.approx(force, rel=0.05)  # measured 3.6 %
     assert np.sqrt(3 * found.normal @ found.r**2 / found.normal.sum()) == pytest.approx(1.0, rel=0.03)
 
@@ -149,12 +149,12 @@ def test_torsion_with_slip():
     block, radius, mu = round_block(6, turned=True), 100.0, 0.3
     force = 4 / 3 * MODULUS / radius
     twist = half_space.lubkin_twist(0.5, mu * force, 1.0, SHEAR_MODULUS)
-    pair = block.contact(sc.rigid_sphere((0, 0, radius), radius), quadrature=2, penalty=20e3)
+    pair = block.contact(sc.rigid.sphere((0, 0, radius), radius), quadrature=2, penalty=20e3)
     stages = [sc.Stage("press", block.basis.zeros(), block.moved(1 / radius, force)),
               sc.Stage("turn", block.basis.zeros(), block.moved(1 / radius, force, twist), 2,
                        change={"ball": pair.with_law(sc.Coulomb(mu=mu))})]  # fmt: skip
     with pytest.warns(sc.AnalysisWarning, match="gives way"):
-        result = sc.run({"block": block.solid, "ball": pair}, stages, block.fixed, progress=False)
+        result = sc.Model({"block": block.solid, "ball": pair}, block.fixed).run(stages, progress=False)
     found = block.touched(result["turn"].x)
     assert abs(block.touched(result["press"].x).torque) < 1e-6 * mu * force
     assert -found.torque == pytest.approx(half_space.lubkin_torque(0.5, mu * force, 1.0), rel=0.04)

@@ -9,11 +9,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers import analysis, bounds_of
 from skfem import Basis, ElementQuad1, ElementTriP1, ElementTriP2, ElementVector, MeshQuad, MeshTri, MeshTri2
 
 import skfem_contact as sc
-from skfem_contact.limit_analysis import certify, search
-from skfem_contact.limit_analysis.loading import Loads
+from skfem_contact.limit_analysis import Bounds, certify, search
+from skfem_contact.limit_analysis.model import named_loads
 from skfem_contact.limit_analysis.reading import read
 from skfem_contact.limit_analysis.search import Search
 
@@ -24,11 +25,11 @@ HARDENING = sc.HardeningMohrCoulomb(1e4, 0.3, c=20.0, c_end=5.0, phi=0.0, phi_en
 SOIL = sc.MohrCoulomb(E=1e5, nu=0.3, c=10.0, phi=20.0, psi=20.0)
 
 
-def bounds(*args, **given) -> sc.Bounds:
+def bounds(*args, **given) -> Bounds:
     """Bounds whose gap does not matter."""
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "the bounds .* differ", sc.AnalysisWarning)
-        return sc.bounds(*args, **({"elements": 400, "progress": False} | given))
+        return analysis("bounds", *args, **({"elements": 400, "progress": False} | given))
 
 
 def column(material, mesh=None, element=None) -> tuple[dict, np.ndarray]:
@@ -76,7 +77,7 @@ def test_water_and_acceleration() -> None:
     forms, fixed = column(sc.MohrCoulomb(E=1e3, nu=0.3, c=10.0, phi=30.0, psi=30.0))
     dry = bounds(forms, fixed, weight=10.0, tractions={"top": (0.0, -1.0)}, live="top")
     water = sc.hydrostatic(3.0, unit_weight=10.0)
-    wet = bounds(forms, fixed, weight=20.0, water=water, wetted=("top", "right"), tractions={"top": (0.0, -1.0)},
+    wet = bounds(forms, fixed, weight=20.0, water=water, submerged=("top", "right"), tractions={"top": (0.0, -1.0)},
                  live="top")  # fmt: skip
     assert wet.lower == pytest.approx(dry.lower, rel=1e-4) and wet.upper == pytest.approx(dry.upper, rel=1e-4)
     pushed = bounds(forms, fixed, weight=10.0, seismic=0.1, tractions={"top": (0.0, -1.0)}, live="top")
@@ -87,7 +88,7 @@ def test_water_and_acceleration() -> None:
 # -- contact ------------------------------------------------------------------------------------------------
 
 
-def block(law, strength: bool, soil=None, elements: int = 600) -> sc.Bounds:
+def block(law, strength: bool, soil=None, elements: int = 600) -> Bounds:
     """A block on a base, pushed with 1 or, for a factor, 30 kN/m; the meshes of their faces do not match."""
     base = MeshTri.init_tensor(np.linspace(0, 8, 9), np.linspace(-1, 0, 2)).with_defaults()
     upper = MeshTri.init_tensor(np.linspace(2, 6, 4), np.linspace(0, 1, 2)).with_defaults()
@@ -163,13 +164,13 @@ def test_rotation() -> None:
 # -- damaged solutions --------------------------------------------------------------------------------------
 
 
-def damaged(monkeypatch, change) -> sc.Bounds:
+def damaged(monkeypatch, change) -> Bounds:
     """Bounds of a slope whose solver does not do its work."""
     whole = search.solve
     monkeypatch.setattr(search, "solve", lambda *args: change(whole(*args)))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", sc.AnalysisWarning)
-        return sc.bounds(**CASES["Griffiths and Lane 1"][0], elements=700, progress=False)
+        return bounds_of(**CASES["Griffiths and Lane 1"][0], elements=700, progress=False)
 
 
 def test_noise(monkeypatch) -> None:
@@ -210,8 +211,8 @@ def test_early_stop(monkeypatch, iterations: int) -> None:
 def test_equilibrium_that_is_not_reached_proves_nothing() -> None:
     """[X] A stress that is out of balance is refused."""
     case = CASES["Griffiths and Lane 1"][0]
-    loads = Loads(case["weight"], 0.0, {}, None, (), ())
-    problem = read(case["forms"], case["fixed"], loads, None, (), False)
+    problem = read(case["forms"], case["fixed"], lambda site: named_loads(site, case["weight"], {}, None, (), 0.0, ()),
+                   False, None, (), False)  # fmt: skip
     found = Search(problem, _Silent()).lower
     program = found.program
     assert certify.prove_lower(program, found.solution, False).value == pytest.approx(found.proof.value)
@@ -291,7 +292,7 @@ def test_bad_loads(change: dict, message: str) -> None:
     """One clear error, before anything is computed."""
     forms, fixed = column(SOIL)
     with pytest.raises(ValueError, match=message):
-        sc.bounds(**({"forms": forms, "fixed": fixed, "progress": False} | change))
+        bounds_of(**({"forms": forms, "fixed": fixed, "progress": False} | change))
 
 
 def test_what_has_no_bounds() -> None:
@@ -302,13 +303,13 @@ def test_what_has_no_bounds() -> None:
                               (sc.MohrCoulomb(E=1e3, nu=0.3, c=0.0, phi=0.0), "neither cohesion")):  # fmt: skip
         forms, fixed = column(material)
         with pytest.raises(ValueError, match=message):
-            sc.bounds(forms, fixed, weight=20.0, progress=False)
+            sc.Model(forms, fixed).bounds(weight=20.0, progress=False)
     forms, fixed = column(SOIL)
     basis = forms["soil"].basis
     with pytest.raises(ValueError, match="axially symmetric"):
-        sc.bounds({"soil": sc.SolidForm(basis, SOIL, strain=sc.axisymmetric)}, fixed, weight=20.0, progress=False)
+        sc.Model({"soil": sc.SolidForm(basis, SOIL, coordinates="axisymmetric")}, fixed).bounds(weight=20.0, progress=False)
     with pytest.raises(ValueError, match="no bounds with 'spring'"):
-        sc.bounds(forms | {"spring": object()}, fixed, weight=20.0, progress=False)
+        sc.Model(forms | {"spring": object()}, fixed).bounds(weight=20.0, progress=False)
 
 
 def test_clean_sand() -> None:
@@ -324,10 +325,10 @@ def test_no_collapse() -> None:
     """Soil in a box cannot fail."""
     forms, _ = column(SOIL)
     with pytest.raises(ValueError, match="no collapse"):
-        sc.bounds(forms, forms["soil"].basis.get_dofs({"left", "right", "bottom"}).all(), weight=1.0, progress=False)
+        sc.Model(forms, forms["soil"].basis.get_dofs({"left", "right", "bottom"}).all()).bounds(weight=1.0, progress=False)
 
 
 def test_a_gap_that_was_not_reached_is_warned_of() -> None:
     """The limit of the triangles."""
     with pytest.warns(sc.AnalysisWarning, match="allow more `elements`"):
-        sc.bounds(**CASES["Griffiths and Lane 1"][0], elements=100, progress=False)
+        bounds_of(**CASES["Griffiths and Lane 1"][0], elements=100, progress=False)

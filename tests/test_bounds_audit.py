@@ -8,11 +8,13 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from helpers import bounds_of
 from limit_analysis_audit import Ground, violations
 from scipy.spatial import Delaunay
 from skfem import Basis, ElementTriP1, ElementTriP2, ElementVector, MeshTri
 
 import skfem_contact as sc
+from skfem_contact.limit_analysis import Bounds
 
 #: Violations by round-off: of equilibrium, of the flow rule, and of the yield condition as a share of the cohesion.
 ROUND_OFF = 1e-12
@@ -104,11 +106,11 @@ def random_footing(seed: int) -> tuple[dict, Ground]:
     return given, Ground(soils, {"ground": (0.0, -gamma)}, {"base": (0, 1), "sides": (0,)}, tractions)
 
 
-def bounds(given: dict) -> sc.Bounds:
+def bounds(given: dict) -> Bounds:
     """Bounds on coarse meshes, whose gap does not matter."""
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "the bounds .* differ", sc.AnalysisWarning)
-        return sc.bounds(**given, progress=False)
+        return bounds_of(**given, progress=False)
 
 
 @pytest.mark.parametrize("seed", range(50))
@@ -139,7 +141,7 @@ def test_footing(seed: int) -> None:
     check_history(found)
 
 
-def check_history(found: sc.Bounds) -> None:
+def check_history(found: Bounds) -> None:
     """No lower bound of any mesh exceeds an upper one, and none gets worse on a finer mesh."""
     lower, upper = ([c for c in found.history if c.kind == kind] for kind in ("lower", "upper"))
     assert max(c.value for c in lower) <= min(c.value for c in upper)

@@ -10,11 +10,12 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from helpers import analysis
 from skfem import Basis, ElementQuad2, ElementTriP1, ElementTriP2, ElementVector, LinearForm, MeshQuad, MeshTri
 
 import skfem_contact as sc
 import skfem_contact.plot as plot
-from skfem_contact.limit_analysis.loading import Site, Vectors
+from skfem_contact.limit_analysis.model import Site, vector_loads
 
 sys.path.append(str(Path(__file__).parents[1] / "examples" / "4_benchmarks"))
 from bound_cases import ground, slope_mesh
@@ -60,7 +61,7 @@ def test_loads_of_a_vector(element) -> None:
     load = own.assemble(basis) + sc.traction(basis, "strip", (0.0, -35.0))
     load = load + sc.traction(basis, "right", lambda x: (-4.0 * (1 - x[1]), 0 * x[0]))
     everywhere = np.arange(basis.mesh.nelements)
-    given = Vectors(load, None).on(Site(basis, everywhere, everywhere, basis.get_dofs("bottom").all()))
+    given = vector_loads(Site(basis, everywhere, everywhere, basis.get_dofs("bottom").all()), load, None)
     low = basis.mesh.subdomains["low"]
     assert np.allclose(given.dead[low], [3.0, -20.0], atol=1e-6)
     assert np.allclose(np.delete(given.dead, low, 0), [3.0, -18.0], atol=1e-6)
@@ -77,13 +78,12 @@ def test_what_is_not_distributed_is_refused() -> None:
     load = sc.weight(basis, 20.0)
     load[sc.dofs_at(basis, (0.5, 1.0)).ravel()[1]] -= 5.0
     with pytest.raises(ValueError, match=r"are left, most at \(0.5, 1\)"):
-        sc.strength_reduction(forms, fixed, load, certify=True, progress=False)
-    with pytest.raises(ValueError, match="certify must be True, or arguments of bounds among water, wetted, gap"):
-        sc.strength_reduction(forms, fixed, sc.weight(basis, 20.0), certify={"weight": 20.0}, progress=False)
+        sc.Model(forms, fixed).strength_reduction(load, certify=True, progress=False)
+    with pytest.raises(ValueError, match="certify must be True, or arguments of bounds among water, submerged, gap"):
+        sc.Model(forms, fixed).strength_reduction(sc.weight(basis, 20.0), certify={"weight": 20.0}, progress=False)
     with pytest.raises(ValueError, match="HardeningMohrCoulomb"):
         hard = sc.HardeningMohrCoulomb(1e4, 0.3, c=20.0, c_end=5.0, phi=0.0, phi_end=0.0, strain_end=0.1)
-        sc.strength_reduction({"soil": sc.SolidForm(basis, hard)}, fixed, sc.weight(basis, 20.0), certify=True,
-                              progress=False)  # fmt: skip
+        sc.Model({"soil": sc.SolidForm(basis, hard)}, fixed).strength_reduction(sc.weight(basis, 20.0), certify=True, progress=False)  # fmt: skip
 
 
 # -- bounds beside a search ---------------------------------------------------------------------------------
@@ -95,9 +95,9 @@ def test_the_same_bounds_as_by_name() -> None:
     water = sc.hydrostatic(1.0, unit_weight=10.0)
     load = sc.weight(basis, 20.0) + sc.traction(basis, "top", (0.0, -15.0))
     load = load + sc.water_load(basis, water, ["top", "right"])
-    given = {"water": water, "wetted": ("top", "right"), "elements": 100}
-    found = quiet(sc.strength_reduction, forms, fixed, load, certify=given)
-    named = quiet(sc.bounds, forms, fixed, weight=20.0, tractions={"top": (0.0, -15.0)}, **given)
+    given = {"water": water, "submerged": ("top", "right"), "elements": 100}
+    found = quiet(analysis, "strength_reduction", forms, fixed, load, certify=given)
+    named = quiet(analysis, "bounds", forms, fixed, weight=20.0, tractions={"top": (0.0, -15.0)}, **given)
     assert found.proven.lower == pytest.approx(named.lower, rel=1e-6)
     assert found.proven.upper == pytest.approx(named.upper, rel=1e-6)
     assert found.proven.lower - 0.01 < found.factor < found.proven.upper + 0.01
@@ -112,8 +112,8 @@ def test_the_same_bounds_with_contact() -> None:
     forms["joint"] = sc.ContactPair(basis, "upper|lower", "lower|upper", sc.Coulomb(mu=0.3))
     fixed = np.hstack([basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1")])
     load = sc.traction(basis, "top", (0.0, -15.0))
-    found = quiet(sc.strength_reduction, forms, fixed, load, certify={"elements": 100})
-    named = quiet(sc.bounds, forms, fixed, tractions={"top": (0.0, -15.0)}, elements=100)
+    found = quiet(analysis, "strength_reduction", forms, fixed, load, certify={"elements": 100})
+    named = quiet(analysis, "bounds", forms, fixed, tractions={"top": (0.0, -15.0)}, elements=100)
     assert found.proven.lower == pytest.approx(named.lower, rel=1e-6)
     assert found.proven.upper == pytest.approx(named.upper, rel=1e-6)
 
@@ -121,10 +121,10 @@ def test_the_same_bounds_with_contact() -> None:
 def test_limit_load_after_a_stage() -> None:
     """[X] What the start carries stays, the other load is multiplied: 2 c tan(55°) less half of the weight."""
     forms, fixed, basis = column()
-    own = sc.run(forms, [sc.Stage("gravity", sc.weight(basis, {"low": 8.0, "high": 2.0}))], fixed, progress=False)
+    own = sc.Model(forms, fixed).run([sc.Stage("gravity", sc.weight(basis, {"low": 8.0, "high": 2.0}))], progress=False)
     load = sc.traction(basis, "top", (0.0, -1.0))
-    found = quiet(sc.limit_load, forms, fixed, load, start=own, step=10.0, certify={"elements": 100})
-    named = quiet(sc.bounds, forms, fixed, weight={"low": 8.0, "high": 2.0}, tractions={"top": (0.0, -1.0)},
+    found = quiet(analysis, "limit_load", forms, fixed, load, start=own, step=10.0, certify={"elements": 100})
+    named = quiet(analysis, "bounds", forms, fixed, weight={"low": 8.0, "high": 2.0}, tractions={"top": (0.0, -1.0)},
                   live="top", elements=100)  # fmt: skip
     assert found.proven.what == "limit load"
     assert found.proven.lower == pytest.approx(named.lower, rel=1e-6)
@@ -140,11 +140,11 @@ def test_a_factor_outside_of_its_bounds_is_warned_of(bars) -> None:
     forms = {"soil": sc.SolidForm(basis, SOIL)}
     fixed = np.append(basis.get_dofs("base").all(), basis.get_dofs("sides").all("u^1"))
     with pytest.warns(sc.AnalysisWarning, match="lies above .* its bounds: the mesh is too coarse"):
-        found = quiet(sc.strength_reduction, forms, fixed, sc.weight(basis, 20.0), certify={"gap": 0.04})
+        found = quiet(analysis, "strength_reduction", forms, fixed, sc.weight(basis, 20.0), certify={"gap": 0.04})
     assert found.factor > found.proven.upper > 1.3748
     with pytest.warns(sc.AnalysisWarning, match="lies below"):
         found.beside(replace(found.proven, lower=found.factor + 1.0, upper=9.0), 0.01, stacklevel=1)
-    plot.mechanism(forms, found)
+    plot.mechanism(found)
     plt.close("all")
     value = f"{found.factor:.4g} in [{found.proven.lower:.4g}, {found.proven.upper:.4g}]"
     assert bars[0][0].startswith(f"Factor of safety {value}")
@@ -156,7 +156,7 @@ def test_less_dilation() -> None:
     load = sc.traction(basis, "top", (0.0, -20.0))
     with warnings.catch_warnings():
         warnings.filterwarnings("error", "the factor of safety .* lies", sc.AnalysisWarning)
-        found = sc.strength_reduction(forms, fixed, load, certify={"gap": 0.02}, progress=False)
+        found = sc.Model(forms, fixed).strength_reduction(load, certify={"gap": 0.02}, progress=False)
     assert found.proven.estimate and found.factor < found.proven.upper + 0.01
-    associated = quiet(sc.strength_reduction, forms, fixed, load, flow="associated", certify={"gap": 0.02})
+    associated = quiet(analysis, "strength_reduction", forms, fixed, load, flow="associated", certify={"gap": 0.02})
     assert not associated.proven.estimate

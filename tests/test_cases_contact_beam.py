@@ -31,12 +31,12 @@ def line_load(basis: Basis, q: float) -> ndarray:
 def above_floor(q: float, thickness: float = 0.05, n: int = 80):
     """A cantilever above a floor: places and forces of contact in order, shear force and moment at the clamp."""
     basis = vector_basis(beam(LENGTH, thickness, n), "Q2")
-    pair = sc.ContactPair(basis, "bottom", sc.rigid_line((-1.0, -GAP), (3.0, -GAP)), sc.Coulomb(), "segments")
+    pair = sc.ContactPair(basis, "bottom", sc.rigid.line((-1.0, -GAP), (3.0, -GAP)), sc.Coulomb(), "segments")
     forms = {"beam": sc.SolidForm(basis, elastic(thickness)), "floor": pair}
     clamp, load = basis.get_dofs("left"), line_load(basis, q)
     stage = sc.Stage("load", load)
-    result = sc.run(forms, [stage], clamp.all(), newton=sc.Newton(max_iterations=40), progress=False)["load"]
-    joint = sc.tractions(pair, result.states["floor"])
+    result = sc.Model(forms, clamp.all(), newton=sc.Newton(max_iterations=40)).run([stage], progress=False)["load"]
+    joint = result.tractions("floor")
     order = np.argsort(joint.x)
     reaction = forms["beam"].elastic_stiffness @ result.x - load
     across = clamp.all("u^1")
@@ -82,19 +82,19 @@ def test_heavy_beam_is_lifted():
     """
     q, lift, thickness, length = 2.0, 0.1, 0.1, 5.0
     basis = vector_basis(beam(length, thickness, 60), "Q2")
-    pair = sc.ContactPair(basis, "bottom", sc.rigid_line((-1.0, 0.0), (6.0, 0.0)), sc.Coulomb(), "segments")
+    pair = sc.ContactPair(basis, "bottom", sc.rigid.line((-1.0, 0.0), (6.0, 0.0)), sc.Coulomb(), "segments")
     forms = {"beam": sc.SolidForm(basis, elastic(thickness)), "floor": pair}
     left, load = basis.get_dofs("left").all("u^1"), line_load(basis, q)
     middle = basis.get_dofs("right").all("u^2")
     fixed, raised = np.union1d(left, middle), basis.zeros()
     raised[middle] = lift
     stages = [sc.Stage("lie", load, fixed=left), sc.Stage("lift", load, raised, increments=4, fixed=fixed)]
-    result = sc.run(forms, stages, left, newton=sc.Newton(max_iterations=40), progress=False)
-    flat = sc.tractions(pair, result["lie"].states["floor"])
+    result = sc.Model(forms, left, newton=sc.Newton(max_iterations=40)).run(stages, progress=False)
+    flat = result["lie"].tractions("floor")
     np.testing.assert_allclose(flat.pressure, q, rtol=1e-6)
     exact = (24 * BENDING * lift / q) ** 0.25
     assert exact == pytest.approx(2.783158, abs=5e-7)  # digits printed
-    joint = sc.tractions(pair, result["lift"].states["floor"])
+    joint = result["lift"].tractions("floor")
     force = (forms["beam"].elastic_stiffness @ result["lift"].x - load)[middle].sum()
     assert force == pytest.approx(exact, rel=2e-3)
     carried = joint.weight * joint.pressure
@@ -115,8 +115,8 @@ def test_two_cantilevers():
     tip = FacetBasis(basis.mesh, basis.elem, facets="upper:right")
     load = LinearForm(lambda v, w: -force / thickness * v[1]).assemble(tip)
     clamps = basis.get_dofs({"upper:left", "lower:left"}).all()
-    result = sc.run(forms, [sc.Stage("load", load)], clamps, progress=False)["load"]
-    joint = sc.tractions(pair, result.states["tips"])
+    result = sc.Model(forms, clamps).run([sc.Stage("load", load)], progress=False)["load"]
+    joint = result.tractions("tips")
     assert joint.x[joint.pressure > 0].min() > LENGTH - 0.04  # the last element
     k1, k2 = (3 * EI / LENGTH**3 for EI in bending)
     # measured 0.5 %, of which 0.4 % are that the point of contact lies 0.0026 before the tip

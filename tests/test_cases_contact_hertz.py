@@ -34,7 +34,7 @@ def parabola(exact, scale: float) -> sc.Surface:
     place = displacement(exact, 0.0, 0.0, -4 * A)[1]
     height = A**2 / (2 * RADIUS) * scale
     window = (-A / 2, 1.5 * A, place - 0.1 * height, place + 2 * height)
-    return sc.rigid_level_set(lambda x, y: place + scale * x**2 / (2 * RADIUS) - y, window)
+    return sc.rigid.level_set(lambda x, y: place + scale * x**2 / (2 * RADIUS) - y, window)
 
 
 def shallow(element: str, n: int, **options):
@@ -106,7 +106,7 @@ def round_punch(element: str, n: int, **options):
     """The punch of case B1 (iii), a circle, on the box."""
     exact = elliptic(PEAK, A)
     place = displacement(exact, 0.0, 0.0, -4 * A)[1]
-    return pressed(element, *box(n), exact, sc.rigid_circle((0.0, place + RADIUS), RADIUS), **options)
+    return pressed(element, *box(n), exact, sc.rigid.circle((0.0, place + RADIUS), RADIUS), **options)
 
 
 @pytest.mark.parametrize("element", ["Q1", "Q2"])
@@ -201,8 +201,8 @@ def test_two_bodies():
     top, down = basis.get_dofs("cylinder:top").all("u^2"), basis.zeros()
     down[top] = -1.0
     stages = [sc.Stage("set down", basis.zeros(), down), sc.Stage("press", load, fixed=fixed)]
-    result = sc.run(forms, stages, np.union1d(fixed, top), progress=False)
-    joint = sc.tractions(forms["contact"], result["press"].states["contact"])
+    result = sc.Model(forms, np.union1d(fixed, top)).run(stages, progress=False)
+    joint = result["press"].tractions("contact")
     exact = peak * np.sqrt(np.maximum(0.0, 1 - (joint.x / a) ** 2))
     assert joint.weight @ joint.pressure == pytest.approx(17500.0, rel=0.005)  # normals tilt by a / R = 0.12
     assert joint.pressure[np.argmin(joint.x)] == pytest.approx(peak, rel=0.01)  # stated: 1 to 3 %
@@ -218,8 +218,8 @@ def test_cylinder_that_the_load_alone_holds():
     basis, forms, load, _, peak = cylinder_on_block(4)
     symmetry = basis.get_dofs({"cylinder:left", "block:left"}).all("u^1")
     fixed = np.union1d(symmetry, basis.get_dofs("block:bottom").all("u^2"))
-    result = sc.run(forms, [sc.Stage("press", load)], fixed, progress=False)["press"]
+    result = sc.Model(forms, fixed).run([sc.Stage("press", load)], progress=False)["press"]
     assert len(result.iterations) == 1  # nothing was cut
-    joint = sc.tractions(forms["contact"], result.states["contact"])
+    joint = result.tractions("contact")
     assert joint.weight @ joint.pressure == pytest.approx(17500.0, rel=0.005)
     assert joint.pressure[np.argmin(joint.x)] == pytest.approx(peak, rel=0.01)  # measured 0.07 %

@@ -54,8 +54,8 @@ def errors(element: str, n: int, slave: str, quadrature="segments") -> np.ndarra
     fixed = np.union1d(sides, basis.get_dofs({"lower:bottom", "upper:top"}).all())
     field = exact_displacement(*basis.doflocs[:, ::2]).T.ravel()
     stage = sc.Stage("press", basis.zeros(), field)
-    result = sc.run(forms, [stage], fixed, newton=sc.Newton(1e-10), progress=False)["press"]
-    joint = sc.tractions(forms["contact"], result.states["contact"])
+    result = sc.Model(forms, fixed, newton=sc.Newton(1e-10)).run([stage], progress=False)["press"]
+    joint = result.tractions("contact")
     exact = exact_pressure(joint.x)
     pressure = np.sqrt(joint.weight @ (joint.pressure - exact) ** 2 / (joint.weight @ exact**2))
     field = exact_displacement(*basis.global_coordinates())

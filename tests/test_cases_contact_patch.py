@@ -11,6 +11,8 @@ from helpers import grid, unknowns_of, vector_basis
 from skfem import Basis, FacetBasis, LinearForm
 
 import skfem_contact as sc
+from skfem_contact.contact.laws import Status
+from skfem_contact.contact.penalty import choose_penalties
 
 EXACT = sc.Newton(tolerance=1e-12, max_iterations=40)
 UPPER, LOWER = "upper:bottom", "lower:top"
@@ -57,11 +59,11 @@ def patch_errors(element: str, meshes: tuple[int, int], quadrature, slave: str =
     forms = {"blocks": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=nu))}
     master = LOWER if slave == UPPER else UPPER
     if passes == 2:
-        forms |= sc.two_pass(basis, slave, master, sc.Coulomb(), quadrature=quadrature, **options)
+        forms |= sc.ContactPair.two_pass(basis, slave, master, sc.Coulomb(), quadrature=quadrature, **options)
     else:
         forms["contact"] = sc.ContactPair(basis, slave, master, sc.Coulomb(), quadrature, **options)
     stage = sc.Stage("press", pressure_on(basis, "upper:top", p))
-    result = sc.run(forms, [stage], rollers(basis), newton=EXACT, progress=False)["press"]
+    result = sc.Model(forms, rollers(basis), newton=EXACT).run([stage], progress=False)["press"]
     sxx, syy, _, sxy = result.states["blocks"].stress
     x, y = basis.doflocs[:, ::2]
     exact = np.stack((nu * (1 + nu) * x, -(1 - nu**2) * y)) * p / E
@@ -130,13 +132,13 @@ def test_interface_on_a_fixed_base(meshes, quadrature, E, caplog):
     fixed = np.unique(np.concatenate((pushed, *held)))
     x[held[1]] = 0.0
     with caplog.at_level("INFO", "skfem_contact"):
-        result = sc.run(forms, [sc.Stage("push", basis.zeros(), x)], fixed, progress=False)["push"]
+        result = sc.Model(forms, fixed).run([sc.Stage("push", basis.zeros(), x)], progress=False)["push"]
     assert len(result.iterations) == 1  # nothing was cut
     assert "do not become less; the penalty acts there" in caplog.text
     state = result.states["joint"]
-    stiffness = sc.choose_penalties(forms)["joint"].stiffness
+    stiffness = choose_penalties(forms)["joint"].stiffness
     away = pair.points(state).positions(pair.slave.nodes)[:, 1] > 2 / meshes[0]
-    closed = away & (state.status != sc.Status.OPEN)
+    closed = away & (state.status != Status.OPEN)
     # means at the nodes are closed to 1e-4; between them the other body's facets gape (measured 1.3 % and less)
     assert np.abs(state.gap[closed]).max() * stiffness < 0.02 * np.abs(state.traction[0]).max()
 
@@ -154,7 +156,7 @@ def test_aster_patch(element):
     top, down = basis.get_dofs("upper:top").all("u^2"), basis.zeros()
     down[top] = -0.1
     fixed = np.union1d(rollers(basis), top)
-    result = sc.run(forms, [sc.Stage("press", basis.zeros(), down)], fixed, newton=EXACT, progress=False)["press"]
+    result = sc.Model(forms, fixed, newton=EXACT).run([sc.Stage("press", basis.zeros(), down)], progress=False)["press"]
     np.testing.assert_allclose(result.states["blocks"].stress[1], -1e5, rtol=1e-9)  # ten times the tolerance
     for side in (UPPER, LOWER):
         np.testing.assert_allclose(result.x[basis.get_dofs(side).all("u^2")], -0.05, rtol=1e-9)
@@ -176,7 +178,7 @@ def test_matching_interface(shape, element, quadrature):
         ),
     }
     load = sum(pressure_on(basis, side, p) for side in ("upper:top", "lower:right", "upper:right"))
-    result = sc.run(forms, [sc.Stage("press", load)], rollers(basis), newton=EXACT, progress=False)["press"]
+    result = sc.Model(forms, rollers(basis), newton=EXACT).run([sc.Stage("press", load)], progress=False)["press"]
     sxx, syy, _, sxy = result.states["blocks"].stress
     # a penetration would be no rigid shift: the tolerance of the augmented method; measured 4e-11
     np.testing.assert_allclose(sxx, -p, rtol=1e-9)
@@ -204,9 +206,9 @@ def test_slipping_patch(mu, quadrature):
     field[upper] = np.stack((2 * mu * p / E * height + 0.25, -p / E * height - p / penalty), axis=1)
     faces = basis.get_dofs({"upper:left", "upper:right", "upper:top"}).all()
     fixed = np.union1d(unknowns_of(basis, "lower").ravel(), faces)
-    result = sc.run(forms, [sc.Stage("drag", basis.zeros(), field)], fixed, newton=EXACT, progress=False)["drag"]
+    result = sc.Model(forms, fixed, newton=EXACT).run([sc.Stage("drag", basis.zeros(), field)], progress=False)["drag"]
     state = result.states["contact"]
-    assert (state.status == sc.Status.SLIP).all()
+    assert (state.status == Status.SLIP).all()
     np.testing.assert_allclose(state.traction[0], -p, rtol=1e-8)  # stated
     np.testing.assert_allclose(np.abs(state.traction[1]), mu * p, rtol=1e-8)
     stress = result.states["blocks"].stress[:, basis.mesh.subdomains["upper"]]
@@ -233,9 +235,9 @@ def test_sticking_patch(mu, quadrature):
     ))  # fmt: skip
     press = pressure_on(basis, "upper:top", p)
     stages = [sc.Stage("press", press), sc.Stage("shear", press + LinearForm(shear).assemble(sides))]
-    result = sc.run(forms, stages, unknowns_of(basis, "lower").ravel(), newton=EXACT, progress=False)["shear"]
+    result = sc.Model(forms, unknowns_of(basis, "lower").ravel(), newton=EXACT).run(stages, progress=False)["shear"]
     state = result.states["contact"]
-    assert (state.status == sc.Status.STICK).all()
+    assert (state.status == Status.STICK).all()
     np.testing.assert_allclose(state.traction[0], -p, rtol=1e-8)  # stated
     np.testing.assert_allclose(state.traction[1], q, rtol=1e-8)
     np.testing.assert_allclose(state.slip[0], q / penalty, rtol=1e-6)  # differences of places of order one

@@ -8,6 +8,7 @@ from helpers import grid, vector_basis
 from skfem import ElementTriP2, FacetBasis, LinearForm
 
 import skfem_contact as sc
+from skfem_contact.contact.laws import Status
 from skfem_contact.contact.search import Projection, project
 from skfem_contact.surfaces.shape import Shape
 from skfem_contact.surfaces.smoothing import smoothed
@@ -27,7 +28,7 @@ def column(quadrature, penalty: float):
     basis = vector_basis(grid("Q1", np.linspace(0, 1, 4), np.linspace(0, 1, 5)), "Q1")
     solid = sc.SolidForm(basis, sc.LinearElastic(E=MODULUS, nu=0.0))
     stop = sc.ContactPair(
-        basis, "bottom", sc.rigid_line((-1.0, -GAP), (2.0, -GAP)), sc.Coulomb(), quadrature,
+        basis, "bottom", sc.rigid.line((-1.0, -GAP), (2.0, -GAP)), sc.Coulomb(), quadrature,
         enforcement=sc.AugmentedLagrangian(1e-12),
     ).with_penalty(penalty, penalty, stiffness=penalty / 10)  # fmt: skip
     fixed = np.concatenate((basis.get_dofs("top").all(), basis.get_dofs({"left", "right"}).all("u^1")))
@@ -70,8 +71,8 @@ def test_open_nodes_get_no_multiplier():
     """[X] Case A2: what is open, is not augmented."""
     forms, load, fixed = column("nodal", 1e4)
     with pytest.warns(sc.AnalysisWarning, match="gap is"):
-        result = sc.run(forms, [sc.Stage("pull", -load)], fixed, progress=False)["pull"]
-    assert (result.states["stop"].status == sc.Status.OPEN).all()
+        result = sc.Model(forms, fixed).run([sc.Stage("pull", -load)], progress=False)["pull"]
+    assert (result.states["stop"].status == Status.OPEN).all()
     assert not result.states["stop"].multiplier.any()
 
 
@@ -106,7 +107,7 @@ def test_foot_on_a_parabola(radius, rng):
 def test_centre_of_a_circle():
     """[X] Case A6: no unique foot; any point of the circle is one, at the distance R."""
     for hole, sign in ((False, -1), (True, 1)):
-        where = found(sc.rigid_circle((2.0, 1.0), 3.0, hole), [[2.0, 1.0], [2.0 + 1e-14, 1.0]])
+        where = found(sc.rigid.circle((2.0, 1.0), 3.0, hole), [[2.0, 1.0], [2.0 + 1e-14, 1.0]])
         np.testing.assert_allclose(where.gap, sign * 3.0, rtol=1e-9)  # the radius of the smoothed polygon ripples so
 
 
@@ -114,7 +115,7 @@ def test_smoothed_polygon():
     """[X] Case A8: joints at R cos(pi/n), middles at R/2 + R cos^2(pi/n) / 2; ripples for n = 16."""
     n = 16
     angle, c = -2 * np.pi / n * np.arange(n), np.cos(np.pi / n)
-    facets = sc.rigid_polyline(np.stack((np.cos(angle), np.sin(angle)), axis=1), closed=True)
+    facets = sc.rigid.polyline(np.stack((np.cos(angle), np.sin(angle)), axis=1), closed=True)
     curve = smoothed(facets)
     each = np.arange(n)
     for xi, radius in ((-1.0, c), (0.0, 0.5 + 0.5 * c**2), (1.0, c)):
@@ -129,7 +130,7 @@ def test_tangents_at_the_joints(alpha, rng):
     """[X] Case A8: C1 on any chain, whatever the lengths of its facets: unit tangents equal to 1e-14."""
     turn = np.cumsum(rng.uniform(-40, 40, 12))  # below the 45 degrees of real corners
     steps = rng.uniform(0.2, 2.0, 12)[:, None] * np.stack((np.cos(np.radians(turn)), np.sin(np.radians(turn))), axis=1)
-    curve = smoothed(sc.rigid_polyline(np.cumsum(steps, axis=0)), alpha)
+    curve = smoothed(sc.rigid.polyline(np.cumsum(steps, axis=0)), alpha)
     each, one = np.arange(len(curve.facets)), np.ones((len(curve.facets), 1))
     end, start = (curve.at(each, side * one, curve.nodes).x for side in (1, -1))
     np.testing.assert_allclose(end[0][:-1], start[0][1:], atol=1e-13)  # places of size 10

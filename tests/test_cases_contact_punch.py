@@ -44,7 +44,7 @@ def flat(element: str, n: int) -> tuple[Indentation, float]:
     force = MODULUS * SHALLOW
     exact = flat_punch(force, 1.0)
     level = depth(exact)
-    punch = sc.rigid_polyline([(1.0, level + 1), (1.0, level), (-1.0, level), (-1.0, level + 1)])
+    punch = sc.rigid.polyline([(1.0, level + 1), (1.0, level), (-1.0, level), (-1.0, level + 1)])
     return pressed(element, *box(n), exact, punch), force
 
 
@@ -103,7 +103,7 @@ def test_rounded_punch(element, n, whole, inner):
     exact = line_loads(*quadrature(pressure, -1.0, -0.7, 0.0, 0.7, 1.0))
     x = np.concatenate((np.linspace(1.5, 0.7, 200), [-0.7]))
     profile = depth(exact) + np.maximum(0.0, x - 0.7) ** 2 * SHALLOW / 100
-    run = pressed(element, *box(n), exact, sc.rigid_polyline(np.stack((x, profile), axis=1)))
+    run = pressed(element, *box(n), exact, sc.rigid.polyline(np.stack((x, profile), axis=1)))
     assert run.force == pytest.approx(force, rel=2e-3)  # measured 1.1e-3 and 2e-5
     assert run.pressure_error(pressure, 1.0) < whole
     assert run.pressure_error(pressure, 0.9) < inner
@@ -120,7 +120,7 @@ def indented(element: str, n: int, a: float) -> tuple[Indentation, float]:
     force, pressure = wedge(3 * SHALLOW, a, MODULUS)
     exact = line_loads(*quadrature(pressure, -a, 0.0, a))
     tip = depth(exact)
-    punch = sc.rigid_polyline([(1.5, tip + 1.5 * slope), (0.0, tip), (-1.5, tip + 1.5 * slope)])
+    punch = sc.rigid.polyline([(1.5, tip + 1.5 * slope), (0.0, tip), (-1.5, tip + 1.5 * slope)])
     return pressed(element, *box(n), exact, punch), force
 
 

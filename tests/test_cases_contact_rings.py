@@ -57,8 +57,8 @@ def fitted(element: str, n_inner: int, n_outer: int, **options) -> tuple[float, 
         basis, "inner:right", "outer:left", sc.Coulomb(), "segments", enforcement=AUGMENTED, **options
     )
     forms = {"rings": sc.SolidForm(basis, materials), "fit": pair}
-    result = sc.run(forms, [sc.Stage("fit", basis.zeros())], symmetric(basis), progress=False)["fit"]
-    joint = sc.tractions(pair, result.states["fit"])
+    result = sc.Model(forms, symmetric(basis)).run([sc.Stage("fit", basis.zeros())], progress=False)["fit"]
+    joint = result.tractions("fit")
     mean = np.average(joint.pressure, weights=joint.weight)
     scatter = np.sqrt(np.average((joint.pressure - mean) ** 2, weights=joint.weight))
     exact = press_fit(**FIT)
@@ -134,8 +134,8 @@ def squeezed(element: str, n_disc: int, n_ring: int, quadrature="segments", slav
 
     face = FacetBasis(basis.mesh, basis.elem, facets="outer:right", intorder=6)
     stage = sc.Stage("squeeze", LinearForm(pressure).assemble(face))
-    result = sc.run(forms, [stage], symmetric(basis), progress=False)["squeeze"]
-    joint = sc.tractions(pair, result.states["contact"])
+    result = sc.Model(forms, symmetric(basis)).run([stage], progress=False)["squeeze"]
+    joint = result.tractions("contact")
     contact, rest = waves(np.arctan2(joint.y, joint.x), joint.pressure, joint.weight)
     moved = []
     for boundary in ("inner:right", "outer:right"):
@@ -230,8 +230,8 @@ def test_pin_in_a_plate(degrees):
     grip, down = basis.get_dofs("pin:left").all("u^2"), basis.zeros()
     down[grip] = -0.3 * play
     stages = [sc.Stage("set down", basis.zeros(), down, 2), sc.Stage("load", weight, fixed=fixed)]
-    result = sc.run(forms, stages, np.union1d(fixed, grip), progress=False)["load"]
-    joint = sc.tractions(pair, result.states["contact"])
+    result = sc.Model(forms, np.union1d(fixed, grip)).run(stages, progress=False)["load"]
+    joint = result.tractions("contact")
     angle = np.degrees(np.arctan2(joint.x, -joint.y))
     assert 2 * (joint.weight * joint.pressure) @ np.cos(np.radians(angle)) == pytest.approx(load, rel=1e-3)  # linear
     assert joint.pressure.max() / load == pytest.approx(PERSSON[degrees][1], rel=0.01)  # stated 2 %; measured 0.6 %

@@ -7,6 +7,10 @@ import pytest
 from helpers import dofs_at, grid, vector_basis
 
 import skfem_contact as sc
+from skfem_contact.contact.laws import Status
+from skfem_contact.contact.penalty import choose_penalties
+from skfem_contact.results import StageResult
+from skfem_contact.results.tractions import tractions
 
 QUADRATURES = ["nodal", 4, "segments"]
 #: Where there is no equilibrium, it is not searched for long: increments are cut ten times before the analysis stops.
@@ -14,9 +18,9 @@ QUICK = sc.Newton(max_iterations=12)
 PHI = np.tan(np.radians(26.6))
 
 
-def support(forms: dict, stage: sc.StageResult) -> tuple[np.ndarray, np.ndarray]:
+def support(forms: dict, stage: StageResult) -> tuple[np.ndarray, np.ndarray]:
     """Nodal contact forces on the block and the places of their nodes, where it was meshed, (n, 2)."""
-    pair = sc.choose_penalties(forms)["floor"]
+    pair = choose_penalties(forms)["floor"]
     force = -pair.assemble(stage.x, stage.states["floor"]).force
     return force[pair.slave.dofs], pair.slave.nodes
 
@@ -24,10 +28,10 @@ def support(forms: dict, stage: sc.StageResult) -> tuple[np.ndarray, np.ndarray]
 # -- C6: a block on a plane ---------------------------------------------------------------------------------
 
 
-def pushed(quadrature, law: sc.Coulomb, height: float | None) -> tuple[dict, list[sc.StageResult]]:
+def pushed(quadrature, law: sc.Coulomb, height: float | None) -> tuple[dict, list[StageResult]]:
     """The block of the case, 4 x 1 and 100 heavy, pushed at its left side: at one height, or the whole side."""
     basis = vector_basis(grid("Q1", np.linspace(0, 4, 17), np.linspace(0, 1, 5)), "Q1")
-    plane = sc.rigid_line((-5.0, 0.0), (10.0, 0.0))
+    plane = sc.rigid.line((-5.0, 0.0), (10.0, 0.0))
     forms = {
         "block": sc.SolidForm(basis, sc.LinearElastic(E=1e6, nu=0.2)),
         "floor": sc.ContactPair(basis, "bottom", plane, law, quadrature),
@@ -41,7 +45,7 @@ def pushed(quadrature, law: sc.Coulomb, height: float | None) -> tuple[dict, lis
         x = basis.zeros()
         x[left] = push
         stages.append(sc.Stage(f"push {push}", weight, x))
-    return forms, list(sc.run(forms, stages, left, progress=False))
+    return forms, list(sc.Model(forms, left).run(stages, progress=False))
 
 
 @pytest.mark.parametrize("quadrature", QUADRATURES)
@@ -52,7 +56,7 @@ def test_push(quadrature) -> None:
         force = support(forms, stage)[0].sum(axis=0)
         # penetrations, 1e-5 of the block's size, do not change the forces: what is left is the iterations' residual
         np.testing.assert_allclose(force, [-60.0762698, 100.0], rtol=1e-6)
-        assert (stage.states["floor"].status == sc.Status.SLIP).all()
+        assert (stage.states["floor"].status == Status.SLIP).all()
 
 
 @pytest.mark.parametrize("height", [0.0, 0.5, 1.0])
@@ -65,7 +69,7 @@ def test_push_off_the_base(quadrature, height: float) -> None:
     # moments: the push has the lever `height`
     assert force[:, 1] @ place[:, 0] == pytest.approx(200 + 100 * PHI * height, rel=1e-6)
     if height > 0:
-        assert (stages[-1].states["floor"].status == sc.Status.OPEN).any()
+        assert (stages[-1].states["floor"].status == Status.OPEN).any()
 
 
 @pytest.mark.parametrize("height", [0.0, 0.25, 0.5, 0.75, 1.0])
@@ -75,13 +79,13 @@ def test_adhesion_where_it_touches(quadrature, height: float) -> None:
     """[X] C6: what has lifted off adheres no more, nor what would lift off and close in turn."""
     forms, stages = pushed(quadrature, sc.Coulomb(PHI, adhesion=2.5), height)
     state = stages[-1].states["floor"]
-    joint = sc.tractions(forms["floor"], state)
-    bonded = (joint.status != sc.Status.OPEN) & (state.internal[0] == 0)
+    joint = tractions(forms["floor"], state)
+    bonded = (joint.status != Status.OPEN) & (state.internal[0] == 0)
     force, place = support(forms, stages[-1])
     horizontal = 100 * PHI + 2.5 * joint.weight[bonded].sum()
     np.testing.assert_allclose(force.sum(axis=0), [-horizontal, 100.0], rtol=1e-6)
     assert force[:, 1] @ place[:, 0] == pytest.approx(200 + horizontal * height, rel=1e-6)
-    assert ((joint.status != sc.Status.OPEN) & ~bonded).sum() <= 1
+    assert ((joint.status != Status.OPEN) & ~bonded).sum() <= 1
     assert height == 0 or joint.weight[bonded].sum() < 4
 
 
@@ -90,9 +94,9 @@ def test_broken_bond_is_warned_of() -> None:
     with pytest.warns(sc.AnalysisWarning, match=r"points \[12\] of 'bottom' opened with their bond and closed without"):
         _, stages = pushed("nodal", sc.Coulomb(PHI, adhesion=2.5), 1.0)
     state = stages[-1].states["floor"]
-    broken = (state.internal[0] > 0) & (state.status != sc.Status.OPEN)
+    broken = (state.internal[0] > 0) & (state.status != Status.OPEN)
     assert broken.nonzero()[0].tolist() == [12]
-    assert state.status[12] == sc.Status.SLIP
+    assert state.status[12] == Status.SLIP
     assert state.traction[1][12] == pytest.approx(-PHI * state.traction[0][12], rel=1e-9)  # no adhesion
 
 
@@ -102,7 +106,7 @@ def test_incline(angle: float, quadrature) -> None:
     """[X] C6: it rests up to tan(angle) = mu, N = W cos and T = W sin; beyond, the error names its load."""
     mu, weight = 0.5, 20.0  # atan(0.5) = 26.565 degrees
     basis = vector_basis(grid("Q1", np.linspace(0, 2, 9), np.linspace(0, 1, 5)), "Q1")
-    plane = sc.rigid_line((-5.0, 0.0), (10.0, 0.0))
+    plane = sc.rigid.line((-5.0, 0.0), (10.0, 0.0))
     forms = {
         "block": sc.SolidForm(basis, sc.LinearElastic(E=1e5, nu=0.2)),
         "floor": sc.ContactPair(basis, "bottom", plane, sc.Coulomb(mu), quadrature),
@@ -112,13 +116,13 @@ def test_incline(angle: float, quadrature) -> None:
     along[basis.nodal_dofs[0]] = np.tan(np.radians(angle)) * across[basis.nodal_dofs[1]]
     stages = [sc.Stage("press", across), sc.Stage("tilt", across + along)]
     if np.tan(np.radians(angle)) < mu:
-        result = sc.run(forms, stages, np.zeros(0, int), progress=False)
+        result = sc.Model(forms, np.zeros(0, int)).run(stages, progress=False)
         force = support(forms, result[-1])[0].sum(axis=0)
         exact = weight * np.array([np.sin(np.radians(angle)), np.cos(np.radians(angle))])
         np.testing.assert_allclose(force, exact, rtol=1e-6)
         return
     with pytest.raises(sc.NotConverged, match=r"stage 'tilt' stopped at .*% of its load.* can move without force") as e:
-        sc.run(forms, stages, np.zeros(0, int), newton=QUICK, progress=False)
+        sc.Model(forms, np.zeros(0, int), newton=QUICK).run(stages, progress=False)
     # increments are cut down to 1/1024 of a stage
     assert e.value.result[-1].fraction == pytest.approx(mu / np.tan(np.radians(angle)), abs=2e-3)
 
@@ -141,7 +145,7 @@ def table(kind: str, quadrature) -> tuple[dict, np.ndarray, int]:
         held = basis.get_dofs("table:bottom").all()
     else:
         edge = [(-4.0, 0.0), (0.0, 0.0)] + ([(0.0, -2.0)] if kind == "corner" else [])
-        master = sc.rigid_polyline(edge)
+        master = sc.rigid.polyline(edge)
     drag = dofs_at(basis, BLOCK, (-1.0, 0.0))[0]
     forms = {
         "bodies": sc.SolidForm(basis, materials),
@@ -169,13 +173,13 @@ def test_off_the_edge(kind: str, quadrature) -> None:
         x[drag] = way
         stages.append(sc.Stage(f"{way:.1f}", weight, x))
     with pytest.raises(sc.NotConverged, match=r"stage '0\.6' stopped at .*% of its load") as error:
-        sc.run(forms, stages, fixed, newton=QUICK, progress=False)
+        sc.Model(forms, fixed, newton=QUICK).run(stages, progress=False)
     result = error.value.result
     for stage in result:
         force, place = support(forms, stage)
         assert force[:, 1].sum() == pytest.approx(5.0, rel=1e-6)
         assert force[:, 1] @ (place[:, 0] + 0.5) == pytest.approx(0.0, abs=1e-6)
-        joint = sc.tractions(forms["floor"], stage.states["floor"])
+        joint = stage.tractions("floor")
         # an open end goes on for 5 % of a segment of the block
         assert (joint.x[joint.pressure > 0] + stage.x[drag] < 0.05 / 8 + 1e-4).all()
         # friction slides once the stick's elastic slip is used up; an elastic table's surface is bent a little

@@ -9,6 +9,7 @@ import pytest
 from helpers import grid, traction, vector_basis
 
 import skfem_contact as sc
+from skfem_contact.contact.laws import Status
 
 SIZE, E, NU = 0.04, 1.3e11, 0.2
 TOP, LEFT = 5e7, 15e7
@@ -37,17 +38,17 @@ class Plate:
         load = traction(basis, "top", (0.0, -TOP)) + traction(basis, "left", (LEFT, 0.0))
         right = basis.get_dofs("right").all("u^1")
         corner = np.flatnonzero((basis.doflocs[0] == SIZE) & (basis.doflocs[1] == 0.0))
-        plane = sc.rigid_line((-SIZE, 0.0), (2 * SIZE, 0.0))
+        plane = sc.rigid.line((-SIZE, 0.0), (2 * SIZE, 0.0))
         pair = sc.ContactPair(basis, "bottom", plane, sc.Coulomb(1.0), **{"quadrature": "nodal", **options})
         forms = {"plate": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=NU)), "plane": pair}
         stage = sc.Stage("press", load, increments=increments)
-        end = sc.run(forms, [stage], np.union1d(right, corner), progress=False)[-1]
+        end = sc.Model(forms, np.union1d(right, corner)).run([stage], progress=False)[-1]
         bottom = basis.get_dofs("bottom")
         along = bottom.all("u^1")
         order = np.argsort(basis.doflocs[0, along])
         self.x = basis.doflocs[0, along][order]
         self.along, self.up = end.x[along][order], end.x[bottom.all("u^2")][order]
-        self.joint = sc.tractions(pair, end.states["plane"])
+        self.joint = end.tractions("plane")
         self.increments = len(end.iterations)
 
     @property
@@ -74,8 +75,8 @@ def test_augmented(n: int, element: str, tolerance: float) -> None:
     np.testing.assert_allclose(one.displacements, PUBLISHED, rtol=0.05)  # its scatter
     assert one.friction == pytest.approx(-1.40536e6, rel=1e-3)
     x, status, h = one.joint.x, one.joint.status, SIZE / n
-    assert x[status == sc.Status.OPEN].max() == pytest.approx(3.1e-3, abs=h)
-    assert x[status == sc.Status.SLIP].max() == pytest.approx(29.7e-3, abs=h)
+    assert x[status == Status.OPEN].max() == pytest.approx(3.1e-3, abs=h)
+    assert x[status == Status.SLIP].max() == pytest.approx(29.7e-3, abs=h)
     # the gap is largest at the corner, where the mesh resolves it least
     assert one.up.max() == pytest.approx(5.91e-7, rel=0.05)
 

@@ -11,6 +11,9 @@ from oracles.halfplane import contact_modulus, hertz
 from oracles.partial_slip import PartialSlip, loaded, unloaded
 
 import skfem_contact as sc
+from skfem_contact.contact.laws import Status
+from skfem_contact.contact.penalty import choose_penalties
+from skfem_contact.results import Result, Tractions
 
 #: Case B1 (ii): two cylinders, R = 8, E = 200, under P = 10.  Stiffer and flatter by the same factor they have the
 #: same tractions, and displacements that are as small as the theory has them.
@@ -32,7 +35,7 @@ class Cylinders:
         self.pair = sc.ContactPair(self.basis, "upper:top", "lower:top", **options)
         materials = {"lower": sc.LinearElastic(E=E, nu=NU), "upper": sc.LinearElastic(E=E_upper, nu=NU)}
         solid = sc.SolidForm(self.basis, materials)
-        self.forms = sc.choose_penalties({"bodies": solid, "contact": self.pair})
+        self.forms = choose_penalties({"bodies": solid, "contact": self.pair})
         sides = {f"{body}:{side}" for body in ("lower", "upper") for side in ("left", "right", "bottom")}
         self.fixed = self.basis.get_dofs(sides).all()
 
@@ -47,9 +50,9 @@ class Cylinders:
             x[dofs] = sign * (field(exact, *place) - middle).T
         return sc.Stage(name, self.basis.zeros(), x, increments)
 
-    def run(self, stages: list[sc.Stage], **options) -> sc.Result:
+    def run(self, stages: list[sc.Stage], **options) -> Result:
         """The analysis."""
-        return sc.run(self.forms, stages, self.fixed, newton=sc.Newton(tolerance=1e-10), progress=False, **options)
+        return sc.Model(self.forms, self.fixed, newton=sc.Newton(tolerance=1e-10)).run(stages, progress=False, **options)
 
 
 def field(exact: PartialSlip, x, y):
@@ -86,14 +89,14 @@ def there_and_back(cylinders: Cylinders) -> list[sc.Stage]:
 
 
 @pytest.fixture(scope="module", params=[1.0, 0.8], ids=["matching", "not matching"])
-def cycle(request) -> tuple[float, list[sc.Tractions]]:
+def cycle(request) -> tuple[float, list[Tractions]]:
     """The meshes' ratio and the tractions after every stage, 20 elements in the half-width."""
     cylinders = Cylinders(20, request.param)
     result = cylinders.run(there_and_back(cylinders))
-    return request.param, [sc.tractions(cylinders.pair, stage.states["contact"]) for stage in result]
+    return request.param, [stage.tractions("contact") for stage in result]
 
 
-def shear_error(joint: sc.Tractions, exact: PartialSlip) -> float:
+def shear_error(joint: Tractions, exact: PartialSlip) -> float:
     """Error of the shear traction in the L2 norm, over the norm of the friction mu p."""
     difference = (joint.shear - exact.shear(joint.x)) ** 2 @ joint.weight
     return float(np.sqrt(difference / ((MU * exact.pressure(joint.x)) ** 2 @ joint.weight)))
@@ -120,7 +123,7 @@ def test_cattaneo_mindlin(cycle) -> None:
     assert joint.shear @ joint.weight == pytest.approx(SHEAR, rel=5e-3)
     middle = np.abs(joint.x) < 0.1 * A
     assert joint.shear[middle] == pytest.approx(LOADED.shear(joint.x[middle]), rel=0.03)
-    stuck = np.abs(joint.x[joint.status == sc.Status.STICK])
+    stuck = np.abs(joint.x[joint.status == Status.STICK])
     assert stuck.max() == pytest.approx(LOADED.ellipses[1][1], abs=A / 20 / ratio)  # an element of the coarser mesh
 
 
@@ -149,11 +152,11 @@ def test_opposite_force_has_the_opposite_traction(cycle) -> None:
 # -- C9: similar bodies -------------------------------------------------------------------------------------
 
 
-def pressed(E_upper: float, quadrature, mu: float) -> sc.Tractions:
+def pressed(E_upper: float, quadrature, mu: float) -> Tractions:
     """Cylinders of which the upper one has another stiffness, pressed together."""
     cylinders = Cylinders(10, 1.0, law=sc.Coulomb(mu), quadrature=quadrature, E_upper=E_upper)
     result = cylinders.run([cylinders.stage("press", PRESSED)])
-    return sc.tractions(cylinders.pair, result[0].states["contact"])
+    return result[0].tractions("contact")
 
 
 @pytest.mark.parametrize("quadrature", ["nodal", 4])
@@ -178,7 +181,7 @@ def shifted(ratio: float, **options) -> tuple[float, float]:
     normal = pair.penalty[0]
     cylinders.forms["contact"] = pair.with_penalty(normal, ratio * normal, stiffness=pair.stiffness)
     stages = there_and_back(cylinders)[:5]
-    joint = sc.tractions(cylinders.pair, cylinders.run(stages)[-1].states["contact"])
+    joint = cylinders.run(stages)[-1].tractions("contact")
     return float(joint.shear @ joint.weight / (MU * FORCE)), shear_error(joint, LOADED)
 
 
@@ -225,7 +228,7 @@ def test_the_same_again(quadrature, tmp_path) -> None:
     np.testing.assert_allclose(shear, other, atol=1e-10 * PEAK)
 
 
-def assert_identical(a: sc.Result, b: sc.Result) -> None:
+def assert_identical(a: Result, b: Result) -> None:
     """Displacements and contact states agree bit by bit."""
     for one, other in zip(a, b, strict=True):
         assert np.array_equal(one.x, other.x) and one.iterations == other.iterations

@@ -11,6 +11,7 @@ from helpers import body_along, grid, unknowns_of, vector_basis
 from scipy.spatial import cKDTree
 
 import skfem_contact as sc
+from skfem_contact.contact.laws import Status
 
 # -- D1: a point on an arc ----------------------------------------------------------------------------------
 
@@ -31,7 +32,7 @@ class Point:
         # the face's other end is out of reach
         mesh = body_along(self.start + np.array([[0.0, 0.0], [0.3, 2.0]]), "P1", 0.2)
         self.basis = vector_basis(mesh, "P1")
-        drum = sc.rigid_polyline(corners, closed=True)
+        drum = sc.rigid.polyline(corners, closed=True)
         self.pair = sc.ContactPair(self.basis, "face", drum, law, "nodal", penalty=PENALTY, smoothing=smoothing)
         node = np.abs(mesh.p - self.start[:, None]).max(axis=0).argmin()
         self.dofs = self.basis.nodal_dofs[:, node]
@@ -96,11 +97,11 @@ def test_parked_at_a_vertex(shift: float, smoothing: float | None) -> None:
     }
     upright = basis.nodal_dofs[0, basis.mesh.p[1] > point.start[1] + 0.01]
     weight = sc.weight(basis, 10.0)
-    result = sc.run(forms, [sc.Stage("weight", weight)], upright, newton=sc.Newton(1e-10), progress=False)
+    result = sc.Model(forms, upright, newton=sc.Newton(1e-10)).run([sc.Stage("weight", weight)], progress=False)
     force = -forms["drum"].assemble(result[-1].x, result[-1].states["drum"]).force[point.dofs]
     assert force[1] == pytest.approx(-weight.sum(), rel=1e-8)
     assert sum(result[-1].iterations) <= 12
-    assert result[-1].states["drum"].status[0] == sc.Status.STICK
+    assert result[-1].states["drum"].status[0] == Status.STICK
 
 
 # -- D5: a disc between plates ------------------------------------------------------------------------------
@@ -133,7 +134,7 @@ def compressed(n: int, quadrature, plates_are_slaves: bool, by: float = 0.014) -
     x[basis.get_dofs("upper:top").all("u^2")] = -by
     fixed = basis.get_dofs({"lower:bottom", "upper:top"}).all()
     stage = sc.Stage("press", basis.zeros(), x, 2)
-    end = sc.run(forms, [stage], fixed, newton=sc.Newton(1e-12, 40), progress=False)[-1]
+    end = sc.Model(forms, fixed, newton=sc.Newton(1e-12, 40)).run([stage], progress=False)[-1]
     force = forms["bodies"].assemble(end.x, end.states["bodies"]).force
     reactions = [force[basis.get_dofs(side).all("u^2")].sum() for side in ("lower:bottom", "upper:top")]
     lack = 0.0

@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from footing_meshes import graded, ground
+from helpers import analysis
 from oracles.slopes import bearing_capacity
 from skfem import Basis, ElementQuad1, ElementTriP2, ElementVector, FacetBasis, LinearForm, MeshQuad
 
 import skfem_contact as sc
 
-ELEMENTS = {"P2": (ElementTriP2, 2, sc.plane_strain), "Q1": (ElementQuad1, 2, sc.b_bar)}
+ELEMENTS = {"P2": (ElementTriP2, 2, "full"), "Q1": (ElementQuad1, 2, "b_bar")}
 
 
 def footing(soil, element: str = "P2", n: int = 4, rough: bool = False):
@@ -36,7 +37,7 @@ def soil(phi: float, psi: float | None = None, nu: float = 0.3, c: float = 1.0) 
 @pytest.mark.parametrize("rough", [False, True], ids=["smooth", "rough"])
 def test_prandtl(phi, rough):
     """[X] Case G1: 5.1416, 14.835 and 30.140, smooth or rough; 1226 unknowns read 1 to 4 % more."""
-    result = sc.limit_load(*footing(soil(phi), rough=rough), progress=False)
+    result = analysis("limit_load", *footing(soil(phi), rough=rough), progress=False)
     assert bearing_capacity(phi) < result.multiplier < (1.05 if rough else 1.02) * bearing_capacity(phi)
     assert result.stop.kind == "plateau"
 
@@ -44,7 +45,7 @@ def test_prandtl(phi, rough):
 def test_finer_mesh_halves_the_error():
     """[X] Case G1: from above, in proportion to the size of the elements, as the edge is singular."""
     exact = bearing_capacity(20.0)
-    coarse, fine = (sc.limit_load(*footing(soil(20.0), n=n), progress=False).multiplier / exact - 1 for n in (3, 6))
+    coarse, fine = (analysis("limit_load", *footing(soil(20.0), n=n), progress=False).multiplier / exact - 1 for n in (3, 6))
     assert 0 < fine < 0.6 * coarse
 
 
@@ -59,7 +60,7 @@ def test_rigid_rough_footing_under_prescribed_settlement():
         x = np.zeros_like(pressure)
         x[down] = -settlement
         stages.append(sc.Stage(f"{settlement:g}", np.zeros_like(pressure), x, increments=2))
-    for stage in sc.run(forms, stages, fixed, newton=sc.Newton(1e-6), progress=False):
+    for stage in sc.Model(forms, fixed, newton=sc.Newton(1e-6)).run(stages, progress=False):
         reactions.append(-forms["soil"].assemble(stage.x, stage.states["soil"]).force[down].sum())
     # 3.5 % more than exact under a uniform pressure on the same mesh; to move as a whole is one constraint more
     assert bearing_capacity(20.0) < reactions[-1] < 1.06 * bearing_capacity(20.0)
@@ -70,7 +71,7 @@ def test_rigid_rough_footing_under_prescribed_settlement():
 @pytest.mark.parametrize(("element", "n"), [("P2", 4), ("Q1", 8)])
 def test_nearly_incompressible(element, n, nu):
     """[X] Case S4: the capacity of clay does not depend on nu, and nothing locks; the curve's end is worth 0.2 %."""
-    usual, stiff = (sc.limit_load(*footing(soil(0.0, nu=v), element, n), progress=False) for v in (0.3, nu))
+    usual, stiff = (analysis("limit_load", *footing(soil(0.0, nu=v), element, n), progress=False) for v in (0.3, nu))
     assert stiff.multiplier == pytest.approx(usual.multiplier, rel=2e-3)
     assert bearing_capacity(0.0) < stiff.multiplier < 1.04 * bearing_capacity(0.0)
 
@@ -79,7 +80,7 @@ def test_nearly_incompressible(element, n, nu):
 def test_large_friction_angles(phi, c):
     """[X] Case S5: associated flow at phi = 50, and a cohesion next to nothing: 266.88 and 133.87 times c."""
     forms, fixed, load = footing(soil(phi, c=c))
-    result = sc.limit_load(forms, fixed, load, step=c, progress=False)
+    result = sc.Model(forms, fixed).limit_load(load, step=c, progress=False)
     assert c * bearing_capacity(phi) < result.multiplier < 1.06 * c * bearing_capacity(phi)
 
 
@@ -90,7 +91,7 @@ def test_large_friction_angle_without_dilatancy():
     What comes out is an equilibrium of admissible stresses, and the criterion tells how the curve ended.
     """
     forms, fixed, load = footing(soil(50.0, 0.0), n=2)
-    result = sc.limit_load(forms, fixed, load, newton=sc.Newton(1e-3, 15), progress=False)
+    result = sc.Model(forms, fixed, newton=sc.Newton(1e-3, 15)).limit_load(load, progress=False)
     assert 0.1 * bearing_capacity(50.0) < result.multiplier < bearing_capacity(50.0)
     assert result.stop.kind in ("plateau", "peak", "stall") and result.bracket[1] >= result.multiplier
     inside = forms["soil"].assemble(result.x, result.states["soil"]).force - result.load
@@ -112,14 +113,14 @@ def test_load_beside_a_slope(beta):
     q = c * (2 + np.pi - 2 * np.radians(beta))
     load = LinearForm(lambda v, w: -q * v[1]).assemble(FacetBasis(mesh, basis.elem, facets=loaded, intorder=4))
     forms = {"clay": sc.SolidForm(basis, sc.Tresca(E=1e4, nu=0.49, c=c))}
-    result = sc.strength_reduction(forms, ends, load, progress=False, tol=0.004)
+    result = sc.Model(forms, ends).strength_reduction(load, progress=False, tolerance=0.004)
     assert 0.999 < result.factor < 1.02
 
 
 def test_footing_that_just_stands():
     """[X] Case G7: flat clay under (2 + pi) c; the factor is the error of the limit load on the same mesh."""
     forms, fixed, pressure = footing(soil(0.0))
-    result = sc.strength_reduction(forms, fixed, bearing_capacity(0.0) * pressure, progress=False, tol=0.004)
-    limit = sc.limit_load(forms, fixed, pressure, progress=False).multiplier / bearing_capacity(0.0)
+    result = sc.Model(forms, fixed).strength_reduction(bearing_capacity(0.0) * pressure, progress=False, tolerance=0.004)
+    limit = sc.Model(forms, fixed).limit_load(pressure, progress=False).multiplier / bearing_capacity(0.0)
     assert result.factor == pytest.approx(limit, abs=0.003)  # both curves end up to 0.001 and 0.002 early
     assert 1.0 < result.factor < 1.02

@@ -41,17 +41,17 @@ def capacity(n: int, soil: Callable[[Mesh], Soil], size: tuple[float, float], *,
         return LinearForm(form).assemble(FacetBasis(mesh, basis.elem, facets=where, intorder=5))
 
     own = soil(mesh)
-    ground_form = sc.SolidForm(basis, own, sc.axisymmetric if round else sc.plane_strain)
+    ground_form = sc.SolidForm(basis, own, coordinates="axisymmetric" if round else "plane")
     forms = {"soil": ground_form, "footing": rigid(basis, 100 * own.E)}
     fixed = np.hstack([basis.get_dofs("bottom").all(), basis.get_dofs("sides").all("u^1")])
     if rough:
         fixed = np.append(fixed, basis.get_dofs("footing").all("u^1"))
-    dead = sc.weight(basis, weight, axisymmetric=round) + beside * pressure(["footing", "beside"])
+    dead = sc.weight(ground_form, weight) + beside * pressure(["footing", "beside"])
     start = None
     if dead.any():
-        initial = sc.k0_state(forms, dead, fixed, weight, 0.5, beside)
-        start = sc.run(forms, [sc.Stage("null step", dead)], fixed, initial, progress=False)
-    result = sc.limit_load(forms, fixed, pressure("footing"), start, progress=False)
+        initial = sc.Model(forms, fixed).k0_state(dead, unit_weights=weight, K0=0.5, surcharge=beside)
+        start = sc.Model(forms, fixed).run([sc.Stage("null step", dead)], start=initial, progress=False)
+    result = sc.Model(forms, fixed).limit_load(pressure("footing"), start=start, progress=False)
     assert result.stop.kind == "plateau"
     return beside + result.multiplier
 

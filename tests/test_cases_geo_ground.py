@@ -8,6 +8,7 @@ from helpers import grid, vector_basis
 from skfem import FacetBasis, LinearForm
 
 import skfem_contact as sc
+from skfem_contact.contact.penalty import choose_penalties
 
 QUIET = {"progress": False}
 PENALTY = 1e9
@@ -16,7 +17,7 @@ PENALTY = 1e9
 def silo(mu: float):
     """An elastic column, 2 x 6, between two rigid walls that touch it; forms, load, fixed unknowns, basis."""
     basis = vector_basis(grid("Q2", np.linspace(0, 2, 5), np.linspace(0, 6, 13)), "Q2", intorder=4)
-    walls = {"left": sc.rigid_line((0.0, 7.0), (0.0, -1.0)), "right": sc.rigid_line((2.0, -1.0), (2.0, 7.0))}
+    walls = {"left": sc.rigid.line((0.0, 7.0), (0.0, -1.0)), "right": sc.rigid.line((2.0, -1.0), (2.0, 7.0))}
     forms = {"column": sc.SolidForm(basis, sc.LinearElastic(E=1e5, nu=0.3))}
     for side, wall in walls.items():
         forms[side] = sc.ContactPair(basis, side, wall, sc.Coulomb(mu=mu), quadrature=3, penalty=PENALTY)
@@ -35,14 +36,14 @@ def test_smooth_silo():
     width 1: the pressure is 1 / (1 + E / ((1 - nu^2) k)) of that between rigid walls, 1.1e-4 less.
     """
     basis, forms, load, fixed = silo(0.0)
-    step = sc.run(forms, [sc.Stage("gravity", load)], np.append(fixed, middle(basis)), **QUIET)["gravity"]
+    step = sc.Model(forms, np.append(fixed, middle(basis))).run([sc.Stage("gravity", load)], **QUIET)["gravity"]
     stress = step.states["column"].stress
     y = np.asarray(basis.global_coordinates())[1]
     series = 1 + 1e5 / (1 - 0.3**2) / PENALTY
     # beside the base the column cannot follow the walls: a share of the 1.1e-4 of the largest pressure, 51
     np.testing.assert_allclose(stress[1], -20 * (6 - y), atol=0.005)
     np.testing.assert_allclose(stress[0], -3 / 7 * 20 * (6 - y) / series, atol=0.005)
-    skin = sc.tractions(forms["left"], step.states["left"])
+    skin = step.tractions("left")
     assert (skin.weight * skin.pressure).sum() == pytest.approx(3 / 7 * 20 * 18 / series, rel=1e-6)
 
 
@@ -50,8 +51,8 @@ def test_smooth_silo():
 def test_rough_silo(mu):
     """[X] Case J9: friction on the walls and the base bear the weight together, exactly; the base less than all."""
     basis, forms, load, fixed = silo(mu)
-    step = sc.run(forms, [sc.Stage("gravity", load, None, 4)], np.append(fixed, middle(basis)), **QUIET)["gravity"]
-    pairs = sc.choose_penalties(forms)
+    step = sc.Model(forms, np.append(fixed, middle(basis))).run([sc.Stage("gravity", load, None, 4)], **QUIET)["gravity"]
+    pairs = choose_penalties(forms)
     vertical = np.arange(basis.N) % 2 == 1
     forces = {name: form.assemble(step.x, step.states[name]).force for name, form in pairs.items()}
     friction = -sum(forces[side][vertical].sum() for side in ("left", "right"))  # on the column, downwards negative
@@ -95,7 +96,7 @@ def test_strip_load_on_a_half_plane():
     corner = basis.nodal_dofs[:, (mesh.p[0] == 0) & (mesh.p[1] == -8)].ravel()
     fixed = np.append(corner, basis.nodal_dofs[0, (mesh.p[0] == 0) & (mesh.p[1] == 0)])
     form = sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3))
-    step = sc.run({"ground": form}, [sc.Stage("strip", load)], fixed, **QUIET)["strip"]
+    step = sc.Model({"ground": form}, fixed).run([sc.Stage("strip", load)], **QUIET)["strip"]
     places = np.asarray(basis.global_coordinates())
     inside = (places[1] < -1.0) & (places[1] > -7) & (np.abs(places[0]) < 7)
     for computed, exact in zip(step.states["ground"].stress[[0, 1, 3]], stress(places)):

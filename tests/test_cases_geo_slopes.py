@@ -123,7 +123,7 @@ def test_infinite_slope(element, psi, c):
     if psi == 0.0:
         exact = slopes.without_dilatancy(exact, 25.0)
     _, forms, fixed, load = infinite_slope(sc.MohrCoulomb(E=1e4, nu=0.3, c=c, phi=25.0, psi=psi), element=element)
-    result = sc.strength_reduction(forms, fixed, load, progress=False, tol=0.002)
+    result = sc.Model(forms, fixed).strength_reduction(load, progress=False, tolerance=0.002)
     assert result.factor == pytest.approx(exact, rel=0.002)
     assert result.reduced == ("soil.all",)
 
@@ -132,7 +132,7 @@ def test_stresses_of_the_infinite_slope():
     """[X] Case H13: on planes parallel to the surface gamma z cos(b)^2 and gamma z sin(b) cos(b), whatever the soil."""
     for soil in (sc.LinearElastic(E=1e4, nu=0.3), sc.MohrCoulomb(E=1e4, nu=0.3, c=5.0, phi=25.0)):
         basis, forms, fixed, load = infinite_slope(soil)
-        step = sc.run(forms, [sc.Stage("weight", load)], fixed, progress=False)["weight"]
+        step = sc.Model(forms, fixed).run([sc.Stage("weight", load)], progress=False)["weight"]
         x, y = np.asarray(basis.global_coordinates())
         beta = np.radians(BETA)
         depth = DEPTH - (y + np.tan(beta) * x)

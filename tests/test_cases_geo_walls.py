@@ -8,6 +8,7 @@ from helpers import grid, vector_basis
 from skfem import Basis, ElementQuadS2, ElementVector, MeshQuad
 
 import skfem_contact as sc
+from skfem_contact.results import Tractions
 
 GAMMA, HEIGHT = 18.0, 6.0
 
@@ -19,19 +20,19 @@ def graded(n: int, ratio: float = 2.5) -> np.ndarray:
 
 def smooth_wall(
     soil: sc.MohrCoulomb, towards: float, law: sc.Coulomb, heights: np.ndarray
-) -> tuple[float, sc.Tractions]:
+) -> tuple[float, Tractions]:
     """Thrust on a smooth wall that soil on a smooth base was pushed against or drawn away from, and the tractions."""
     basis = vector_basis(grid("Q2", np.linspace(0, 3, 4), heights), "Q2", intorder=4)
-    wall = sc.rigid_line((0.0, 2 * HEIGHT), (0.0, -1.0))  # higher than the soil rises
+    wall = sc.rigid.line((0.0, 2 * HEIGHT), (0.0, -1.0))  # higher than the soil rises
     forms = {"soil": sc.SolidForm(basis, soil),
              "joint": sc.ContactPair(basis, "left", wall, law, quadrature=3, penalty=1e8)}  # fmt: skip
     far = basis.get_dofs("right").all("u^1")
     fixed = np.append(far, basis.get_dofs("bottom").all("u^2"))
     load, x = sc.weight(basis, GAMMA), basis.zeros()
     x[far] = -towards
-    start = sc.k0_state(forms, load, fixed, GAMMA, 0.5)
-    step = sc.run(forms, [sc.Stage("moved", load, x)], fixed, start=start, progress=False)["moved"]
-    joint = sc.tractions(forms["joint"], step.states["joint"])
+    start = sc.Model(forms, fixed).k0_state(load, unit_weights=GAMMA, K0=0.5)
+    step = sc.Model(forms, fixed).run([sc.Stage("moved", load, x)], start=start, progress=False)["moved"]
+    joint = step.tractions("joint")
     return float((joint.weight * joint.pressure).sum()), joint
 
 
@@ -79,19 +80,19 @@ def rough_wall(n: int, delta: float, moved: float) -> float:
     basis = Basis(mesh, ElementVector(ElementQuadS2()), intorder=3)
     sand = sc.MohrCoulomb(E=1e6, nu=0.3, c=0.02, phi=30.0, psi=30.0)
     law = sc.Coulomb(mu=np.tan(np.radians(delta)))
-    wall = sc.rigid_line((0.0, 2 * HEIGHT), (0.0, -1.0))  # higher than the soil rises
+    wall = sc.rigid.line((0.0, 2 * HEIGHT), (0.0, -1.0))  # higher than the soil rises
     forms = {"sand": sc.SolidForm(basis, sand), "joint": sc.ContactPair(basis, "face", wall, law, quadrature=2)}
     below = basis.get_dofs("below").all("u^1")
     held = np.concatenate((below, basis.get_dofs("base").all("u^1"), basis.get_dofs("far").all("u^1")))
     fixed = np.concatenate((held, basis.get_dofs("base").all("u^2")))
     load = sc.weight(basis, GAMMA)
-    start = sc.k0_state(forms, load, fixed, GAMMA, 0.5)
+    start = sc.Model(forms, fixed).k0_state(load, unit_weights=GAMMA, K0=0.5)
     x = basis.zeros()
     x[held] = -moved
     free_toe = np.setdiff1d(fixed, below[np.argmax(basis.doflocs[1, below])])
     stage = sc.Stage("moved", load, x, increments=2, fixed=free_toe)
-    result = sc.run(forms, [stage], fixed, start=start, newton=sc.Newton(1e-6), progress=False)
-    joint = sc.tractions(forms["joint"], result["moved"].states["joint"])
+    result = sc.Model(forms, fixed, newton=sc.Newton(1e-6)).run([stage], start=start, progress=False)
+    joint = result["moved"].tractions("joint")
     return float((joint.weight * joint.pressure).sum()) / (0.5 * GAMMA * HEIGHT**2)
 
 

@@ -22,7 +22,7 @@ def under_water(mesh: MeshTri, soil, unit_weight: float, table, **settings) -> f
     water = sc.water_load(basis, sc.hydrostatic(table, unit_weight=WATER), "surface")
     forms = {"soil": sc.SolidForm(basis, soil)}
     load = sc.weight(basis, unit_weight) + water
-    result = sc.strength_reduction(forms, held(basis), load, progress=False, **settings)
+    result = sc.Model(forms, held(basis)).strength_reduction(load, progress=False, **settings)
     assert result.stop.kind == "plateau"
     return result.factor
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from helpers import analysis
 from skfem import Basis, ElementQuad1, ElementVector, FacetBasis, LinearForm, MeshQuad
 
 import skfem_contact as sc
-from skfem_contact.collapse.result import Stop
+from skfem_contact.collapse.result import CollapseResult, Stop
 
 CONE = {"E": 1e4, "nu": 0.3, "k": 10.0, "alpha": 0.2}
 CHANGING = {"E": 1e4, "nu": 0.3, "c": 10.0, "c_end": 5.0, "strain_end": 0.1}
@@ -30,7 +31,7 @@ def locked_ground():
     mesh = mesh.with_subdomains({"post": lambda x: abs(x[0] - 1.5) < 1 / 6, "clay": lambda x: abs(x[0] - 1.5) > 1 / 6})
     basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
     materials = {"clay": sc.Tresca(E=3e4, nu=0.3, c=10.0), "post": sc.LinearElastic(E=1e6, nu=0.2)}
-    forms = {"ground": sc.SolidForm(basis, materials, strain=sc.plane_strain)}
+    forms = {"ground": sc.SolidForm(basis, materials, strain="full")}
     fixed = np.append(basis.get_dofs("bottom").all(), basis.get_dofs("sides").all("u^1"))
     load = LinearForm(lambda v, w: -30.0 * v[1]).assemble(FacetBasis(mesh, basis.elem, facets="foot"))
     return forms, fixed, load
@@ -40,17 +41,17 @@ def locked_ground():
 def test_locked_ground_has_no_factor(method):
     """[X] Full integration admits no mechanism of constant volume: the search ends at its bound, and says so."""
     with pytest.warns(sc.AnalysisWarning, match="no collapse was shown: .* highest: there is no collapse below 20"):
-        found = sc.strength_reduction(*locked_ground(), method=method, highest=20.0, step=0.5, progress=False)
+        found = analysis("strength_reduction", *locked_ground(), method=method, max_value=20.0, step=0.5, progress=False)
     assert found.stop.kind == "highest" and 20.0 < found.factor < 200.0  # the last step may double its factor
 
 
 def test_one_result_for_both_searches():
     """A limit load and a factor of safety answer the same names; their ends are stages."""
     forms, fixed, load = locked_ground()
-    forms = {"ground": sc.SolidForm(forms["ground"].basis, forms["ground"].materials, strain=sc.b_bar)}
-    safety = sc.strength_reduction(forms, fixed, load, progress=False)
-    limit = sc.limit_load(forms, fixed, load, progress=False)
-    assert type(safety) is type(limit) is sc.CollapseResult
+    forms = {"ground": sc.SolidForm(forms["ground"].basis, forms["ground"].materials, strain="b_bar")}
+    safety = sc.Model(forms, fixed).strength_reduction(load, progress=False)
+    limit = sc.Model(forms, fixed).limit_load(load, progress=False)
+    assert type(safety) is type(limit) is CollapseResult
     assert safety.what == "factor of safety" and limit.what == "limit load"
     for found in (safety, limit):
         assert found.stop.shows_limit and found.bracket[0] == found.value

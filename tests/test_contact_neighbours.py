@@ -73,7 +73,7 @@ def test_a_segment_that_is_torn_leaves_the_others_their_neighbours(element: str,
 
 def test_points_without_neighbours_are_not_projected() -> None:
     """What is not looked for is not found."""
-    line = sc.rigid_line((0.0, 0.0), (1.0, 0.0))
+    line = sc.rigid.line((0.0, 0.0), (1.0, 0.0))
     points = np.array([[0.25, 1.0], [0.75, 1.0]])
     found = NeighbourList(line).at(line.nodes, points)
     for chosen in ([True, False], [False, True], [False, False]):
@@ -84,7 +84,7 @@ def test_points_without_neighbours_are_not_projected() -> None:
 
 def test_points_known_to_lie_outside() -> None:
     """What has been projected outside is not near until it could have come near; what is inside always is."""
-    line = sc.rigid_line((0.0, 0.0), (1.0, 0.0))
+    line = sc.rigid.line((0.0, 0.0), (1.0, 0.0))
     around, points = NeighbourList(line), np.array([[0.25, 0.05], [0.75, -0.05], [0.5, 0.05]])
     gap, depth = np.zeros(3), np.full(3, 0.1)
     assert around.at(line.nodes, points).within(gap, depth).all()  # nothing is known yet

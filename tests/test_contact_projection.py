@@ -11,9 +11,9 @@ from scipy.optimize import minimize_scalar
 from skfem import Basis, ElementQuad2, ElementVector, MeshQuad, MeshQuad2
 
 import skfem_contact as sc
+from skfem_contact.contact.laws import Status
 from skfem_contact.contact.neighbours import NeighbourList
-from skfem_contact.contact.pieces import common_cuts
-from skfem_contact.contact.quadrature import between, gauss, nodal
+from skfem_contact.contact.quadrature import between, common_cuts, gauss, nodal
 from skfem_contact.contact.search import project
 from skfem_contact.surfaces.material_points import along_chain
 from skfem_contact.surfaces.smoothing import smoothed
@@ -58,7 +58,7 @@ def star(n: int = 14) -> np.ndarray:
 def test_random_points_around_a_star(rng):
     """[X] Case A6: distance and side of 2000 points, by a search over all facets and a winding number."""
     corners = star()
-    surface = sc.rigid_polyline(corners, closed=True)
+    surface = sc.rigid.polyline(corners, closed=True)
     points = rng.uniform(-1.6, 1.6, (2000, 2))
     where = found(surface, points)
     assert where.found.all()
@@ -76,7 +76,7 @@ def test_random_points_around_a_star(rng):
 
 def test_order_of_the_points_does_not_matter(rng):
     """[X] Case S24: each point is found for itself."""
-    surface = sc.rigid_polyline(star(), closed=True)
+    surface = sc.rigid.polyline(star(), closed=True)
     points = rng.uniform(-1.6, 1.6, (300, 2))
     order = rng.permutation(300)
     for a, b in zip(found(surface, points), found(surface, points[order]), strict=True):
@@ -85,7 +85,7 @@ def test_order_of_the_points_does_not_matter(rng):
 
 def test_shadow_of_a_convex_corner():
     """[X] Case A6: no orthogonal foot on either side; the corner is closest and the gap its distance."""
-    roof = sc.rigid_polyline([(-1.0, 0.0), (0.0, 1.0), (1.0, 0.0)])
+    roof = sc.rigid.polyline([(-1.0, 0.0), (0.0, 1.0), (1.0, 0.0)])
     points = np.array([[0.0, 1.5], [0.2, 1.4], [-0.3, 1.6]])
     where = found(roof, points)
     assert where.vertex.all()
@@ -100,7 +100,7 @@ def test_shadow_of_a_convex_corner():
 
 def test_overlap_at_a_concave_corner():
     """[X] Case A6: two feet outside, the closer one counts; within the body the corner itself is closest."""
-    groove = sc.rigid_polyline([(-1.0, 1.0), (0.0, 0.0), (1.0, 1.0)])
+    groove = sc.rigid.polyline([(-1.0, 1.0), (0.0, 0.0), (1.0, 1.0)])
     where = found(groove, [[0.1, 0.5], [-0.1, 0.5], [0.0, 0.5]])
     assert not where.vertex.any() and (where.gap > 0).all()
     assert where.facet[:2].tolist() == [1, 0]
@@ -117,7 +117,7 @@ def test_node_at_a_master_vertex(line, offset):
     """[X] Case S12: a node within round-off of a flat, convex or concave vertex: finite forces."""
     wedge = np.array([[0.4, 1.0], [0.0, 0.0], [-0.4, 1.0]]) + np.array([0.0, line[1][1]])
     basis = vector_basis(body_along(wedge, "P1", 0.3), "P1")
-    pair = sc.ContactPair(basis, "face", sc.rigid_polyline(line), sc.Coulomb(0.3), quadrature="nodal", penalty=1e4)
+    pair = sc.ContactPair(basis, "face", sc.rigid.polyline(line), sc.Coulomb(0.3), quadrature="nodal", penalty=1e4)
     node = np.flatnonzero(np.abs(basis.doflocs - [[0.0], [line[1][1]]]).max(axis=0) < 1e-12)
     for direction in (np.array([1.0, 0.0]), np.array([0.0, 1.0])):
         x = basis.zeros()
@@ -127,7 +127,7 @@ def test_node_at_a_master_vertex(line, offset):
             K = out.stiffness
         assert np.isfinite(out.force).all() and np.isfinite(K.data).all()
         assert np.abs(out.force).max() < 1e-7  # 1e4 * 1e-12
-        assert np.count_nonzero(out.state.status != sc.Status.OPEN) <= 1
+        assert np.count_nonzero(out.state.status != Status.OPEN) <= 1
 
 
 @pytest.mark.parametrize("graded", [1.0, 1.6, 3.0])
@@ -136,7 +136,7 @@ def test_candidates_of_a_graded_chain(graded, rng):
     steps = graded ** np.arange(12)
     s = np.concatenate(([0.0], np.cumsum(steps))) / steps.sum()
     line = np.stack((s, 0.1 * np.sin(9 * s)), axis=1)
-    surface = sc.rigid_polyline(line[::-1] if graded == 1.6 else line)
+    surface = sc.rigid.polyline(line[::-1] if graded == 1.6 else line)
     points = np.concatenate(
         (rng.uniform([0, -0.3], [1, 0.3], (1000, 2)), line + 1e-3 * rng.standard_normal(line.shape))
     )
@@ -157,10 +157,10 @@ def test_candidates_of_a_graded_chain(graded, rng):
 def test_candidates_of_a_stretched_chain(stretch, rng):
     """[X] The search uses current lengths: a master that was stretched or squeezed unevenly."""
     t = np.linspace(0, 1, 30)
-    surface = sc.rigid_polyline(np.stack((t, 0 * t), axis=1))
+    surface = sc.rigid.polyline(np.stack((t, 0 * t), axis=1))
     nodes = np.stack((t * np.where(t < 0.5, 1, stretch), 0.05 * np.sin(20 * t)), axis=1)
     nodes[t >= 0.5, 0] += nodes[t < 0.5, 0].max() - nodes[t >= 0.5, 0].min() + 0.03
-    deformed = sc.rigid_polyline(nodes)
+    deformed = sc.rigid.polyline(nodes)
     points = rng.uniform(nodes.min(axis=0) - 0.1, nodes.max(axis=0) + 0.1, (800, 2))
     where = project(surface, nodes, points, np.full(800, np.inf))
     ok = where.found & (np.abs(where.xi[:, 0]) <= 1)
@@ -215,7 +215,7 @@ def test_rigid_circle(rng):
     """[X] Case A6: gap |x - O| - R of a smoothed polygon of 360 corners, whose radius ripples by 1e-9."""
     centre, radius = np.array([2.0, -1.0]), 3.0
     for hole, sign in ((False, 1), (True, -1)):
-        surface = sc.rigid_circle(tuple(centre), radius, hole)
+        surface = sc.rigid.circle(tuple(centre), radius, hole)
         angle, r = rng.uniform(0, 2 * np.pi, 500), rng.uniform(2.5, 3.5, 500)
         points = centre + r[:, None] * np.stack((np.cos(angle), np.sin(angle)), axis=1)
         where = found(surface, points)
@@ -227,14 +227,14 @@ def test_rigid_circle(rng):
 def test_window_of_a_level_set_that_is_none(window):
     """Turned round it would put the body on the other side."""
     with pytest.raises(ValueError, match="xmin < xmax and ymin < ymax"):
-        sc.rigid_level_set(lambda x, y: y - 0.5, window)
+        sc.rigid.level_set(lambda x, y: y - 0.5, window)
 
 
 @pytest.mark.parametrize("n", [8, 16, 32])
 def test_ripple_of_polygons_and_smoothed_polygons(n):
     """[X] Case A8: a polygon's radius ripples by e = R (1 - cos(pi/n)), the smoothed one's by e^2 / 2 R."""
     angle = -np.arange(n) * 2 * np.pi / n
-    facets = sc.rigid_polyline(np.stack((np.cos(angle), np.sin(angle)), axis=1), closed=True)
+    facets = sc.rigid.polyline(np.stack((np.cos(angle), np.sin(angle)), axis=1), closed=True)
     curve = smoothed(facets)
     dense = np.linspace(-1, 1, 201)
     for surface, ripple in ((facets, 1 - np.cos(np.pi / n)), (curve, (1 - np.cos(np.pi / n)) ** 2 / 2)):
@@ -254,7 +254,7 @@ def test_ripple_of_polygons_and_smoothed_polygons(n):
 def test_smoothing_keeps_a_straight_chain(alpha):
     """[X] Case A8: collinear nodes of uneven spacing stay a line, with arc positions as before."""
     s = np.array([0.0, 0.3, 1.0, 1.1, 2.0])
-    line = sc.rigid_polyline(np.stack((s, 0.5 * s), axis=1))
+    line = sc.rigid.polyline(np.stack((s, 0.5 * s), axis=1))
     curve = smoothed(line, alpha)
     assert curve.area.sum() == pytest.approx(line.area.sum(), rel=1e-14)
     t = np.linspace(0.01, 1.9, 50)
@@ -266,7 +266,7 @@ def test_smoothing_keeps_a_straight_chain(alpha):
 
 def test_far_points_face_the_surface_without_touching_it():
     """[X] They know their gap and the place that they face; off the ends there is neither."""
-    surface = sc.rigid_polyline([(-1.0, 0.0), (1.0, 0.0)])
+    surface = sc.rigid.polyline([(-1.0, 0.0), (1.0, 0.0)])
     where = found(surface, [[0.0, 0.4], [0.5, 60.0], [0.0, -0.6], [1.6, 0.0], [50.0, 3.0]], depth=0.5)
     assert where.found.tolist() == [True, True, False, False, False]
     assert where.gap.tolist() == [0.4, 60.0, -0.6, np.inf, np.inf]
@@ -275,12 +275,12 @@ def test_far_points_face_the_surface_without_touching_it():
     out = pair.assemble(basis.zeros(), pair.initial_state())
     np.testing.assert_allclose(arcs(pair, out.state.stick), [np.nan, 0.5], atol=1e-15)
     assert not out.force.any() and out.stiffness.nnz == 0
-    assert (out.state.status == sc.Status.OPEN).all()
+    assert (out.state.status == Status.OPEN).all()
 
 
 def test_depth_limits_the_penetration():
     """[X] A point deeper than its own limit is not found, not even at another place of the chain."""
-    groove = sc.rigid_polyline([(-1.0, 1.0), (0.0, 0.0), (1.0, 1.0)])
+    groove = sc.rigid.polyline([(-1.0, 1.0), (0.0, 0.0), (1.0, 1.0)])
     points = np.array([[0.0, -0.2], [0.0, -0.4], [0.5, 0.2], [0.5, -0.2]])
     where = project(groove, groove.nodes, points, np.full(4, 0.3))
     assert where.found.tolist() == [True, False, True, False]
@@ -290,7 +290,7 @@ def test_depth_limits_the_penetration():
 def test_long_segment_beside_short_ones():
     """[X] The closest segment was stretched so far that points of another arm are closer than its ends."""
     s = np.linspace(0, 1, 33)
-    surface = sc.rigid_polyline(np.stack((s, 0 * s), axis=1))
+    surface = sc.rigid.polyline(np.stack((s, 0 * s), axis=1))
     nodes = np.stack((s, 0 * s), axis=1)
     nodes[-3:] = [[1.3, 0.0], [1.3, 0.4], [-0.2, 0.4]]  # there and back in one segment
     where = project(surface, nodes, np.array([[0.5, 0.3], [0.2, 0.25]]), np.full(2, np.inf))
@@ -309,7 +309,7 @@ def test_deep_points_belong_to_the_other_side():
     for depth, closed in ((0.1, 0), (0.3, 2), (2.0, 0)):
         x[dofs[1::2]] = -depth
         out = pair.assemble(x, pair.initial_state())
-        assert (out.state.status != sc.Status.OPEN).sum() == closed
+        assert (out.state.status != Status.OPEN).sum() == closed
 
 
 @pytest.mark.parametrize("last", [1.0, 0.3, 0.05])
@@ -319,7 +319,7 @@ def test_no_contact_beyond_an_open_end(last, side):
     line = np.array([[-3.0, 0.0], [-2.0, 0.0], [-1.0, 0.0], [-last, 0.0], [0.0, 0.0]])
     if last == 1.0:
         line = np.delete(line, 3, axis=0)
-    surface = sc.rigid_polyline(line if side == 1 else (line * [-1, 1])[::-1])
+    surface = sc.rigid.polyline(line if side == 1 else (line * [-1, 1])[::-1])
     beyond = np.linspace(-0.1, 2.0, 400)
     for height in (-0.001, -0.05, -0.3, -0.9):
         points = np.stack((side * beyond, np.full(400, height)), axis=1)
@@ -331,8 +331,8 @@ def test_no_contact_beyond_an_open_end(last, side):
 
 def test_mirrored_points_have_mirrored_feet(rng):
     """[X] Case S17: the search has no preferred side."""
-    surface = sc.rigid_polyline(star(), closed=True)
-    mirrored = sc.rigid_polyline((star() * [-1, 1])[::-1], closed=True)
+    surface = sc.rigid.polyline(star(), closed=True)
+    mirrored = sc.rigid.polyline((star() * [-1, 1])[::-1], closed=True)
     points = rng.uniform(-1.5, 1.5, (500, 2))
     a, b = found(surface, points), found(mirrored, points * [-1, 1])
     np.testing.assert_allclose(a.gap, b.gap, atol=1e-14)
@@ -399,14 +399,14 @@ def test_gauss_points_are_as_dense_as_the_masters_nodes(n, pieces):
     bases = [vector_basis(body_along(line, "Q1", 0.3), "Q1") for line in lines]
     slave, master = (sc.Surface.from_boundary(basis, "face") for basis in bases)
     assert len(gauss(slave, master, 3).weight) == 2 * 3 * pieces
-    assert len(gauss(slave, sc.rigid_polyline(lines[1]), 3).weight) == 2 * 3
+    assert len(gauss(slave, sc.rigid.polyline(lines[1]), 3).weight) == 2 * 3
 
 
 def test_cuts_by_both_meshes():
     """[X] The rule "segments" cuts the slave where a node of the master faces it, and nowhere else."""
     line = np.stack((np.array([0.0, 0.7, 1.4, 2.6, 3.0]), np.zeros(5)), axis=1)
     roof = np.stack((np.array([2.5, 1.5, 0.5]), np.zeros(3)), axis=1)
-    slave, master = sc.rigid_polyline(roof), sc.rigid_polyline(line)
+    slave, master = sc.rigid.polyline(roof), sc.rigid.polyline(line)
     cuts = common_cuts(slave, slave.nodes, master, master.nodes, NeighbourList(slave))
     # the slave runs from 2.5 to 0.5: 1.4 is 1.1 along, 0.7 is 1.8 along
     np.testing.assert_allclose(cuts, [0, 1, 1.1, 1.8, 2], atol=1e-14)

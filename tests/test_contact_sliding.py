@@ -9,6 +9,7 @@ import pytest
 from helpers import arcs, body_along, facing, resultant, rotation, unknowns_of, vector_basis
 
 import skfem_contact as sc
+from skfem_contact.contact.laws import Status
 
 MU, EPS_N, EPS_T = 0.3, 1e4, 2e3
 QUADRATURES = ["nodal", 2, 4, "segments"]
@@ -59,7 +60,7 @@ def test_slip_is_the_distance_moved(quadrature, tilt, smoothing):
         path = np.concatenate(([0.0], np.linspace(0, 2.9, steps + 1)[1:]))
         states, forces = drag(pair, place, path)
         for along, state, force in zip(path[1:], states[1:], forces[1:], strict=True):
-            assert (state.status == sc.Status.SLIP).all()
+            assert (state.status == Status.SLIP).all()
             # arc positions of order one; the penalty of 1e4 multiplies their round-off
             np.testing.assert_allclose(state.slip[0], along, atol=1e-12)
             np.testing.assert_allclose(state.gap, -1e-3, atol=1e-14)
@@ -85,7 +86,7 @@ def test_sticking_across_a_joint():
     _, pair, place, _ = sled("nodal", sc.Coulomb(1e6))
     states, _ = drag(pair, place, [0.0, 0.12, 0.3, -0.1, 0.0])
     for along, state in zip([0.0, 0.12, 0.3, -0.1, 0.0], states, strict=True):
-        assert (state.status == sc.Status.STICK).all()
+        assert (state.status == Status.STICK).all()
         np.testing.assert_allclose(state.traction[1], EPS_T * along, atol=1e-10)
         np.testing.assert_allclose(arcs(pair, state.stick), [0.2, 0.45, 0.75][::-1], atol=1e-13)
 
@@ -110,9 +111,9 @@ def test_opening_resets_friction():
     """[X] Case S15: lifted off, moved and set down again: friction starts from zero at the new place."""
     _, pair, place, _ = sled(2)
     states, _ = drag(pair, place, [0.0, 0.5, 1.0, 1.0, 1.0005], [-1e-3, -1e-3, 1e-3, -1e-3, -1e-3])
-    assert (states[1].status == sc.Status.SLIP).all()
+    assert (states[1].status == Status.SLIP).all()
     assert (
-        (states[2].status == sc.Status.OPEN).all()
+        (states[2].status == Status.OPEN).all()
         and not states[2].traction[1].any()
         and not states[2].slip.any()
     )
@@ -133,10 +134,10 @@ def test_slides_off_the_end_and_comes_back(quadrature):
         # points count or do not: half a segment at either end of the support, and the extension of 5 %
         assert abs(pushed - supported) <= 0.5 * 0.3 + 0.05 * 0.63 + 1e-9
         if right[0] > 4.04:
-            assert not force.any() and (state.status == sc.Status.OPEN).all()
+            assert not force.any() and (state.status == Status.OPEN).all()
     assert np.abs(forces[-1]).max() > 1
     again = states[-1]
-    assert (again.status == sc.Status.SLIP).all()
+    assert (again.status == Status.SLIP).all()
     np.testing.assert_allclose(again.traction[1], -MU * 10, rtol=1e-10)  # drawn the other way
     entered = again.slip[0]
     assert (np.abs(entered) < 2.4).all()  # counted from where it met the master again
@@ -222,9 +223,9 @@ def test_point_dragged_over_an_arc(smooth):
     n = 90
     angle = -np.arange(n) * 2 * np.pi / n
     drum = (
-        sc.rigid_circle((0.0, 0.0), radius)
+        sc.rigid.circle((0.0, 0.0), radius)
         if smooth
-        else sc.rigid_polyline(radius * np.stack((np.cos(angle), np.sin(angle)), axis=1), closed=True)
+        else sc.rigid.polyline(radius * np.stack((np.cos(angle), np.sin(angle)), axis=1), closed=True)
     )
     # a triangle whose lowest corner touches; its face's other end is out of reach
     top = np.array([0.0, radius])

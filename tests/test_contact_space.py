@@ -13,6 +13,8 @@ from scipy.spatial.transform import Rotation
 from skfem import Basis, ElementQuad1, ElementVector
 
 import skfem_contact as sc
+from skfem_contact.contact.laws import Status
+from skfem_contact.results.tractions import contact_report
 
 LAWS = {"frictionless": sc.Coulomb(), "slip": sc.Coulomb(0.1), "stick": sc.Coulomb(50.0), "tied": sc.Tied()}
 UP = np.array([[0.0], [0.0], [1.0]])
@@ -58,12 +60,12 @@ def test_tangent(element, quadrature, law, rng):
     for _ in range(2):
         basis, pair, x, state = rough(element, quadrature, LAWS[law], rng)
         out = pair.assemble(x, state)
-        assert (out.state.status != sc.Status.OPEN).sum() >= 4
+        assert (out.state.status != Status.OPEN).sum() >= 4
         if law == "slip":
             assert 2 in out.state.status
         assert tangent_error(pair, x, state, rng) < EXACT
         assert np.abs(resultant(basis, x, out.force)).max() < 1e-13 * np.abs(out.force).sum()
-        report, on_slave = sc.contact_report(pair, x, out.state), -out.force[pair.slave.dofs].sum(axis=0)
+        report, on_slave = contact_report(pair, x, out.state), -out.force[pair.slave.dofs].sum(axis=0)
         np.testing.assert_allclose(report.force, on_slave, atol=1e-12 * np.abs(out.force).sum())
 
 
@@ -166,13 +168,12 @@ def patch(element: str, quadrature, swapped: bool = False, **options):
                            "upper": space.moved(space.block(element, upper, upper, 1 + upper), skew)})
     basis = vector_basis(mesh, element, intorder=2 if element in ("P1", "Q1") else 4)
     names = ("lower:top", "upper:bottom") if swapped else ("upper:bottom", "lower:top")
-    forms = {"blocks": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3), sc.three_dimensional),
+    forms = {"blocks": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3), "full"),
              "joint": sc.ContactPair(basis, *names, sc.Coulomb(), quadrature, penalty=5e4, **options)}
     axis, at = np.arange(basis.N) % 3, basis.doflocs
     top = (axis == 2) & np.isclose(at[2], 2.0)
     fixed = np.any([(axis == c) & np.isclose(at[c], 0.0) for c in range(3)], axis=0) | top
-    result = sc.run(forms, [sc.Stage("press", basis.zeros(), np.where(top, -2e-3, 0.0))], np.flatnonzero(fixed),
-                    progress=False)
+    result = sc.Model(forms, np.flatnonzero(fixed)).run([sc.Stage("press", basis.zeros(), np.where(top, -2e-3, 0.0))], progress=False)
     return result[-1].states["blocks"].stress[2]
 
 
@@ -213,13 +214,13 @@ def test_slave_that_goes_round_corners(element, law, rng):
     forces = {}
     for quadrature in ("nodal", 2, "segments"):
         basis, pair = box_in_pit(element, quadrature, law)
-        forms = {"bodies": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.2), sc.three_dimensional), "joint": pair}
+        forms = {"bodies": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.2), "full"), "joint": pair}
         low, top = basis.get_dofs("ground:low").all(), basis.get_dofs("box:top").all()
         x = basis.zeros()
         x[top.reshape(-1, 3)] = (1e-3, 5e-4, -2e-3)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", sc.AnalysisWarning)  # the penalty gives way by some per cent
-            step = sc.run(forms, [sc.Stage("press", basis.zeros(), x)], np.union1d(low, top), progress=False)[-1]
+            step = sc.Model(forms, np.union1d(low, top)).run([sc.Stage("press", basis.zeros(), x)], progress=False)[-1]
         forces[quadrature] = step.reactions()[low].reshape(-1, 3).sum(axis=0)
         if quadrature == 2 and law.bonds:  # nodes sit at joints, and some of many points on the edge of the cone
             x = step.x + 1e-4 * rng.standard_normal(basis.N)
@@ -250,7 +251,7 @@ def test_slice_of_a_plane_case(quadrature, enforcement, error, law):
     mesh = sc.join_bodies({"lower": lower, "upper": upper})
     basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
     joint = sc.ContactPair(basis, "upper:bottom", "lower:top", law, quadrature, enforcement=enforcement)
-    forms = {"blocks": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3), sc.plane_strain),
+    forms = {"blocks": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3), "full"),
              "joint": joint.with_penalty(2e4, 1e4, stiffness=2e3)}
     fixed, stages = basis.get_dofs({"lower:bottom", "upper:top"}).all(), []
     for name, (along, up) in {"press": (0.0, -3e-3), "drag": (0.4, -3e-3), "back": (0.3, -2e-3), "lift": (0.3, 0.02)
@@ -258,7 +259,7 @@ def test_slice_of_a_plane_case(quadrature, enforcement, error, law):
         values, top = basis.zeros(), basis.get_dofs("upper:top")
         values[top.all("u^1")], values[top.all("u^2")] = (0.0 if law.bonds else along), up
         stages.append(sc.Stage(name, basis.zeros(), values, increments=2))
-    result = sc.run(forms, stages, fixed, newton=sc.Newton(1e-12), progress=False)
+    result = sc.Model(forms, fixed, newton=sc.Newton(1e-12)).run(stages, progress=False)
     again = space.Slice(forms)
     again.compare(result, again.run(stages, fixed, newton=sc.Newton(1e-12)), error)
 
@@ -291,14 +292,14 @@ def test_sphere_on_six_nodes(quadrature, error):
     """
     along, radius = np.array([0.0, 0.2, 0.4, 0.6, 0.8, 1.2, 2.0]), 4.0
     basis = vector_basis(space.block("P2", along, along, [-2.0, -1.0, -0.5, -0.2, 0.0]), "P2")
-    forms = {"block": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3), sc.three_dimensional),
-             "joint": sc.ContactPair(basis, "top", sc.rigid_sphere((0, 0, radius), radius), sc.Coulomb(), quadrature,
+    forms = {"block": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3), "full"),
+             "joint": sc.ContactPair(basis, "top", sc.rigid.sphere((0, 0, radius), radius), sc.Coulomb(), quadrature,
                                      enforcement=sc.AugmentedLagrangian())}
     low, x = basis.get_dofs("bottom").all("u^3"), basis.zeros()
     x[low] = 0.06
     fixed = np.concatenate((basis.get_dofs("bottom").all(), basis.get_dofs("left").all("u^1"),
                             basis.get_dofs("front").all("u^2")))
-    step = sc.run(forms, [sc.Stage("press", basis.zeros(), x)], fixed, progress=False)[-1]
+    step = sc.Model(forms, fixed).run([sc.Stage("press", basis.zeros(), x)], progress=False)[-1]
     force, joint = 4 * step.reactions()[low].sum(), step.tractions("joint")
     a = (0.75 * force * radius * 0.91 / 1e3) ** (1 / 3)
     exact = 1.5 * force / np.pi / a**2 * np.sqrt(np.maximum(0, 1 - (joint.x**2 + joint.y**2) / a**2))

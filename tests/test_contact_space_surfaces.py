@@ -10,8 +10,7 @@ from skfem import Basis, ElementTetP1, ElementVector, ElementWedge1, MeshHex, Me
 
 import skfem_contact as sc
 from skfem_contact.contact.neighbours import NeighbourList
-from skfem_contact.contact.pieces import piecewise
-from skfem_contact.contact.quadrature import gauss, nodal
+from skfem_contact.contact.quadrature import gauss, nodal, piecewise
 from skfem_contact.contact.search import project
 from skfem_contact.surfaces.smoothing import smoothed
 from skfem_contact.surfaces.surface import EXTENSION, Surface
@@ -183,49 +182,49 @@ def test_rigid_obstacles_are_round(rng):
     distance = np.linalg.norm(points - centre, axis=1) - radius
     near = np.abs(distance) < 1.0
     for hole in (False, True):
-        gap = found(sc.rigid_sphere(centre, radius, hole=hole), points).gap
+        gap = found(sc.rigid.sphere(centre, radius, hole=hole), points).gap
         np.testing.assert_allclose(gap[near], (-1 if hole else 1) * distance[near], atol=2e-6)
     axis = np.array([1.0, 2.0, 2.0]) / 3
     along = (points - centre) @ axis
     distance = np.linalg.norm(points - centre - np.outer(along, axis), axis=1) - radius
     near = (np.abs(along) < 3.5) & (np.abs(distance) < 1.0)
-    gap = found(sc.rigid_cylinder(centre - 4 * axis, centre + 4 * axis, radius), points).gap
+    gap = found(sc.rigid.cylinder(centre - 4 * axis, centre + 4 * axis, radius), points).gap
     np.testing.assert_allclose(gap[near], distance[near], atol=2e-6)
     points = rng.uniform(-1, 1, (500, 3)) * [1, 1, 0.3]
     r = np.hypot(*points[:, :2].T)
-    gap = found(sc.rigid_cone((0, 0, 0), (0, 0, 1), slope=0.1, radius=2.0), points).gap
+    gap = found(sc.rigid.cone((0, 0, 0), (0, 0, 1), slope=0.1, radius=2.0), points).gap
     exact = (0.1 * r - points[:, 2]) / np.sqrt(1.01)
     near = (r + 0.1 * points[:, 2] > 0.1)
     np.testing.assert_allclose(gap[near], exact[near], atol=1e-5)
-    gap = found(sc.rigid_plane((0, 0, 0.1), (0, 0.6, 0.8), width=9.0), points).gap
+    gap = found(sc.rigid.plane((0, 0, 0.1), (0, 0.6, 0.8), width=9.0), points).gap
     np.testing.assert_allclose(gap, points @ [0, 0.6, 0.8] - 0.08, atol=1e-14)
 
 
 def test_rigid_surface_of_a_mesh():
     """A boundary of a mesh as an obstacle: no unknowns, the same facets."""
     mesh = space.block("Q1", [0, 1, 2], [0, 1], [-1, 0])
-    rigid = sc.rigid_surface(mesh, "top")
+    rigid = sc.rigid.mesh(mesh, "top")
     assert rigid.rigid and len(rigid.facets) == 2 and rigid.area == pytest.approx([1.0, 1.0], rel=1e-14)
     with pytest.raises(ValueError, match=r"there is no boundary 'roof'; existing: .*top"):
-        sc.rigid_surface(mesh, "roof")
+        sc.rigid.mesh(mesh, "roof")
 
 
 def test_bad_surfaces_in_space():
     """One clear error each."""
     with pytest.raises(ValueError, match="surface in space"):
-        smoothed(sc.rigid_plane((0, 0, 0), (0, 0, 1), 1.0))
+        smoothed(sc.rigid.plane((0, 0, 0), (0, 0, 1), 1.0))
     with pytest.raises(ValueError, match="radius must be positive"):
-        sc.rigid_sphere((0, 0, 0), -1.0)
+        sc.rigid.sphere((0, 0, 0), -1.0)
     with pytest.raises(ValueError, match="finite"):
-        sc.rigid_plane((0, np.nan, 0), (0, 0, 1), 1.0)
+        sc.rigid.plane((0, np.nan, 0), (0, 0, 1), 1.0)
     with pytest.raises(ValueError, match="must have a length"):
-        sc.rigid_cylinder((0, 0, 1), (0, 0, 1), 1.0)
+        sc.rigid.cylinder((0, 0, 1), (0, 0, 1), 1.0)
 
 
 def skin(mesh: MeshHex | MeshTet, facets=None) -> Surface:
     """The whole boundary of a mesh, or some facets."""
     mesh = mesh.with_boundaries({"skin": mesh.boundary_facets() if facets is None else facets})
-    return sc.rigid_surface(mesh, "skin")
+    return sc.rigid.mesh(mesh, "skin")
 
 
 def cubes(*corners) -> MeshHex:

@@ -24,6 +24,7 @@ from helpers import (
 )
 
 import skfem_contact as sc
+from skfem_contact.contact.laws import Status
 
 LAWS = {
     "frictionless": sc.Coulomb(),
@@ -49,7 +50,7 @@ def test_tension_and_half_share(rng):
     """[X] Closed points that pull, below the cut-off; half of the work as in two passes."""
     law = sc.Coulomb(0.3, 2.0, tension=1e3)
     _, pair, x, state = rough_pair("Q2", 3, law, rng, share=0.5)
-    state = replace(state, status=np.full_like(state.status, sc.Status.STICK))
+    state = replace(state, status=np.full_like(state.status, Status.STICK))
     whole = rough_pair("Q2", 3, law, rng)[1]
     x[unknowns_of_slave(pair)] += 0.05 * rng.standard_normal(len(pair.slave.dofs.ravel()))
     out = pair.assemble(x, state)
@@ -152,10 +153,10 @@ def test_rigid_obstacles(obstacle, quadrature, rng):
         roof[:, 1] = -0.1 * np.linspace(1.2, -1.2, 6) ** 2 - 0.05
     basis = vector_basis(body_along(roof, "Q2", 0.4), "Q2")
     master = {
-        "line": lambda: sc.rigid_line((-2.0, 0.0), (2.0, 0.0)),
-        "circle": lambda: sc.rigid_circle((0.0, -5.0), 5.0),
-        "hole": lambda: sc.rigid_circle((0.0, 5.0), 5.0, hole=True),
-        "polyline": lambda: sc.rigid_polyline([(-2.0, 0.3), (0.1, -0.1), (2.0, 0.4)]),
+        "line": lambda: sc.rigid.line((-2.0, 0.0), (2.0, 0.0)),
+        "circle": lambda: sc.rigid.circle((0.0, -5.0), 5.0),
+        "hole": lambda: sc.rigid.circle((0.0, 5.0), 5.0, hole=True),
+        "polyline": lambda: sc.rigid.polyline([(-2.0, 0.3), (0.1, -0.1), (2.0, 0.4)]),
     }[obstacle]()
     for law in (LAWS["frictionless"], LAWS["slip"], LAWS["stick"]):
         pair = sc.ContactPair(basis, "face", master, law, quadrature, penalty=(1e3, 7e2))

@@ -15,13 +15,14 @@ from differences import TOLERANCE, tangent_error
 from helpers import body_along, facing, slipped
 
 import skfem_contact as sc
+from skfem_contact.contact.laws import Status
 
 #: Laws and the status that they are to produce; without friction every closed point slides.
 LAWS = {
-    "frictionless": (sc.Coulomb(), sc.Status.SLIP),
-    "slip": (sc.Coulomb(0.1, 0.2), sc.Status.SLIP),
-    "stick": (sc.Coulomb(50.0), sc.Status.STICK),
-    "tied": (sc.Tied(), sc.Status.STICK),
+    "frictionless": (sc.Coulomb(), Status.SLIP),
+    "slip": (sc.Coulomb(0.1, 0.2), Status.SLIP),
+    "stick": (sc.Coulomb(50.0), Status.STICK),
+    "tied": (sc.Tied(), Status.STICK),
 }
 CONFIGURATIONS = 200
 #: Smoothing is for facets of linear elements.
@@ -52,7 +53,7 @@ def augmented(state, rng):
         state,
         multiplier=np.stack((-5 * rng.uniform(0, 1, n), rng.standard_normal(n))),
         penalty_factor=np.array([3.0, 2.0]),
-        offset=0.01 * rng.standard_normal(state.offset.shape),
+        clearance=0.01 * rng.standard_normal(state.clearance.shape),
     )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from helpers import analysis
 from skfem import (
     Basis,
     ElementQuad1,
@@ -22,7 +23,7 @@ import skfem_contact as sc
 def column(phi=0.0, psi=0.0, n=2):
     """A square (c = 10) that can spread, under pressure on its top."""
     basis = Basis(MeshQuad().refined(n).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
-    form = sc.SolidForm(basis, sc.MohrCoulomb(E=1e3, nu=0.3, c=10.0, phi=phi, psi=psi), strain=sc.b_bar)
+    form = sc.SolidForm(basis, sc.MohrCoulomb(E=1e3, nu=0.3, c=10.0, phi=phi, psi=psi), strain="b_bar")
     fixed = np.hstack([basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1")])
     top = FacetBasis(basis.mesh, basis.elem, facets="top")
     return {"soil": form}, fixed, LinearForm(lambda v, w: -v[1]).assemble(top)
@@ -32,7 +33,7 @@ def column(phi=0.0, psi=0.0, n=2):
 def test_column(phi, psi):
     """G8 [X]: q = 2 c tan(45 + phi/2); uniform stress, so that the residual's tolerance is the only error."""
     exact = 20.0 * np.tan(np.radians(45.0 + phi / 2))
-    result = sc.limit_load(*column(phi, psi), progress=False)
+    result = analysis("limit_load", *column(phi, psi), progress=False)
     assert result.multiplier == pytest.approx(exact, rel=1e-3)
     assert np.all(np.diff(result.curve[:, 0]) > 0)
 
@@ -40,15 +41,15 @@ def test_column(phi, psi):
 def test_loads_scale():
     """[X] Ten times the reference load, a tenth of the multiplier."""
     forms, fixed, load = column(30.0, 30.0)
-    one, ten = sc.limit_load(forms, fixed, load, progress=False), sc.limit_load(forms, fixed, 10 * load, progress=False)
+    one, ten = sc.Model(forms, fixed).limit_load(load, progress=False), sc.Model(forms, fixed).limit_load(10 * load, progress=False)
     assert ten.multiplier == pytest.approx(0.1 * one.multiplier, rel=5e-3)  # both brackets are so wide
 
 
 def test_start_keeps_its_load():
     """[X] What is carried already is missing at the end."""
     forms, fixed, load = column()
-    start = sc.run(forms, [sc.Stage("half", 10.0 * load)], fixed, progress=False)
-    result = sc.limit_load(forms, fixed, load, start=start, progress=False)
+    start = sc.Model(forms, fixed).run([sc.Stage("half", 10.0 * load)], progress=False)
+    result = sc.Model(forms, fixed).limit_load(load, start=start, progress=False)
     assert result.multiplier == pytest.approx(10.0, rel=1e-3)  # tolerance of the residual
     np.testing.assert_allclose(result.load, 20.0 * load, rtol=1e-3, atol=1e-9)
 
@@ -65,7 +66,7 @@ def test_collapse_of_a_thick_cylinder():
     fixed = np.hstack([basis.get_dofs("x").all("u^2"), basis.get_dofs("y").all("u^1")])
     for psi in (30.0, 0.0):
         form = sc.SolidForm(basis, sc.MohrCoulomb(E=1e4, nu=0.3, c=10.0, phi=30.0, psi=psi))
-        result = sc.limit_load({"soil": form}, fixed, load, step=10.0, progress=False)
+        result = sc.Model({"soil": form}, fixed).limit_load(load, step=10.0, progress=False)
         assert result.multiplier == pytest.approx(26.324437, rel=5e-3)
         assert result.iterations <= 30
 
@@ -86,44 +87,44 @@ def footing(element, strain, intorder, triangles):
 
 def test_footing_locks_with_full_integration_only():
     """G1 [X]: N_c = 5.1416; coarse meshes read up to 15 % more, and full integration never reaches a plateau."""
-    p2 = sc.limit_load(*footing(ElementTriP2(), sc.plane_strain, 2, True), progress=False)
-    b_bar = sc.limit_load(*footing(ElementQuad1(), sc.b_bar, 2, False), progress=False)
+    p2 = analysis("limit_load", *footing(ElementTriP2(), "full", 2, True), progress=False)
+    b_bar = analysis("limit_load", *footing(ElementQuad1(), "b_bar", 2, False), progress=False)
     for result in (p2, b_bar):
         assert 2 + np.pi < result.multiplier < 1.15 * (2 + np.pi)
     with pytest.warns(sc.AnalysisWarning, match="no collapse was shown: .* highest: there is no collapse below 30"):
-        locked = sc.limit_load(*footing(ElementQuad1(), sc.plane_strain, 2, False), highest=30.0, progress=False)
+        locked = analysis("limit_load", *footing(ElementQuad1(), "full", 2, False), max_value=30.0, progress=False)
     assert locked.multiplier > 30.0
     assert locked.stop.kind == "highest"
 
 
 def test_curve_is_followed_beyond_its_plateau():
     """[X] Tresca: the load stays what it is while the footing sinks, and from there no more can be carried."""
-    problem = footing(ElementTriP2(), sc.plane_strain, 2, True)
-    usual = sc.limit_load(*problem, progress=False)
+    problem = footing(ElementTriP2(), "full", 2, True)
+    usual = analysis("limit_load", *problem, progress=False)
     far = 4.0 * usual.curve[-1, 2]
-    long = sc.limit_load(*problem, until=far, progress=False)
+    long = analysis("limit_load", *problem, min_displacement=far, progress=False)
     assert usual.curve[-1, 2] < far <= long.curve[-1, 2]
     # the tolerance of a plateau, 0.5 %, here and below
     assert long.multiplier == pytest.approx(usual.multiplier, rel=0.005)
-    more = sc.limit_load(*problem, start=long.end, step=0.1, progress=False)
+    more = analysis("limit_load", *problem, start=long.end, step=0.1, progress=False)
     assert abs(more.multiplier) < 0.005 * long.multiplier
 
 
 def test_result_prints_its_steps():
     """One line a step."""
-    result = sc.limit_load(*column(), progress=False)
+    result = analysis("limit_load", *column(), progress=False)
     assert str(result).count("equilibrium") == len(result.curve)
     assert result.mechanism.shape == result.x.shape
 
 
-@pytest.mark.parametrize(("settings", "message"), [({"tol": 0.0}, "positive"), ({"step": 0.0}, "positive"),
-                                                   ({"longest": 0.0}, "positive")])
+@pytest.mark.parametrize(("settings", "message"), [({"tolerance": 0.0}, "positive"), ({"step": 0.0}, "positive"),
+                                                   ({"max_step": 0.0}, "positive")])
 def test_bad_settings(settings, message):
     with pytest.raises(ValueError, match=message):
-        sc.limit_load(*column(), **settings)
+        analysis("limit_load", *column(), **settings)
 
 
 def test_no_load():
     forms, fixed, load = column()
     with pytest.raises(ValueError, match="zero"):
-        sc.limit_load(forms, fixed, 0.0 * load)
+        sc.Model(forms, fixed).limit_load(0.0 * load)

@@ -6,10 +6,11 @@ from functools import cache
 
 import numpy as np
 import pytest
-from helpers import grid
+from helpers import analysis, grid
 from skfem import Basis, ElementQuad1, ElementTriP2, ElementVector, FacetBasis, LinearForm, MeshQuad, MeshTri
 
 import skfem_contact as sc
+from skfem_contact.contact.interface import ContactState
 
 
 def supported(mesh):
@@ -29,7 +30,7 @@ def test_slope_without_cohesion(c, phi):
     basis, fixed = supported(MeshTri(np.stack((30 * flat.p[0], height * flat.p[1])), flat.t))
     forms = {"slope": sc.SolidForm(basis, sc.MohrCoulomb(E=1e5, nu=0.3, c=c, phi=phi, psi=phi))}
     with pytest.warns(sc.AnalysisWarning, match="no collapse was shown"):
-        found = sc.strength_reduction(forms, fixed, sc.weight(basis, 20.0), progress=False)
+        found = sc.Model(forms, fixed).strength_reduction(sc.weight(basis, 20.0), progress=False)
     assert found.stop.kind == "stall" and found.bracket == (found.factor, np.inf)
 
 
@@ -47,9 +48,9 @@ def steep(psi):
 @pytest.mark.filterwarnings("ignore:no collapse was shown")
 def test_bracket_without_dilatancy():
     """[X] Radenkovic: no flow exceeds the associated factor, which follows from that of Davis."""
-    free = sc.strength_reduction(*steep(0.0), tol=0.005, progress=False)
-    fixed_factors = sc.strength_reduction(*steep(0.0), tol=0.005, method="bracket", progress=False)
-    associated = sc.strength_reduction(*steep(40.0), tol=0.005, progress=False)
+    free = analysis("strength_reduction", *steep(0.0), tolerance=0.005, progress=False)
+    fixed_factors = analysis("strength_reduction", *steep(0.0), tolerance=0.005, method="bracket", progress=False)
+    associated = analysis("strength_reduction", *steep(40.0), tolerance=0.005, progress=False)
     low, high = free.bracket
     assert high - low > 1e-6
     assert free.davis.factor < low and fixed_factors.factor <= high
@@ -68,7 +69,7 @@ def test_limit_load_that_stalls_says_what_helps():
     load = LinearForm(lambda v, w: -v[1]).assemble(FacetBasis(mesh, basis.elem, facets="foot"))
     forms = {"soil": sc.SolidForm(basis, sc.MohrCoulomb(E=1e4, nu=0.3, c=1.0, phi=30.0, psi=0.0))}
     with pytest.warns(sc.AnalysisWarning, match=r"psi < phi .* flow='davis_b' or 'lagged'"):
-        found = sc.limit_load(forms, fixed, load, newton=sc.Newton(1.5e-4, 1), progress=False)
+        found = sc.Model(forms, fixed, newton=sc.Newton(1.5e-4, 1)).limit_load(load, progress=False)
     assert found.stop.kind == "stall" and found.bracket[1] == np.inf
     assert sum(step.iterations for step in found.steps if step.outcome == "stall") <= 150 + 1
 
@@ -79,12 +80,12 @@ def test_joints_are_reduced_like_all_other_strength():
     block = MeshQuad.init_tensor(np.linspace(1.5, 2.5, 5), np.linspace(0, 0.5, 3)).with_defaults()
     basis = Basis(sc.join_bodies({"base": base, "block": block}), ElementVector(ElementQuad1()), intorder=2)
     soil = sc.MohrCoulomb(E=1e5, nu=0.3, c=20.0, phi=30.0, psi=30.0)
-    forms = {"base": sc.SolidForm(basis.with_elements("base"), soil, sc.b_bar),
+    forms = {"base": sc.SolidForm(basis.with_elements("base"), soil, "b_bar"),
              "block": sc.SolidForm(basis.with_elements("block"), sc.LinearElastic(E=1e6, nu=0.2)),
              "joint": sc.ContactPair(basis, "block:bottom", "base:top", sc.Coulomb(mu=0.4), quadrature=2)}
     angle = np.arctan(0.25)
     down = sc.weight(basis, {"base": 0.0, "block": 20.0}, direction=(np.sin(angle), -np.cos(angle)))
-    found = sc.strength_reduction(forms, basis.get_dofs("base:bottom").all(), down, progress=False)
+    found = sc.Model(forms, basis.get_dofs("base:bottom").all()).strength_reduction(down, progress=False)
     assert found.reduced == ("base.all", "joint")
     assert found.factor == pytest.approx(1.6, abs=0.01)  # tol
 
@@ -118,7 +119,7 @@ def wall(stiffness, law):
         penalty = stiffness * 1e5, stiffness * 1e4
         forms[face] = sc.ContactPair(basis, f"ground:{face}", f"wall:{face}", law, "nodal", penalty=penalty)
     fixed = np.append(basis.get_dofs("bottom").all(), basis.get_dofs("sides").all("u^1"))
-    return sc.strength_reduction(forms, fixed, sc.weight(basis, {"clay": 19.0, "wall": 25.0}), tol=0.01, progress=False)
+    return sc.Model(forms, fixed).strength_reduction(sc.weight(basis, {"clay": 19.0, "wall": 25.0}), tolerance=0.01, progress=False)
 
 
 FRICTION = sc.Coulomb(mu=0.3)
@@ -139,7 +140,7 @@ def test_weaker_joint_does_not_raise_the_factor():
 def test_end_of_a_search_has_the_pairs_own_states():
     """What is found is shown as after any stage: contact pairs, their states and their tractions."""
     found = wall(1.0, FRICTION)
-    assert type(found.states["left"]) is sc.ContactState
+    assert type(found.states["left"]) is ContactState
     assert found.end.forms["left"].law.mu == pytest.approx(0.3 / found.factor)
     tractions = found.end.tractions("left")
     limit = found.end.forms["left"].law.mu * tractions.pressure

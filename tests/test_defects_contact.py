@@ -12,6 +12,7 @@ from helpers import grid, traction, unknowns_of, vector_basis
 from skfem import FacetBasis, LinearForm, MeshQuad
 
 import skfem_contact as sc
+from skfem_contact.contact.penalty import choose_penalties
 
 
 def kinked_blocks(phase: float, mu: float):
@@ -49,16 +50,16 @@ def test_what_is_accepted_balances(phase: float, mu: float) -> None:
     forms, stages, fixed = kinked_blocks(phase, mu)
     try:
         # fewer iterations than by default: the stages that fail try hundreds of increments
-        result = sc.run(forms, stages, fixed, newton=sc.Newton(max_iterations=8), progress=False)
+        result = sc.Model(forms, fixed, newton=sc.Newton(max_iterations=8)).run(stages, progress=False)
     except sc.NotConverged as error:
         result = error.result
         assert phase != 0.8  # where points rest on facets
     assert len(result) >= 1
     for stage in result:
-        left = sc.reactions(forms, stage)
+        left = stage.reactions()
         # ten times the tolerance of Newton's method, which the accepted increment met
         assert np.abs(np.delete(left, fixed)).max() <= 1e-7 * np.abs(left[fixed]).max()
-        again = sc.run(forms, [sc.Stage("nothing", stage.load, stage.x)], fixed, start=stage, progress=False)
+        again = sc.Model(forms, fixed).run([sc.Stage("nothing", stage.load, stage.x)], start=stage, progress=False)
         np.testing.assert_allclose(again[-1].x, stage.x, atol=1e-9)
 
 
@@ -74,7 +75,7 @@ def test_receding_contact(quadrature, element: str, n: int) -> None:
     mesh = grid(element, x, np.linspace(0, 1, n + 1))
     mesh = mesh.with_boundaries({"strip": lambda p: (p[1] > 1 - 1e-9) & (p[0] < 0.25)}, boundaries_only=False)
     basis = vector_basis(mesh, element, intorder=4)
-    floor = sc.rigid_line((-5.0, 0.0), (20.0, 0.0))
+    floor = sc.rigid.line((-5.0, 0.0), (20.0, 0.0))
     forms = {
         "layer": sc.SolidForm(basis, sc.LinearElastic(E=1.0, nu=0.3)),
         "floor": sc.ContactPair(basis, "bottom", floor, sc.Coulomb(), quadrature),
@@ -82,9 +83,9 @@ def test_receding_contact(quadrature, element: str, n: int) -> None:
     ends = []
     for load in (1e-4, 1e-6):
         force = traction(basis, "strip", (0.0, -load))
-        stage = sc.run(forms, [sc.Stage("press", force)], basis.get_dofs("left").all("u^1"), progress=False)["press"]
+        stage = sc.Model(forms, basis.get_dofs("left").all("u^1")).run([sc.Stage("press", force)], progress=False)["press"]
         assert len(stage.iterations) == 1
-        joint = sc.tractions(forms["floor"], stage.states["floor"])
+        joint = stage.tractions("floor")
         ends.append(joint.x[joint.pressure > 1e-3 * joint.pressure.max()].max())
     assert ends[0] == pytest.approx(ends[1], abs=1e-9)  # the same points
     # the same end for all rules and elements to half an element
@@ -106,7 +107,7 @@ def test_default_passes_the_patch_test(element: str, lower: int, upper: int) -> 
     }
     guided = basis.get_dofs({"low:left", "up:left"}).all("u^1")
     stage = sc.Stage("press", traction(basis, "up:top", (0.0, -1.0)))
-    result = sc.run(forms, [stage], np.union1d(basis.get_dofs("low:bottom").all("u^2"), guided), progress=False)
+    result = sc.Model(forms, np.union1d(basis.get_dofs("low:bottom").all("u^2"), guided)).run([stage], progress=False)
     # round-off: both meshes' shape functions are integrated exactly
     np.testing.assert_allclose(result["press"].states["blocks"].stress[1], -1.0, atol=1e-11)
 
@@ -132,7 +133,7 @@ def test_penalty_in_a_wrong_unit(given: float, warned: bool) -> None:
     stage = sc.Stage("press", traction(basis, "up:top", (0.0, -pressure)))
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        x = sc.run(forms, [stage], fixed, progress=False)["press"].x
+        x = sc.Model(forms, fixed).run([stage], progress=False)["press"].x
     assert any("softer than the surfaces" in str(warning.message) for warning in caught) == warned
     short = -x[basis.get_dofs("up:top").all("u^2")].mean()
     # the blocks, and the penalty in series
@@ -153,7 +154,7 @@ def test_resultant_of_the_report_is_that_of_nodal_forces(quadrature, initial: st
 
     bodies = {"base": bent(-0.6, -0.5, 1.5, True), "block": bent(gap, 0.0, 1.0, False)}
     basis = vector_basis(sc.join_bodies(bodies), "Q1", intorder=2)
-    forms = sc.choose_penalties({
+    forms = choose_penalties({
         "solid": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3)),
         "joint": sc.ContactPair(
             basis, "block:bottom", "base:top", sc.Coulomb(0.6), quadrature, smoothing=0.3, initial=initial
@@ -162,9 +163,9 @@ def test_resultant_of_the_report_is_that_of_nodal_forces(quadrature, initial: st
     top, x = basis.get_dofs("block:top"), basis.zeros()
     x[top.all("u^1")], x[top.all("u^2")] = -0.045, -0.026
     fixed = np.union1d(basis.get_dofs("base:bottom").all(), top.all())
-    stage = sc.run(forms, [sc.Stage("pressed", basis.zeros(), x)], fixed, progress=False)["pressed"]
+    stage = sc.Model(forms, fixed).run([sc.Stage("pressed", basis.zeros(), x)], progress=False)["pressed"]
     nodal = -forms["joint"].assemble(stage.x, stage.states["joint"]).force[unknowns_of(basis, "block")].sum(axis=0)
-    report = sc.contact_report(forms["joint"], stage.x, stage.states["joint"])
+    report = stage.report("joint")
     np.testing.assert_allclose(report.force, nodal, rtol=1e-12)
 
 
@@ -179,33 +180,20 @@ def test_patch_in_axial_symmetry(quadrature, upper: int, augmented: bool, elemen
     }
     basis = vector_basis(sc.join_bodies(bodies), element, intorder=4)
     enforcement = sc.AugmentedLagrangian() if augmented else None
-    options = {"quadrature": quadrature, "enforcement": enforcement, "axisymmetric": True}
+    options = {"quadrature": quadrature, "enforcement": enforcement}
     forms = {
-        "solids": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3), sc.axisymmetric),
+        "solids": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3), coordinates="axisymmetric"),
         "joint": sc.ContactPair(basis, "up:bottom", "low:top", sc.Coulomb(), **options),
     }
     axis = basis.get_dofs({"low:left", "up:left"}).all("u^1")
     fixed = np.union1d(basis.get_dofs("low:bottom").all("u^2"), axis)
-    load = sc.traction(basis, "up:top", (0.0, -1.0), axisymmetric=True)
-    stage = sc.run(forms, [sc.Stage("press", load)], fixed, progress=False)["press"]
+    load = sc.traction(forms["solids"], "up:top", (0.0, -1.0))
+    stage = sc.Model(forms, fixed).run([sc.Stage("press", load)], progress=False)["press"]
     # round-off: shape functions and radius are integrated exactly
     np.testing.assert_allclose(stage.states["solids"].stress[1], -1.0, atol=1e-10)
     np.testing.assert_allclose(stage.states["joint"].traction[0], -1.0, atol=1e-10)
-    joint = sc.tractions(forms["joint"], stage.states["joint"])
+    joint = stage.tractions("joint")
     assert (joint.pressure * joint.weight).sum() == pytest.approx(0.5)  # of a circle of radius 1, per radian
-
-
-@pytest.mark.parametrize("strain", [sc.plane_strain, sc.axisymmetric])
-def test_contact_and_solids_of_different_symmetry(strain) -> None:
-    bodies = {"low": grid("Q1", [0, 1], [-1, 0]), "up": grid("Q1", [0, 1], [0, 1])}
-    basis = vector_basis(sc.join_bodies(bodies), "Q1", intorder=2)
-    other = strain is sc.plane_strain
-    forms = {
-        "solids": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3), strain),
-        "joint": sc.ContactPair(basis, "up:bottom", "low:top", sc.Coulomb(), axisymmetric=other),
-    }
-    with pytest.raises(ValueError, match=f"unlike the solids: pass axisymmetric={not other} to ContactPair"):
-        sc.choose_penalties(forms)
 
 
 @pytest.mark.parametrize("quadrature", [1, 2, 3])
@@ -220,7 +208,7 @@ def test_fewer_points_than_multipliers(quadrature: int) -> None:
     }
     guided = basis.get_dofs({"low:left", "up:left"}).all("u^1")
     stage = sc.Stage("press", traction(basis, "up:top", (0.0, -1.0)))
-    result = sc.run(forms, [stage], np.union1d(basis.get_dofs("low:bottom").all("u^2"), guided), progress=False)
+    result = sc.Model(forms, np.union1d(basis.get_dofs("low:bottom").all("u^2"), guided)).run([stage], progress=False)
     assert np.isfinite(result["press"].states["joint"].multiplier).all()
     short = -result["press"].x[basis.get_dofs("up:top").all("u^2")].mean()
     # ten times the tolerance; one point leaves the ends of the facets free to part, by less than they are strained
@@ -243,9 +231,9 @@ def test_an_interference_that_is_resolved_does_not_come_back(quadrature, augment
         "joint": sc.ContactPair(basis, "up:bottom", "low:top", sc.Coulomb(0.3), **options),
     }
     fixed, none = basis.get_dofs({"low:bottom", "up:top"}).all(), basis.zeros()
-    fit = sc.run(forms, [sc.Stage("fit", none)], fixed, progress=False)
-    start = sc.reset_displacements(forms, fit)
-    new = sc.run(forms, [sc.Stage("nothing", none, none)], fixed, start=start, progress=False)["nothing"]
+    fit = sc.Model(forms, fixed).run([sc.Stage("fit", none)], progress=False)
+    start = fit.reset()
+    new = sc.Model(forms, fixed).run([sc.Stage("nothing", none, none)], start=start, progress=False)["nothing"]
     # the strain of the fit, 1 %, is gone from the places where contact acts: this turns and moves its forces
     assert np.abs(new.x).max() < 0.01 * np.abs(fit["fit"].x).max()
 
@@ -287,9 +275,9 @@ def test_null_stage_moves_nothing(meshes, stiffer: float, passes: int) -> None:
     names, rule = ("block:bottom", "base:top"), {"quadrature": 2, "enforcement": AUGMENTED}
     pairs = {"joint": sc.ContactPair(basis, *names, sc.Coulomb(0.3), **rule)}
     if passes == 2:
-        pairs = dict(sc.two_pass(basis, *names, sc.Coulomb(0.3), **rule))
+        pairs = dict(sc.ContactPair.two_pass(basis, *names, sc.Coulomb(0.3), **rule))
     stages = [sc.Stage(name, basis.zeros(), x) for name, x in (("there", there), ("back", back), ("again", back))]
-    result = sc.run({"solid": solid, **pairs}, stages, fixed, progress=False)
+    result = sc.Model({"solid": solid, **pairs}, fixed).run(stages, progress=False)
     # twice the tolerance of Newton's method, which may improve what it has accepted
     np.testing.assert_allclose(result[2].x, result[1].x, atol=2e-8 * np.abs(back).max())
 
@@ -308,24 +296,24 @@ def test_tie_of_unlike_bodies_by_multipliers(quadrature) -> None:
     fixed = np.union1d(basis.get_dofs("block:bottom").all(), top.all())
     for rule in ({"enforcement": AUGMENTED}, {"penalty": 1e7}):
         forms = {
-            "solid": sc.SolidForm(basis, materials, strain=sc.b_bar),
+            "solid": sc.SolidForm(basis, materials, strain="b_bar"),
             "tie": sc.ContactPair(basis, "block:top", "cap:bottom", sc.Tied(), quadrature, **rule),
         }
-        stage = sc.run(forms, [sc.Stage("press", basis.zeros(), down)], fixed, progress=False)["press"]
+        stage = sc.Model(forms, fixed).run([sc.Stage("press", basis.zeros(), down)], progress=False)["press"]
         assert len(stage.iterations) == 1
         assert stage.iterations[0] <= 40  # measured 20 to 26
-        forces.append(sc.contact_report(forms["tie"], stage.x, stage.states["tie"]).force[1])
+        forces.append(stage.report("tie").force[1])
     assert forces[0] == pytest.approx(forces[1], rel=0.01)
 
 
 # -- warnings: the penalty's share, facets that overlap, joints of the master ---------------------------------------
 
 
-def remarked(forms, stage, fixed) -> tuple[sc.StageResult, str]:
+def remarked(forms, stage, fixed) -> tuple[StageResult, str]:
     """A stage, and what is warned of of it."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        result = sc.run(forms, [stage], fixed, progress=False)
+        result = sc.Model(forms, fixed).run([stage], progress=False)
     return result[0], "; ".join(str(warning.message) for warning in caught)
 
 
@@ -338,7 +326,7 @@ def test_share_of_the_default_penalty(n: int, share: float | None) -> None:
         "up": grid("Q1", np.linspace(0, 1, n + 2), np.linspace(0, 1, n + 2)),
     }
     basis = vector_basis(sc.join_bodies(bodies), "Q1", intorder=2)
-    forms = sc.choose_penalties({
+    forms = choose_penalties({
         "blocks": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=nu)),
         "joint": sc.ContactPair(basis, "up:bottom", "low:top", sc.Coulomb()),
     })  # fmt: skip
@@ -360,7 +348,7 @@ def test_share_of_the_tangential_penalty(n: int) -> None:
     bodies = {name: grid("Q1", np.linspace(0, 1, m + 1), np.linspace(y, y + 1, m + 1))
               for name, m, y in (("low", n, -1), ("up", n + 1, 0))}  # fmt: skip
     basis = vector_basis(sc.join_bodies(bodies), "Q1", intorder=2)
-    forms = sc.choose_penalties({
+    forms = choose_penalties({
         "blocks": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=nu)),
         "joint": sc.ContactPair(basis, "up:bottom", "low:top", sc.Coulomb(mu=mu), initial="adjusted"),
     })  # fmt: skip
@@ -392,7 +380,7 @@ def fitted(disc: int, ring: int, *rule, **options):
     mesh = sc.join_bodies({"disc": annulus(a, b, disc, 5), "ring": annulus(b, c, ring, 4)})
     basis = vector_basis(mesh, "Q1", intorder=4)
     pair = sc.ContactPair(basis, "ring:inner", "disc:outer", sc.Coulomb(), *rule, **options)
-    forms = sc.choose_penalties({"bodies": sc.SolidForm(basis, sc.LinearElastic(E=1e6, nu=0.25)), "joint": pair})
+    forms = choose_penalties({"bodies": sc.SolidForm(basis, sc.LinearElastic(E=1e6, nu=0.25)), "joint": pair})
     load = LinearForm(lambda v, w: -pressure * (w.x[0] * v[0] + w.x[1] * v[1]) / np.hypot(*w.x))
     load = load.assemble(FacetBasis(mesh, basis.elem, facets="ring:outer", intorder=4))
     held = [basis.nodal_dofs[component, np.argmin(np.hypot(mesh.p[0] - x, mesh.p[1] - y))]
@@ -427,10 +415,10 @@ def test_a_pressure_at_the_start_is_no_overlap() -> None:
     joint = sc.ContactPair(basis, "soil:right", "wall:left", sc.Coulomb(), penalty=5e3)
     forms, load = {"ground": ground, "joint": joint}, sc.weight(basis, 20.0)
     fixed = np.append(basis.get_dofs({"soil:bottom", "wall:bottom", "wall:right"}).all(), sc.box_supports(basis))
-    start = sc.k0_state(forms, load, fixed, 20.0, K0=0.5)
+    start = sc.Model(forms, fixed).k0_state(load, unit_weights=20.0, K0=0.5)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        sc.run(forms, [sc.Stage("more", 1.01 * load)], fixed, start=start, progress=False)
+        sc.Model(forms, fixed).run([sc.Stage("more", 1.01 * load)], start=start, progress=False)
     assert "overlap" not in "; ".join(str(warning.message) for warning in caught)
 
 
@@ -450,7 +438,7 @@ def fitted_in_space(disc: int, ring: int, *rule, **options) -> str:
     a, b, c, pressure = 0.3, 1.0, 1.5, 10.0
     mesh = sc.join_bodies({"disc": space.sliced(annulus(a, b, disc, 2)), "ring": space.sliced(annulus(b, c, ring, 2))})
     basis = vector_basis(mesh, "Q1", intorder=2)
-    forms = {"bodies": sc.SolidForm(basis, sc.LinearElastic(E=1e6, nu=0.25), sc.three_dimensional),
+    forms = {"bodies": sc.SolidForm(basis, sc.LinearElastic(E=1e6, nu=0.25), "full"),
              "joint": sc.ContactPair(basis, "ring:inner", "disc:outer", sc.Coulomb(), *rule, **options)}
     load = LinearForm(lambda v, w: -pressure * (w.x[0] * v[0] + w.x[1] * v[1]) / np.hypot(w.x[0], w.x[1]))
     load = load.assemble(FacetBasis(mesh, basis.elem, facets="ring:outer", intorder=4))
@@ -486,7 +474,7 @@ def test_a_disc_that_springs_hold_does_not_fall_through() -> None:
         "held": sc.Spring(basis, [(-1.0, 1.0), (1.0, 1.0)], stiffness=1.0),
     }
     load = sc.weight(basis, {"base": 0.0, "disc": 7.0})
-    stage = sc.run(forms, [sc.Stage("weight", load)], basis.get_dofs("base:bottom").all(), progress=False)["weight"]
+    stage = sc.Model(forms, basis.get_dofs("base:bottom").all()).run([sc.Stage("weight", load)], progress=False)["weight"]
     assert abs(stage.report("joint").force[1]) == pytest.approx(-load.sum(), rel=0.01)  # the springs carry a little
 
 
@@ -506,10 +494,10 @@ def test_friction_of_points_that_have_just_closed(quadrature) -> None:
     for sides in (("block:bottom", "base:top"), ("base:top", "block:bottom")):
         solid = sc.SolidForm(basis, sc.LinearElastic(E=1e5, nu=0.2))
         forms = {"solid": solid, "joint": sc.ContactPair(basis, *sides, sc.Coulomb(0.3), quadrature)}
-        held = sc.run(forms, [sc.Stage("press", load)], fixed, progress=False)
+        held = sc.Model(forms, fixed).run([sc.Stage("press", load)], progress=False)
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
-            slid = sc.run(forms, [sc.Stage("pull", load, moved, 2)], fixed, start=held, progress=False)["pull"]
+            slid = sc.Model(forms, fixed).run([sc.Stage("pull", load, moved, 2)], start=held, progress=False)["pull"]
         told = any("have only just closed" in str(warning.message) for warning in caught)
         pulls.append((abs(slid.report("joint").force[0]), told))
     assert pulls[0][0] == pytest.approx(12.0, rel=1e-3) and not pulls[0][1]

@@ -18,6 +18,7 @@ from helpers import grid, vector_basis
 from skfem import FacetBasis, LinearForm, MeshQuad
 
 import skfem_contact as sc
+from skfem_contact.results import Result
 
 BASELINE = Path(__file__).parent / "baseline" / "iterations.json"
 #: Growth that is let pass: round-off on another machine may cost an iteration in ten.
@@ -42,7 +43,7 @@ def blocks(quadrature: str | int) -> int:
         sc.Stage("pressed", basis.zeros(), prescribed=down),
         sc.Stage("pushed", basis.zeros(), prescribed=along, increments=6),
     ]
-    return total(sc.run(forms, stages, basis.get_dofs({"base:bottom", "block:top"}).all(), solver="superlu"))
+    return total(sc.Model(forms, basis.get_dofs({"base:bottom", "block:top"}).all(), solver="superlu").run(stages))
 
 
 def culvert() -> int:
@@ -55,7 +56,7 @@ def culvert() -> int:
         "stiff": sc.MohrCoulomb(E=5e4, nu=0.35, c=10.0, phi=35.0),
     }
     forms = {
-        "ground": sc.SolidForm(basis.with_elements("ground"), soils, strain=sc.b_bar),
+        "ground": sc.SolidForm(basis.with_elements("ground"), soils, strain="b_bar"),
         "culvert": sc.SolidForm(basis.with_elements("culvert"), sc.LinearElastic(E=2.8e7, nu=0.2)),
         "skin": sc.ContactPair(
             basis, "ground|culvert", "culvert|ground", sc.Coulomb(mu=0.6), "nodal", smoothing=0.5, initial="adjusted"
@@ -66,7 +67,7 @@ def culvert() -> int:
     strip = LinearForm(lambda v, w: -35.0 * v[1] * (w.x[0] > 0.0) * (w.x[0] < 1.8)).assemble(surface)
     fixed = np.concatenate((basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1")))
     stages = [sc.Stage("gravity", gravity), sc.Stage("surcharge", gravity + strip)]
-    return total(sc.run(forms, stages, fixed, solver="superlu"))
+    return total(sc.Model(forms, fixed, solver="superlu").run(stages))
 
 
 def cylinder() -> int:
@@ -84,7 +85,7 @@ def cylinder() -> int:
     x[basis.get_dofs("arch:top").all("u^2")] = -0.03
     fixed = basis.get_dofs({"block:bottom", "arch:top"}).all()
     stage = sc.Stage("pressed", basis.zeros(), prescribed=x, increments=4)
-    return total(sc.run(forms, [stage], fixed, solver="superlu"))
+    return total(sc.Model(forms, fixed, solver="superlu").run([stage]))
 
 
 def pin() -> int:
@@ -96,11 +97,11 @@ def pin() -> int:
     )
     basis = vector_basis(mesh, "Q1", intorder=2)
     forms = {
-        "steel": sc.SolidForm(basis, sc.LinearElastic(E=2e5, nu=0.3), strain=sc.b_bar),
+        "steel": sc.SolidForm(basis, sc.LinearElastic(E=2e5, nu=0.3), strain="b_bar"),
         "joint": sc.ContactPair(basis, "skin", "hole", sc.Coulomb(mu=0.2), quadrature=2),
     }
     stage = sc.Stage("pull", sc.weight(basis, {"pin": 200.0}))
-    return total(sc.run(forms, [stage], basis.get_dofs("rim").all(), solver="superlu"))
+    return total(sc.Model(forms, basis.get_dofs("rim").all(), solver="superlu").run([stage]))
 
 
 def ring(inner: float, outer: float, n: int) -> MeshQuad:
@@ -119,11 +120,11 @@ def slope() -> int:
     basis = vector_basis(mesh, "P2", intorder=2)
     forms = {"slope": sc.SolidForm(basis, sc.MohrCoulomb(E=1e5, nu=0.3, c=10.0, phi=20.0, psi=20.0))}
     fixed = np.concatenate((basis.get_dofs("bottom").all(), basis.get_dofs("left").all("u^1")))
-    found = sc.strength_reduction(forms, fixed, sc.weight(basis, 20.0), solver="superlu")
+    found = sc.Model(forms, fixed, solver="superlu").strength_reduction(sc.weight(basis, 20.0))
     return found.iterations
 
 
-def total(result: sc.Result) -> int:
+def total(result: Result) -> int:
     return sum(sum(stage.iterations) for stage in result)
 
 

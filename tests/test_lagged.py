@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from helpers import grid, vector_basis
+from helpers import analysis, grid, vector_basis
 from skfem import FacetBasis, LinearForm
 
 import skfem_contact as sc
@@ -78,7 +78,7 @@ def footing(psi: float, phi: float = 20.0):
     mesh = grid("Q1", x, -np.concatenate((np.geomspace(4, 0.18, 10), [0.0])))
     mesh = mesh.with_boundaries({"footing": lambda p: (p[1] > -1e-9) & (p[0] < 1.0)})
     basis = vector_basis(mesh, "Q1", intorder=3)
-    forms = {"soil": sc.SolidForm(basis, sc.MohrCoulomb(E=1e4, nu=0.3, c=1.0, phi=phi, psi=psi), strain=sc.b_bar)}
+    forms = {"soil": sc.SolidForm(basis, sc.MohrCoulomb(E=1e4, nu=0.3, c=1.0, phi=phi, psi=psi), strain="b_bar")}
     fixed = np.concatenate((basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1")))
     pressure = LinearForm(lambda v, w: -v[1]).assemble(FacetBasis(mesh, basis.elem, facets="footing", intorder=3))
     return forms, fixed, pressure
@@ -86,9 +86,9 @@ def footing(psi: float, phi: float = 20.0):
 
 def test_footing_without_dilatancy_in_few_iterations():
     """[B] The capacity with psi = 0 is below that with psi = phi, and no step fails on the way."""
-    settings = {"tol": 0.01, "newton": sc.Newton(1e-3, 30), "progress": False}
-    associated = sc.limit_load(*footing(20.0), **settings)
-    free = sc.limit_load(*footing(0.0), flow="lagged", **settings)
+    settings = {"tolerance": 0.01, "newton": sc.Newton(1e-3, 30), "progress": False}
+    associated = analysis("limit_load", *footing(20.0), **settings)
+    free = analysis("limit_load", *footing(0.0), flow="lagged", **settings)
     assert all(trial.outcome == "equilibrium" for trial in free.steps)
     assert free.iterations <= 150  # 100 or so; the given law takes 500 to 1000
     # both come to Prandtl's capacity from above as the mesh is refined, the associated one from further away
@@ -100,11 +100,11 @@ def test_short_steps_follow_the_given_law():
 
     In steps that grow to the end the friction of the pressure a step ago carries more.
     """
-    settings = {"tol": 0.02, "newton": sc.Newton(3e-3, 30), "progress": False}
-    short = {"step": 2.0, "longest": 4.0, **settings}
-    given = sc.limit_load(*footing(0.0, 30.0), **short)
-    lagging = sc.limit_load(*footing(0.0, 30.0), flow="lagged", **short)
-    growing = sc.limit_load(*footing(0.0, 30.0), flow="lagged", **settings)
+    settings = {"tolerance": 0.02, "newton": sc.Newton(3e-3, 30), "progress": False}
+    short = {"step": 2.0, "max_step": 4.0, **settings}
+    given = analysis("limit_load", *footing(0.0, 30.0), **short)
+    lagging = analysis("limit_load", *footing(0.0, 30.0), flow="lagged", **short)
+    growing = analysis("limit_load", *footing(0.0, 30.0), flow="lagged", **settings)
     steps = np.diff(lagging.curve[:, 0])
     assert steps.max() == pytest.approx(4 * steps[0])
     # 0.4 % apart; the residual's tolerance is 0.3 %, and curves without dilatancy oscillate by as much
@@ -115,7 +115,7 @@ def test_short_steps_follow_the_given_law():
 def test_flow_of_a_limit_load():
     """[X] Davis' soil A carries as much as the associated soil of that strength."""
     forms, fixed, load = footing(0.0)
-    davis = sc.limit_load(forms, fixed, load, flow="davis_a", progress=False).multiplier
+    davis = sc.Model(forms, fixed).limit_load(load, flow="davis_a", progress=False).multiplier
     weaker = sc.reduced_strength(forms["soil"].materials["all"], 1.0, "davis_a")
-    same = sc.limit_load({"soil": forms["soil"].with_materials({"all": weaker})}, fixed, load, progress=False)
+    same = sc.Model({"soil": forms["soil"].with_materials({"all": weaker})}, fixed).limit_load(load, progress=False)
     assert davis == pytest.approx(same.multiplier, rel=1e-9)

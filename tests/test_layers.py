@@ -12,13 +12,13 @@ import skfem_contact
 PACKAGE = Path(skfem_contact.__file__).parent
 #: Rooms from the ground up: a room may use what stands before it. Those of one entry know nothing of each other.
 ROOMS = (
-    {"errors"}, {"display", "sparse"}, {"layout"}, {"materials", "mesh", "loads", "surfaces"}, {"forms"},
-    {"contact"}, {"solvers"}, {"nonlinear"}, {"stages"},
-    {"limit_analysis"}, {"collapse"}, {"water"}, {"results"},
+    {"errors", "checks"}, {"display", "sparse"}, {"layout"}, {"materials", "mesh", "loads", "surfaces"}, {"forms"},
+    {"contact"}, {"results"}, {"solvers"}, {"nonlinear"}, {"stages"},
+    {"limit_analysis"}, {"collapse"}, {"water"},
     {"testing"}, {"plot"}, {"demo", "data"}, {""},
 )  # fmt: skip
-#: A stage's result calls what shows it: the only calls that go up, and at run time only.
-SHORTCUTS = {("stages.result", "results"), ("stages.result", "plot")}
+#: A stage's result draws itself: the only call that goes up, and at run time only.
+SHORTCUTS = {("results.result", "plot")}
 #: What these rooms ask a form, a state or a law they ask by its calls.
 ASKING = ("solvers", "nonlinear", "stages", "collapse")
 KINDS = {"Form", "SolidForm", "ContactPair", "SolidState", "ContactState", "Bar", "MatrixForm", "Coulomb", "Tied"}

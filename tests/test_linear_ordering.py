@@ -18,7 +18,7 @@ from skfem import (
 )
 from skfem.models.elasticity import linear_elasticity
 
-from skfem_contact.solvers.ordering import nested_dissection
+from skfem_contact.solvers.superlu import nested_dissection
 
 
 def _graded_mesh(n):

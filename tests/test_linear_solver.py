@@ -245,7 +245,7 @@ def test_bad_input_is_refused(blocks):
     K.data[-1] = np.inf
     with pytest.raises(ValueError, match="not finite"):
         solver.factor(K)
-    with pytest.raises(ValueError, match="unknowns have a location"):
+    with pytest.raises(ValueError, match="dofs have coordinates"):
         solver.factor(K[:4, :4])
 
 

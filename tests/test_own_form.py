@@ -13,6 +13,7 @@ from skfem import BilinearForm
 from skfem.models.elasticity import lame_parameters, linear_elasticity
 
 import skfem_contact as sc
+from skfem_contact.layout import FieldDofs
 
 QUIET = {"progress": False}
 
@@ -21,6 +22,7 @@ class TenLines:
     """A spring to the ground that derives from nothing."""
 
     def __init__(self, n, unknown, stiffness):
+        self.size = n
         self.K = csr_matrix(([stiffness], ([unknown], [unknown])), shape=(n, n))
 
     def initial_state(self, x=None):
@@ -33,7 +35,7 @@ class TenLines:
 def column(material=None, x=(0.0, 1.0, 5), y=(0.0, 2.0, 9)):
     """A column on rollers, and its load from above."""
     basis = vector_basis(grid("Q1", np.linspace(*x), np.linspace(*y)), "Q1", intorder=2)
-    solid = sc.SolidForm(basis, material or sc.LinearElastic(E=1e3, nu=0.0), strain=sc.b_bar)
+    solid = sc.SolidForm(basis, material or sc.LinearElastic(E=1e3, nu=0.0), strain="b_bar")
     return basis, solid, traction(basis, "top", (0.0, -1.0))
 
 
@@ -41,11 +43,11 @@ def test_a_form_of_ten_lines_alone(tmp_path):
     """[X] u = F / k: run, saved, loaded and gone on from, though its state is None and nobody says where it is."""
     forms = {"spring": TenLines(3, 1, 20.0)}
     stages = [sc.Stage(name, np.array([0.0, force, 0.0])) for name, force in (("pull", 5.0), ("more", 8.0))]
-    first = sc.run(forms, stages[:1], fixed=[0, 2], **QUIET)
+    first = sc.Model(forms, [0, 2]).run(stages[:1], **QUIET)
     first.save(tmp_path / "spring")
     again = sc.load_result(tmp_path / "spring", forms)
     assert again["pull"].states["spring"] is None
-    result = sc.run(forms, stages[1:], fixed=[0, 2], start=again, **QUIET)
+    result = sc.Model(forms, [0, 2]).run(stages[1:], start=again, **QUIET)
     np.testing.assert_allclose([s.x[1] for s in result], [0.25, 0.4], rtol=1e-12)  # linear: round-off
     np.testing.assert_allclose(result["more"].reactions()[[0, 2]], 0.0, atol=1e-12)
     assert pickle.loads(pickle.dumps(result))["more"].x[1] == result["more"].x[1]
@@ -57,8 +59,8 @@ def test_a_matrix_alone():
     K = BilinearForm(linear_elasticity(*lame_parameters(1e3, 0.0)).form).assemble(basis)
     fixed = np.append(basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1"))
     stages = [sc.Stage("load", load)]
-    own = sc.run({"matrix": sc.MatrixForm(K)}, stages, fixed, **QUIET)["load"].x
-    np.testing.assert_allclose(own, sc.run({"solid": solid}, stages, fixed, **QUIET)["load"].x, atol=1e-15)
+    own = sc.Model({"matrix": sc.MatrixForm(K)}, fixed).run(stages, **QUIET)["load"].x
+    np.testing.assert_allclose(own, sc.Model({"solid": solid}, fixed).run(stages, **QUIET)["load"].x, atol=1e-15)
 
 
 def scene(own):
@@ -70,7 +72,7 @@ def scene(own):
     soil = sc.MohrCoulomb(E=1e3, nu=0.3, c=5.0, phi=0.0)
     forms = {
         "base": sc.SolidForm(basis.with_elements("base"), sc.LinearElastic(E=1e5, nu=0.3)),
-        "column": sc.SolidForm(basis.with_elements("column"), soil, strain=sc.b_bar),
+        "column": sc.SolidForm(basis.with_elements("column"), soil, strain="b_bar"),
         "joint": sc.ContactPair(basis, "column:bottom", "base:top", sc.Coulomb(mu=0.5), quadrature=2),
         "own": own(basis, int(corner)),
     }
@@ -96,15 +98,15 @@ def test_with_soil_and_contact(own, tmp_path):
     """[X] The same spring in three spellings: equilibrium, saved and resumed, staged, pickled."""
     basis, forms, load, fixed, corner = scene(own)
     stages = [sc.Stage("load", load), sc.Stage("without", load, deactivate="own")]
-    result = sc.run(forms, stages, fixed, **QUIET)
+    result = sc.Model(forms, fixed).run(stages, **QUIET)
     free = np.setdiff1d(np.arange(basis.N), fixed)
     assert np.abs(result["load"].reactions()[free]).max() < 1e-6 * np.abs(load).max()  # tolerance of the iterations
     assert result["without"].x[corner] > result["load"].x[corner] > 0.0
     result.save(tmp_path / "result")
-    resumed = sc.run(forms, stages[1:], fixed, start=sc.load_result(tmp_path / "result", forms)["load"], **QUIET)
+    resumed = sc.Model(forms, fixed).run(stages[1:], start=sc.load_result(tmp_path / "result", forms)["load"], **QUIET)
     np.testing.assert_array_equal(resumed["without"].x, result["without"].x)
     assert pickle.loads(pickle.dumps(result))["load"].tractions("joint").pressure.shape
-    sc.check_form(forms["own"], np.random.default_rng(0).standard_normal(basis.N), forms["own"].initial_state())
+    sc.testing.check_form(forms["own"], np.random.default_rng(0).standard_normal(basis.N), forms["own"].initial_state())
 
 
 @pytest.mark.parametrize("own", [ten_lines, matrix, spring])
@@ -119,8 +121,8 @@ def test_searches_for_a_collapse(own):
         spring: lambda: sc.Spring(basis, (0.0, 1.0), (1e8, 0.0)),
     }
     forms, fixed = {"soil": solid, "own": stiff[own]()}, np.setdiff1d(fixed, held)
-    assert abs(sc.strength_reduction(forms, fixed, 10.0 * load, **QUIET).factor - 2.0) < 0.02  # twice its `tol`
-    assert abs(sc.limit_load(forms, fixed, load, **QUIET).multiplier - 20.0) < 0.2  # ... of 0.005
+    assert abs(sc.Model(forms, fixed).strength_reduction(10.0 * load, **QUIET).factor - 2.0) < 0.02  # twice its `tol`
+    assert abs(sc.Model(forms, fixed).limit_load(load, **QUIET).multiplier - 20.0) < 0.2  # ... of 0.005
 
 
 def test_what_is_no_form():
@@ -134,7 +136,7 @@ def test_what_is_no_form():
     wrongs = {Half(): "no assemble", Half: "no assemble", sc.Form(): "no assemble and no initial_state"}
     for wrong, what in wrongs.items():
         with pytest.raises(ValueError, match=f"'own' is no form: .* has {what}"):
-            sc.run({"solid": solid, "own": wrong}, [sc.Stage("load", load)], basis.get_dofs("bottom").all())
+            sc.Model({"solid": solid, "own": wrong}, basis.get_dofs("bottom").all()).run([sc.Stage("load", load)])
 
 
 # -- bars ---------------------------------------------------------------------------------------------------------
@@ -152,7 +154,7 @@ def pulled(bar, forces, basis):
         load = basis.zeros()
         load[basis.get_dofs("left").all("u^1")] = 0.5 * force
         stages.append(sc.Stage(f"{k}", load))
-    return sc.run(forms, stages, basis.get_dofs().all("u^2"), **QUIET)
+    return sc.Model(forms, basis.get_dofs().all("u^2")).run(stages, **QUIET)
 
 
 def test_bar_by_its_law():
@@ -182,20 +184,20 @@ def test_jack_and_lock():
     boxes = {"a": grid("Q1", [0, 1], [0, 1]), "b": grid("Q1", [3, 4], [0, 1])}
     basis = vector_basis(sc.join_bodies(boxes), "Q1", intorder=2)
     strut = sc.Bar(basis, [(1.0, 0.0), (1.0, 1.0)], [(3.0, 0.0), (3.0, 1.0)], EA=50.0)
-    forms = {"blocks": sc.SolidForm(basis, sc.LinearElastic(E=100.0, nu=0.0)), "strut": strut.jacked(-4.0)}
+    forms = {"blocks": sc.SolidForm(basis, sc.LinearElastic(E=100.0, nu=0.0)), "strut": strut.prestressed(-4.0)}
     fixed = np.concatenate((basis.get_dofs({"a:left", "b:right"}).all("u^1"), basis.get_dofs().all("u^2")))
     pull = basis.zeros()
     pull[basis.get_dofs("a:right").all("u^1")] = 2.0
     stages = [sc.Stage("jack", basis.zeros()), sc.Stage("lock", basis.zeros(), change={"strut": strut}),
               sc.Stage("pull", pull)]  # fmt: skip
-    result = sc.run(forms, stages, fixed, **QUIET)
+    result = sc.Model(forms, fixed).run(stages, **QUIET)
     np.testing.assert_allclose(result["jack"].states["strut"].force, -4.0)
     np.testing.assert_allclose(result["lock"].x, result["jack"].x, atol=1e-12)
     k, block = 25.0, 50.0  # of a strut, and of half a block
     share = k * block / (k + block) / (block + k * block / (k + block))
     np.testing.assert_allclose(result["pull"].states["strut"].force, -4.0 - 2.0 * share, rtol=1e-6)
     x = 1e-2 * np.random.default_rng(0).standard_normal(basis.N)
-    sc.check_form(strut, x, strut.initial_state(), basis.doflocs)
+    sc.testing.check_form(strut, x, strut.initial_state(), basis.doflocs)
 
 
 def test_displacements_counted_anew():
@@ -204,8 +206,8 @@ def test_displacements_counted_anew():
     bar = sc.Bar(basis, (0.0, 2.0), (0.0, 5.0), EA=30.0, fixed_end=True)
     forms = {"column": solid, "bar": bar, "spring": sc.Spring(basis, (1.0, 2.0), 5.0), "own": TenLines(basis.N, 0, 0.0)}
     fixed = basis.get_dofs("bottom").all()
-    start = sc.reset_displacements(forms, sc.run(forms, [sc.Stage("load", load)], fixed, **QUIET))
-    again = sc.run(forms, [sc.Stage("null", load)], fixed, start=start, **QUIET)
+    start = sc.Model(forms, fixed).run([sc.Stage("load", load)], **QUIET).reset()
+    again = sc.Model(forms, fixed).run([sc.Stage("null", load)], start=start, **QUIET)
     assert np.abs(again["null"].x).max() < 1e-12
     np.testing.assert_allclose(again["null"].states["bar"].force, start["load"].states["bar"].force, rtol=1e-12)
 
@@ -217,10 +219,10 @@ def test_displacements_counted_anew():
         (lambda b: sc.Spring(b, (1.0, 0.0), 1.0), r"2 nodes at \(1, 0\); tell by `part`"),
         (lambda b: sc.Spring(b, (1.0, 0.0), 1.0, part="c"), "no subdomain 'c'; existing: a, b"),
         (lambda b: sc.Spring(b, (0.0, 0.0), -1.0), "stiffness must be positive"),
-        (lambda b: sc.Spring(b, (np.nan, 0.0), 1.0), "places must be finite"),
+        (lambda b: sc.Spring(b, (np.nan, 0.0), 1.0), "coordinates must be finite"),
         (lambda b: sc.Bar(b, (0.0, 0.0), (0.0, 0.0), 1.0, fixed_end=True), "must lie apart"),
         (lambda b: sc.Bar(b, (0.0, 0.0), (0.0, 9.0), 0.0, fixed_end=True), "EA and yield_force must be positive"),
-        (lambda b: sc.Bar(b, (0.0, 0.0), (0.0, 9.0), 1.0, True, yield_force=2.0).jacked(3.0), "between -2 and 2"),
+        (lambda b: sc.Bar(b, (0.0, 0.0), (0.0, 9.0), 1.0, True, yield_force=2.0).prestressed(3.0), "between -2 and 2"),
         (lambda b: sc.MatrixForm(csr_matrix((2, 3))), "must be a square matrix"),
     ],
 )
@@ -234,29 +236,30 @@ def test_bad_input(make, message):
 
 
 class Rod(sc.Form):
-    """A rigid ruler along the bottom edge that can turn about a point: one rotation, tied by multipliers of its own.
-
-    Its unknowns are the angle and a multiplier for each node of the edge: none of them is a displacement.
-    """
+    """A rigid ruler along the top edge that can turn about a point: one rotation, tied by multipliers of its own."""
 
     def __init__(self, basis, stiffness, angle_scale=1.0):
-        self.size, top = basis.N, basis.get_dofs("top").all("u^2")
-        m = len(top)
-        places = np.column_stack((basis.doflocs[:, top].mean(axis=1), basis.doflocs[:, top]))
-        self.fields = (sc.Field("rotation", places[:, :1], first=basis.N, scale=angle_scale),
-                       sc.Field("multiplier", places[:, 1:], first=basis.N + 1, scale=stiffness))  # fmt: skip
-        self.size = n = basis.N + 1 + m
-        arm = basis.doflocs[0, top] - basis.doflocs[0, top].mean()
-        rows = np.concatenate((basis.N + 1 + np.arange(m), basis.N + 1 + np.arange(m)))
-        columns = np.concatenate((top, np.full(m, basis.N)))
-        C = csr_matrix((np.concatenate((np.ones(m), -arm)), (rows, columns)), shape=(n, n))
-        self.K = csr_matrix(C + C.T)
+        self.size, self.top = basis.N, basis.get_dofs("top").all("u^2")
+        places = basis.doflocs[:, self.top]
+        self.arm = places[0] - places[0].mean()
+        self.fields = (sc.Field("rotation", places.mean(axis=1)[:, None], "rotation", angle_scale),
+                       sc.Field("multiplier", places, "multiplier", stiffness))  # fmt: skip
+
+    def numbered(self, numbers):
+        new = copy(self)
+        (angle,), ties = (numbers[field] for field in self.fields)
+        new.dofs = np.concatenate((self.top, [angle], ties))
+        m = len(ties)
+        C = np.hstack((np.eye(m), -self.arm[:, None]))
+        new.K = csr_matrix(np.block([[np.zeros((m + 1, m + 1)), C.T], [C, np.zeros((m, m))]]))
+        new.size = None
+        return new
 
     def initial_state(self, x=None):
         return None
 
     def assemble(self, x, state):
-        return sc.Response(self.K @ x, lambda: None, lambda: self.K)
+        return sc.Response(self.K @ x[self.dofs], lambda: None, lambda: self.K, dofs=self.dofs)
 
 
 @pytest.mark.parametrize("scale", [1.0, 1e3])
@@ -264,14 +267,14 @@ def test_rotation_and_multipliers_beside_displacements(scale):
     """[X] A rigid plate turns on a column: its rotation is that of an elimination by hand, whatever the scales."""
     basis, solid, _ = column(y=(0.0, 2.0, 17))
     rod = Rod(basis, 1e3, scale)
-    load = np.zeros(rod.size)
+    load = np.zeros(basis.N + 1 + len(rod.top))
     load[basis.N] = 1.0  # a moment about its middle
     fixed = np.append(basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1"))
-    result = sc.run({"column": solid, "plate": rod}, [sc.Stage("turn", load)], fixed, **QUIET)["turn"]
+    result = sc.Model({"column": solid, "plate": rod}, fixed).run([sc.Stage("turn", load)], **QUIET)["turn"]
     theta, top = result.x[basis.N], basis.get_dofs("top")
     arm = basis.doflocs[0, top.all("u^2")] - 0.5
     np.testing.assert_allclose(result.x[top.all("u^2")], theta * arm, atol=1e-12)
-    free = np.setdiff1d(np.arange(rod.size), fixed)
+    free = np.setdiff1d(np.arange(len(load)), fixed)
     assert np.abs(result.reactions()[free]).max() < 1e-9  # forces of one
     alone = solid.elastic_stiffness.toarray()  # the oracle: eliminated by hand
     keep = np.setdiff1d(np.arange(basis.N), np.append(fixed, top.all("u^2")))
@@ -280,17 +283,19 @@ def test_rotation_and_multipliers_beside_displacements(scale):
     basis_of = np.column_stack((np.eye(basis.N)[:, keep], T))
     K = basis_of.T @ alone @ basis_of
     np.testing.assert_allclose(theta, np.linalg.solve(K, np.append(np.zeros(len(keep)), 1.0))[-1], rtol=1e-9)
-    short = sc.run({"column": solid, "plate": rod}, [sc.Stage("rest", basis.zeros())], fixed, **QUIET)["rest"]
-    assert len(short.x) == rod.size and not short.x.any()  # a load on the displacements alone
+    short = sc.Model({"column": solid, "plate": rod}, fixed).run([sc.Stage("rest", basis.zeros())], **QUIET)["rest"]
+    assert len(short.x) == len(load) and not short.x.any()  # a load on the displacements alone
 
 
-def test_fields_follow_each_other():
-    """Numbers with a gap are refused."""
-    basis, solid, load = column()
-    rod = Rod(basis, 1e3)
-    rod.fields = rod.fields[1:]
-    with pytest.raises(ValueError, match=r"field 'multiplier' begins with unknown .* 'displacement' ends before"):
-        sc.run({"column": solid, "plate": rod}, [sc.Stage("load", load)], basis.get_dofs("bottom").all())
+def test_fields_belong_to_one_form():
+    """A form under two names, or dofs of a field that no form brings, are refused."""
+    basis, solid, _ = column()
+    rod, other = Rod(basis, 1e3), Rod(basis, 1e3)
+    with pytest.raises(ValueError, match="'a' and 'b' bring the same field 'rotation'"):
+        sc.Model({"column": solid, "a": rod, "b": rod})
+    assert sc.Model({"column": solid, "a": rod, "b": other}).layout.size == basis.N + 2 * (1 + len(rod.top))
+    with pytest.raises(ValueError, match="the field 'multiplier', which no form of the model brings"):
+        sc.Model({"column": solid, "a": rod}, [FieldDofs(other.fields[1], np.arange(2))])
 
 
 class Dashpot(sc.Form):
@@ -298,6 +303,7 @@ class Dashpot(sc.Form):
 
     def __init__(self, n, unknown, viscosity):
         self.n, self.unknown, self.viscosity, self.duration = n, unknown, viscosity, 0.0
+        self.size = n
 
     def over(self, duration):
         new = copy(self)
@@ -323,7 +329,7 @@ def test_time_of_a_stage():
         forms = {"spring": TenLines(1, 0, k), "damper": Dashpot(1, 0, c)}
         load = np.array([force])
         stages = [sc.Stage("jump", load), sc.Stage("wait", load, increments=steps, duration=duration)]
-        result = sc.run(forms, stages, fixed=[], **QUIET)
+        result = sc.Model(forms).run(stages, **QUIET)
         assert abs(result["jump"].x[0]) < 1e-9  # in no time the damper lets nothing move
         exact = force / k * (1.0 - np.exp(-k * duration / c))
         euler = force / k * (1.0 - (1.0 + k * duration / steps / c) ** -steps)
@@ -334,6 +340,8 @@ def test_time_of_a_stage():
 
 class SlackRope(sc.Form):
     """A rope of stiffness 10 with a slack of 1, and a recovery of its own: a damper while nothing else resists."""
+
+    size = 1
 
     def __init__(self, damping=0.0, at=0.0, given=None):
         self.damping, self.at, self.given = damping, at, given or self
@@ -365,7 +373,7 @@ class BareRope(SlackRope):
 def test_an_own_recovery():
     """[X] Newton's method fails on a slack rope; its own family of easier ones leads to the form as given."""
     stage = sc.Stage("pull", np.array([3.0]))
-    result = sc.run({"rope": SlackRope()}, [stage], fixed=[], **QUIET)
+    result = sc.Model({"rope": SlackRope()}).run([stage], **QUIET)
     assert abs(result["pull"].x[0] - 1.3) < 1e-8  # linear once it is taut: no trace of the damper
     with pytest.raises(sc.NotConverged):
-        sc.run({"rope": BareRope()}, [stage], fixed=[], **QUIET)
+        sc.Model({"rope": BareRope()}).run([stage], **QUIET)

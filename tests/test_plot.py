@@ -6,6 +6,7 @@ import itertools
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
 
@@ -17,15 +18,17 @@ from helpers import ELEMENTS, IN_SPACE, grid, vector_basis
 
 import skfem_contact as sc
 from skfem_contact import plot
-from skfem_contact.plot import picture
-from skfem_contact.plot.scales import make_scale
-from skfem_contact.plot.scene import Scene
+from skfem_contact.contact.laws import Status
+from skfem_contact.plot import sheet
+from skfem_contact.plot.scene import Cutaway, Scene, _volumes
+from skfem_contact.plot.sheet import make_scale
+from skfem_contact.results import Result, SectionForces, StageResult, Tractions
 
-cutaway = sys.modules["skfem_contact.plot.cutaway"]  # the module; the package has its function
+contour = sys.modules["skfem_contact.plot.contour"]  # the module; the package has its function
 matplotlib.use("Agg")
 ROOT = Path(__file__).parents[1]
-needs_opengl = pytest.mark.skipif(not picture._can_render(), reason="VTK cannot draw on this machine")
-FOOT = picture._FOOT
+needs_opengl = pytest.mark.skipif(not sheet._can_render(), reason="VTK cannot draw on this machine")
+FOOT = sheet._FOOT
 
 
 @pytest.fixture(autouse=True)
@@ -42,7 +45,7 @@ def block(element="Q1"):
     x = basis.zeros()
     x[0::2] = 0.1 * basis.doflocs[0, 0::2]
     states = {"block": forms["block"].assemble(x, forms["block"].initial_state()).state}
-    return forms, sc.StageResult("now", x, 0 * x, states, (), 0.0)
+    return forms, StageResult("now", x, 0 * x, states, (), 0.0, forms=forms)
 
 
 def shot(plotter):
@@ -111,8 +114,8 @@ def test_constant_fields_have_a_scale():
 @pytest.mark.parametrize("element", ELEMENTS)
 def test_contour_shows_the_field(element, tmp_path):
     """Eight bands from pale to dark over a field that rises from left to right; the file is written."""
-    forms, step = block(element)
-    plot.contour(forms, step, "ux", file=tmp_path / "ux.png", mesh=False, limits=(0.0, 0.2), levels=8)
+    _, step = block(element)
+    plot.contour(step, "ux", file=tmp_path / "ux.png", mesh=False, limits=(0.0, 0.2), levels=8)
     image = plt.imread(tmp_path / "ux.png")
     height, width = image.shape[:2]
     body = image[: height - FOOT, :, :3]
@@ -129,8 +132,8 @@ def test_contour_shows_the_field(element, tmp_path):
 @needs_opengl
 def test_deformed_body_leaves_its_outline(tmp_path):
     """Ten times a tenth: the body becomes as wide again; its outline stays where it was."""
-    forms, step = block()
-    plot.contour(forms, step, "sxx", deformed=10.0, file=tmp_path / "sxx.png", limits=(0.0, 1e3), levels=1, mesh=False)
+    _, step = block()
+    plot.contour(step, "sxx", deformed=10.0, file=tmp_path / "sxx.png", limits=(0.0, 1e3), levels=1, mesh=False)
     image = (255 * plt.imread(tmp_path / "sxx.png")).astype(int)
     body = image[: len(image) - FOOT]
     assert colored(body).any(axis=0).mean() == pytest.approx(1 / 1.05, abs=0.01)
@@ -141,31 +144,31 @@ def test_deformed_body_leaves_its_outline(tmp_path):
 
 
 def test_automatic_factors_are_round():
-    forms, step = block()
-    scene = Scene(forms, step, "auto")
+    _, step = block()
+    scene = Scene(step, "auto")
     assert scene.factor == pytest.approx(0.2)  # 4 % of 2 over 0.2 is 0.4, and 1, 2 and 5 are round
-    assert Scene(forms, sc.StageResult("still", 0 * step.x, step.load, step.states, (), 0.0), "auto").factor == 1.0
+    assert Scene(replace(step, name="still", x=0 * step.x), "auto").factor == 1.0
 
 
 @needs_opengl
 def test_a_factor_of_one_is_not_written(bars):
-    forms, step = block()
+    _, step = block()
     plot.set_units("kN", "m")
-    plot.contour(forms, step, "sxx", deformed=1.0)
-    plot.contour(forms, step, "ux", since=step, deformed=20.0)
+    plot.contour(step, "sxx", deformed=1.0)
+    plot.contour(step, "ux", since=step, deformed=20.0)
     assert bars == [("Horizontal stress [kPa]", "now"),
                     ("Change of horizontal displacement [m]", "now, since now, displacements × 20")]
 
 
 @needs_opengl
 def test_window_and_constant_field():
-    forms, step = block()
-    image = shot(plot.contour(forms, step, "uy", window=(0.5, 1.0, 0.0, 1.0)))
+    _, step = block()
+    image = shot(plot.contour(step, "uy", window=(0.5, 1.0, 0.0, 1.0)))
     assert image.shape[0] == 1000 + FOOT
     body = image[:1000, :, :3].reshape(-1, 3)
     assert (body != 255).any(axis=1).mean() > 0.9  # nothing but the plate is seen
     with pytest.raises(ValueError, match="a window is"):
-        plot.contour(forms, step, "uy", window=(1.0, 0.5, 0.0, 1.0))
+        plot.contour(step, "uy", window=(1.0, 0.5, 0.0, 1.0))
 
 
 @needs_opengl
@@ -174,9 +177,24 @@ def test_bodies_that_are_not_there_are_not_drawn():
     plate = grid("Q1", np.linspace(0, 1, 3), np.linspace(0, 1, 3))
     basis = vector_basis(sc.join_bodies({"a": plate, "b": plate.translated((1.0, 0.0))}), "Q1")
     forms = {name: sc.SolidForm(basis.with_elements(name), sc.LinearElastic(E=1e3, nu=0.0)) for name in "ab"}
-    step = sc.StageResult("now", basis.zeros(), basis.zeros(), {"a": forms["a"].initial_state()}, (), 0.0)
-    image = shot(plot.contour(forms, step, "uy", mesh=False))
+    states = {"a": forms["a"].initial_state()}
+    step = StageResult("now", basis.zeros(), basis.zeros(), states, (), 0.0, forms={"a": forms["a"]})
+    image = shot(plot.contour(step, "uy", mesh=False))
     assert image.shape[:2] == (1000 + FOOT, 1000)  # a square of the largest height; two plates would be 1400 wide
+
+
+@needs_opengl
+def test_only_some_bodies_are_drawn():
+    """One of two plates is asked for: the picture is that of it alone; other names are refused."""
+    plate = grid("Q1", np.linspace(0, 1, 3), np.linspace(0, 1, 3))
+    basis = vector_basis(sc.join_bodies({"a": plate, "b": plate.translated((1.0, 0.0))}), "Q1")
+    forms = {name: sc.SolidForm(basis.with_elements(name), sc.LinearElastic(E=1e3, nu=0.0)) for name in "ab"}
+    states = {name: form.initial_state() for name, form in forms.items()}
+    step = StageResult("now", basis.zeros(), basis.zeros(), states, (), 0.0, forms=forms)
+    assert shot(plot.contour(step, "uy", mesh=False)).shape[1] == 1400
+    assert shot(plot.contour(step, "uy", mesh=False, bodies="b")).shape[:2] == (1000 + FOOT, 1000)
+    with pytest.raises(ValueError, match="no solid 'c'; existing: a, b"):
+        plot.contour(step, "uy", bodies=("a", "c"))
 
 
 @needs_opengl
@@ -189,8 +207,8 @@ def test_borders_of_materials_are_sharp():
     x = basis.zeros()
     x[0::2] = 0.1 * basis.doflocs[0, 0::2]
     states = {"block": forms["block"].assemble(x, forms["block"].initial_state()).state}
-    step = sc.StageResult("now", x, 0 * x, states, (), 0.0)
-    image = shot(plot.contour(forms, step, "sxx", mesh=False, limits=(0.0, 450.0), levels=9))
+    step = StageResult("now", x, 0 * x, states, (), 0.0, forms=forms)
+    image = shot(plot.contour(step, "sxx", mesh=False, limits=(0.0, 450.0), levels=9))
     row = image[350, 60:-60, :3].astype(int)
     _kinds, count = np.unique(row, axis=0, return_counts=True)
     assert (count > 100).sum() == 2
@@ -203,8 +221,8 @@ def test_marks_are_drawn_where_they_belong():
     basis = forms["block"].basis
     load = basis.zeros()
     load[basis.get_dofs("top").all("u^2")] = -1.0
-    plain = shot(plot.contour(forms, step, "uy"))
-    image = shot(plot.contour(forms, step, "uy", supports=basis.get_dofs("bottom").all(), loads=load,
+    plain = shot(plot.contour(step, "uy"))
+    image = shot(plot.contour(step, "uy", supports=basis.get_dofs("bottom").all(), loads=load,
                               water=sc.hydrostatic(0.5, unit_weight=9.81), vectors=True))
     height = len(image) - FOOT
     blue = (image[:height, :, 2].astype(int) - image[:height, :, 0] > 60).any(axis=1)
@@ -221,20 +239,18 @@ def test_marks_are_drawn_where_they_belong():
 @needs_opengl
 def test_free_surface_is_the_water_table():
     """A seepage, its pressure and water at rest are drawn alike; the bar tells what the pore pressure is."""
-    from skfem_contact.plot.contours import headline
-
     forms, step = block()
     basis = forms["block"].basis
     height = np.ptp(basis.mesh.p[1])
-    water = sc.seepage(basis, 1.0, {"left": 0.5 * height}, unit_weight=9.81)
-    pictures = [shot(plot.contour(forms, step, "pore", water=given, mesh=False, colors="Greys"))
+    water = sc.water.seepage(basis, 1.0, {"left": 0.5 * height}, unit_weight=9.81)
+    pictures = [shot(plot.contour(step, "pore", water=given, mesh=False, colors="Greys"))
                 for given in (sc.hydrostatic(0.5 * height, unit_weight=9.81), water, water.pressure_at)]
     blue = [picture[:-FOOT, :, 2].astype(int) - picture[:-FOOT, :, 0] > 60 for picture in pictures]
     rows = [np.flatnonzero(marked.sum(axis=1) > 0.3 * marked.shape[1]).mean() for marked in blue]
     # the transition between wet and dry is a part of an element wide
     assert rows[1] == rows[2] == pytest.approx(rows[0], abs=5) == pytest.approx(len(blue[0]) / 2, rel=0.1)
-    assert headline(forms, "pore", None, water) == "Pore pressure"
-    assert headline(forms, "pore", None) == "Excess pore pressure"
+    assert contour._headline(step, "pore", None, water) == "Pore pressure"
+    assert contour._headline(step, "pore", None) == "Excess pore pressure"
 
 
 @needs_opengl
@@ -242,31 +258,28 @@ def test_points_that_yield_and_contact_are_in_the_legend():
     from skfem_contact.demo import culvert
     from skfem_contact.plot.marks import Marks
 
-    model = culvert()
-    stage = model.result["surcharge"]
-    marks = Marks(model.forms, stage, points=True, contact=True)
+    stage = culvert().result["surcharge"]
+    marks = Marks(stage, points=True, contact=True)
     assert [label for label, _ in marks.legend()] == ["yields", "contact sticks"]
-    with_marks = shot(plot.contour(model.forms, stage, "mobilised", points=True, contact=True, window=(-1, 1, -1, 1)))
-    without = shot(plot.contour(model.forms, stage, "mobilised", window=(-1, 1, -1, 1)))
+    with_marks = shot(plot.contour(stage, "mobilised", points=True, contact=True, window=(-1, 1, -1, 1)))
+    without = shot(plot.contour(stage, "mobilised", window=(-1, 1, -1, 1)))
     assert np.abs(with_marks[:-FOOT].astype(int) - without[:-FOOT]).max(axis=2).astype(bool).mean() > 0.005
 
 
 def test_stages_share_the_factor_of_the_one_that_has_moved_most():
     """A stage that has not moved at all does not count."""
-    from skfem_contact.plot.contours import _views
-
     forms, step = block()
-    still = sc.StageResult("before", 0 * step.x, step.load, {"block": forms["block"].initial_state()}, (), 0.0)
-    less = sc.StageResult("less", 0.1 * step.x, step.load, step.states, (), 0.0)
-    views = _views(forms, [still, less, step], "ux", None, "auto")
+    still = replace(step, name="before", x=0 * step.x, states={"block": forms["block"].initial_state()})
+    less = replace(step, name="less", x=0.1 * step.x)
+    views = contour._contours([still, less, step], "ux", deformed="auto").views
     assert [view.scene.factor for view in views] == [pytest.approx(0.2)] * 3
 
 
 @needs_opengl
 def test_stages_share_a_scale_and_a_film_has_frames(tmp_path):
     forms, step = block()
-    still = sc.StageResult("before", 0 * step.x, step.load, {"block": forms["block"].initial_state()}, (), 0.0)
-    image = shot(plot.stages(forms, [still, step], "ux"))
+    still = replace(step, name="before", x=0 * step.x, states={"block": forms["block"].initial_state()})
+    image = shot(plot.stages([still, step], "ux"))
     half = image.shape[1] // 2
     body = image[: len(image) - FOOT]
     assert len(np.unique(body[200, 40:half - 40, :3], axis=0)) < 6  # one colour and mesh lines
@@ -274,18 +287,18 @@ def test_stages_share_a_scale_and_a_film_has_frames(tmp_path):
     pytest.importorskip("imageio")
     import imageio.v3
 
-    file = plot.animate(forms, [still, step], "ux", tmp_path / "film.gif", deformed=1.0, frames=4)
+    file = plot.animate([still, step], "ux", tmp_path / "film.gif", deformed=1.0, frames=4)
     assert imageio.v3.improps(file).n_images >= 3  # equal ones are kept as one
     with pytest.raises(ValueError, match=r"a film is a \.gif or an \.mp4 file"):
-        plot.animate(forms, [step], "ux", tmp_path / "film.avi")
+        plot.animate([step], "ux", tmp_path / "film.avi")
     with pytest.raises(ValueError, match="no stage to draw"):
-        plot.stages(forms, [], "ux")
+        plot.stages([], "ux")
 
 
 @needs_opengl
 def test_a_notebook_shows_the_picture():
-    forms, step = block()
-    plotter = plot.contour(forms, step, "ux", mesh=False)
+    _, step = block()
+    plotter = plot.contour(step, "ux", mesh=False)
     shown = plt.imread(BytesIO(plotter._repr_png_()))
     assert shown.shape[:2] == shot(plotter).shape[:2]
     assert colored(255 * shown).mean() > 0.3
@@ -293,31 +306,31 @@ def test_a_notebook_shows_the_picture():
 
 @needs_opengl
 def test_a_window_without_a_display_is_warned_of_and_the_file_written(tmp_path, monkeypatch):
-    monkeypatch.setattr(picture, "_has_windows", lambda: False)
-    forms, step = block()
+    monkeypatch.setattr(sheet, "_has_windows", lambda: False)
+    _, step = block()
     with pytest.warns(UserWarning, match="this machine has no display"):
-        plot.contour(forms, step, "ux", file=tmp_path / "ux.png", show=True)
+        plot.contour(step, "ux", file=tmp_path / "ux.png", show=True)
     assert (tmp_path / "ux.png").stat().st_size > 1000
 
 
 def test_unknown_field_is_refused_before_anything_is_drawn():
-    forms, step = block()
+    _, step = block()
     with pytest.raises(ValueError, match="no field 'pressure'; existing"):
-        plot.contour(forms, step, "pressure")
+        plot.contour(step, "pressure")
 
 
 def test_no_opengl_is_said_once_and_clearly(monkeypatch):
-    monkeypatch.setattr(picture, "_can_render", lambda: False)
-    forms, step = block()
+    monkeypatch.setattr(sheet, "_can_render", lambda: False)
+    _, step = block()
     with pytest.warns(UserWarning, match=r"no picture of 'Horizontal displacement': .* needs OpenGL"):
-        assert plot.contour(forms, step, "ux") is None
+        assert plot.contour(step, "ux") is None
 
 
 def test_missing_opengl_library_does_not_crash(tmp_path):
     """VTK is made to use a library that most machines lack, which kills the process that tries to draw."""
     code = (
-        "import test_plot, skfem_contact.plot as plot; forms, step = test_plot.block(); "
-        f"print('drawn' if plot.contour(forms, step, 'ux', file={str(tmp_path / 'ux.png')!r}) else 'no picture')"
+        "import test_plot, skfem_contact.plot as plot; _, step = test_plot.block(); "
+        f"print('drawn' if plot.contour(step, 'ux', file={str(tmp_path / 'ux.png')!r}) else 'no picture')"
     )
     environment = {**os.environ, "VTK_DEFAULT_OPENGL_WINDOW": "vtkOSOpenGLRenderWindow",
                    "PYTHONPATH": os.pathsep.join((str(ROOT), str(ROOT / "tests")))}
@@ -331,7 +344,7 @@ def test_ring_diagram_is_closed_and_styled(tmp_path):
     angle = np.array([270.0, 0.0, 90.0, 180.0])
     first, second = np.array([4.0, 1.0, 2.0, 3.0]), np.array([40.0, -10.0, 20.0, 30.0])
     series = {"gravity": first, "surcharge": second}
-    figure = plot.ring_diagram(angle, series, "moment [kNm/m]", file=tmp_path / "m.png")
+    figure = plot.diagram(series, "moment [kNm/m]", angle=angle, file=tmp_path / "m.png")
     polar, plain = figure.axes
     assert (tmp_path / "m.png").stat().st_size > 0
     for axes in (polar, plain):
@@ -349,27 +362,31 @@ def test_ring_diagram_is_closed_and_styled(tmp_path):
 
 def test_contact_diagram_marks_what_slips():
     y, zero = np.array([-3.0, -2.0, -1.0]), np.zeros(3)
-    status = np.array([sc.Status.STICK, sc.Status.SLIP, sc.Status.OPEN])
+    status = np.array([Status.STICK, Status.SLIP, Status.OPEN])
     pressure, shear = np.array([3.0, 2.0, 0.0]), np.array([-1.0, 1.0, 0.0])
-    joint = sc.Tractions(y + 3.0, zero, y, zero, pressure, shear, zero, zero, status, zero, pressure, shear)
-    figure = plot.contact_diagram({"failure": joint}, along="y")
+    joint = Tractions(y + 3.0, zero, y, zero, pressure, shear, zero, zero, status, zero, pressure, shear)
+    figure = plot.diagram({"failure": joint}, along="y")
     for axes, values in zip(figure.axes, (pressure, shear)):
         line, circles = axes.lines
         np.testing.assert_array_equal(line.get_xdata(), values)
         np.testing.assert_array_equal(line.get_ydata(), y)
         np.testing.assert_array_equal(circles.get_xydata(), [[values[1], -2.0]])
-    lying = plot.contact_diagram({"failure": joint})
+    lying = plot.diagram({"failure": joint})
     np.testing.assert_array_equal(lying.axes[0].lines[0].get_xdata(), y + 3.0)
 
 
 def test_section_diagram_runs_downwards():
     s = np.array([0.0, 1.0, 2.0])
-    forces = sc.SectionForces(s, 0 * s, -s, N=-s, V=2 * s, M=3 * s)
-    figure = plot.section_diagram({"pile": forces}, upright=True)
+    forces = SectionForces(s, 0 * s, -s, N=-s, V=2 * s, M=3 * s)
+    figure = plot.diagram({"pile": forces}, upright=True)
     assert all(axes.yaxis_inverted() for axes in figure.axes)
     for axes, values in zip(figure.axes, (-s, 2 * s, 3 * s)):
         np.testing.assert_array_equal(axes.lines[0].get_xdata(), values)
-    assert not plot.section_diagram({"wall": forces}).axes[0].yaxis_inverted()
+    assert not plot.diagram({"wall": forces}).axes[0].yaxis_inverted()
+    (axes,) = plot.diagram(forces, "M").axes
+    assert axes.get_ylabel() == "moment M" and axes.get_legend() is None
+    with pytest.raises(ValueError, match="not of ndarray"):
+        plot.diagram({"wall": s})
 
 
 def cut():
@@ -377,13 +394,13 @@ def cut():
     basis = vector_basis(grid("P2", np.linspace(0, 5, 7), np.linspace(0, 5, 7)), "P2", intorder=2)
     forms = {"cut": sc.SolidForm(basis, sc.Tresca(E=1e4, nu=0.3, c=10.0))}
     fixed = np.append(basis.get_dofs("bottom").all(), basis.get_dofs("right").all("u^1"))
-    return forms, sc.limit_load(forms, fixed, sc.weight(basis, 5.0), progress=False)
+    return forms, sc.Model(forms, fixed).limit_load(sc.weight(basis, 5.0), progress=False)
 
 
 @needs_opengl
 def test_mechanism_has_its_factor_in_the_title(bars):
-    forms, found = cut()
-    image = shot(plot.mechanism(forms, found, vectors=False))
+    _, found = cut()
+    image = shot(plot.mechanism(found, vectors=False))
     assert bars[0][0].startswith(f"Limit load {found.value:.4g}: shear strain") and bars[0][1] == ""
     body = image[: len(image) - FOOT].astype(int)
     red = (body[..., 0] - body[..., 2] > 150) & (body[..., 1] < 100)
@@ -396,16 +413,16 @@ def test_mechanism_has_its_factor_in_the_title(bars):
 @needs_opengl
 def test_mechanism_of_bounds_is_drawn_on_its_own_mesh(bars):
     """[X] A cut of 5 m in clay: the title has both bounds, and the shear strain is that of the quadratic velocities."""
-    from skfem_contact.plot.mechanism import _of_bounds
+    from skfem_contact.plot.mechanism import _upper_bound
 
     forms, _ = cut()
     basis = forms["cut"].basis
     fixed = np.append(basis.get_dofs("bottom").all(), basis.get_dofs("right").all("u^1"))
-    found = sc.bounds(forms, fixed, 5.0, gap=0.3, elements=300, progress=False)
-    plot.mechanism(forms, found)
+    found = sc.Model(forms, fixed).bounds(weight=5.0, gap=0.3, elements=300, progress=False)
+    plot.mechanism(found)
     assert bars[0][0].startswith(f"Factor of safety in [{found.lower:.4g}, {found.upper:.4g}]")
-    there, stage, _ = _of_bounds(found)
-    at_corners = stage.x[there["mechanism"].basis.nodal_dofs]
+    stage, _ = _upper_bound(found)
+    at_corners = stage.x[stage.forms["mechanism"].basis.nodal_dofs]
     np.testing.assert_array_equal(at_corners, found.mechanism[:, : found.mesh.nvertices])
 
 
@@ -418,9 +435,9 @@ def test_curve_ends_at_the_limit():
 
 def test_history_shows_the_nearest_nodes():
     forms, step = block()
-    still = sc.StageResult("before", 0 * step.x, step.load, {"block": forms["block"].initial_state()}, (), 0.0)
+    still = replace(step, name="before", x=0 * step.x, states={"block": forms["block"].initial_state()})
     plot.set_units("N", "mm")
-    (axes,) = plot.history(forms, sc.Result((still, step)), "ux", {"right": (2.0, 1.0), "middle": (1.01, 0.5)}).axes
+    (axes,) = plot.history(Result((still, step)), "ux", {"right": (2.0, 1.0), "middle": (1.01, 0.5)}).axes
     np.testing.assert_allclose([line.get_ydata() for line in axes.lines], [[0.0, 0.2], [0.0, 0.1]])
     assert axes.get_ylabel() == "horizontal displacement [mm]"
     assert [tick.get_text() for tick in axes.get_xticklabels()] == ["before", "now"]
@@ -428,16 +445,16 @@ def test_history_shows_the_nearest_nodes():
 
 def test_diagram_stands_on_the_structure():
     """Ordinates to the left of the axis, the longest 28 % of its length; extremes are written."""
-    forms, step = block()
+    _, step = block()
     s = np.linspace(0.0, 2.0, 5)
-    forces = sc.SectionForces(s, s, 0.5 + 0 * s, N=0 * s, V=0 * s, M=s * (2.0 - s) * 10.0)
-    (axes,) = plot.diagram_on(forms, step, "M", forces).axes
+    forces = SectionForces(s, s, 0.5 + 0 * s, N=0 * s, V=0 * s, M=s * (2.0 - s) * 10.0)
+    (axes,) = plot.diagram(forces, "M", on=step).axes
     tips = axes.lines[0].get_xydata()
     np.testing.assert_allclose(tips[:, 0], s)
     np.testing.assert_allclose(tips[:, 1], 0.5 + 0.28 * 2.0 * s * (2.0 - s))
     assert {text.get_text() for text in axes.texts} == {"10", "0"}
     with pytest.raises(ValueError, match="no quantity of SectionForces 'pressure'; existing: M, N, V"):
-        plot.diagram_on(forms, step, "pressure", forces)
+        plot.diagram(forces, "pressure", on=step)
 
 
 def test_tractions_are_drawn_as_the_slave_exerts_them():
@@ -447,11 +464,11 @@ def test_tractions_are_drawn_as_the_slave_exerts_them():
 
     model = culvert()
     stage = model.result["surcharge"]
-    (interface,) = interfaces(model.forms, stage).values()
+    (interface,) = interfaces(stage).values()
     t, normal = interface.tractions, interface.normal
     against = np.column_stack((-normal[:, 1], normal[:, 0]))
     total = (t.weight[:, None] * (t.pressure[:, None] * normal + t.shear[:, None] * against)).sum(axis=0)
-    report = sc.contact_report(model.forms["skin"], stage.x, stage.states["skin"])
+    report = stage.report("skin")
     scale = (t.weight * t.pressure).sum()
     np.testing.assert_allclose(total / scale, -report.force / scale, atol=0.01)
     data = interface.on_facets()
@@ -463,8 +480,8 @@ def test_an_own_picture(tmp_path):
     """Principal strains as arrows, which no function here draws: from `to_pyvista` in a few lines."""
     import pyvista
 
-    forms, step = block()
-    grid = sc.to_pyvista(forms, step)
+    _, step = block()
+    grid = step.to_pyvista()
     values, directions = np.linalg.eigh([[[s[0], s[3] / 2], [s[3] / 2, s[1]]] for s in grid.point_data["strain"]])
     grid["first"] = np.pad(values[:, -1:] * directions[:, :, -1], ((0, 0), (0, 1)))
     np.testing.assert_allclose(np.abs(grid["first"]), [[0.1, 0, 0]] * grid.n_points, atol=1e-12)  # u_x = x / 10
@@ -482,48 +499,50 @@ def cube(element):
     mesh = mesh.with_subdomains({"low": lambda x: x[2] < 0.5, "high": lambda x: x[2] > 0.5})
     basis = vector_basis(mesh, element, intorder=4)
     materials = {name: sc.LinearElastic(E=1e3, nu=0.0) for name in ("low", "high")}
-    forms = {"cube": sc.SolidForm(basis, materials, strain=sc.three_dimensional)}
+    forms = {"cube": sc.SolidForm(basis, materials, strain="full")}
     x = basis.zeros()
     x[2::3] = 0.1 * basis.doflocs[2, 2::3]
     states = {"cube": forms["cube"].assemble(x, forms["cube"].initial_state()).state}
-    return forms, sc.StageResult("now", x, 0 * x, states, (), 0.0)
+    return forms, StageResult("now", x, 0 * x, states, (), 0.0, forms=forms)
 
 
 @needs_opengl
 @pytest.mark.parametrize("element", IN_SPACE)
 def test_cutaway(element, monkeypatch):
     """What is drawn of a cube of which a part is cut away: its volume, its field and lines on all of its faces."""
-    drawn = {}
-    monkeypatch.setattr(cutaway, "_draw", lambda plotter, straight, kept, *rest: drawn.update(all=straight, kept=kept))
-    forms, step = cube(element)
-    plot.cutaway(forms, step, "uz", cuts=[((0, -1, 0), (0, 0.25, 0)), ((3, 0, 0), (0.5, 0, 0))])
-    kept = drawn["kept"]
-    volumes = np.abs(kept.compute_cell_sizes()["Volume"])
+    drawn = []
+    monkeypatch.setattr(Cutaway, "draw", lambda scene, *_: drawn.append(scene))
+    _, step = cube(element)
+    plot.cutaway(step, "uz", cuts=[((0, -1, 0), (0, 0.25, 0)), ((3, 0, 0), (0.5, 0, 0))])
+    (scene,) = drawn
+    volumes = np.abs(scene.kept.compute_cell_sizes()["Volume"])
     assert volumes.sum() == pytest.approx(0.5 * 0.75, rel=1e-6)  # VTK's points are single
-    np.testing.assert_allclose(kept["values"], 0.1 * kept.points[:, 2], atol=1e-7)
-    np.testing.assert_allclose(cutaway._volumes(drawn["all"]).sum(), 1.0, rtol=1e-6)
-    planes = [cutaway._plane((0, -1, 0), (0, 0.25, 0))]
-    lines = [lines for lines, _ in cutaway._lines(drawn["all"], planes, 0.0, True)]
-    points = np.concatenate([one.points for one in lines])
+    values, sizes = scene.samples
+    np.testing.assert_allclose(values, 0.1 * scene.kept.points[:, 2], atol=1e-7)
+    np.testing.assert_allclose(sizes.sum(), 0.5 * 0.75, rtol=1e-6)
+    np.testing.assert_allclose(_volumes(scene.straight).sum(), 1.0, rtol=1e-6)
+    scene.planes = scene.planes[:1]
+    points = np.concatenate([lines.points for lines, _ in scene.edges(True)])
     assert points[:, 1].min() == 0.25 and np.any((points[:, 1] == 0.25) & (points[:, 2] == 0.5))  # also between regions
 
 
 @needs_opengl
 def test_cutaway_is_seen():
     """The cube from the side is a square, the half that a cut leaves is twice as wide as high; both have colours."""
-    forms, step = cube("Q1")
+    _, step = cube("Q1")
     look = {"towards": (-1, 0.1, -0.1), "limits": (-0.1, 0.1)}
-    whole = shot(plot.cutaway(forms, step, "uz", **look))
-    half = shot(plot.cutaway(forms, step, "uz", cuts=[((0, 0, 1), (0, 0, 0.5))], mesh=False, **look))
+    whole = shot(plot.cutaway(step, "uz", **look))
+    half = shot(plot.cutaway(step, "uz", cuts=[((0, 0, 1), (0, 0, 0.5))], mesh=False, **look))
     for image, ratio in ((whole, 1.0), (half, 0.5)):
         seen = np.argwhere(colored(image[:-FOOT]))
         wide, high = np.ptp(seen, axis=0)[::-1]
         assert high / wide == pytest.approx(ratio, rel=0.25)  # seen from a little above and aside
     for message, refused in {
-        "normal": lambda: plot.cutaway(forms, step, "uz", cuts=[((0, 0, 0), (0, 0, 0))]),
-        "upright": lambda: plot.cutaway(forms, step, "uz", towards=(0, 0, 1)),
-        "leave nothing": lambda: plot.cutaway(forms, step, "uz", cuts=[((0, 0, 1), (0, 0, -1))]),
-        "in space": lambda: plot.cutaway(*block(), "uy"),
+        "normal": lambda: plot.cutaway(step, "uz", cuts=[((0, 0, 0), (0, 0, 0))]),
+        "upright": lambda: plot.cutaway(step, "uz", towards=(0, 0, 1)),
+        "leave nothing": lambda: plot.cutaway(step, "uz", cuts=[((0, 0, 1), (0, 0, -1))]),
+        "in space": lambda: plot.cutaway(block()[1], "uy"),
+        "does not draw contact": lambda: plot.cutaway(step, "uz", contact=True),
     }.items():
         with pytest.raises(ValueError, match=message):
             refused()

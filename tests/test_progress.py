@@ -6,8 +6,8 @@ import sys
 
 import numpy as np
 
-import skfem_contact as sc
 from skfem_contact.display import progress_bar
+from skfem_contact.results import Result, StageResult
 
 
 class Terminal:
@@ -36,7 +36,7 @@ def test_bars_are_shown_where_somebody_looks_on(monkeypatch):
 
 
 def test_results_are_tables_in_notebooks():
-    stage = sc.StageResult("dig & fill", np.zeros(2), np.zeros(2), {}, (3, 4), 1e-9, 1.0, {"soil": "2.0% yielded"})
-    table = sc.Result((stage,))._repr_html_()
+    stage = StageResult("dig & fill", np.zeros(2), np.zeros(2), {}, (3, 4), 1e-9, 1.0, {"soil": "2.0% yielded"})
+    table = Result((stage,))._repr_html_()
     assert "<td style=\"text-align:left\">dig &amp; fill</td>" in table
     assert ">7</td>" in table and "soil: 2.0% yielded" in table

@@ -9,6 +9,7 @@ from helpers import grid, vector_basis
 from skfem import Basis, ElementQuad2, ElementTetP1, ElementTriP2, ElementVector, MeshQuad, MeshTet
 
 import skfem_contact as sc
+from skfem_contact.results import Result
 
 E, NU, FORCE, LEVER = 1e4, 0.49, 100.0, 0.3
 
@@ -26,7 +27,7 @@ def elastic(request):
     footing = sc.RigidBoundary(basis, "footing", rotates=request.param)
     forms = {"ground": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=NU)), "footing": footing}
     load = footing.load((0.0, -FORCE), at=(LEVER, 0.0))
-    return request.param, basis, footing, sc.run(forms, [sc.Stage("load", load)], sc.box_supports(basis))["load"]
+    return request.param, basis, footing, sc.Model(forms, sc.box_supports(basis)).run([sc.Stage("load", load)])["load"]
 
 
 def test_rotation_of_a_rigid_strip_on_the_half_plane(elastic):
@@ -63,7 +64,7 @@ def test_collapse_under_a_load_with_a_lever():
     forms = {"clay": sc.SolidForm(basis, sc.Tresca(E=1e4, nu=0.45, c=c)), "footing": footing}
 
     def capacity(load):
-        return sc.limit_load(forms, sc.box_supports(basis), load, step=10.0, progress=False).multiplier
+        return sc.Model(forms, sc.box_supports(basis)).limit_load(load, step=10.0, progress=False).multiplier
 
     def at(lever):
         return footing.load((0.0, -1.0), at=(lever, 0.0))
@@ -78,9 +79,9 @@ def test_displacements_are_counted_anew(elastic):
     """[X] The same load once more on the footing that has been reset: the same motion, and no jump in between."""
     _, basis, footing, stage = elastic
     forms = {"ground": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=NU)), "footing": footing}
-    reset = sc.reset_displacements(forms, sc.Result((stage,)))
+    reset = Result((stage,)).reset()
     stages = [sc.Stage("still", stage.load), sc.Stage("twice", 2.0 * stage.load)]
-    still, twice = list(sc.run(forms, stages, sc.box_supports(basis), start=reset))[-2:]
+    still, twice = list(sc.Model(forms, sc.box_supports(basis)).run(stages, start=reset))[-2:]
     size = np.abs(stage.x[:basis.N]).max()
     assert np.abs(still.x[:basis.N]).max() < 1e-7 * size
     assert np.abs(twice.x - stage.x)[:basis.N].max() < 1e-7 * size
@@ -92,7 +93,7 @@ def test_a_cap_in_space():
     cap = sc.RigidBoundary(basis, "top")
     at = np.array([0.5, 1.0, 0.5])
     forms = {"block": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.0)), "cap": cap}
-    x = sc.run(forms, [sc.Stage("pull", cap.load((0.0, 10.0, 0.0), at))], basis.get_dofs("bottom").all())["pull"].x
+    x = sc.Model(forms, basis.get_dofs("bottom").all()).run([sc.Stage("pull", cap.load((0.0, 10.0, 0.0), at))])["pull"].x
     assert cap.motion(x, at) == pytest.approx((0.0, 0.01, 0.0), abs=1e-9)
 
 
@@ -106,7 +107,7 @@ def test_two_footings_one_after_the_other():
     right = sc.RigidBoundary(basis, "right", after=left)
     forms = {"soil": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3)), "left": left, "right": right}
     load = left.load((0.0, -10.0), at=(2.3, 2.0)) + right.load((0.0, -10.0), at=(5.7, 2.0))
-    stage = sc.run(forms, [sc.Stage("load", load)], sc.box_supports(basis))["load"]
+    stage = sc.Model(forms, sc.box_supports(basis)).run([sc.Stage("load", load)])["load"]
     sunk = []
     for name, footing in (("left", left), ("right", right)):
         down = basis.get_dofs(name).all("u^2")
@@ -121,7 +122,7 @@ def test_bad_input():
     with pytest.raises(ValueError, match=r"no boundary 'tip'; existing: bottom"):
         sc.RigidBoundary(basis, "tip")
     with pytest.raises(ValueError, match="belongs to no solid"):
-        sc.run({"cap": sc.RigidBoundary(basis, "top")}, [sc.Stage("load", basis.zeros())], fixed=[])
+        sc.Model({"cap": sc.RigidBoundary(basis, "top")}).run([sc.Stage("load", basis.zeros())])
     with pytest.raises(ValueError, match="force must be finite"):
         sc.RigidBoundary(basis, "top").load((0.0, np.nan), at=(0.0, 1.0))
 
@@ -135,8 +136,8 @@ def test_a_footing_that_is_held_besides():
     moved[across] = 0.1
     stage, fixed = sc.Stage("push", basis.zeros(), prescribed=moved), sc.box_supports(basis)
     with pytest.raises(sc.NotConverged, match="the force of a rigid footing at"):
-        sc.run(forms, [stage], np.append(fixed, across), progress=False)
-    pushed = sc.run(forms, [stage], np.append(fixed, across[0]), progress=False)["push"]
+        sc.Model(forms, np.append(fixed, across)).run([stage], progress=False)
+    pushed = sc.Model(forms, np.append(fixed, across[0])).run([stage], progress=False)["push"]
     assert pushed.x[across] == pytest.approx(0.1)
 
 
@@ -151,7 +152,7 @@ def test_a_footing_on_contact_goes_on_from_a_start():
     }
     down, fixed = footing.load((0.0, -FORCE), at=(0.6, 2.0)), basis.get_dofs("a:bottom").all()
     stages = [sc.Stage("half", 0.5 * down), sc.Stage("whole", down)]
-    both = sc.run(forms, stages, fixed, progress=False)
-    start = sc.run(forms, stages[:1], fixed, progress=False)
-    again = sc.run(forms, stages[1:], fixed, start=start, progress=False)
+    both = sc.Model(forms, fixed).run(stages, progress=False)
+    start = sc.Model(forms, fixed).run(stages[:1], progress=False)
+    again = sc.Model(forms, fixed).run(stages[1:], start=start, progress=False)
     assert again["whole"].x == pytest.approx(both["whole"].x, abs=1e-12)

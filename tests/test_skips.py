@@ -7,12 +7,15 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from helpers import grid, vector_basis
+from helpers import grid, run_stages, vector_basis
 
 import skfem_contact as sc
-from skfem_contact import solid
 from skfem_contact.contact import interface, neighbours
+from skfem_contact.contact.laws import Status
+from skfem_contact.contact.penalty import choose_penalties
+from skfem_contact.forms import solid
 from skfem_contact.nonlinear.stepping import Predictor
+from skfem_contact.results import Result
 from skfem_contact.solvers import direct, schur, superlu
 from skfem_contact.solvers.choice import as_solver
 from skfem_contact.solvers.schur import SchurSolver
@@ -41,11 +44,11 @@ def pressed(material: sc.MohrCoulomb | sc.LinearElastic, load: float = 40.0, abo
     return forms, [sc.Stage("pressed", basis.zeros(), prescribed=x, increments=3)], fixed
 
 
-def analysed(*scene) -> sc.Result:
-    return sc.run(*scene, newton=NEWTON)
+def analysed(*scene) -> Result:
+    return run_stages(*scene, newton=NEWTON)
 
 
-def assert_same(one: sc.Result, other: sc.Result) -> None:
+def assert_same(one: Result, other: Result) -> None:
     a, b = one[-1], other[-1]
     assert a.iterations == b.iterations
     np.testing.assert_allclose(a.x, b.x, rtol=0, atol=SAME * np.abs(b.x).max())
@@ -53,7 +56,7 @@ def assert_same(one: sc.Result, other: sc.Result) -> None:
     np.testing.assert_allclose(a.states["joint"].traction[0], pressure, rtol=0, atol=SAME * np.abs(pressure).max())
 
 
-def assert_same_state(one: sc.Result, other: sc.Result) -> None:
+def assert_same_state(one: Result, other: Result) -> None:
     a, b = one[-1], other[-1]
     np.testing.assert_allclose(a.x, b.x, rtol=0, atol=SAME * np.abs(b.x).max())
     for new, old in zip(*((*s.traction, s.slip) for s in (a.states["joint"], b.states["joint"])), strict=True):
@@ -61,7 +64,7 @@ def assert_same_state(one: sc.Result, other: sc.Result) -> None:
     np.testing.assert_array_equal(a.states["joint"].status, b.states["joint"].status)
 
 
-def assert_identical(one: sc.Result, other: sc.Result) -> None:
+def assert_identical(one: Result, other: Result) -> None:
     """To the last bit, what open points remember included."""
     a, b = one[-1], other[-1]
     assert a.iterations == b.iterations
@@ -122,10 +125,10 @@ def test_factors_are_kept_while_only_the_interface_changes(monkeypatch: pytest.M
     """Elastic bodies in contact: two factorisations, one of them with the interface last, instead of one each."""
     kept, each = counted(monkeypatch, schur, "splu"), counted(monkeypatch, superlu, "splu")
     scene = pressed(rock)
-    result = sc.run(*scene, newton=NEWTON, solver="superlu")
+    result = run_stages(*scene, newton=NEWTON, solver="superlu")
     assert (len(kept), len(each)) == (1, 1)
     monkeypatch.setattr(setup, "linear_solver", lambda forms, *args: as_solver(*args))
-    assert_same(result, sc.run(*scene, newton=NEWTON, solver="superlu"))
+    assert_same(result, run_stages(*scene, newton=NEWTON, solver="superlu"))
     assert len(each) > 5
 
 
@@ -139,7 +142,7 @@ def test_factors_are_not_kept_where_bodies_yield(monkeypatch: pytest.MonkeyPatch
 def test_interface_solver_solves_as_a_new_factor_does() -> None:
     """Solutions with kept factors have small residuals, whatever has changed on the interface."""
     forms, _, fixed = pressed(rock)
-    forms = sc.choose_penalties(forms)
+    forms = choose_penalties(forms)
     basis = forms["block"].basis
     free = np.setdiff1d(np.arange(basis.N), fixed)
     joint, rng = forms["joint"], np.random.default_rng(3)
@@ -241,7 +244,7 @@ def test_an_unchanged_matrix_is_not_factored_again(monkeypatch: pytest.MonkeyPat
     calls = counted(monkeypatch, superlu, "splu")
 
     def displacements() -> np.ndarray:
-        return sc.run(forms, stages, fixed, solver="superlu")[-1].x
+        return sc.Model(forms, fixed, solver="superlu").run(stages)[-1].x
 
     once = displacements()
     assert len(calls) == 1
@@ -262,10 +265,10 @@ def test_a_line_search_pays_for_no_tangent(monkeypatch: pytest.MonkeyPatch) -> N
 def test_an_order_of_elimination_serves_for_the_whole_analysis(monkeypatch: pytest.MonkeyPatch) -> None:
     """Bodies that yield are ordered once; ordered anew for every tangent they give the same."""
     orders = counted(monkeypatch, superlu, "nested_dissection")
-    once = sc.run(*pressed(soil), newton=NEWTON, solver="superlu")
+    once = run_stages(*pressed(soil), newton=NEWTON, solver="superlu")
     assert len(orders) == 1
     monkeypatch.setattr(superlu.SuperLU, "outdated", lambda self: True)
-    assert_same(once, sc.run(*pressed(soil), newton=NEWTON, solver="superlu"))
+    assert_same(once, run_stages(*pressed(soil), newton=NEWTON, solver="superlu"))
     assert len(orders) > sum(once[-1].iterations)
 
 
@@ -281,7 +284,7 @@ def test_increments_start_where_the_last_one_leads(monkeypatch: pytest.MonkeyPat
     afresh = analysed(forms, stages, fixed)
     assert_same_state(ahead, afresh)
     assert sum(ahead[-1].iterations) < 0.8 * sum(afresh[-1].iterations)
-    assert (ahead[-1].states["joint"].status == sc.Status.SLIP).any()
+    assert (ahead[-1].states["joint"].status == Status.SLIP).any()
 
 
 def test_an_increment_that_fails_ahead_starts_from_where_it_stands(monkeypatch: pytest.MonkeyPatch) -> None:

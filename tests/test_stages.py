@@ -13,6 +13,7 @@ from scipy.sparse import identity
 from skfem import FacetBasis, LinearForm
 
 import skfem_contact as sc
+from skfem_contact.contact.laws import Status
 
 QUIET = {"progress": False}
 
@@ -34,7 +35,7 @@ def brace(strength: float = 10.0):
     """A soil sample between rough plates: the upper one is free to sink, so that a load may be too large."""
     basis = vector_basis(grid("Q1", np.linspace(0, 1, 5), np.linspace(0, 1, 5)), "Q1", intorder=2)
     soil = sc.MohrCoulomb(E=1e4, nu=0.3, c=strength, phi=0.0)
-    return basis, {"soil": sc.SolidForm(basis, soil, sc.b_bar)}, basis.get_dofs("bottom").all()
+    return basis, {"soil": sc.SolidForm(basis, soil, "b_bar")}, basis.get_dofs("bottom").all()
 
 
 def friction_blocks(quadrature=2, mu: float = 0.3):
@@ -48,7 +49,7 @@ def friction_blocks(quadrature=2, mu: float = 0.3):
     basis = vector_basis(mesh, "Q1", intorder=2)
     materials = {"base": sc.MohrCoulomb(E=1e4, nu=0.3, c=12.0, phi=20.0), "block": sc.LinearElastic(E=1e4, nu=0.2)}
     forms = {
-        "solid": sc.SolidForm(basis, materials, sc.b_bar),
+        "solid": sc.SolidForm(basis, materials, "b_bar"),
         "joint": sc.ContactPair(basis, "block:bottom", "base:top", sc.Coulomb(mu), quadrature, penalty=1e6),
     }
     top = LinearForm(lambda v, w: -20.0 * v[1]).assemble(FacetBasis(mesh, basis.elem, facets="block:top"))
@@ -60,7 +61,7 @@ def test_gravity_column():
     """[X] Case K1: settlement gamma H^2 / 2M, stresses gamma z and nu / (1 - nu) of it, with quadratic elements."""
     basis, forms, fixed = column(element="Q2")
     modulus = 1e3 * 0.75 / (1.25 * 0.5)
-    result = sc.run(forms, [sc.Stage("gravity", sc.weight(basis, 20.0))], fixed, **QUIET)["gravity"]
+    result = sc.Model(forms, fixed).run([sc.Stage("gravity", sc.weight(basis, 20.0))], **QUIET)["gravity"]
     np.testing.assert_allclose(result.x[basis.get_dofs("top").all("u^2")], -20 * 4 / (2 * modulus), rtol=1e-10)
     depth = 2 - np.asarray(basis.global_coordinates())[1]
     stress = result.states["column"].stress
@@ -81,7 +82,7 @@ def test_linear_problem_takes_one_iteration(increments, rng):
     stages = [
         sc.Stage(f"{k}", load, place, increments) for k, (load, place) in enumerate(zip(loads, places, strict=True))
     ]
-    result = sc.run(forms, stages, fixed, **QUIET)
+    result = sc.Model(forms, fixed).run(stages, **QUIET)
     K = forms["column"].elastic_stiffness
     free = np.setdiff1d(np.arange(basis.N), fixed)
     for stage, load, place in zip(result, loads, places, strict=True):
@@ -103,7 +104,7 @@ def test_prescribed_displacements_stay_where_they_are():
         sc.Stage("load", sc.weight(basis, 5.0)),
         sc.Stage("up", sc.weight(basis, 5.0), basis.zeros(), 3),
     ]
-    result = sc.run(forms, stages, fixed, **QUIET)
+    result = sc.Model(forms, fixed).run(stages, **QUIET)
     np.testing.assert_array_equal(result["down"].x[top], -0.01)
     np.testing.assert_array_equal(result["load"].x[top], -0.01)
     np.testing.assert_array_equal(result["up"].x[top], 0.0)
@@ -115,7 +116,7 @@ def test_values_at_free_unknowns_do_not_count(rng):
     field = rng.standard_normal(basis.N)
     field[fixed] = 0.0
     load = pressed(basis, 3.0)
-    a, b = (sc.run(forms, [sc.Stage("s", load, p)], fixed, **QUIET)["s"].x for p in (None, field))
+    a, b = (sc.Model(forms, fixed).run([sc.Stage("s", load, p)], **QUIET)["s"].x for p in (None, field))
     np.testing.assert_array_equal(a, b)
 
 
@@ -127,7 +128,7 @@ def test_one_step_equals_many_where_the_path_does_not_matter():
         forms["solid"] = sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3))
         hold = basis.get_dofs("block:left").all("u^1")
         stages = [sc.Stage("load", top, None, increments)]
-        results.append(sc.run(forms, stages, np.concatenate((fixed, hold)), newton=sc.Newton(1e-11), **QUIET)[0])
+        results.append(sc.Model(forms, np.concatenate((fixed, hold)), newton=sc.Newton(1e-11)).run(stages, **QUIET)[0])
         assert len(results[-1].iterations) == increments
     for other in results[1:]:
         np.testing.assert_allclose(other.x, results[0].x, atol=1e-9 * np.abs(results[0].x).max())
@@ -140,12 +141,12 @@ def test_increments_are_cut_and_grow_again(caplog):
     load = top + 10.0 * side
     with caplog.at_level(logging.INFO, "skfem_contact"):
         few = sc.Newton(tolerance=1e-8, max_iterations=1)
-        result = sc.run(forms, [sc.Stage("top", top), sc.Stage("push", load)], fixed, newton=few, **QUIET)
+        result = sc.Model(forms, fixed, newton=few).run([sc.Stage("top", top), sc.Stage("push", load)], **QUIET)
     assert "cut to" in caplog.text
     assert result["push"].fraction == 1.0 and len(result["push"].iterations) > 1
     # two searches, each with up to four iterations where the active set is new
     assert max(result["push"].iterations) <= 2 * 4
-    whole = sc.run(forms, [sc.Stage("top", top), sc.Stage("push", load)], fixed, **QUIET)
+    whole = sc.Model(forms, fixed).run([sc.Stage("top", top), sc.Stage("push", load)], **QUIET)
     # the path through the increments differs a little in friction and yielding
     np.testing.assert_allclose(result["push"].x, whole["push"].x, atol=0.02 * np.abs(whole["push"].x).max())
 
@@ -155,7 +156,7 @@ def test_failure_tells_how_far_where_and_why():
     basis, forms, fixed = brace(strength=10.0)
     load = pressed(basis, 40.0)  # a sample of this strength bears some 20 to 30
     with pytest.raises(sc.NotConverged) as error:
-        sc.run(forms, [sc.Stage("first", 0.25 * load), sc.Stage("second", load)], fixed, **QUIET)
+        sc.Model(forms, fixed).run([sc.Stage("first", 0.25 * load), sc.Stage("second", load)], **QUIET)
     message = str(error.value)
     partial = error.value.result
     assert [s.name for s in partial] == ["first", "second"]
@@ -174,7 +175,7 @@ def test_failure_tells_how_far_where_and_why():
     assert np.linalg.norm(residual) < 1e-7 * np.linalg.norm(last.load)
     np.testing.assert_allclose(again.state.stress, last.states["soil"].stress, atol=1e-9)
     # and the analysis can go on from there with what it bears
-    unload = sc.run(forms, [sc.Stage("unload", 0.0 * load)], fixed, start=partial, **QUIET)
+    unload = sc.Model(forms, fixed).run([sc.Stage("unload", 0.0 * load)], start=partial, **QUIET)
     assert [s.name for s in unload] == ["first", "second", "unload"] and unload["unload"].fraction == 1.0
 
 
@@ -182,7 +183,7 @@ def test_failure_before_anything_was_accepted():
     """[X] The partial result holds the stage with nothing of its load, and the state it began with."""
     basis, forms, fixed = brace(strength=1e-3)
     with pytest.raises(sc.NotConverged, match=r"stage 'all' stopped at 0\.00% of its load") as error:
-        sc.run(forms, [sc.Stage("all", pressed(basis, 1e3))], fixed, **QUIET)
+        sc.Model(forms, fixed).run([sc.Stage("all", pressed(basis, 1e3))], **QUIET)
     partial = error.value.result
     assert len(partial) == 1 and partial["all"].fraction == 0.0 and partial["all"].iterations == ()
     assert not partial["all"].x.any() and not partial["all"].states["soil"].stress.any()
@@ -210,7 +211,7 @@ def test_block_drawn_off_a_table():
         place[dragged] = 0.1 * k
         stages.append(sc.Stage(f"{0.1 * k:.1f}", own, place))
     with pytest.raises(sc.NotConverged) as error:
-        sc.run(forms, [sc.Stage("rest", own), *stages], fixed, newton=sc.Newton(max_iterations=10), **QUIET)
+        sc.Model(forms, fixed, newton=sc.Newton(max_iterations=10)).run([sc.Stage("rest", own), *stages], **QUIET)
     partial = error.value.result
     for stage in partial:
         joint = stage.states["joint"]
@@ -232,13 +233,13 @@ def test_resuming_equals_going_on(tmp_path):
     """[X] Case S25: saved after the second stage, loaded and continued: the same bits of all states."""
     _, forms, fixed, top, side = friction_blocks("segments")
     stages = [sc.Stage("top", top), sc.Stage("push", top + 8 * side), sc.Stage("back", top - 8 * side, None, 2)]
-    whole = sc.run(forms, stages, fixed, **QUIET)
-    assert (whole["push"].states["joint"].status == sc.Status.SLIP).any()
-    half = sc.run(forms, stages[:2], fixed, **QUIET)
+    whole = sc.Model(forms, fixed).run(stages, **QUIET)
+    assert (whole["push"].states["joint"].status == Status.SLIP).any()
+    half = sc.Model(forms, fixed).run(stages[:2], **QUIET)
     half.save(tmp_path / "half.npz")
     _, again, *_ = friction_blocks("segments")
     loaded = sc.load_result(tmp_path / "half.npz", again)
-    resumed = sc.run(again, stages[2:], fixed, start=loaded, **QUIET)
+    resumed = sc.Model(again, fixed).run(stages[2:], start=loaded, **QUIET)
     assert [s.name for s in resumed] == ["top", "push", "back"]
     for a, b in zip(whole, resumed, strict=True):
         # a new factor of the same matrix may round differently
@@ -254,7 +255,7 @@ def test_two_runs_are_the_same():
     results = []
     for _ in range(2):
         _, forms, fixed, top, side = friction_blocks("segments")
-        results.append(sc.run(forms, [sc.Stage("a", top), sc.Stage("b", top + 8 * side)], fixed, **QUIET)["b"])
+        results.append(sc.Model(forms, fixed).run([sc.Stage("a", top), sc.Stage("b", top + 8 * side)], **QUIET)["b"])
     assert np.array_equal(results[0].x, results[1].x) and results[0].iterations == results[1].iterations
     assert np.array_equal(results[0].states["joint"].traction[1], results[1].states["joint"].traction[1])
 
@@ -264,7 +265,7 @@ def test_run_changes_nothing_of_its_arguments():
     basis, forms, fixed, top, _ = friction_blocks()
     forms["joint"] = sc.ContactPair(basis, "block:bottom", "base:top", sc.Coulomb(0.3), quadrature="nodal")
     before = top.copy(), fixed.copy()
-    result = sc.run(forms, [sc.Stage("top", top)], fixed, **QUIET)
+    result = sc.Model(forms, fixed).run([sc.Stage("top", top)], **QUIET)
     assert forms["joint"].penalty is None
     assert np.array_equal(top, before[0]) and np.array_equal(fixed, before[1])
     assert result["top"].load is not top or np.array_equal(result["top"].load, before[0])
@@ -274,19 +275,19 @@ def test_equal_numbers_of_fixed_unknowns_may_repeat():
     """[X] Corner nodes are listed twice where two boundaries meet."""
     basis, forms, fixed = column()
     load = pressed(basis, 1.0)
-    a, b = (sc.run(forms, [sc.Stage("s", load)], f, **QUIET)["s"].x for f in (fixed, list(fixed) + list(fixed[:3])))
+    a, b = (sc.Model(forms, f).run([sc.Stage("s", load)], **QUIET)["s"].x for f in (fixed, list(fixed) + list(fixed[:3])))
     assert np.array_equal(a, b)
 
 
 def test_progress_bar(capsys):
     """[X] Off it writes nothing; on it shows the stage."""
     basis, forms, fixed = column()
-    sc.run(forms, [sc.Stage("gravity", sc.weight(basis, 1.0))], fixed, progress=False)
+    sc.Model(forms, fixed).run([sc.Stage("gravity", sc.weight(basis, 1.0))], progress=False)
     out = capsys.readouterr()
     assert out.out == "" and out.err == ""
-    sc.run(forms, [sc.Stage("gravity", sc.weight(basis, 1.0))], fixed)  # no terminal here
+    sc.Model(forms, fixed).run([sc.Stage("gravity", sc.weight(basis, 1.0))])  # no terminal here
     assert capsys.readouterr().err == ""
-    sc.run(forms, [sc.Stage("gravity", sc.weight(basis, 1.0))], fixed, progress=True)
+    sc.Model(forms, fixed).run([sc.Stage("gravity", sc.weight(basis, 1.0))], progress=True)
     assert "gravity" in capsys.readouterr().err
 
 
@@ -296,20 +297,20 @@ def test_soft_penalty_is_warned_of():
     forms["joint"] = forms["joint"].with_penalty(1e3, 1e3)
     words = r"stage 'top', joint: the slave penetrates by 1\d\.\d%"
     with pytest.warns(sc.AnalysisWarning, match=words) as caught:
-        sc.run(forms, [sc.Stage("top", top)], fixed, **QUIET)
+        sc.Model(forms, fixed).run([sc.Stage("top", top)], **QUIET)
     assert caught[0].filename == __file__  # it points at the caller's line
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        sc.run({**forms, "joint": forms["joint"].with_penalty(1e7, 1e7)}, [sc.Stage("top", top)], fixed, **QUIET)
+        sc.Model({**forms, "joint": forms["joint"].with_penalty(1e7, 1e7)}, fixed).run([sc.Stage("top", top)], **QUIET)
 
 
 def test_from_elastic_to_plastic_stage():
     """[X] Materials may change between runs: what was carried elastically yields in the next stage."""
     basis, forms, fixed = column()
     load = pressed(basis, 10.0)
-    first = sc.run(forms, [sc.Stage("elastic", load)], fixed, **QUIET)
+    first = sc.Model(forms, fixed).run([sc.Stage("elastic", load)], **QUIET)
     plastic = {"column": forms["column"].with_materials({"all": sc.MohrCoulomb(E=1e3, nu=0.25, c=1.0, phi=10.0)})}
-    second = sc.run(plastic, [sc.Stage("plastic", load)], fixed, start=first, **QUIET)
+    second = sc.Model(plastic, fixed).run([sc.Stage("plastic", load)], start=first, **QUIET)
     assert not len(second["elastic"].states["column"].internal)
     assert second["plastic"].states["column"].internal.max() > 0
     # confined: sigma_h = K_a-like ratio of the yield condition, vertical stress in equilibrium
@@ -325,14 +326,14 @@ def test_own_form_may_hold_a_body():
     springs = Springs(7.0 * identity(basis.N, format="csr"))
     forms = {"body": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.2)), "springs": springs}
     load = np.ones(basis.N)
-    result = sc.run(forms, [sc.Stage("s", load)], np.zeros(0, int), **QUIET)["s"]
+    result = sc.Model(forms, np.zeros(0, int)).run([sc.Stage("s", load)], **QUIET)["s"]
     np.testing.assert_allclose(result.x, 1 / 7, rtol=1e-9)
 
 
 def test_nothing_to_do_takes_no_iterations():
     """[X] No load, no displacement: the state is the same."""
     basis, forms, fixed = column()
-    result = sc.run(forms, [sc.Stage("rest", basis.zeros())], fixed, **QUIET)["rest"]
+    result = sc.Model(forms, fixed).run([sc.Stage("rest", basis.zeros())], **QUIET)["rest"]
     assert result.iterations == (0,) and not result.x.any() and result.residual == 0.0
 
 
@@ -340,7 +341,7 @@ def test_matching_blocks_under_their_weight():
     """[X] Case J9: sum of the base's reactions and of the joint's pressure are the weights above."""
     basis, forms, fixed, *_ = friction_blocks()
     load = sc.weight(basis, 20.0)
-    result = sc.run(forms, [sc.Stage("weight", load)], fixed, newton=sc.Newton(1e-11), **QUIET)["weight"]
+    result = sc.Model(forms, fixed, newton=sc.Newton(1e-11)).run([sc.Stage("weight", load)], **QUIET)["weight"]
     internal = sum(f.assemble(result.x, result.states[k]).force for k, f in forms.items())
     assert internal[fixed][1::2].sum() - load[fixed][1::2].sum() == pytest.approx(20 * (0.5 + 1.0), rel=1e-9)
     pushed = forms["joint"].assemble(result.x, result.states["joint"]).force
@@ -368,7 +369,7 @@ def test_overlap_at_once_or_ramped(quadrature, overlap):
         }
         smooth = basis.get_dofs({"lower:left", "lower:right", "upper:left", "upper:right"}).all("u^1")
         fixed = np.concatenate((basis.get_dofs({"lower:bottom", "upper:top"}).all(), smooth))
-        results.append(sc.run(forms, [sc.Stage("fit", basis.zeros())], fixed, newton=sc.Newton(1e-11), **QUIET)["fit"])
+        results.append(sc.Model(forms, fixed, newton=sc.Newton(1e-11)).run([sc.Stage("fit", basis.zeros())], **QUIET)["fit"])
         # two columns of the length 0.5 + overlap / 2 and the penalty in series
         pressure = overlap / (2 * (0.5 + overlap / 2) / 1e4 + 1e-6)
         np.testing.assert_allclose(results[-1].states["joint"].traction[0], -pressure, rtol=1e-6)

@@ -6,6 +6,7 @@ from contextlib import nullcontext, suppress
 
 import numpy as np
 import pytest
+from helpers import analysis
 from skfem import Basis, ElementTriP2, ElementVector, MeshTri
 
 import skfem_contact as sc
@@ -26,31 +27,31 @@ def slope(material):
 ], ids=["clay", "psi = phi", "psi = 0"])
 def test_as_strength_reduction(material):
     """[N] It stands below the factor of safety and does not above it; with psi = 0 there may be no answer above it."""
-    found = sc.strength_reduction(*slope(material(1.0)), tol=0.01, progress=False)
+    found = analysis("strength_reduction", *slope(material(1.0)), tolerance=0.01, progress=False)
     low, high = found.bracket
     margin = 0.02 if found.davis is None else 0.1
-    assert sc.stands(*slope(material(low * (1 - margin))))
+    assert analysis("is_stable", *slope(material(low * (1 - margin))))
     with nullcontext() if found.davis is None else suppress(sc.NotConverged):
-        assert not sc.stands(*slope(material(high * (1 + margin))))
+        assert not analysis("is_stable", *slope(material(high * (1 + margin))))
 
 
 def test_from_a_stage():
     """[N] A surcharge on a slope that carries its weight: below and above its limit load."""
     forms, fixed, weight = slope(sc.Tresca(E=1e5, nu=0.3, c=40.0))
-    start = sc.run(forms, [sc.Stage("weight", weight)], fixed, progress=False)
+    start = sc.Model(forms, fixed).run([sc.Stage("weight", weight)], progress=False)
     basis = forms["slope"].basis
     crest = np.flatnonzero((basis.doflocs[1] > 20 - 1e-9) & (basis.doflocs[0] > 10) & (np.arange(basis.N) % 2 == 1))
     surcharge = basis.zeros()
     surcharge[crest] = -1.0
-    limit = sc.limit_load(forms, fixed, surcharge, start=start, tol=0.01, step=20.0, progress=False).multiplier
-    assert sc.stands(forms, fixed, weight + 0.97 * limit * surcharge, start=start)
-    assert not sc.stands(forms, fixed, weight + 1.05 * limit * surcharge, start=start)
+    limit = sc.Model(forms, fixed).limit_load(surcharge, start=start, tolerance=0.01, step=20.0, progress=False).multiplier
+    assert sc.Model(forms, fixed).is_stable(weight + 0.97 * limit * surcharge, start=start)
+    assert not sc.Model(forms, fixed).is_stable(weight + 1.05 * limit * surcharge, start=start)
 
 
 def test_neither_is_warned_of():
     """Too few iterations are no collapse."""
     with pytest.raises(sc.NotConverged, match="no equilibrium after 2 iterations"):
-        sc.stands(*slope(sc.Tresca(E=1e5, nu=0.3, c=40.0)), newton=sc.Newton(max_iterations=2))
+        analysis("is_stable", *slope(sc.Tresca(E=1e5, nu=0.3, c=40.0)), newton=sc.Newton(max_iterations=2))
     forms, fixed, _ = slope(sc.Tresca(E=1e5, nu=0.3, c=40.0))
     with pytest.raises(ValueError, match="there is no load"):
-        sc.stands(forms, fixed)
+        sc.Model(forms, fixed).is_stable()

@@ -6,6 +6,7 @@ import re
 
 import numpy as np
 import pytest
+from helpers import analysis
 from skfem import Basis, ElementQuad1, ElementTriP2, ElementVector, MeshQuad, MeshTri
 
 import skfem_contact as sc
@@ -44,7 +45,7 @@ def slope(unit_weight=20.0, mesh=None, **soil):
 
 
 def reduce(*problem, **settings):
-    return sc.strength_reduction(*problem, progress=False, **settings)
+    return analysis("strength_reduction", *problem, progress=False, **settings)
 
 
 @pytest.fixture(scope="module")
@@ -100,7 +101,7 @@ def test_what_is_elastic_until_it_collapses():
     fixed = np.hstack([basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1")])
     load = basis.zeros()
     load[basis.get_dofs("top").nodal["u^2"]] = -10.0 * np.array([0.25, 0.25, 0.5])
-    column = sc.SolidForm(basis, sc.MohrCoulomb(E=1e3, nu=0.3, c=10.0, phi=0.0), strain=sc.b_bar)
+    column = sc.SolidForm(basis, sc.MohrCoulomb(E=1e3, nu=0.3, c=10.0, phi=0.0), strain="b_bar")
     result = reduce({"soil": column}, fixed, load)
     assert result.factor == pytest.approx(2.0, abs=0.0025)  # a quarter of the tolerance
     assert result.stop == Stop("collapse", "the bodies are elastic up to there")
@@ -109,13 +110,13 @@ def test_what_is_elastic_until_it_collapses():
 def test_start_from_a_stage_gives_the_same_factor(reference):
     """K7 [X]: restarted and from scratch; with associated flow the path has no influence."""
     forms, fixed, load = slope()
-    stages = sc.run(forms, [sc.Stage("weight", load, increments=4)], fixed, progress=False)
+    stages = sc.Model(forms, fixed).run([sc.Stage("weight", load, increments=4)], progress=False)
     result = reduce(forms, fixed, start=stages)
     assert result.factor == pytest.approx(reference.factor, abs=0.001)
 
 
 @pytest.mark.parametrize("settings", [{"step": 0.02}, {"step": 0.4}, {"newton": sc.Newton(1e-6, 30)},
-                                      {"newton": sc.Newton(2e-3, 30)}, {"tol": 0.004}])
+                                      {"newton": sc.Newton(2e-3, 30)}, {"tolerance": 0.004}])
 @pytest.mark.parametrize("psi", [20.0, 0.0])
 def test_settings_do_not_make_a_collapse(reference, settings, psi):
     """S21 [X]: step and tolerance; the curve may end 0.0025 below its plateau, non-associated paths differ too."""
@@ -161,10 +162,10 @@ def test_unstable_slope_collapses_in_a_stage():
     """[X] The error of a load stage says collapse, not stall, and from where to where: about the limit load."""
     forms, fixed, load = slope(c=2.0, phi=10.0, psi=10.0)
     with pytest.raises(sc.NotConverged, match="collapse") as error:
-        sc.run(forms, [sc.Stage("weight", load)], fixed, progress=False)
+        sc.Model(forms, fixed).run([sc.Stage("weight", load)], progress=False)
     reached = error.value.result["weight"].fraction
     beyond = float(re.search(r"the displacements run away at ([\d.]+)%", str(error.value))[1]) / 100
-    limit = sc.limit_load(forms, fixed, load, progress=False)
+    limit = sc.Model(forms, fixed).limit_load(load, progress=False)
     assert reached < limit.bracket[1] and limit.bracket[0] < beyond  # associated flow: one limit, whatever the way
     assert beyond < 1.03 * reached  # where the stage ends: 2 % between them, and the digits of the message
 
@@ -241,7 +242,7 @@ def test_stall_is_no_collapse():
     ({"exclude": {"sand"}}, "no form or region 'sand'"),
     ({"method": "bisection"}, "'continuation' or 'bracket'"),
     ({"flow": "davis"}, "flow must be one of given, associated"),
-    ({"tol": 0.0}, "must be positive"),
+    ({"tolerance": 0.0}, "must be positive"),
     ({"step": -1.0}, "must be positive"),
     ({"exclude": {"soil"}}, "nothing to reduce"),
     ({"exclude": "soil"}, "nothing to reduce"),  # one name, not four letters

@@ -7,13 +7,15 @@ import pytest
 from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
 
 import skfem_contact as sc
+from skfem_contact.contact.laws import Status
+from skfem_contact.results import Result
 
 SLOPE = 0.4
 WEIGHT = 20.0
 ADHESION = 10.0 * np.sin(np.arctan(SLOPE))  # carries half of the driving force, 20 sin(beta)
 
 
-def on_an_incline(law: sc.Coulomb) -> tuple[dict, sc.Result, np.ndarray]:
+def on_an_incline(law: sc.Coulomb) -> tuple[dict, Result, np.ndarray]:
     """An elastic unit block at rest on a plane that is inclined by the slope; gravity is, in fact."""
     block = MeshQuad().refined(1).with_defaults()
     plane = block.scaled((3.0, 1.0)).translated((-1.0, -1.0))
@@ -23,7 +25,7 @@ def on_an_incline(law: sc.Coulomb) -> tuple[dict, sc.Result, np.ndarray]:
     forms = {"bodies": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.2)),
              "joint": sc.ContactPair(basis, "block:bottom", "plane:top", law, quadrature="nodal")}
     fixed = basis.get_dofs("plane:bottom").all()
-    return forms, sc.run(forms, [sc.Stage("weight", load)], fixed), fixed
+    return forms, sc.Model(forms, fixed).run([sc.Stage("weight", load)]), fixed
 
 
 @pytest.mark.parametrize(
@@ -34,7 +36,7 @@ def on_an_incline(law: sc.Coulomb) -> tuple[dict, sc.Result, np.ndarray]:
 def test_block_slides_when_friction_and_adhesion_are_used_up(law: sc.Coulomb, factor: float) -> None:
     """[X] F = mu / tan(beta) + a A / (W sin(beta)): both parts of the contact's strength are divided by the factor."""
     forms, rest, fixed = on_an_incline(law)
-    result = sc.strength_reduction(forms, fixed, start=rest, reduce={"joint"}, tol=0.01)
+    result = sc.Model(forms, fixed).strength_reduction(start=rest, reduce={"joint"}, tolerance=0.01)
     # the curve is followed to within the tolerance; the forces balance to 3e-4 of the largest, the weight, which is
     # 1 / 0.37 times what drives the block
     assert factor - 0.01 < result.factor < factor + 0.002
@@ -43,7 +45,7 @@ def test_block_slides_when_friction_and_adhesion_are_used_up(law: sc.Coulomb, fa
 def test_mechanism_is_the_block_that_slides_down() -> None:
     """The block moves as a whole and downhill, the plane stays."""
     forms, rest, fixed = on_an_incline(sc.Coulomb(mu=0.6))
-    result = sc.strength_reduction(forms, fixed, start=rest, reduce={"joint"})
+    result = sc.Model(forms, fixed).strength_reduction(start=rest, reduce={"joint"})
     basis = forms["bodies"].basis
     ux = result.mechanism[basis.nodal_dofs[0]]
     block = np.unique(basis.mesh.t[:, basis.mesh.subdomains["block"]])
@@ -56,7 +58,7 @@ def test_contact_that_is_excluded_keeps_its_strength() -> None:
     """With elastic bodies there is then nothing to reduce."""
     forms, rest, fixed = on_an_incline(sc.Coulomb(mu=0.6))
     with pytest.raises(ValueError, match="nothing to reduce"):
-        sc.strength_reduction(forms, fixed, start=rest, exclude="joint")
+        sc.Model(forms, fixed).strength_reduction(start=rest, exclude="joint")
 
 
 def test_collapse_goes_on_from_what_the_stages_have_left() -> None:
@@ -66,7 +68,7 @@ def test_collapse_goes_on_from_what_the_stages_have_left() -> None:
     mesh = mesh.with_boundaries({"middle": lambda x: np.abs(x[1] - 0.5) < 1e-9}, boundaries_only=False)
     basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
     clay = sc.MohrCoulomb(E=1e3, nu=0.3, c=10.0, phi=0.0)
-    forms = {name: sc.SolidForm(basis.with_elements(name), clay, sc.b_bar) for name in ("low", "high")}
+    forms = {name: sc.SolidForm(basis.with_elements(name), clay, "b_bar") for name in ("low", "high")}
     fixed = np.append(basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1"))
     tributary = np.array([0.125, 0.25, 0.25, 0.25, 0.125])
     loads = []
@@ -75,14 +77,14 @@ def test_collapse_goes_on_from_what_the_stages_have_left() -> None:
         loads.append(basis.zeros())
         loads[-1][basis.nodal_dofs[1, nodes[np.argsort(mesh.p[0, nodes])]]] = -10.0 * tributary
     stages = [sc.Stage("pressed", loads[0]), sc.Stage("dug", loads[1], deactivate="high")]
-    result = sc.run(forms, stages, fixed, progress=False)
-    found = sc.strength_reduction(forms, fixed, start=result, progress=False)
+    result = sc.Model(forms, fixed).run(stages, progress=False)
+    found = sc.Model(forms, fixed).strength_reduction(start=result, progress=False)
     assert found.factor == pytest.approx(2.0, abs=0.01)  # the tolerance of the search
     assert found.reduced == ("low.all",)
-    limit = sc.limit_load(forms, fixed, loads[1], start=result, progress=False)
+    limit = sc.Model(forms, fixed).limit_load(loads[1], start=result, progress=False)
     assert limit.multiplier == pytest.approx(1.0, abs=0.005)  # besides the load that is there
     with pytest.raises(ValueError, match="no form, though the start holds it, 'low'"):
-        sc.limit_load({"high": forms["high"]}, fixed, loads[1], start=result)
+        sc.Model({"high": forms["high"]}, fixed).limit_load(loads[1], start=result)
 
 
 @pytest.mark.parametrize("enforcement", [None, sc.AugmentedLagrangian()])
@@ -92,20 +94,20 @@ def test_end_with_contact_is_a_start(enforcement: sc.AugmentedLagrangian | None)
     block = MeshQuad.init_tensor(np.linspace(1, 2, 4), np.linspace(2, 3, 3)).with_defaults()
     mesh = sc.join_bodies({"ground": ground, "block": block})
     basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
-    forms = {"ground": sc.SolidForm(basis.with_elements("ground"), sc.Tresca(E=1e3, nu=0.3, c=10.0), strain=sc.b_bar),
+    forms = {"ground": sc.SolidForm(basis.with_elements("ground"), sc.Tresca(E=1e3, nu=0.3, c=10.0), strain="b_bar"),
              "block": sc.SolidForm(basis.with_elements("block"), sc.LinearElastic(E=1e5, nu=0.2)),
              "joint": sc.ContactPair(basis, "block:bottom", "ground:top", sc.Coulomb(mu=0.3), 2,
                                      enforcement=enforcement)}  # fmt: skip
     fixed = basis.get_dofs("ground:bottom").all()
     push = sc.traction(basis, "block:top", (0.0, -1.0))
-    first = sc.run(forms, [sc.Stage("rest", 5.0 * push)], fixed, progress=False)
-    end = sc.limit_load(forms, fixed, load=push, start=first, progress=False).end
+    first = sc.Model(forms, fixed).run([sc.Stage("rest", 5.0 * push)], progress=False)
+    end = sc.Model(forms, fixed).limit_load(push, start=first, progress=False).end
     pair, state = end.forms["joint"], end.states["joint"]
     assert abs(end.x).max() > 0.1  # of a block of 1
     again = pair.assemble(end.x, state).state
-    on = state.status != sc.Status.OPEN
+    on = state.status != Status.OPEN
     np.testing.assert_allclose(again.traction[:, on], state.traction[:, on], atol=1e-9 * abs(state.traction).max())
     np.testing.assert_allclose(state.gap[on], again.gap[on], atol=1e-12)
-    back = sc.run(forms, [sc.Stage("back", 5.0 * push)], fixed, start=end, progress=False)["back"]
+    back = sc.Model(forms, fixed).run([sc.Stage("back", 5.0 * push)], start=end, progress=False)["back"]
     top = basis.get_dofs("block:top").all("u^2")
     assert 0.5 * end.x[top].mean() > back.x[top].mean() > end.x[top].mean()  # sunk, and up by what is elastic

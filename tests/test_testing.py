@@ -38,13 +38,13 @@ LAWS = [
 @pytest.mark.parametrize("material", MATERIALS, ids=lambda m: type(m).__name__)
 def test_materials(material, ncomp):
     """[X] Every material of the package passes; differences over a step of 1e-9 are good to 1e-6."""
-    assert sc.check_material(material, ncomp=ncomp, steps=3) < 1e-6
+    assert sc.testing.check_material(material, ncomp=ncomp, steps=3) < 1e-6
 
 
 @pytest.mark.parametrize("law", LAWS, ids=repr)
 def test_interface_laws(law):
     """[X] Every interface law passes; these are piecewise linear or bilinear, so differences are exact."""
-    assert sc.check_interface_law(law) < 1e-8
+    assert sc.testing.check_interface_law(law) < 1e-8
 
 
 @pytest.mark.parametrize("law", [sc.Coulomb(0.3), sc.Tied()], ids=repr)
@@ -54,20 +54,20 @@ def test_contact_pairs(element, quadrature, law, rng):
     """[X] Tangent, action and reaction, and rigid motions of bent, displaced surfaces."""
     basis, pair, x, state = rough_pair(element, quadrature, law, rng)
     assert np.abs(pair.assemble(x, state).force).max() > 1.0
-    assert sc.check_form(pair, x, state, basis.doflocs) < 1e-7
+    assert sc.testing.check_form(pair, x, state, basis.doflocs) < 1e-7
 
 
 def test_rigid_obstacle_is_a_support(rng):
     """[X] Its reaction is no force of the form: without places the check passes, with them it says so."""
     basis = vector_basis(grid("Q1", np.linspace(-1, 1, 5), np.linspace(0, 1, 3)), "Q1")
-    pair = sc.ContactPair(basis, "bottom", sc.rigid_circle((0.0, -0.9), 1.0), sc.Coulomb(0.3), 3, penalty=1e3)
+    pair = sc.ContactPair(basis, "bottom", sc.rigid.circle((0.0, -0.9), 1.0), sc.Coulomb(0.3), 3, penalty=1e3)
     x = 1e-3 * rng.standard_normal(basis.N)
-    assert sc.check_form(pair, x, pair.initial_state()) < 1e-6  # steps of 1e-9 in coordinates of order one
-    with pytest.raises(sc.CheckFailed, match="forces do not balance"):
-        sc.check_form(pair, x, pair.initial_state(), basis.doflocs)
+    assert sc.testing.check_form(pair, x, pair.initial_state()) < 1e-6  # steps of 1e-9 in coordinates of order one
+    with pytest.raises(sc.testing.CheckFailed, match="forces do not balance"):
+        sc.testing.check_form(pair, x, pair.initial_state(), basis.doflocs)
 
 
-@pytest.mark.parametrize("strain", [sc.plane_strain, sc.b_bar])
+@pytest.mark.parametrize("strain", ["full", "b_bar"])
 def test_solids(strain, rng):
     """[X] A plastic body of distorted elements."""
     mesh = distorted(grid("Q1", np.linspace(0, 2, 6), np.linspace(0, 1, 4)), rng, 0.03)
@@ -76,7 +76,7 @@ def test_solids(strain, rng):
     x = 1e-3 * rng.standard_normal(basis.N)
     assert len(form.assemble(x, form.initial_state()).state.internal)
     # on the apex and at edges of the yield surface second differences are small, not zero
-    assert sc.check_form(form, x, form.initial_state(), basis.doflocs) < 1e-6
+    assert sc.testing.check_form(form, x, form.initial_state(), basis.doflocs) < 1e-6
 
 
 class Wrong(sc.LinearElastic):
@@ -119,7 +119,7 @@ class Wrong(sc.LinearElastic):
         ("shape", "the stress has the shape"),
         ("nan", "not finite"),
         ("drifts", "not admissible: a zero increment changes it"),
-        ("silent", "do not answer elastically"),
+        ("silent", "are not elastic"),
         ("tangent", "the tangent differs .* by 1.0e-01"),
         ("twice named", "different indices"),
         ("unsymmetric", "not symmetric"),
@@ -128,8 +128,8 @@ class Wrong(sc.LinearElastic):
 )
 def test_faulty_material(fault, message):
     """[X] Each fault is found and named."""
-    with pytest.raises(sc.CheckFailed, match=message):
-        sc.check_material(type("Faulty", (Wrong,), {"fault": fault})(**STIFF))
+    with pytest.raises(sc.testing.CheckFailed, match=message):
+        sc.testing.check_material(type("Faulty", (Wrong,), {"fault": fault})(**STIFF))
 
 
 def test_material_with_a_memory_of_its_own():
@@ -142,8 +142,8 @@ def test_material_with_a_memory_of_its_own():
             new = super().update(strain_increment, stress, internal)
             return new._replace(stress=new.stress + len(calls))
 
-    with pytest.raises(sc.CheckFailed, match="differently the second time"):
-        sc.check_material(Ageing(**STIFF))
+    with pytest.raises(sc.testing.CheckFailed, match="returns other values the second time"):
+        sc.testing.check_material(Ageing(**STIFF))
 
 
 @dataclass(frozen=True)
@@ -196,19 +196,19 @@ class WrongFriction(sc.Coulomb):
         ("forgets", "not admissible"),
         ("soft", "pressure falls"),
         ("one way", "not admissible|opposite"),
-        ("not yet", "gap is zero are out of reach"),
-        ("loose", "gap is zero meet no resistance"),
-        ("no bonds", "`bonds` must say"),
+        ("not yet", "zero gap are out of reach"),
+        ("loose", "zero gap have no stiffness"),
+        ("no bonds", "`bonds` must be True or False"),
     ],
 )
 def test_faulty_friction(fault, message):
     """[X] Each fault is found and named; without one the law passes."""
     law = WrongFriction(0.3, fault=fault)
     if message is None:
-        assert sc.check_interface_law(law) < 1e-8
+        assert sc.testing.check_interface_law(law) < 1e-8
         return
-    with pytest.raises(sc.CheckFailed, match=message):
-        sc.check_interface_law(law)
+    with pytest.raises(sc.testing.CheckFailed, match=message):
+        sc.testing.check_interface_law(law)
 
 
 class WrongForm:
@@ -254,11 +254,11 @@ class WrongForm:
     ("fault", "message"),
     [
         ("", None),
-        ("memory", "differently the second time"),
-        ("eager", "computed before it is asked for"),
+        ("memory", "returns other values the second time"),
+        ("eager", "computed before its first access"),
         ("writes", "changes its arguments"),
         ("tangent", "tangent differs"),
-        ("symmetric", "says `symmetric`"),
+        ("symmetric", "the tangent is not symmetric"),
         ("state", "accepted candidate gives another force"),
         ("springs", "forces do not balance"),
         ("outer", "`outer`"),
@@ -271,7 +271,7 @@ def test_faulty_form(fault, message, rng):
     basis, pair, x, _ = rough_pair("Q1", 2, sc.Coulomb(0.3), rng)
     form = WrongForm(pair, fault)
     if message is None:
-        assert sc.check_form(form, x, form.initial_state(), basis.doflocs) < 1e-7
+        assert sc.testing.check_form(form, x, form.initial_state(), basis.doflocs) < 1e-7
         return
-    with pytest.raises(sc.CheckFailed, match=message):
-        sc.check_form(form, x, form.initial_state(), basis.doflocs)
+    with pytest.raises(sc.testing.CheckFailed, match=message):
+        sc.testing.check_form(form, x, form.initial_state(), basis.doflocs)

@@ -12,6 +12,7 @@ from scipy.sparse import csr_matrix
 from skfem import Basis, ElementHex1, ElementTetP2, ElementTriP2, ElementVector, MeshHex, MeshQuad, MeshTet, MeshTri
 
 import skfem_contact as sc
+from skfem_contact.contact.penalty import choose_penalties
 from skfem_contact.nonlinear.time_steps import PART
 from skfem_contact.solvers.direct import DirectSolver
 
@@ -32,10 +33,10 @@ def ground(element: str, n: int = 20, width: float = 0.1, grade: float = 1.8):
 def layer(element: str = "P2", n: int = 20, k: float = MOBILITY, **options):
     """Forms, supports and load of a layer that drains at its top."""
     basis = ground(element, n)
-    strain = sc.b_bar if element == "Q1" else sc.plane_strain
+    strain = "b_bar" if element == "Q1" else "full"
     forms = {"clay": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=NU), strain=strain),
-             "water": sc.PoreWater(basis, k, unit_weight=1.0, strain=strain, **options)}  # fmt: skip
-    fixed = np.append(sc.box_supports(basis, base="rollers"), forms["water"].unknowns("top"))
+             "water": sc.PoreWater(basis, k, unit_weight=1.0, **options)}  # fmt: skip
+    fixed = [sc.box_supports(basis, base="rollers"), forms["water"].dofs("top")]
     return basis, forms, fixed, sc.traction(basis, "top", (0.0, -LOAD))
 
 
@@ -59,19 +60,19 @@ def test_terzaghi(element):
     times = np.geomspace(1e-3, 1.0, 32)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        result = sc.run(forms, after(times, load), fixed, **QUIET)
+        result = sc.Model(forms, fixed).run(after(times, load), **QUIET)
     U = [settlement(basis, stage) / FINAL for stage in result][1:]
     assert sum(len(stage.iterations) for stage in result) <= 40
     assert np.abs(U - terzaghi(times)).max() < 0.002
     water, heights = forms["water"], basis.mesh.p[1]
     exact = LOAD * terzaghi(times, 1 - heights)
-    pressures = np.array([water.pressure(stage.x) for stage in result])[1:]
+    pressures = np.array([stage.forms["water"].pressure(stage.x) for stage in result])[1:]
     assert np.abs(pressures - exact)[times > 0.01].max() < 0.01 * LOAD  # elements of .1 where the profile is curved
     state = result[-1].states["water"]
     assert water.volume(state) == pytest.approx(-settlement(basis, result[-1]) * 0.1, rel=1e-6)  # a mean over nodes
     assert water.inflow(state, "top") == pytest.approx(water.volume(state), rel=1e-9)
     assert water.inflow(state, "bottom") == pytest.approx(0.0, abs=1e-9 * abs(water.volume(state)))
-    nodal = sc.nodal_field(forms, result[-1], "pore")
+    nodal = result[-1].field("pore")
     np.testing.assert_allclose(nodal[: len(heights)], pressures[-1], atol=1e-12 * LOAD)
 
 
@@ -85,12 +86,11 @@ def test_mandel():
     D = csr_matrix((np.repeat([-1e5, 1e5], m), (np.tile(np.arange(m), 2), np.r_[top[:-1], top[1:]])), (m, basis.N))
     forms = {"block": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=NU)), "plate": sc.MatrixForm(csr_matrix(D.T @ D)),
              "water": sc.PoreWater(basis, MOBILITY, unit_weight=1.0)}  # fmt: skip
-    fixed = np.concatenate((basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1"),
-                            forms["water"].unknowns("right")))  # fmt: skip
+    fixed = [basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1"), forms["water"].dofs("right")]  # fmt: skip
     times = np.array([0.01, 0.03, 0.072, 0.2, 0.5])
-    result = sc.run(forms, after(times, sc.traction(basis, "top", (0.0, -LOAD))), fixed, **QUIET)
+    result = sc.Model(forms, fixed).run(after(times, sc.traction(basis, "top", (0.0, -LOAD))), **QUIET)
     below = np.flatnonzero(mesh.p[1] == 0.0)
-    p = np.array([forms["water"].pressure(stage.x)[below] for stage in result])[1:] / (LOAD / 2)
+    p = np.array([stage.forms["water"].pressure(stage.x)[below] for stage in result])[1:] / (LOAD / 2)
     exact = mandel(times, mesh.p[0, below], NU)
     assert exact[2].max() == pytest.approx(1.1069, abs=1e-4)
     assert p[2].max() == pytest.approx(exact[2].max(), rel=2e-3)
@@ -105,12 +105,12 @@ def test_in_space(kind, element):
     mesh = kind.init_tensor(x, x, 1 - np.linspace(1, 0, 13) ** 1.8).with_boundaries(
         {"top": lambda x: x[2] > 1 - 1e-9})  # fmt: skip
     basis = Basis(mesh, ElementVector(element()), intorder=2)
-    strain = sc.b_bar if kind is MeshHex else sc.three_dimensional
+    strain = "b_bar" if kind is MeshHex else "full"
     forms = {"clay": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=NU), strain=strain),
-             "water": sc.PoreWater(basis, MOBILITY, unit_weight=1.0, strain=strain)}  # fmt: skip
-    fixed = np.append(sc.box_supports(basis, base="rollers"), forms["water"].unknowns("top"))
+             "water": sc.PoreWater(basis, MOBILITY, unit_weight=1.0)}  # fmt: skip
+    fixed = [sc.box_supports(basis, base="rollers"), forms["water"].dofs("top")]
     times = np.array([0.03, 0.197, 0.5])
-    result = sc.run(forms, after(times, sc.traction(basis, "top", (0.0, 0.0, -LOAD))), fixed, **QUIET)
+    result = sc.Model(forms, fixed).run(after(times, sc.traction(basis, "top", (0.0, 0.0, -LOAD))), **QUIET)
     U = [-stage.x[basis.get_dofs("top").all("u^3")].mean() / FINAL for stage in result][1:]
     assert np.abs(U - terzaghi(times)).max() < 0.003  # fewer elements than in the plane
 
@@ -118,11 +118,11 @@ def test_in_space(kind, element):
 def test_axial_symmetry():
     """[X] The layer as a cylinder: settlement and, per radian, the water pressed out."""
     basis = ground("P2", width=0.1)
-    forms = {"clay": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=NU), strain=sc.axisymmetric),
-             "water": sc.PoreWater(basis, MOBILITY, unit_weight=1.0, strain=sc.axisymmetric)}  # fmt: skip
-    fixed = np.append(sc.box_supports(basis, base="rollers"), forms["water"].unknowns("top"))
-    load = sc.traction(basis, "top", (0.0, -LOAD), axisymmetric=True)
-    result = sc.run(forms, after([0.197], load), fixed, **QUIET)
+    forms = {"clay": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=NU), coordinates="axisymmetric"),
+             "water": sc.PoreWater(basis, MOBILITY, unit_weight=1.0)}  # fmt: skip
+    fixed = [sc.box_supports(basis, base="rollers"), forms["water"].dofs("top")]
+    load = sc.traction(forms["clay"], "top", (0.0, -LOAD))
+    result = sc.Model(forms, fixed).run(after([0.197], load), **QUIET)
     assert settlement(basis, result[-1]) / FINAL == pytest.approx(terzaghi([0.197])[0], abs=0.002)
     volume = forms["water"].volume(result[-1].states["water"])
     assert volume == pytest.approx(-settlement(basis, result[-1]) * 0.1**2 / 2, rel=1e-5)  # a mean over nodes
@@ -133,8 +133,8 @@ def test_storage_of_the_water():
     storage = 0.5 / OEDOMETER
     basis, forms, fixed, load = layer(storage=storage)
     times = np.array([0.01, 0.1, 0.4]) * 1.5
-    result = sc.run(forms, after(times, load), fixed, **QUIET)
-    p = forms["water"].pressure(result[1].x)[basis.mesh.p[1] == 0.0]
+    result = sc.Model(forms, fixed).run(after(times, load), **QUIET)
+    p = result[1].forms["water"].pressure(result[1].x)[basis.mesh.p[1] == 0.0]
     np.testing.assert_allclose(p, LOAD / 1.5, rtol=1e-3)  # the drained layer has not come there yet
     U = np.array([settlement(basis, stage) / FINAL for stage in result])[1:]
     np.testing.assert_allclose(U, (0.5 + terzaghi(times / 1.5)) / 1.5, atol=0.002)
@@ -146,8 +146,8 @@ def test_storage_of_the_water():
 def test_order_in_time():
     """[X] Second order: equal steps from a pressure that one mode describes, which decays at the rate of the mesh."""
     basis, forms, fixed, _ = layer("Q2", time_error=1e6)
-    quiet = sc.run(forms, [sc.Stage("quiet", basis.zeros(), duration=1.0)], fixed, **QUIET)
-    water = sc.choose_penalties(forms)["water"]
+    quiet = sc.Model(forms, fixed).run([sc.Stage("quiet", basis.zeros(), duration=1.0)], **QUIET)
+    water = choose_penalties(forms)["water"]
     # the load of this pressure on ground that does not move yet: its water then flows as the mode does
     mode = np.zeros(water.size)
     mode[water.carries] = LOAD * np.cos(0.5 * np.pi * basis.mesh.p[1])
@@ -156,7 +156,7 @@ def test_order_in_time():
         load = -water.over(1.0).assemble(mode, water.initial_state()).force[: basis.N]
         stages = [sc.Stage("load", load, duration=1e-6 / C_V),
                   sc.Stage("wait", load, duration=0.4 / C_V, increments=steps)]  # fmt: skip
-        result = sc.run(forms, stages, fixed, start=quiet, newton=sc.Newton(tolerance=1e-12), **QUIET)
+        result = sc.Model(forms, fixed, newton=sc.Newton(tolerance=1e-12)).run(stages, start=quiet, **QUIET)
         errors.append(settlement(basis, result["wait"]))
     change = np.abs(np.diff(errors))
     np.testing.assert_allclose(np.log2(change[:-1] / change[1:]), 2.0, atol=0.15)
@@ -168,7 +168,7 @@ def test_steps_follow_their_error():
     for allowed in (0.03, 0.01, 0.003):
         basis, forms, fixed, load = layer(time_error=allowed)
         stages = [sc.Stage("load", load, duration=1e-4 / C_V), sc.Stage("wait", load, duration=20.0 / C_V)]
-        result = sc.run(forms, stages, fixed, **QUIET)
+        result = sc.Model(forms, fixed).run(stages, **QUIET)
         counts[allowed] = len(result["wait"].iterations)
         assert settlement(basis, result["wait"]) == pytest.approx(FINAL, rel=1e-6)
         assert result["wait"].time == pytest.approx(20.0001 / C_V)
@@ -183,7 +183,7 @@ def test_equal_steps_share_their_factor(monkeypatch):
     factor = engine.factor
     monkeypatch.setattr(engine, "factor", lambda self, A, *more: factored.append(A.nnz) or factor(self, A, *more))
     stages = [sc.Stage("load", load, duration=0.01, increments=9), sc.Stage("wait", load, duration=0.1, increments=7)]
-    result = sc.run(forms, stages, fixed, **QUIET)
+    result = sc.Model(forms, fixed).run(stages, **QUIET)
     assert [len(stage.iterations) for stage in result] == [9, 7]
     assert len(factored) == 2
 
@@ -207,7 +207,7 @@ def test_beside_a_form_of_first_order():
             K = csr_matrix(([1e-6], ([top], [top])), shape=(basis.N, basis.N))
             return sc.Response(K @ x, lambda: None, lambda: K)
 
-    sc.run(forms | {"damper": Dashpot()}, [sc.Stage("load", load, duration=8.0)], fixed, **QUIET)
+    sc.Model(forms | {"damper": Dashpot()}, fixed).run([sc.Stage("load", load, duration=8.0)], **QUIET)
     parts = np.reshape(Dashpot.taken, (-1, 2))
     np.testing.assert_allclose(parts[:, 0] / parts.sum(axis=1), PART)
 
@@ -219,11 +219,11 @@ def test_beside_a_form_of_first_order():
 def test_form_answers_as_it_should(element):
     """Tangent by differences, symmetric, over a step and while the pressures stand."""
     basis, forms, _, _ = layer(element, n=3)
-    water = sc.choose_penalties(forms)["water"]
+    water = choose_penalties(forms)["water"]
     rng = np.random.default_rng(0)
     x = rng.standard_normal(water.size) * np.where(np.arange(water.size) < basis.N, 1e-3, 10.0)
     state = water.initial_state(rng.standard_normal(water.size))
-    sc.check_form(water, x, state)
+    sc.testing.check_form(water, x, state)
     step = water.over(0.3)
     K = step.assemble(x, state).stiffness
     d = rng.standard_normal(water.size) * np.where(np.arange(water.size) < basis.N, 1e-3, 10.0)
@@ -239,15 +239,15 @@ def test_saved_resumed_and_counted_anew(tmp_path):
     """A result goes on from a file, and from displacements counted anew, to the same pressures."""
     _, forms, fixed, load = layer(n=8)
     stages = [sc.Stage("load", load, duration=1e-2 / C_V), sc.Stage("wait", load, duration=0.1 / C_V)]
-    whole = sc.run(forms, stages, fixed, **QUIET)
-    first = sc.run(forms, stages[:1], fixed, **QUIET)
+    whole = sc.Model(forms, fixed).run(stages, **QUIET)
+    first = sc.Model(forms, fixed).run(stages[:1], **QUIET)
     first.save(tmp_path / "first")
     read = sc.load_result(tmp_path / "first", forms)
     assert read["load"].time == first["load"].time
     water = forms["water"]
-    for start in (read, sc.reset_displacements(forms, first)):
-        again = sc.run(forms, stages[1:], fixed, start=start, **QUIET)["wait"]
-        np.testing.assert_allclose(water.pressure(again.x), water.pressure(whole["wait"].x), atol=1e-8 * LOAD)
+    for start in (read, first.reset()):
+        again = sc.Model(forms, fixed).run(stages[1:], start=start, **QUIET)["wait"]
+        np.testing.assert_allclose(again.forms["water"].pressure(again.x), whole["wait"].forms["water"].pressure(whole["wait"].x), atol=1e-8 * LOAD)
         assert water.volume(again.states["water"]) == pytest.approx(water.volume(whole["wait"].states["water"]))
 
 
@@ -260,12 +260,12 @@ def test_levels_that_change():
     down = forms["water"].prescribed({"top": lambda x: 0.0 * x[0] - 5.0})
     # the load of the water at first is part of the load, and goes with the level outside
     push = sc.traction(basis, "top", (0.0, 5.0))
-    result = sc.run(forms, [sc.Stage("down", push, prescribed=down, duration=50.0 / C_V)], fixed, **QUIET)
-    np.testing.assert_allclose(forms["water"].pressure(result["down"].x), -5.0, rtol=1e-6)
+    result = sc.Model(forms, fixed).run([sc.Stage("down", push, prescribed=down, duration=50.0 / C_V)], **QUIET)
+    np.testing.assert_allclose(result["down"].forms["water"].pressure(result["down"].x), -5.0, rtol=1e-6)
     np.testing.assert_allclose(result["down"].x[: basis.N], 0.0, atol=1e-9)  # total stress and pressure fall alike
     stages = [sc.Stage("down", basis.zeros(), prescribed=down, duration=0.1 / C_V),
               sc.Stage("wait", basis.zeros(), duration=50.0 / C_V)]  # fmt: skip
-    alone = sc.run(forms, stages, fixed, **QUIET)
+    alone = sc.Model(forms, fixed).run(stages, **QUIET)
     assert settlement(basis, alone["wait"]) == pytest.approx(5.0 / OEDOMETER, rel=1e-6)
 
 
@@ -273,35 +273,35 @@ def test_seepage_face():
     """[X] A face that water leaves drains a layer under load; unloaded this keeps its volume, and its water sucks."""
     basis, forms, fixed, load = layer()
     fixed = fixed[fixed < basis.N]
-    forms["face"] = sc.SeepageFace(forms["water"], "top")
+    forms["face"] = sc.water.SeepageFace(forms["water"], "top")
     times, water = np.array([0.01, 0.05, 0.197, 0.5]), forms["water"]
     with warnings.catch_warnings():
         warnings.simplefilter("error")  # it is not sealed
-        result = sc.run(forms, after(times, load), fixed, **QUIET)
+        result = sc.Model(forms, fixed).run(after(times, load), **QUIET)
     U = np.array([settlement(basis, stage) / FINAL for stage in result])[1:]
     assert np.abs(U - terzaghi(times)).max() < 0.002
     state = result[-1].states["water"]
     assert water.inflow(state, "top") == pytest.approx(water.volume(state), rel=1e-9)
     stages = [sc.Stage("long", load, duration=10.0 / C_V), sc.Stage("half", 0.5 * load, duration=1.0 / C_V),
               sc.Stage("double", 2.0 * load, duration=1e3 / C_V)]  # fmt: skip
-    result = sc.run(forms, stages, fixed, start=result, **QUIET)
+    result = sc.Model(forms, fixed).run(stages, start=result, **QUIET)
     np.testing.assert_allclose([settlement(basis, result[name]) / FINAL for name in ("long", "half", "double")],
                                [1.0, 1.0, 2.0], rtol=1e-3)  # fmt: skip
-    np.testing.assert_allclose(water.pressure(result["half"].x), -0.5 * LOAD, rtol=1e-3)
+    np.testing.assert_allclose(result["half"].forms["water"].pressure(result["half"].x), -0.5 * LOAD, rtol=1e-3)
     same = sc.Stage("same", 2.0 * load, duration=1.0 / C_V, change={"water": layer()[1]["water"]})
     with warnings.catch_warnings():
         warnings.simplefilter("error")  # nor is it after a change of the water
-        sc.run(forms, [same], fixed, start=result, **QUIET)
-    sc.check_form(forms["face"].over(0.1), result["half"].x, None)
+        sc.Model(forms, fixed).run([same], start=result, **QUIET)
+    sc.testing.check_form(forms["face"].over(0.1), result["half"].x, None)
 
 
 def test_seepage_face_below_zero():
     """[X] It opens where the pressure at the beginning and the excess pressure add up to more than zero."""
     basis, forms, fixed, load = layer("Q1", n=8)
-    forms["face"] = sc.SeepageFace(forms["water"], ["top"], lambda x: -0.3 * LOAD + 0.0 * x[0])
+    forms["face"] = sc.water.SeepageFace(forms["water"], ["top"], lambda x: -0.3 * LOAD + 0.0 * x[0])
     stages = [sc.Stage("wait", load, duration=1e4 / C_V)]
-    end = sc.run(forms, stages, fixed[fixed < basis.N], **QUIET)["wait"]
-    np.testing.assert_allclose(forms["water"].pressure(end.x), 0.3 * LOAD, rtol=1e-3)
+    end = sc.Model(forms, fixed[fixed < basis.N]).run(stages, **QUIET)["wait"]
+    np.testing.assert_allclose(end.forms["water"].pressure(end.x), 0.3 * LOAD, rtol=1e-3)
     assert settlement(basis, end) / FINAL == pytest.approx(0.7, rel=1e-3)
 
 
@@ -321,13 +321,12 @@ def test_wet_fill_that_comes_and_goes():
     lower, upper = forms["water low"], forms["water high"]
     stages = [sc.Stage("low", on_low, duration=1e5 / C_V),
               sc.Stage("both", on_low + on_high, duration=1e5 / C_V, activate=["high", "water high"],
-                       fixed=np.append(sides, upper.unknowns("top"))),
+                       fixed=[sides, upper.dofs("top")]),
               sc.Stage("dug", on_low, duration=1e5 / C_V, deactivate=["high", "water high"],
-                       fixed=np.append(sides, lower.unknowns("middle")))]  # fmt: skip
+                       fixed=[sides, lower.dofs("middle")])]  # fmt: skip
     with pytest.raises(ValueError, match="stage 'dug': PoreWater is active in ground that is not there"):
-        sc.run(forms, [*stages[:2], sc.Stage("dug", on_low, duration=1.0, deactivate="high")],
-               np.append(sides, lower.unknowns("middle")), **QUIET)  # fmt: skip
-    result = sc.run(forms, stages, np.append(sides, lower.unknowns("middle")), **QUIET)
+        sc.Model(forms, [sides, lower.dofs("middle")]).run([*stages[:2], sc.Stage("dug", on_low, duration=1.0, deactivate="high")], **QUIET)  # fmt: skip
+    result = sc.Model(forms, [sides, lower.dofs("middle")]).run(stages, **QUIET)
     middle = basis.nodal_dofs[1, mesh.p[1] == 0.5]
     half = 0.5 * LOAD / OEDOMETER
     np.testing.assert_allclose([-stage.x[middle].mean() / half for stage in result], [1.0, 2.0, 1.0], rtol=1e-5)
@@ -335,9 +334,8 @@ def test_wet_fill_that_comes_and_goes():
     assert upper.inflow(both.states["water high"], "top") == pytest.approx(-2 * half * 0.1, rel=1e-4)
     assert np.isnan(lower.pressure(both.x)[mesh.p[1] > 0.5]).all()
     # halfway the interface carries pressure: it is no drain
-    quick = sc.run(forms, [stages[0], sc.Stage("both", on_low + on_high, duration=0.01 / C_V,
-                   activate=["high", "water high"], fixed=stages[1].fixed)], np.append(sides, lower.unknowns("middle")),
-                   **QUIET)["both"]  # fmt: skip
+    quick = sc.Model(forms, [sides, lower.dofs("middle")]).run([stages[0], sc.Stage("both", on_low + on_high, duration=0.01 / C_V,
+                   activate=["high", "water high"], fixed=stages[1].fixed)], **QUIET)["both"]  # fmt: skip
     p = lower.pressure(quick.x)[mesh.p[1] == 0.5]
     np.testing.assert_allclose(p, upper.pressure(quick.x)[mesh.p[1] == 0.5])
     assert (p > 0.5 * LOAD).all()
@@ -349,9 +347,9 @@ def test_water_that_returns_without_pressure():
     forms["water"] = sc.PoreWater(basis, MOBILITY, unit_weight=1.0, storage=1.0 / E)
     stages = [sc.Stage("press", load, duration=0.01 / C_V), sc.Stage("drained", load, deactivate="water"),
               sc.Stage("wet", load, activate="water", duration=0.01 / C_V)]  # fmt: skip
-    result = sc.run(forms, stages, fixed[fixed < basis.N], **QUIET)
-    assert (forms["water"].pressure(result["press"].x) > 0.3 * LOAD).all()
-    assert abs(forms["water"].pressure(result["wet"].x)).max() < 1e-9 * LOAD
+    result = sc.Model(forms, fixed[fixed < basis.N]).run(stages, **QUIET)
+    assert (result["press"].forms["water"].pressure(result["press"].x) > 0.3 * LOAD).all()
+    assert abs(result["wet"].forms["water"].pressure(result["wet"].x)).max() < 1e-9 * LOAD
     np.testing.assert_allclose(result["wet"].x[:basis.N], result["drained"].x[:basis.N], rtol=0.0,
                                atol=1e-9 * abs(result["drained"].x[:basis.N]).max())  # fmt: skip
 
@@ -361,16 +359,15 @@ def test_initial_states(K0):
     """[X] Ground at rest has no excess pressure: it goes on as if the water came with the first stage."""
     basis, forms, fixed, load = layer(n=4)
     weight = sc.weight(basis, 10.0)
-    starts = [sc.gravity_state(forms, weight, fixed, K0=K0)]
+    starts = [sc.Model(forms, fixed).gravity_state(weight, K0=K0)]
     if K0 is not None:
-        starts.append(sc.k0_state(forms, weight, fixed, 10.0, K0))
+        starts.append(sc.Model(forms, fixed).k0_state(weight, unit_weights=10.0, K0=K0))
     press = sc.Stage("press", weight + load, duration=0.1 / C_V)
-    dry = sc.gravity_state({"clay": forms["clay"]}, weight, fixed[fixed < basis.N], K0=K0)
-    later = sc.run(forms, [sc.Stage("press", press.load, duration=press.duration, activate="water")], fixed,
-                   start=dry, **QUIET)["press"]  # fmt: skip
+    dry = sc.Model({"clay": forms["clay"]}, fixed[fixed < basis.N]).gravity_state(weight, K0=K0)
+    later = sc.Model(forms, fixed).run([sc.Stage("press", press.load, duration=press.duration, activate="water")], start=dry, **QUIET)["press"]  # fmt: skip
     for start in starts:
         assert not start["initial"].x.any() and not forms["water"].volume(start["initial"].states["water"])
-        result = sc.run(forms, [press], fixed, start=start, **QUIET)["press"]
+        result = sc.Model(forms, fixed).run([press], start=start, **QUIET)["press"]
         np.testing.assert_allclose(result.x, later.x, atol=1e-9 * np.abs(later.x).max())
         np.testing.assert_allclose(result.states["clay"].stress, later.states["clay"].stress, atol=1e-7 * LOAD)
 
@@ -383,12 +380,12 @@ def test_pressures_stand_in_a_search_for_a_collapse():
     forms = {"clay": sc.SolidForm(basis, soil), "water": sc.PoreWater(basis, MOBILITY, unit_weight=1.0)}
     fixed = np.append(basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1"))
     water = forms["water"]
-    drained = np.append(fixed, water.unknowns())
+    drained = [fixed, water.dofs()]
     load = sc.traction(basis, "top", (0.0, -20.0)) + sc.traction(basis, "right", (-8.0, 0.0))
     with_water = water.prescribed({"top": 5.0})
     with_water[water.unknowns()] = 5.0
-    result = sc.run(forms, [sc.Stage("load", load, prescribed=with_water, duration=1.0)], drained, **QUIET)
-    found = sc.strength_reduction(forms, fixed, start=result, **QUIET)
+    result = sc.Model(forms, drained).run([sc.Stage("load", load, prescribed=with_water, duration=1.0)], **QUIET)
+    found = sc.Model(forms, fixed).strength_reduction(start=result, **QUIET)
     # effective stresses 15 and 3: sin(phi_F) (15 + 3) / 2 + c_F cos(phi_F) = 6
     factors = np.linspace(0.5, 6.0, 100001)
     phi = np.arctan(np.tan(np.radians(30.0)) / factors)
@@ -413,13 +410,13 @@ def test_contact_carries_the_total_stress(soil):
     load = sc.traction(basis, "column:top", (0.0, -10.0))
     stages = [sc.Stage("load", load, duration=0.3), sc.Stage("wait", load, duration=100.0)]
     with pytest.warns(sc.AnalysisWarning, match="'joint' carries the pressure of the water as well, at 3 nodes"):
-        result = sc.run(forms, stages, fixed, **QUIET)
+        result = sc.Model(forms, fixed).run(stages, **QUIET)
     for stage in result:
         assert stage.report("joint").pressure == pytest.approx(10.0, rel=1e-3)  # along turned facets
-    p = [np.nanmax(forms["water"].pressure(stage.x)) for stage in result]
+    p = [np.nanmax(stage.forms["water"].pressure(stage.x)) for stage in result]
     assert p[0] > 1.0 and p[1] < 1e-3
     dry = {name: form for name, form in forms.items() if name != "water"}
-    slow = sc.run(dry, [sc.Stage("load", load)], fixed[fixed < basis.N], **QUIET)["load"]
+    slow = sc.Model(dry, fixed[fixed < basis.N]).run([sc.Stage("load", load)], **QUIET)["load"]
     if isinstance(soil, sc.LinearElastic):
         np.testing.assert_allclose(result["wait"].x[: basis.N], slow.x, atol=1e-2 * np.abs(slow.x).max())  # friction
 
@@ -450,27 +447,25 @@ def test_bad_analyses():
     basis, forms, fixed, load = layer(n=3)
     water = forms["water"]
     with pytest.raises(ValueError, match="stage 'load': PoreWater needs time"):
-        sc.run(forms, [sc.Stage("load", load)], fixed, **QUIET)
+        sc.Model(forms, fixed).run([sc.Stage("load", load)], **QUIET)
     with pytest.raises(ValueError, match="no boundary 'tpo'; existing: bottom"):
         water.unknowns("tpo")
     with pytest.raises(ValueError, match="must be a finite number"):
         water.prescribed({"top": np.nan})
     with pytest.raises(ValueError, match="no boundary 'tpo'; existing: bottom"):
-        sc.SeepageFace(water, "tpo")
+        sc.water.SeepageFace(water, "tpo")
     with pytest.raises(ValueError, match="must be a finite number"):
-        sc.SeepageFace(water, "top", np.nan)
+        sc.water.SeepageFace(water, "top", np.nan)
     with pytest.raises(ValueError, match="PoreWater in 6 elements of no SolidForm"):
-        sc.run({"water": water, "plate": sc.MatrixForm(csr_matrix((basis.N, basis.N)))},
-               [sc.Stage("load", load, duration=1.0)], fixed, **QUIET)  # fmt: skip
+        sc.Model({"water": water, "plate": sc.MatrixForm(csr_matrix((basis.N, basis.N)))}, fixed).run([sc.Stage("load", load, duration=1.0)], **QUIET)  # fmt: skip
     clay = sc.Undrained(sc.LinearElastic(E=E, nu=NU), Kw=1e6)
     with pytest.raises(ValueError, match="Undrained and has PoreWater too"):
-        sc.run({**forms, "clay": sc.SolidForm(basis, clay)}, [sc.Stage("load", load, duration=1.0)], fixed, **QUIET)
+        sc.Model({**forms, "clay": sc.SolidForm(basis, clay)}, fixed).run([sc.Stage("load", load, duration=1.0)], **QUIET)
     with pytest.raises(ValueError, match=r"after 1.1e.16 times H² / c_v"):
-        sc.run({**forms, "water": sc.PoreWater(basis, permeability=1e12, unit_weight=1.0)},
-               [sc.Stage("load", load, duration=1.0)], fixed, **QUIET)  # fmt: skip
+        sc.Model({**forms, "water": sc.PoreWater(basis, permeability=1e12, unit_weight=1.0)}, fixed).run([sc.Stage("load", load, duration=1.0)], **QUIET)  # fmt: skip
     sealed = np.concatenate((sc.box_supports(basis, base="rollers"), basis.get_dofs("top").all("u^2")))
     with pytest.raises(ValueError, match="the pore pressure is not determined"):
-        sc.run(forms, [sc.Stage("load", load, duration=1.0)], sealed, **QUIET)
+        sc.Model(forms, sealed).run([sc.Stage("load", load, duration=1.0)], **QUIET)
 
 
 @pytest.mark.parametrize(
@@ -486,4 +481,4 @@ def test_what_is_warned_of(k, duration, drained, message):
     basis, forms, fixed, load = layer(n=4, k=k)
     fixed = fixed if drained else fixed[fixed < basis.N]
     with pytest.warns(sc.AnalysisWarning, match=message):
-        sc.run(forms, [sc.Stage("load", load, duration=duration)], fixed, **QUIET)
+        sc.Model(forms, fixed).run([sc.Stage("load", load, duration=duration)], **QUIET)

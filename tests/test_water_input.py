@@ -40,7 +40,7 @@ HEADS = {"left": 2.0, "right": 1.0}
     ({"head": {"left": 3.0, "top": 2.0}}, r"'left' and 'top' share the node at \(0, 2\) and give it different heads"),
     ({"seepage_face": "rigth"}, "no boundary 'rigth'"),
     ({"seepage_face": ["right", "none"]}, "no boundary 'none'"),
-    ({"retention": {"a": sc.Ramp()}}, "8 elements have no retention"),
+    ({"retention": {"a": sc.water.Ramp()}}, "8 elements have no retention"),
     ({"unit_weight": 0.0}, "unit weight of water must be positive"),
     ({"unit_weight": np.inf}, "unit weight of water must be positive"),
     ({"connected": ["left"]}, "a joint is a pair of boundaries"),
@@ -54,16 +54,16 @@ HEADS = {"left": 2.0, "right": 1.0}
 def test_bad_input(changes, message):
     arguments = {"basis": BASIS, "permeability": 1e-5, "head": HEADS, "unit_weight": 9.81} | changes
     with pytest.raises(ValueError, match=message):
-        sc.seepage(**arguments)
+        sc.water.seepage(**arguments)
 
 
 @pytest.mark.parametrize(("law", "options", "message"), [
-    (sc.Ramp, {"width": 0.0}, "width must be positive"),
-    (sc.Ramp, {"width": np.nan}, "width must be positive"),
-    (sc.Ramp, {"least": 0.0}, "least must lie between 0 and 1"),
-    (sc.VanGenuchten, {"alpha": -1.0, "n": 2.0}, "alpha must be positive"),
-    (sc.VanGenuchten, {"alpha": 1.0, "n": 1.0}, "n must be more than 1"),
-    (sc.VanGenuchten, {"alpha": 1.0, "n": 2.0, "least": 2.0}, "least must lie between 0 and 1"),
+    (sc.water.Ramp, {"width": 0.0}, "width must be positive"),
+    (sc.water.Ramp, {"width": np.nan}, "width must be positive"),
+    (sc.water.Ramp, {"least": 0.0}, "least must lie between 0 and 1"),
+    (sc.water.VanGenuchten, {"alpha": -1.0, "n": 2.0}, "alpha must be positive"),
+    (sc.water.VanGenuchten, {"alpha": 1.0, "n": 1.0}, "n must be more than 1"),
+    (sc.water.VanGenuchten, {"alpha": 1.0, "n": 2.0, "least": 2.0}, "least must lie between 0 and 1"),
 ])  # fmt: skip
 def test_bad_retention(law, options, message):
     with pytest.raises(ValueError, match=message):
@@ -71,7 +71,7 @@ def test_bad_retention(law, options, message):
 
 
 def test_bad_questions_to_a_result():
-    water = sc.seepage(BASIS, 1e-5, HEADS, unit_weight=9.81)
+    water = sc.water.seepage(BASIS, 1e-5, HEADS, unit_weight=9.81)
     with pytest.raises(ValueError, match="no boundary 'wall'; existing: bottom, left, right, top"):
         water.discharge("wall")
     with pytest.raises(ValueError, match="no subdomain 'c'; existing: a, b"):

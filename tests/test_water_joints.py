@@ -10,6 +10,7 @@ from oracles.consolidation import terzaghi
 from skfem import Basis, ElementQuad1, ElementTriP2, ElementVector, MeshQuad, MeshTri
 
 import skfem_contact as sc
+from skfem_contact.contact.penalty import choose_penalties
 
 E, NU, MOBILITY, LOAD = 1e4, 0.2, 1e-3, 100.0
 OEDOMETER = E * (1 - NU) / (1 + NU) / (1 - 2 * NU)
@@ -20,33 +21,31 @@ TIMES = np.array([0.01, 0.05, 0.197, 0.5])
 HARD = 1e7
 
 
-def cut_layer(law, joints, element="P2", n=(20, 20), strain=sc.plane_strain):
+def cut_layer(law, joints, element="P2", n=(20, 20), strain="full", coordinates="plane"):
     """Basis, forms, supports and load of a layer cut in two at half its height, that drains at its top."""
     kind, of = {"P2": (MeshTri, ElementTriP2()), "Q1": (MeshQuad, ElementQuad1())}[element]
     low = kind.init_tensor(np.linspace(0, 0.1, n[0] // 10 + 1), np.linspace(0, 0.5, n[0] + 1)).with_defaults()
     high = kind.init_tensor(np.linspace(0, 0.1, n[1] // 10 + 1), 1 - 0.5 * np.linspace(1, 0, n[1] + 1) ** 1.6)
     mesh = sc.join_bodies({"low": low, "high": high.with_defaults()})
     basis = Basis(mesh, ElementVector(of), intorder=4 if element == "P2" else 2)
-    axial = strain is sc.axisymmetric
-    forms = {"clay": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=NU), strain=strain),
-             "water": sc.PoreWater(basis, MOBILITY, unit_weight=1.0, strain=strain, connected=joints),
-             "joint": sc.ContactPair(basis, *OPEN[0], law, penalty=HARD, axisymmetric=axial)}  # fmt: skip
+    clay = sc.SolidForm(basis, sc.LinearElastic(E=E, nu=NU), strain=strain, coordinates=coordinates)
+    forms = {"clay": clay, "water": sc.PoreWater(basis, MOBILITY, unit_weight=1.0, connected=joints),
+             "joint": sc.ContactPair(basis, *OPEN[0], law, penalty=HARD)}  # fmt: skip
     sides = {f"{body}:{side}" for body in ("low", "high") for side in ("left", "right")}
-    fixed = np.concatenate((basis.get_dofs("low:bottom").all("u^2"), basis.get_dofs(sides).all("u^1"),
-                            forms["water"].unknowns("high:top")))  # fmt: skip
-    return basis, forms, fixed, sc.traction(basis, "high:top", (0.0, -LOAD), axisymmetric=axial)
+    fixed = [basis.get_dofs("low:bottom").all("u^2"), basis.get_dofs(sides).all("u^1"), forms["water"].dofs("high:top")]  # fmt: skip
+    return basis, forms, fixed, sc.traction(clay, "high:top", (0.0, -LOAD))
 
 
 def consolidated(forms, fixed, load, times=TIMES):
     """Stages that end at degrees T, after a load that comes in a short time about T = 0."""
     ends = np.append(0.25 * times[0], times + 0.125 * times[0])
     stages = [sc.Stage(f"{k}", load, duration=d / C_V) for k, d in enumerate(np.diff(ends, prepend=0.0))]
-    return list(sc.run(forms, stages, fixed, progress=False))[1:]
+    return list(sc.Model(forms, fixed).run(stages, progress=False))[1:]
 
 
 @pytest.mark.parametrize(("law", "options"), [
-    (sc.Tied(), {}), (sc.Coulomb(mu=0.5), {"n": (10, 20)}), (sc.Tied(), {"n": (20, 10), "strain": sc.axisymmetric}),
-    (sc.Coulomb(mu=0.5), {"element": "Q1", "strain": sc.b_bar})])  # fmt: skip
+    (sc.Tied(), {}), (sc.Coulomb(mu=0.5), {"n": (10, 20)}), (sc.Tied(), {"n": (20, 10), "coordinates": "axisymmetric"}),
+    (sc.Coulomb(mu=0.5), {"element": "Q1", "strain": "b_bar"})])  # fmt: skip
 def test_open_joint(law, options):
     """[X] A layer cut by an open joint consolidates as a whole one; no water is lost, contact carries the rest."""
     basis, forms, fixed, load = cut_layer(law, OPEN, **options)
@@ -59,12 +58,12 @@ def test_open_joint(law, options):
     joint = np.flatnonzero(y == 0.5)
     sides = [np.unique(basis.mesh.facets[:, basis.mesh.boundaries[name]]) for name in OPEN[0]]
     for T, stage in zip(TIMES[1:], stages[1:], strict=True):
-        p = water.pressure(stage.x)
+        p = stage.forms["water"].pressure(stage.x)
         # triangles of .05 lean to one side: along the joint their pressures differ by as much
         np.testing.assert_allclose(p[joint], LOAD * terzaghi(T, np.array([0.5]))[0, 0], atol=0.004 * LOAD)
-        low, high = (water.pressure(stage.x)[joint[np.isin(joint, part)]].mean() for part in sides)
+        low, high = (stage.forms["water"].pressure(stage.x)[joint[np.isin(joint, part)]].mean() for part in sides)
         assert abs(low - high) < 1e-3 * LOAD
-        area = 0.1**2 / 2 if forms["joint"].axisymmetric else 0.1
+        area = 0.1**2 / 2 if stage.forms["joint"].axisymmetric else 0.1
         force = stage.report("joint").force[1]
         assert abs(force) == pytest.approx(area * (LOAD - p[joint].mean()), abs=0.002 * LOAD * area)
     state = stages[-1].states["water"]
@@ -79,7 +78,7 @@ def test_tight_joint():
     settled = [-stage.x[basis.get_dofs("high:top").all("u^2")].mean() * OEDOMETER / LOAD for stage in stages]
     assert np.abs(settled - 0.5 * terzaghi(4 * TIMES)).max() < 0.002
     low = basis.mesh.p[1, np.arange(basis.mesh.p.shape[1])] < 0.49
-    np.testing.assert_allclose(forms["water"].pressure(stages[-1].x)[low], LOAD, rtol=2e-3)  # closing of the contact
+    np.testing.assert_allclose(stages[-1].forms["water"].pressure(stages[-1].x)[low], LOAD, rtol=2e-3)  # closing of the contact
     assert abs(stages[-1].report("joint").force[1]) == pytest.approx(0.1 * LOAD, rel=1e-6)
 
 
@@ -94,7 +93,7 @@ def test_friction_is_of_the_effective_stress():
              "water": sc.PoreWater(basis, 1e-3, connected=sides, unit_weight=9.81),
              "joint": sc.ContactPair(basis, *sides[0], sc.Coulomb(mu=0.5))}  # fmt: skip
     water, top = forms["water"], basis.get_dofs("block:top")
-    fixed = np.concatenate((basis.get_dofs("base:bottom").all(), top.all("u^1"), water.unknowns()))
+    fixed = [basis.get_dofs("base:bottom").all(), top.all("u^1"), water.dofs()]
     held = np.zeros(water.size)
     held[water.unknowns()] = 6.0
     moved = held.copy()
@@ -102,7 +101,7 @@ def test_friction_is_of_the_effective_stress():
     load = sc.traction(basis, "block:top", (0.0, -10.0))
     stages = [sc.Stage("press", load, prescribed=held, duration=1.0),
               sc.Stage("push", load, prescribed=moved, duration=1.0)]  # fmt: skip
-    result = sc.run(forms, stages, fixed, progress=False)
+    result = sc.Model(forms, fixed).run(stages, progress=False)
     normal, shear = (abs(result["push"].report("joint").force[i]) for i in (1, 0))
     assert normal == pytest.approx(4.0, rel=1e-6) and shear == pytest.approx(0.5 * 4.0, rel=1e-4)  # friction: residual
 
@@ -110,7 +109,7 @@ def test_friction_is_of_the_effective_stress():
 def test_tangent():
     """Symmetric, of one pattern for steps of any length; a uniform pressure does nothing to closed joints."""
     basis, forms, _, _ = cut_layer(sc.Tied(), OPEN, n=(10, 20))
-    water = sc.choose_penalties(forms)["water"]
+    water = choose_penalties(forms)["water"]
     x = np.zeros(water.size)
     x[water.unknowns()] = 3.0
     short, long = (water.over(t).assemble(x, water.initial_state()) for t in (1e-6, 1e6))

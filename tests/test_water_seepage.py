@@ -41,10 +41,10 @@ def dam(n: int, length: float, kind=MeshTri, height: float = 10.0, depth: float 
     return box(kind, x, *width, depth + np.linspace(0, height, n + 1))
 
 
-def flow_through(mesh, up: float, down: float, k=1.0, unit_weight=9.81, **options) -> sc.Seepage:
+def flow_through(mesh, up: float, down: float, k=1.0, unit_weight=9.81, **options) -> sc.water.Seepage:
     """Flow from left to right with a seepage face."""
     heads = {"left": up} | ({"right": down} if down > 0 else {})
-    return sc.seepage(Basis(mesh, ELEMENTS[type(mesh)]()), k, heads, seepage_face="right",
+    return sc.water.seepage(Basis(mesh, ELEMENTS[type(mesh)]()), k, heads, seepage_face="right",
                       unit_weight=unit_weight, **options)
 
 
@@ -113,7 +113,7 @@ def test_dam_in_space():
 
 def test_retention_of_the_soil():
     """[X] A capillary fringe carries water too; without one the discharge is that of a free surface."""
-    fringe = [flow_through(dam(20, 5.0), 10.0, 2.0, retention=sc.VanGenuchten(alpha, 3.0)).discharge("left")
+    fringe = [flow_through(dam(20, 5.0), 10.0, 2.0, retention=sc.water.VanGenuchten(alpha, 3.0)).discharge("left")
               for alpha in (1.0, 4.0, 16.0)]
     assert fringe[0] > fringe[1] > fringe[2] > 0.99 * 9.6
     # the fringe is about 1 / (3 alpha) high, below the size of the elements
@@ -123,14 +123,14 @@ def test_retention_of_the_soil():
 def test_retention_by_subdomain():
     """A core that sucks water more than its shell; one law for all is the law of every subdomain."""
     mesh = dam(20, 10.0).with_subdomains({"core": lambda x: abs(x[0] - 5) < 1, "shell": lambda x: abs(x[0] - 5) > 1})
-    laws = {"core": sc.VanGenuchten(0.5, 2.0), "shell": sc.Ramp()}
+    laws = {"core": sc.water.VanGenuchten(0.5, 2.0), "shell": sc.water.Ramp()}
     mixed = flow_through(mesh, 10.0, 2.0, retention=laws).discharge("left")
-    same = flow_through(mesh, 10.0, 2.0, retention={"core": sc.Ramp(), "shell": sc.Ramp()}).discharge("left")
+    same = flow_through(mesh, 10.0, 2.0, retention={"core": sc.water.Ramp(), "shell": sc.water.Ramp()}).discharge("left")
     assert same == pytest.approx(flow_through(mesh, 10.0, 2.0).discharge("left"), rel=1e-9)
     assert mixed > 1.001 * same
 
 
-@pytest.mark.parametrize("law", [sc.Ramp(0.5), sc.Ramp(2.0, 0.1), sc.VanGenuchten(2.0, 3.0), sc.VanGenuchten(0.3, 1.5)],
+@pytest.mark.parametrize("law", [sc.water.Ramp(0.5), sc.water.Ramp(2.0, 0.1), sc.water.VanGenuchten(2.0, 3.0), sc.water.VanGenuchten(0.3, 1.5)],
                          ids=repr)
 def test_slope_of_the_relative_permeability(law):
     """[N] Slopes against central differences; the permeability falls from 1 with suction."""
@@ -155,12 +155,12 @@ def test_layers(kind):
         {"clay": lambda x: x[-1] < 0.5, "sand": lambda x: x[-1] > 0.5})
     k = {"clay": 1e-7, "sand": 1e-5}
     for element in (ELEMENTS[kind](), ElementVector(ELEMENTS[kind]())):
-        up = sc.seepage(Basis(mesh, element), k, {"bottom": 3.0, "top": 2.0}, unit_weight=9.81)
+        up = sc.water.seepage(Basis(mesh, element), k, {"bottom": 3.0, "top": 2.0}, unit_weight=9.81)
         q = 1.0 / (0.5 / 1e-7 + 0.5 / 1e-5)
         assert up.iterations == (1,)
         assert up.discharge("bottom") == pytest.approx(q, rel=1e-9) == -up.discharge("top")
         np.testing.assert_allclose(up.velocity[-1], q, rtol=1e-9)
-    along = sc.seepage(Basis(mesh, element), k, {"left": 3.0, "right": 2.0}, unit_weight=9.81)
+    along = sc.water.seepage(Basis(mesh, element), k, {"left": 3.0, "right": 2.0}, unit_weight=9.81)
     assert along.discharge("left") == pytest.approx(0.5 * (1e-7 + 1e-5), rel=1e-9)
 
 
@@ -168,7 +168,8 @@ def test_quadratic_meshes():
     """[X] Pressures are at the vertices of quadratic meshes: straight ones by P2 and Q2, curved ones by MeshTri2."""
     for mesh, element in ((dam(4, 10.0), ElementTriP2()), (dam(4, 10.0, MeshQuad), ElementQuad2()),
                           (MeshTri2.from_mesh(dam(4, 10.0)).with_boundaries(dam(4, 10.0).boundaries), ElementTriP2())):
-        water = sc.seepage(Basis(mesh, ElementVector(element)), 1.0, {"left": 12.0, "right": 11.0}, unit_weight=9.81)
+        water = sc.water.seepage(Basis(mesh, ElementVector(element)), 1.0, {"left": 12.0, "right": 11.0},
+                                 unit_weight=9.81)
         np.testing.assert_allclose(water.head[: mesh.nvertices], 12.0 - mesh.p[0, : mesh.nvertices] / 10, rtol=1e-12)
         assert len(water.pressure) == mesh.nvertices
 
@@ -183,7 +184,7 @@ def test_any_direction(kind, rng):
     mesh = type(mesh)(np.where(inner, moved, mesh.p), mesh.t).with_boundaries({"all": lambda x: x[0] < np.inf})
     tensor = np.diag([3.0, 1.0, 2.0][:dim]) + 0.5
     slope = np.array([0.5, -0.3, 0.2][:dim])
-    water = sc.seepage(Basis(mesh, ELEMENTS[kind]()), tensor, {"all": lambda x: 9 + slope @ x}, unit_weight=9.81)
+    water = sc.water.seepage(Basis(mesh, ELEMENTS[kind]()), tensor, {"all": lambda x: 9 + slope @ x}, unit_weight=9.81)
     np.testing.assert_allclose(water.head, 9 + slope @ mesh.p, rtol=1e-12)
     np.testing.assert_allclose(water.velocity, np.tile(-(tensor @ slope)[:, None], mesh.nelements), rtol=1e-9)
 
@@ -195,7 +196,7 @@ def test_well(confined):
     r = radius * (far / radius) ** np.linspace(0, 1, 2 * n + 1)
     mesh = box(MeshQuad, r, np.linspace(0, 10, n + 1))
     high, low = (15.0, 12.0) if confined else (10.0, 3.0)
-    water = sc.seepage(Basis(mesh, ElementQuad1()), 1e-4, {"right": high, "left": low}, seepage_face="left",
+    water = sc.water.seepage(Basis(mesh, ElementQuad1()), 1e-4, {"right": high, "left": low}, seepage_face="left",
                        axisymmetric=True, unit_weight=9.81)  # fmt: skip
     depth = 10 * (high - low) if confined else (high**2 - low**2) / 2
     assert water.discharge("left") == pytest.approx(-1e-4 * depth / np.log(far / radius), rel=3e-3)
@@ -213,15 +214,15 @@ def test_joint(matching):
     left = MeshTri.init_tensor(np.linspace(0, 4, 9), y).with_defaults()
     right = MeshTri.init_tensor(np.linspace(4, 10, 13), y if matching else np.linspace(0, 10, 25)).with_defaults()
     basis = Basis(sc.join_bodies({"a": left, "b": right}), ElementTriP1())
-    water = sc.seepage(basis, 1.0, {"a:left": 10.0}, seepage_face="b:right", connected=[("a:right", "b:left")],
-                       unit_weight=9.81)
+    water = sc.water.seepage(basis, 1.0, {"a:left": 10.0}, seepage_face="b:right", connected=[("a:right", "b:left")],
+                             unit_weight=9.81)
     assert water.discharge("a:left") == pytest.approx(5.0, rel=2e-3)
     assert water.discharge("b:right") == pytest.approx(-water.discharge("a:left"), rel=1e-8)
     assert water.discharge("b:left", of="b") == pytest.approx(water.discharge("a:left"), rel=1e-8)
     assert water.discharge("a:right", of="a") == pytest.approx(-water.discharge("a:left"), rel=1e-8)
     if matching:
-        whole = sc.seepage(Basis(dam(20, 10.0), ElementTriP1()), 1.0, {"left": 10.0}, seepage_face="right",
-                           unit_weight=9.81)
+        whole = sc.water.seepage(Basis(dam(20, 10.0), ElementTriP1()), 1.0, {"left": 10.0}, seepage_face="right",
+                                 unit_weight=9.81)
         assert water.discharge("a:left") == pytest.approx(whole.discharge("left"), rel=1e-9)
 
 
@@ -237,7 +238,7 @@ def test_joints_of_three_bodies_in_space(middle, error):
     basis = Basis(sc.join_bodies(cubes), ElementTetP1())
     joints = [("low:top", "mid:bottom"), ("mid:top", "top:bottom")]
     k = {"low": 1.0, "mid": 0.5, "top": 1.0}
-    water = sc.seepage(basis, k, {"low:bottom": 7.0, "top:top": 3.0}, connected=joints, unit_weight=9.81)
+    water = sc.water.seepage(basis, k, {"low:bottom": 7.0, "top:top": 3.0}, connected=joints, unit_weight=9.81)
     assert water.discharge("low:bottom") == pytest.approx(4 / (1 + 2 + 1), rel=error)
 
 
@@ -259,7 +260,7 @@ def test_part_of_the_mesh_is_porous():
     middle = mesh.p[0][mesh.facets[:, surface]].mean(axis=0)
     mesh = mesh.with_boundaries({"up": surface[middle < 3], "down": surface[middle > 5]})
     basis = Basis(mesh, ElementVector(ElementQuad1())).with_elements("ground")
-    water = sc.seepage(basis, 1e-5, {"up": 4.0, "down": 3.0}, unit_weight=9.81)
+    water = sc.water.seepage(basis, 1e-5, {"up": 4.0, "down": 3.0}, unit_weight=9.81)
     assert np.isnan(water.head[mesh.p[1] > 3.01]).all() and np.isfinite(water.head[mesh.p[1] < 3.01]).all()
     assert water.head[np.isclose(mesh.p[0], 4) & np.isclose(mesh.p[1], 0)] == pytest.approx(3.5)
     with pytest.raises(ValueError, match=r"places lie outside of the porous ground, the first is \(4, 3.5\)"):
@@ -270,7 +271,7 @@ def test_boundaries_that_meet_share_their_node():
     """The sum over all boundaries is zero although two of them hold the node of the corner."""
     mesh = dam(10, 10.0)
     heads = {"left": 12.0, "right": 11.0, "bottom": lambda x: 12.0 - 0.1 * x[0]}
-    water = sc.seepage(Basis(mesh, ElementTriP1()), 1.0, heads, unit_weight=9.81)
+    water = sc.water.seepage(Basis(mesh, ElementTriP1()), 1.0, heads, unit_weight=9.81)
     parts = [water.discharge(name) for name in ("left", "right", "bottom")]
     assert sum(parts) == pytest.approx(0.0, abs=1e-12)
     assert water.discharge("top") == 0.0
@@ -284,7 +285,7 @@ def test_values_at_places(rng):
     for kind in (MeshTri, MeshQuad, MeshTet):
         x = np.concatenate(([0.0], np.geomspace(1e-3, 1, 12)))
         mesh = box(kind, x, *(np.linspace(0, 1, 3) for _ in range(1 if kind is not MeshTet else 2)))
-        water = sc.seepage(Basis(mesh, ELEMENTS[kind]()), 1.0, {"left": 3.0, "right": 2.0}, unit_weight=10.0)
+        water = sc.water.seepage(Basis(mesh, ELEMENTS[kind]()), 1.0, {"left": 3.0, "right": 2.0}, unit_weight=10.0)
         places = np.hstack((rng.uniform(size=(mesh.dim(), 500)), mesh.p))
         np.testing.assert_allclose(water.head_at(places), 3.0 - places[0], rtol=1e-9)
         pressure = 10 * (3 - places[0] - places[-1])

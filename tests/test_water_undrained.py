@@ -11,7 +11,15 @@ from skfem import Basis, ElementTetP2, ElementTriP2, ElementVector, FacetBasis, 
 from slope_meshes import held, slope_mesh
 
 import skfem_contact as sc
-from skfem_contact.results.strength import PointStatus, mobilised, point_status
+from skfem_contact.results import StageResult
+from skfem_contact.results.strength import (
+    PointStatus,
+    mobilised,
+    plastic_strain,
+    point_status,
+    pore_pressure,
+    undrained_strength,
+)
 
 E, NU, P0 = 1e4, 0.25, 100.0
 BULK = E / 3 / (1 - 2 * NU)
@@ -22,21 +30,21 @@ def compressed(soil, axisymmetric: bool, steps: tuple[float, ...]):
     """A sample under an isotropic effective stress, compressed while its side is pressed: p and q after steps."""
     mesh = grid("Q1", [0.0, 1.0], [0.0, 1.0])
     basis = vector_basis(mesh, "Q1", intorder=2)
-    form = sc.SolidForm(basis, soil, strain=sc.axisymmetric if axisymmetric else sc.plane_strain)
+    form = sc.SolidForm(basis, soil, coordinates="axisymmetric" if axisymmetric else "full")
     fixed = np.union1d(basis.get_dofs({"bottom", "top"}).all("u^2"), basis.get_dofs("left").all("u^1"))
     side = FacetBasis(mesh, basis.elem, facets="right")
     load = LinearForm(lambda v, w: -P0 * (w.x[0] if axisymmetric else 1.0) * v[0]).assemble(side)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", sc.AnalysisWarning)  # the top holds the stress: no load of the start does
-        start = sc.given_state({"soil": form}, load, fixed, lambda x: np.stack(3 * [0 * x[0] - P0] + [0 * x[0]]))
+        start = sc.Model({"soil": form}, fixed).initial_state(load, stress=lambda x: np.stack(3 * [0 * x[0] - P0] + [0 * x[0]]))
     stages = []
     for k, settlement in enumerate(steps):
         moved = basis.zeros()
         moved[basis.get_dofs("top").all("u^2")] = -settlement
         stages.append(sc.Stage(f"{k}", load, prescribed=moved))
-    result = sc.run({"soil": form}, stages, fixed, start=start, progress=False)
+    result = sc.Model({"soil": form}, fixed).run(stages, start=start, progress=False)
     states = [result[stage.name].states["soil"] for stage in stages]
-    return [(sc.pore_pressure(form, s).mean(), (s.stress[0] - s.stress[1]).mean()) for s in states]
+    return [(pore_pressure(form, s).mean(), (s.stress[0] - s.stress[1]).mean()) for s in states]
 
 
 @pytest.mark.parametrize(("axisymmetric", "share"), [(False, 1 / 2), (True, 1 / 3)], ids=["plane", "triaxial"])
@@ -78,8 +86,9 @@ def test_poisson_ratio_of_soil_and_water():
 @pytest.mark.parametrize("ncomp", [4, 6])
 def test_any_material(soil, ncomp):
     """The tangent is that of differences and stresses are admissible, for any law and for parameters by element."""
-    sc.check_material(sc.Undrained(soil, Kw=20 * BULK), ncomp=ncomp, dissipation=ncomp == 4)
-    sc.check_material(sc.Undrained(soil, Kw=BULK * np.linspace(1, 20, 50)), ncomp=ncomp, dissipation=False)
+    sc.testing.check_material(sc.Undrained(soil, bulk_modulus_water=20 * BULK), ncomp=ncomp, dissipation=ncomp == 4)
+    varying = sc.Undrained(soil, bulk_modulus_water=BULK * np.linspace(1, 20, 50))
+    sc.testing.check_material(varying, ncomp=ncomp, dissipation=False)
 
 
 def test_pressure_is_not_taken_for_plastic_strain():
@@ -91,19 +100,20 @@ def test_pressure_is_not_taken_for_plastic_strain():
     x = basis.zeros()
     x[basis.get_dofs("top").all("u^2")] = -0.01
     state = form.assemble(x, form.initial_state()).state
-    assert state.internal[0, 0].max() == 0 < state.internal[0, 1].min()
-    pressure = sc.pore_pressure(form, state)
+    plastic = plastic_strain(form, state)
+    assert plastic[0].max() == 0 < plastic[1].min()
+    pressure = pore_pressure(form, state)
     assert pressure[0] == pytest.approx(BULK * 0.01) and not pressure[1].any()
     assert "50.0% yielded" in form.summary(state)
-    stage = sc.StageResult("now", x, 0 * x, {"soil": state}, (), 0.0, 1.0, {})
-    field = sc.nodal_field({"soil": form}, stage, "pore")
+    stage = StageResult("now", x, 0 * x, {"soil": state}, (), 0.0, forms={"soil": form})
+    field = stage.field("pore")
     # nodes between both regions get the mean of both
     assert sorted(set(np.round(field / BULK / 0.01, 9))) == [0.0, 0.5, 1.0]
     # what is given is below it; a change since a stage does not hold what stays
     still = sc.hydrostatic(0.5, unit_weight=9.81)
-    whole = sc.nodal_field({"soil": form}, stage, "pore", water=still)
+    whole = stage.field("pore", water=still)
     np.testing.assert_allclose(whole, field + still(mesh.p))
-    np.testing.assert_allclose(sc.nodal_field({"soil": form}, stage, "pore", since=stage, water=still), 0.0)
+    np.testing.assert_allclose(stage.field("pore", since=stage, water=still), 0.0)
 
 
 def test_mobilised_strength_is_that_of_the_soil():
@@ -124,19 +134,19 @@ def test_mobilised_strength_is_that_of_the_soil():
 def test_drains_later(how):
     """[X] Ground that was undrained and is not any more loses its excess pressure, and settles as drained ground."""
     basis = vector_basis(grid("Q1", [0.0, 1.0], np.linspace(0.0, 2.0, 4)), "Q1", intorder=2)
-    drained = sc.SolidForm(basis, SOIL, strain=sc.b_bar)
+    drained = sc.SolidForm(basis, SOIL, strain="b_bar")
     quick = drained.with_materials({"all": sc.Undrained(SOIL, Kw=1e3 * BULK)})
     fixed = np.append(basis.get_dofs("bottom").all("u^2"), basis.get_dofs({"left", "right"}).all("u^1"))
     top = FacetBasis(basis.mesh, basis.elem, facets="top")
     load = LinearForm(lambda v, w: -10.0 * v[1]).assemble(top)
-    first = sc.run({"soil": quick}, [sc.Stage("quick", load)], fixed, progress=False)
-    assert sc.pore_pressure(quick, first["quick"].states["soil"]).min() > 9.9
+    first = sc.Model({"soil": quick}, fixed).run([sc.Stage("quick", load)], progress=False)
+    assert first["quick"].pore_pressure("soil").min() > 9.9
     if how == "change":
         stages = [sc.Stage("quick", load), sc.Stage("later", load, change={"soil": drained})]
-        later = sc.run({"soil": quick}, stages, fixed, progress=False)["later"]
+        later = sc.Model({"soil": quick}, fixed).run(stages, progress=False)["later"]
     else:
-        later = sc.run({"soil": drained}, [sc.Stage("later", load)], fixed, start=first, progress=False)["later"]
-    slow = sc.run({"soil": drained}, [sc.Stage("slow", load)], fixed, progress=False)["slow"]
+        later = sc.Model({"soil": drained}, fixed).run([sc.Stage("later", load)], start=first, progress=False)["later"]
+    slow = sc.Model({"soil": drained}, fixed).run([sc.Stage("slow", load)], progress=False)["slow"]
     np.testing.assert_allclose(later.x, slow.x, atol=1e-9)
     np.testing.assert_allclose(later.states["soil"].stress, slow.states["soil"].stress, atol=1e-6)
 
@@ -147,14 +157,14 @@ def test_in_space():
     mesh = MeshTet().refined(1).with_boundaries(
         {name: lambda x, axis=axis, at=at: np.isclose(x[axis], at) for name, axis, at in sides})
     basis = Basis(mesh, ElementVector(ElementTetP2()), intorder=2)
-    form = sc.SolidForm(basis, sc.Undrained(SOIL, Kw=BULK), strain=sc.three_dimensional)
+    form = sc.SolidForm(basis, sc.Undrained(SOIL, Kw=BULK), strain="full")
     names = {"u^1": {"x", "X"}, "u^2": {"y", "Y"}, "u^3": {"bottom"}}
     fixed = np.concatenate([basis.get_dofs(where).all(u) for u, where in names.items()])
     top = FacetBasis(mesh, basis.elem, facets=mesh.facets_satisfying(lambda x: np.isclose(x[2], 1)))
     load = LinearForm(lambda v, w: -1.0 * v[2]).assemble(top)
-    state = sc.run({"soil": form}, [sc.Stage("load", load)], fixed, progress=False)["load"].states["soil"]
+    state = sc.Model({"soil": form}, fixed).run([sc.Stage("load", load)], progress=False)["load"].states["soil"]
     modulus = E * (1 - NU) / (1 + NU) / (1 - 2 * NU)
-    np.testing.assert_allclose(sc.pore_pressure(form, state), BULK / (BULK + modulus), rtol=1e-9)
+    np.testing.assert_allclose(pore_pressure(form, state), BULK / (BULK + modulus), rtol=1e-9)
 
 
 def test_short_term_factor_of_a_slope():
@@ -166,12 +176,11 @@ def test_short_term_factor_of_a_slope():
     basis = Basis(slope_mesh(20.0, 12.0, 5.0, 12.0, 4), ElementVector(ElementTriP2()), intorder=2)
     soil = sc.MohrCoulomb(E=1e5, nu=0.3, c=12.0, phi=18.0, psi=0.0)
     form, fixed, load = sc.SolidForm(basis, soil), held(basis), sc.weight(basis, 20.0)
-    start = sc.gravity_state({"soil": form}, load, fixed)
-    strength = sc.undrained_strength(form, start[-1].states["soil"])["all"]
-    quick = sc.strength_reduction({"soil": form.with_materials({"all": sc.Undrained(soil, nu_u=0.495)})}, fixed, load,
-                                  start=start, tol=0.004, progress=False)
-    total = sc.strength_reduction({"soil": form.with_materials({"all": sc.Tresca(E=1e5, nu=0.495, c=strength)})},
-                                  fixed, load, tol=0.004, progress=False)
+    start = sc.Model({"soil": form}, fixed).gravity_state(load)
+    strength = start[-1].undrained_strength("soil")["all"]
+    wet = form.with_materials({"all": sc.Undrained(soil, nu_undrained=0.495)})
+    quick = sc.Model({"soil": wet}, fixed).strength_reduction(load, start=start, tolerance=0.004, progress=False)
+    total = sc.Model({"soil": form.with_materials({"all": sc.Tresca(E=1e5, nu=0.495, c=strength)})}, fixed).strength_reduction(load, tolerance=0.004, progress=False)
     phi = np.radians(18.0)
     expected = total.factor * np.cos(np.arctan(np.tan(phi) / quick.factor)) / np.cos(phi)
     assert quick.factor == pytest.approx(expected, rel=5e-3)
@@ -179,10 +188,10 @@ def test_short_term_factor_of_a_slope():
 
 def test_reduction_reaches_the_soil():
     """Strength reduction acts on the soil inside, which must not dilate by any flow; what has no strength says so."""
-    clay = sc.Undrained(SOIL, Kw=BULK)
-    assert clay.reduced(2.0).soil.c == 2.5 and clay.reduced(2.0).Kw == BULK
-    assert not hasattr(sc.Undrained(sc.LinearElastic(E=E, nu=NU), Kw=BULK), "reduced")
-    davis, given = sc.reduced_strength(clay, 1.5, "davis_b").soil, SOIL.reduced(1.5)
+    clay = sc.Undrained(SOIL, bulk_modulus_water=BULK)
+    assert clay.reduced(2.0).soil.c == 2.5 and clay.reduced(2.0).bulk_modulus_water == BULK
+    assert not sc.Undrained(sc.LinearElastic(E=E, nu=NU), bulk_modulus_water=BULK).reducible and clay.reducible
+    davis, given = clay.reduced(1.5, "davis_b").soil, SOIL.reduced(1.5)
     assert (davis.c, davis.phi, davis.psi) == (given.c, given.phi, 0.0)
     with pytest.raises(ValueError, match="flow must be one of"):
         clay.reduced(1.5, "davis")
@@ -205,5 +214,5 @@ def test_bad_soil():
     with pytest.raises(ValueError, match="must be a material in effective stresses"):
         sc.Undrained(sc.Undrained(SOIL, Kw=1.0), Kw=1.0)
     form = sc.SolidForm(vector_basis(grid("Q1", [0, 1], [0, 1]), "Q1", intorder=2), sc.LinearElastic(E=E, nu=NU))
-    with pytest.raises(ValueError, match=r"no region has c and phi; the regions are \['all'\]"):
-        sc.undrained_strength(form, form.initial_state())
+    with pytest.raises(ValueError, match=r"no region has an undrained strength; the regions are \['all'\]"):
+        undrained_strength(form, form.initial_state())

@@ -20,7 +20,7 @@ ROOMS = {
     "Meshes": ("mesh",),
     "Solid bodies": ("solid", "strain"),
     "Materials": ("materials",),
-    "Contact": ("contact", "surfaces"),
+    "Contact": ("contact", "surfaces", "rigid"),
     "Springs, bars and matrices": ("links",),
     "Loads": ("loads",),
     "Stages": ("stages",),
@@ -28,7 +28,7 @@ ROOMS = {
     "Bounds": ("limit_analysis",),
     "Water": ("water",),
     "Equilibrium": ("nonlinear", "forms", "unknowns", "errors"),
-    "Results": ("post",),
+    "Results": ("results",),
     "Pictures": ("plot",),
     "Checks of own laws and forms": ("testing",),
 }
@@ -38,8 +38,13 @@ def public_names() -> dict[str, list[str]]:
     """Qualified public names by module, subpackages as a whole."""
     names: dict[str, list[str]] = {}
     for name in skfem_contact.__all__:
+        if inspect.ismodule(room := getattr(skfem_contact, name)):
+            own = [one for one in room.__all__ if one not in skfem_contact.__all__]
+            names.setdefault(name, []).extend(f"skfem_contact.{name}.{one}" for one in own)
+            continue
         module = getattr(skfem_contact, name).__module__.split(".")[1]
         names.setdefault(module, []).append(f"skfem_contact.{name}")
+    names["results"] = [f"skfem_contact.results.{name}" for name in skfem_contact.results.__all__]
     names["plot"] = [f"skfem_contact.plot.{name}" for name in plot.__all__]
     homeless = set(names).difference(*ROOMS.values())
     if homeless:

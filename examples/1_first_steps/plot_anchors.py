@@ -41,7 +41,7 @@ stages = [
     sc.Stage("pull", pulled),
     sc.Stage("rest", basis.zeros()),
 ]
-result = sc.run({"wall": wall, "anchor": anchor.jacked(80.0)}, stages, fixed, progress=False)
+result = sc.Model({"wall": wall, "anchor": anchor.prestressed(80.0)}, fixed).run(stages, progress=False)
 print(result)
 
 # %%
@@ -50,7 +50,7 @@ axis = np.array([8.0, -8.0]) / np.hypot(8.0, 8.0)
 top = sc.dofs_at(basis, (0.5, 8.0))[0]
 unit = basis.zeros()
 unit[top] = axis
-alone = {name: sc.run({"wall": wall}, [sc.Stage(name, load)], fixed, progress=False)[name].x[top] @ axis
+alone = {name: sc.Model({"wall": wall}, fixed).run([sc.Stage(name, load)], progress=False)[name].x[top] @ axis
          for name, load in (("unit", unit), ("push", pushed), ("pull", pulled))}  # fmt: skip
 stiffness = 2e4 / np.hypot(8.0, 8.0)
 share = stiffness / (1.0 + stiffness * alone["unit"])
@@ -61,7 +61,7 @@ print({name: f"{force:.2f}" for name, force in forces.items()})
 
 # %%
 # Deformed 200 times: the wall as the jack bends it, with the stress along its height.
-plot.contour(result["lock"].forms, result["lock"], "syy", deformed=200.0)
+plot.contour(result["lock"], "syy", deformed=200.0)
 
 # %%
 # Figures

@@ -24,6 +24,7 @@ from skfem import Basis, ElementQuad1, ElementVector, FacetBasis, LinearForm, Me
 
 import skfem_contact as sc
 import skfem_contact.plot as plot
+from skfem_contact.contact.laws import Status
 
 plot.set_units("kN", "m")
 
@@ -98,7 +99,7 @@ def press_and_push(kilopascals):
         moved = basis.zeros()
         moved[frame] = 1e-3 * millimetres
         stages.append(sc.Stage(f"{millimetres:.1f} mm", kilopascals * pressure, prescribed=moved))
-    return sc.run(forms, stages, fixed=fixed)
+    return sc.Model(forms, fixed).run(stages)
 
 
 result = press_and_push(100.0)
@@ -109,7 +110,7 @@ print(result)
 # off, for the frame pushes at the top of the sample and friction holds it at the bottom. This is the sample
 # at the end, displacements ten times enlarged; its shape before the test is grey.
 
-plot.contour(forms, result["1.0 mm"], "syy", deformed=10.0)
+plot.contour(result["1.0 mm"], "syy", deformed=10.0)
 
 # %%
 # What happens at the joint
@@ -120,10 +121,10 @@ plot.contour(forms, result["1.0 mm"], "syy", deformed=10.0)
 
 fig, axes = plt.subplots(1, 3, figsize=(9, 3.2), sharey=True, layout="constrained")
 for axis, stage in zip(axes, ("0.2 mm", "0.3 mm", "0.5 mm")):
-    joint = sc.tractions(forms["joint"], result[stage].states["joint"])
+    joint = result[stage].tractions("joint")
     axis.fill_between(1e3 * joint.x, mu * joint.pressure, color="0.9", label=r"friction limit $\mu p$")
     axis.plot(1e3 * joint.x, joint.shear, "C0-", lw=1)
-    for status, color in ((sc.Status.STICK, "white"), (sc.Status.SLIP, "C0")):
+    for status, color in ((Status.STICK, "white"), (Status.SLIP, "C0")):
         at = joint.status == status
         label = f"friction, {status.name.lower()}"
         axis.plot(1e3 * joint.x[at], joint.shear[at], "C0o", mfc=color, label=label)
@@ -137,7 +138,7 @@ axes[0].legend(frameon=False)
 
 def forces(stage):
     """Normal and shear force of the joint in kN per metre of width."""
-    joint = sc.tractions(forms["joint"], stage.states["joint"])
+    joint = stage.tractions("joint")
     return (joint.pressure * joint.weight).sum(), (joint.shear * joint.weight).sum()
 
 

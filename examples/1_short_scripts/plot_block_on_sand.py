@@ -29,16 +29,16 @@ forms = {
 fixed = sc.box_supports(basis)
 weight = sc.weight(basis, {"sand": 18.0, "block": 24.0})
 push = sc.traction(basis, "top", (12.0, -40.0))
-result = sc.run(forms, [sc.Stage("weight", weight), sc.Stage("push", weight + push, increments=3)], fixed)
+result = sc.Model(forms, fixed).run([sc.Stage("weight", weight), sc.Stage("push", weight + push, increments=3)])
 print(result)
-print(sc.contact_report(forms["joint"], result["push"].x, result["push"].states["joint"]))
+print(result["push"].report("joint"))
 
 # %%
 # The load, the tractions that the sand exerts on the block, and the points that yield:
-plot.contour(forms, result["push"], "syy", loads=push, contact=True, points=True, window=(-3, 3, -2.2, 1.6))
+plot.contour(result["push"], "syy", loads=push, contact=True, points=True, window=(-3, 3, -2.2, 1.6))
 
 # %%
-plot.contact_diagram({stage.name: stage.tractions("joint") for stage in result}, along="x")
+plot.diagram({stage.name: stage.tractions("joint") for stage in result}, along="x")
 
 # sphinx_gallery_start_ignore
 import json

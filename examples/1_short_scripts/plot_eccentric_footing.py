@@ -27,7 +27,7 @@ basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
 footing = sc.RigidBoundary(basis, "footing")
 forms = {"clay": sc.SolidForm(basis, sc.Tresca(E=1e4, nu=0.45, c=c)), "footing": footing}
 levers = np.array([0.0, 0.1, 0.2, 0.3, 0.4]) * width
-found = [sc.limit_load(forms, sc.box_supports(basis), footing.load((0, -1), at=(lever, 0)), step=20.0, progress=False)
+found = [sc.Model(forms, sc.box_supports(basis)).limit_load(footing.load((0, -1), at=(lever, 0)), step=20.0, progress=False)
          for lever in levers]  # fmt: skip
 carried = np.array([collapse.multiplier for collapse in found])
 
@@ -38,7 +38,7 @@ ax.set(xlabel="lever / width", ylabel="load / (width c)", xlim=(0, 0.5), ylim=(0
 ax.legend(frameon=False)
 
 # %%
-plot.mechanism(forms, found[3], window=(-3, 3, -3, 0.3))
+plot.mechanism(found[3], window=(-3, 3, -3, 0.3))
 
 # sphinx_gallery_start_ignore
 import json

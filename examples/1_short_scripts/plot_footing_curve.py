@@ -33,7 +33,7 @@ for s in settlements:
     moved = basis.zeros()
     moved[down] = -s
     stages.append(sc.Stage(f"{1e3 * s:g} mm", basis.zeros(), prescribed=moved))
-result = sc.run(forms, stages, np.union1d(sc.box_supports(basis), footing))
+result = sc.Model(forms, np.union1d(sc.box_supports(basis), footing)).run(stages)
 load = [-stage.reactions()[down].sum() / width for stage in result]
 
 fig, ax = plt.subplots(figsize=(6, 4), layout="constrained")
@@ -43,7 +43,7 @@ ax.set(xlabel="settlement [mm]", ylabel="mean pressure [kPa]", xlim=(0, None), y
 ax.legend(frameon=False)
 
 # %%
-plot.contour(forms, result[-1], "gamma", since=result[-2], vectors=True, window=(0, 4, -2.5, 0.2))
+plot.contour(result[-1], "gamma", since=result[-2], vectors=True, window=(0, 4, -2.5, 0.2))
 
 # sphinx_gallery_start_ignore
 import json

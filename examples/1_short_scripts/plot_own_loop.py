@@ -50,14 +50,14 @@ for iteration in range(20):
 state = {name: answer.state for name, answer in out.items()}  # accepting the step
 
 # %%
-# A stage's result is a place for what was found, so that pictures and tables take it.
-found = sc.StageResult("own", x, load, state, (iteration,), 0.0)
-plot.contour(forms, found, "sxx", deformed=50.0, loads=load)
+# The result of a stage gives pictures and tables of the state that was found.
+found = sc.results.of(forms, x, state, load=load)
+plot.contour(found, "sxx", deformed=50.0, loads=load)
 
 # sphinx_gallery_start_ignore
 import json
 
-again = sc.run(forms, [sc.Stage("load", load)], fixed, progress=False)["load"]
+again = sc.Model(forms, fixed).run([sc.Stage("load", load)], progress=False)["load"]
 error = float(np.abs(again.x - x).max() / np.abs(x).max())
 assert error < 1e-6
 assert (x[basis.get_dofs("bottom").all("u^2")] > 0).any()  # it lifts off

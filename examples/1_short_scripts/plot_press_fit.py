@@ -37,12 +37,12 @@ forms = {
 x, y = basis.doflocs
 number = np.arange(basis.N)
 fixed = number[((x < 1e-9) & (number % 2 == 0)) | ((y < 1e-9) & (number % 2 == 1))]  # symmetry
-result = sc.run(forms, [sc.Stage("fit", basis.zeros())], fixed)
+result = sc.Model(forms, fixed).run([sc.Stage("fit", basis.zeros())])
 pressure = result["fit"].tractions("fit").pressure
 print(f"pressure {pressure.mean():.1f} MPa, between {pressure.min():.1f} and {pressure.max():.1f}")
 
 # %%
-plot.contour(forms, result["fit"], "mises", deformed=1.0)
+plot.contour(result["fit"], "mises", deformed=1.0)
 
 # sphinx_gallery_start_ignore
 import json

@@ -26,8 +26,8 @@ basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
 
 sand, skin = sc.MohrCoulomb(E=4e4, nu=0.3, c=2.0, phi=30.0), sc.Coulomb(mu=0.36)
 parts = ("soil", "lift 1", "lift 2")
-forms = {name: sc.SolidForm(basis.with_elements(name), sand, sc.b_bar) for name in parts}
-forms["wall"] = sc.SolidForm(basis.with_elements("wall"), sc.LinearElastic(E=3e7, nu=0.2), sc.b_bar)
+forms = {name: sc.SolidForm(basis.with_elements(name), sand, "b_bar") for name in parts}
+forms["wall"] = sc.SolidForm(basis.with_elements("wall"), sc.LinearElastic(E=3e7, nu=0.2), "b_bar")
 forms |= {f"{name}|wall": sc.ContactPair(basis, f"{name}|wall", "wall|ground", skin, quadrature=2) for name in parts}
 
 fixed = sc.box_supports(basis)
@@ -35,22 +35,22 @@ prop = sc.dofs_at(basis, (6.0, 16.0), part="wall")[0, :1]
 at_rest = dict.fromkeys((*parts, "wall"), 20.0)
 load = {n: sc.weight(basis, {"wall": 25.0} | dict.fromkeys(there, 20.0))
         for n, there in (("wall", parts), ("1", ("soil", "lift 2")), ("2", ("soil",)))}  # fmt: skip
-start = sc.k0_state(forms, sc.weight(basis, at_rest), fixed, at_rest, K0=0.5, name="at rest")
-result = sc.run(forms, [
+start = sc.Model(forms, fixed).k0_state(sc.weight(basis, at_rest), unit_weights=at_rest, K0=0.5, name="at rest")
+result = sc.Model(forms, fixed).run([
     sc.Stage("wall", load["wall"]),
     sc.Stage("lift 1", load["1"], deactivate=("lift 1", "lift 1|wall"), increments=4),
     sc.Stage("prop", load["1"], fixed=np.append(fixed, prop)),
-    sc.Stage("lift 2", load["2"], deactivate=("lift 2", "lift 2|wall"), increments=6)], fixed, start=start)  # fmt: skip
+    sc.Stage("lift 2", load["2"], deactivate=("lift 2", "lift 2|wall"), increments=6)], start=start)  # fmt: skip
 print(result)
 print(f"prop {result['lift 2'].reactions()[prop][0]:.1f} kN/m")
 
 # %%
 both = [result["lift 1"], result["lift 2"]]
-plot.stages(forms, both, "ux", since=result["wall"], deformed="auto", window=(0, 14, 4, 17))
+plot.stages(both, "ux", since=result["wall"], deformed="auto", window=(0, 14, 4, 17))
 
 # %%
-cuts = sc.line_sections((6.25, 16.0), (6.25, 6.0), depth=0.5, n=41)
-plot.diagram_on(forms, result["lift 2"], "M", result["lift 2"].section_forces("wall", cuts))
+cuts = sc.Sections.line((6.25, 16.0), (6.25, 6.0), depth=0.5, n=41)
+plot.diagram(result["lift 2"].section_forces("wall", cuts), "M", on=result["lift 2"])
 
 # sphinx_gallery_start_ignore
 import json

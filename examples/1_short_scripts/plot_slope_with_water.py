@@ -31,13 +31,13 @@ slope = {"slope": sc.SolidForm(basis, {"clay": clay, "sand": sand})}
 water = sc.hydrostatic([(0, 10), (12, 9), (30, 5)], unit_weight=9.81)
 load = sc.weight(basis, {"clay": 20.0, "sand": 19.0}) + sc.water_load(basis, water)
 
-wet = sc.strength_reduction(slope, fixed, load, tol=0.01)
-dry = sc.strength_reduction(slope, fixed, sc.weight(basis, {"clay": 20.0, "sand": 19.0}), tol=0.01)
+wet = sc.Model(slope, fixed).strength_reduction(load, tolerance=0.01)
+dry = sc.Model(slope, fixed).strength_reduction(sc.weight(basis, {"clay": 20.0, "sand": 19.0}), tolerance=0.01)
 print(f"with water {wet.factor:.2f}, without {dry.factor:.2f}")
 
 # %%
 # The mechanism: where the soil shears, and where it goes. It enters the clay and leaves at the toe.
-plot.mechanism(slope, wet, water=water)
+plot.mechanism(wet, water=water)
 
 # %%
 # The curve levels off at the factor: a collapse, and no failure of the computation.

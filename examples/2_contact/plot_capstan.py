@@ -32,6 +32,7 @@ from skfem import Basis, ElementQuad1, ElementVector, FacetBasis, LinearForm, Me
 
 import skfem_contact as sc
 import skfem_contact.plot as plot
+from skfem_contact.contact.laws import Status
 
 mu, radius, tail, tension, stiffness = 0.3, 1.0, 0.4, 1.0, 1e5
 wrapped = np.pi * radius
@@ -80,7 +81,7 @@ def pulled(thickness):
                             traction=tension / thickness)
     forms = {
         "belt": sc.SolidForm(basis, sc.LinearElastic(E=stiffness / thickness, nu=0.0)),
-        "drum": sc.ContactPair(basis, "on drum", sc.rigid_circle((0.0, 0.0), radius), sc.Coulomb(mu=mu), "nodal",
+        "drum": sc.ContactPair(basis, "on drum", sc.rigid.circle((0.0, 0.0), radius), sc.Coulomb(mu=mu), "nodal",
                                penalty=1e7),
     }
     stages = [sc.Stage("weight", load)]
@@ -104,7 +105,7 @@ runs = {}
 for thickness in (0.02, 0.01, 0.005):
     begin = process_time()
     forms, stages, end = pulled(thickness)
-    result = sc.run(forms, stages, fixed=end)
+    result = sc.Model(forms, end).run(stages)
     force = np.array([force_at(end, forms, step) for step in result])
     runs[thickness] = forms, result, force, -np.array([step.x[end[0]] for step in result]), process_time() - begin
 
@@ -112,7 +113,7 @@ for thickness in (0.02, 0.01, 0.005):
 # The belt of the middle thickness, seen with its displacements enlarged a thousand times: tension along the belt.
 
 forms, result, force, _, _ = runs[0.01]
-plot.contour({"belt": forms["belt"]}, result[-1], "s1", deformed=1000.0)
+plot.contour(result[-1], "s1", deformed=1000.0)
 
 # %%
 # How the belt begins to slide
@@ -123,7 +124,7 @@ plot.contour({"belt": forms["belt"]}, result[-1], "s1", deformed=1000.0)
 
 fig, axes = plt.subplots(1, 2, figsize=(9, 3.6), layout="constrained")
 for number, label in ((0, "weight only"), (2, "pulled a little"), (5, "further"), (20, "all slides")):
-    contact = sc.tractions(forms["drum"], result[number].states["drum"])
+    contact = result[number].tractions("drum")
     angle = np.degrees(np.arctan2(contact.y, -contact.x))
     inside = (angle > 1) & (angle < 179)  # the pressure has edges where the belt leaves the drum
     axes[0].semilogy(angle[inside], contact.pressure[inside] * radius / tension, label=label)
@@ -149,7 +150,7 @@ rows = []
 for thickness, (forms, result, force, _, cpu) in runs.items():
     ratio = force[-1] / tension
     error = abs(ratio / euler - 1)
-    assert (result[-1].states["drum"].status == sc.Status.SLIP).all()
+    assert (result[-1].states["drum"].status == Status.SLIP).all()
     assert error < 0.01
     assert abs(ratio / np.exp(growth(thickness) * np.pi) - 1) < 0.002  # terms of second order in t / R
     assert abs(force[0] / tension * np.exp(growth(thickness) * np.pi) - 1) < 0.02  # slips the other way

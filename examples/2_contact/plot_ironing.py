@@ -31,6 +31,8 @@ from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
 
 import skfem_contact as sc
 import skfem_contact.plot as plot
+from skfem_contact.contact.penalty import choose_penalties
+from skfem_contact.results.tractions import tractions
 from skfem_contact.surfaces.material_points import along_chain
 
 mu, radius, pressed, stroke, E = 0.3, 6.0, 0.02, 1.2, 1.0
@@ -55,14 +57,14 @@ def ironed(n, **options):
     basis = Basis(bodies(n), ElementVector(ElementQuad1()), intorder=2)
     solid = sc.SolidForm(basis, {"slab": sc.LinearElastic(E=E, nu=0.3), "block": sc.LinearElastic(E=10 * E, nu=0.3)})
     pair = sc.ContactPair(basis, "block:bottom", "slab:top", sc.Coulomb(mu=mu), **options)
-    forms = sc.choose_penalties({"bodies": solid, "joint": pair})
+    forms = choose_penalties({"bodies": solid, "joint": pair})
     top = basis.get_dofs("block:top")
     stages = []
     for k, (right, up) in enumerate(path):
         x = basis.zeros()
         x[top.all("u^1")], x[top.all("u^2")] = right, up
         stages.append(sc.Stage(f"step {k + 1}", basis.zeros(), x))
-    result = sc.run(forms, stages, fixed=basis.get_dofs({"slab:bottom", "block:top"}).all())
+    result = sc.Model(forms, basis.get_dofs({"slab:bottom", "block:top"}).all()).run(stages)
     forces = [solid.assemble(step.x, step.states["bodies"]).force for step in result]
     return forms, result, np.array([(f[top.all("u^1")].sum(), f[top.all("u^2")].sum()) for f in forces])
 
@@ -89,7 +91,7 @@ for n in meshes:
 # The end of the way. Friction drags the slab along and tilts the block, so that the stresses are not symmetric.
 
 forms, result, *_ = runs[16, "smoothed, segments"]
-plot.contour({"bodies": forms["bodies"]}, result[-1], "syy", deformed=1.0)
+plot.contour(result[-1], "syy", deformed=1.0)
 
 # %%
 # Forces on the way
@@ -130,7 +132,7 @@ def dissipated(pair, result):
     """Energy that every point dissipates in every step after the first, (n_steps - 1, n_points)."""
     states = [step.states["joint"] for step in result]
     dragged = np.diff([along_chain(pair.master, *state.stick) for state in states], axis=0)
-    return dragged * [state.traction[1] for state in states[1:]] * sc.tractions(pair, states[0]).weight
+    return dragged * [state.traction[1] for state in states[1:]] * tractions(pair, states[0]).weight
 
 
 for n in meshes:

@@ -20,6 +20,7 @@ from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
 
 import skfem_contact as sc
 from skfem_contact.contact import Update
+from skfem_contact.contact.laws import Status
 
 # %%
 # What a law is asked
@@ -83,7 +84,7 @@ class Dilatant(sc.InterfaceLaw):
         traction = np.concatenate(((normal - by_gap * rise * plastic)[None], trial - by_slip * plastic * along))
         apart = traction[0] > 0
         traction[:, apart], tangent[:, :, apart], plastic[apart] = 0.0, 0.0, 0.0
-        status = np.where(apart, sc.Status.OPEN, np.where(slides, sc.Status.SLIP, sc.Status.STICK))
+        status = np.where(apart, Status.OPEN, np.where(slides, Status.SLIP, Status.STICK))
         return Update(traction, internal + rise * plastic, tangent, traction[1:] / by_slip, status)
 
 
@@ -130,18 +131,18 @@ class Cohesive(sc.InterfaceLaw):
         rate = np.where(grows, last * first / (largest**2 * (last - first)), 0.0)
         tangent -= rate * (stiffness * apart)[:, None] * apart / np.where(separation > 0, separation, 1.0)
 
-        status = np.where(damage < 1, sc.Status.STICK, np.where(jump[0] > 0, sc.Status.OPEN, sc.Status.SLIP))
+        status = np.where(damage < 1, Status.STICK, np.where(jump[0] > 0, Status.OPEN, Status.SLIP))
         return Update(secant * jump, largest[None], tangent, jump[1:].copy(), status)
 
 
 # %%
 # Checked without a mesh
 # ----------------------
-# :func:`~skfem_contact.check_interface_law` leads random points to random jumps, in the plane and in space: shapes,
-# tangents against differences, admissibility, dissipation.
+# :func:`~skfem_contact.testing.check_interface_law` leads random points to random jumps, in the plane and in space:
+# shapes, tangents against differences, admissibility, dissipation.
 
 for law in (Dilatant(mu=0.5, psi=10.0), Cohesive(strength=2.0, energy=2e-3)):
-    print(type(law).__name__, f"{sc.check_interface_law(law):.0e}")
+    print(type(law).__name__, f"{sc.testing.check_interface_law(law):.0e}")
 
 # %%
 # The shear box
@@ -159,7 +160,7 @@ rise = np.tan(np.radians(psi))
 block = MeshQuad.init_tensor(np.linspace(0, 1, 9), np.linspace(0, H, 5)).with_defaults()
 basis = Basis(block, ElementVector(ElementQuad1()), intorder=2)
 along, lid = basis.nodal_dofs[0], basis.get_dofs("top").all("u^2")
-plane = sc.rigid_line((-1.0, 0.0), (3.0, 0.0))
+plane = sc.rigid.line((-1.0, 0.0), (3.0, 0.0))
 block_form = sc.SolidForm(basis, sc.LinearElastic(E=E, nu=0.0))
 joint = sc.ContactPair(basis, "bottom", plane, Dilatant(mu, psi), quadrature="nodal", penalty=eps)
 forms = {"block": block_form, "joint": joint}
@@ -175,12 +176,12 @@ def sheared(stage_load, held, height=0.0):
         x = basis.zeros()
         x[along], x[lid] = s, height
         stages.append(sc.Stage(f"slip {s:g}", stage_load, x))
-    return list(sc.run(forms, stages, held, progress=False))
+    return list(sc.Model(forms, held).run(stages, progress=False))
 
 
 def carried(stages):
     """Pressure and shear of the joint in every stage."""
-    found = [sc.tractions(joint, stage.states["joint"]) for stage in stages]
+    found = [stage.tractions("joint") for stage in stages]
     return np.array([(t.weight @ t.pressure, abs(t.weight @ t.shear)) for t in found]).T
 
 
@@ -223,7 +224,7 @@ for number, up in enumerate(pull):
     x[lid] = up
     stages.append(sc.Stage(f"{number}", basis.zeros(), x))
 begin = process_time()
-result = sc.run({"block": block_form, "bond": bond}, stages, np.union1d(along, lid), progress=False)
+result = sc.Model({"block": block_form, "bond": bond}, np.union1d(along, lid)).run(stages, progress=False)
 bond_cpu = process_time() - begin
 stress = np.array([block_form.assemble(s.x, s.states["block"]).force[lid].sum() for s in result])
 

@@ -35,6 +35,7 @@ from skfem import Basis, ElementQuad1, ElementVector, FacetBasis, LinearForm, Me
 
 import skfem_contact as sc
 import skfem_contact.plot as plot
+from skfem_contact.contact.penalty import choose_penalties
 
 weight, E, stroke, n_steps = 1.0, 2e3, 0.12, 6
 
@@ -79,10 +80,10 @@ def driven(angle, mu1, mu2, mu3):
     face = basis.get_dofs("wedge:left").all("u^1")
     forms = {
         "bodies": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=0.3)),
-        "floor": sc.ContactPair(basis, "wedge:bottom", sc.rigid_line((-3.0, 0.0), (3.0, 0.0)), sc.Coulomb(mu=mu1),
+        "floor": sc.ContactPair(basis, "wedge:bottom", sc.rigid.line((-3.0, 0.0), (3.0, 0.0)), sc.Coulomb(mu=mu1),
                                 "nodal"),
         "slope": sc.ContactPair(basis, "load:bottom", "wedge:top", sc.Coulomb(mu=mu2), "nodal"),
-        "wall": sc.ContactPair(basis, "load:right", sc.rigid_line((1.0, 0.0), (1.0, 3.0)), sc.Coulomb(mu=mu3), "nodal"),
+        "wall": sc.ContactPair(basis, "load:right", sc.rigid.line((1.0, 0.0), (1.0, 3.0)), sc.Coulomb(mu=mu3), "nodal"),
     }
     load = pressed.assemble(FacetBasis(mesh, basis.elem, facets=mesh.boundaries["load:top"]))
     stages = [sc.Stage("weight", load)]
@@ -90,11 +91,11 @@ def driven(angle, mu1, mu2, mu3):
         x = basis.zeros()
         x[face] = way
         stages.append(sc.Stage(f"step {k + 1}", load, prescribed=x))
-    forms = sc.choose_penalties(forms)
+    forms = choose_penalties(forms)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", sc.AnalysisWarning)  # of the load that has left the wall
-        result = sc.run(forms, stages, fixed=face)
-    return forms, result, np.array([sc.reactions(forms, step)[face].sum() for step in result])
+        result = sc.Model(forms, face).run(stages)
+    return forms, result, np.array([step.reactions()[face].sum() for step in result])
 
 
 def statics(angle, mu1, mu2, mu3, sign):
@@ -119,7 +120,7 @@ for name, wedge in wedges.items():
 # outlines of the start are grey.
 
 forms, result, *_ = runs["smooth wall"]
-plot.contour({"bodies": forms["bodies"]}, result[n_steps], "syy", deformed=1.0)
+plot.contour(result[n_steps], "syy", deformed=1.0)
 
 # %%
 # The force on the way

@@ -86,13 +86,13 @@ for name, smoothing in (("facets", None), ("smoothed", 0.5)):
     begin = process_time()
     pair = sc.ContactPair(basis, "bush:inside", "drum:outside", sc.Coulomb(mu=mu), "nodal", smoothing=smoothing,
                           penalty=2e6)
-    result = sc.run({**bodies, "bearing": pair}, stages, fixed=fixed)
+    result = sc.Model({**bodies, "bearing": pair}, fixed).run(stages)
     runs[name] = pair, result, in_the_bearing(pair, result), process_time() - begin
 
 # %%
 # The bush under the smoothed drum, which turns anticlockwise and drags the bush along.
 
-plot.contour({"bush": bodies["bush"]}, runs["smoothed"][1][-1], "syy", deformed=1.0, window=(-1.4, 1.4, -1.4, 0))
+plot.contour(runs["smoothed"][1][-1], "syy", bodies="bush", deformed=1.0, window=(-1.4, 1.4, -1.4, 0))
 
 # %%
 # Force and torque
@@ -137,7 +137,7 @@ assert (ripple(runs["smoothed"][2]) <= 1e-4).all()  # the radius itself varies b
 # The torque is friction times radius, and after a facet, which is twenty steps, everything repeats itself.
 
 pair, result, values, _ = runs["smoothed"]
-joint = sc.tractions(pair, result[-1].states["bearing"])
+joint = result[-1].tractions("bearing")
 assert abs(values[-1, 1] / (mu * joint.pressure @ joint.weight) - 1) < 0.005  # the radius is one, less its cut corners
 np.testing.assert_allclose(values[22:], values[2:21], rtol=1e-6)
 

@@ -27,6 +27,8 @@ from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
 
 import skfem_contact as sc
 import skfem_contact.plot as plot
+from skfem_contact.contact.laws import Status
+from skfem_contact.results.tractions import tractions
 from skfem_contact.surfaces.material_points import along_chain
 
 mu, pressed, stroke = 0.3, 0.005, 0.6
@@ -83,7 +85,7 @@ def dissipation(joint, result):
     """Energy that every point of the joint dissipates in every step but the first, (n_steps - 1, n_points)."""
     states = [step.states["joint"] for step in result]
     dragged = np.diff([along_chain(joint.master, *state.stick) for state in states], axis=0)
-    return dragged * [state.traction[1] for state in states[1:]] * sc.tractions(joint, states[0]).weight
+    return dragged * [state.traction[1] for state in states[1:]] * tractions(joint, states[0]).weight
 
 
 # %%
@@ -96,14 +98,14 @@ for quadrature in ("nodal", 2):
     begin = process_time()
     joint = sc.ContactPair(basis, "block:bottom", "base:top", sc.Coulomb(mu=mu), quadrature=quadrature,
                           penalty=1e7)
-    result = sc.run({"bodies": bodies, "joint": joint}, stages, fixed=fixed)
+    result = sc.Model({"bodies": bodies, "joint": joint}, fixed).run(stages)
     runs[quadrature] = joint, result, process_time() - begin
 
 # %%
 # The block near the middle of the first stroke: the pressure is highest at its front edge, to which the
 # friction tilts it. Outlines of the start are grey.
 
-plot.contour({"bodies": bodies}, runs["nodal"][1]["step 10"], "syy", deformed=1.0)
+plot.contour(runs["nodal"][1]["step 10"], "syy", deformed=1.0)
 
 # %%
 # The loop
@@ -143,7 +145,7 @@ for quadrature, (joint, result, cpu) in runs.items():
     work = work_on_block(force)
     iterations = np.array([sum(step.iterations) for step in result])
 
-    assert all((result[int(k)].states["joint"].status == sc.Status.SLIP).all() for k in np.flatnonzero(sliding))
+    assert all((result[int(k)].states["joint"].status == Status.SLIP).all() for k in np.flatnonzero(sliding))
     assert error < 1e-3  # bent surface
     assert energy.min() >= 0.0
     np.testing.assert_allclose(result[second].x, result[first].x, atol=1e-9)  # the loop is closed

@@ -114,15 +114,13 @@ for name, share in cases.items():
     begin = process_time()
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "the bounds .* differ", sc.AnalysisWarning)
-        found = sc.bounds(forms, fixed, weight=weight, exclude=kept, gap=gap,
-                          elements=elements, progress=False)
+        found = sc.Model(forms, fixed).bounds(weight=weight, exclude=kept, gap=gap, elements=elements, progress=False)
     middle = begin, process_time()
     forms, fixed, weight = model(found.mesh, share)
     basis = Basis(found.mesh, ElementVector(ElementTriP2()), intorder=2)
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "no collapse was shown", sc.AnalysisWarning)
-        reduction = sc.strength_reduction(forms, fixed, sc.weight(basis, weight),
-                                          exclude=kept, progress=False)
+        reduction = sc.Model(forms, fixed).strength_reduction(sc.weight(basis, weight), exclude=kept, progress=False)
     proven[name], factors[name] = found, reduction.factor
     print(f"{name:14} [{found.lower:.3f}, {found.upper:.3f}], strength reduction "
           f"{reduction.factor:.3f} ({reduction.stop.kind})")
@@ -149,8 +147,7 @@ assert factors["without pile"] < factors["interface 1"]
 if FULL:
     forms, fixed, weight = model(proven["interface 1"].mesh, 1.0, stiffness=2.8e8)
     basis = Basis(proven["interface 1"].mesh, ElementVector(ElementTriP2()), intorder=2)
-    stiff = sc.strength_reduction(forms, fixed, sc.weight(basis, weight), exclude="pile",
-                                  progress=False)
+    stiff = sc.Model(forms, fixed).strength_reduction(sc.weight(basis, weight), exclude="pile", progress=False)
     print(f"a pile ten times as stiff: {stiff.factor:.3f}")
     assert abs(stiff.factor - factors["interface 1"]) < 0.02
 
@@ -160,7 +157,7 @@ if FULL:
 # That of the upper bound with the rough pile, and all brackets.
 
 name = "interface 1"
-plot.mechanism(model(slope(True), 1.0)[0], proven[name])
+plot.mechanism(proven[name])
 
 # %%
 

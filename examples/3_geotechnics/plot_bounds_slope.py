@@ -44,7 +44,7 @@ def model(mesh):
 # The table has a line for every mesh and bound: what was proven, and by how much equilibrium is violated.
 
 begin = process_time()
-proven = sc.bounds(*model(start), weight=20.0, gap=0.011, progress=False)
+proven = analysis("bounds", *model(start), weight=20.0, gap=0.011, progress=False)
 seconds = process_time() - begin
 print(proven)
 assert proven.gap <= 0.011
@@ -78,7 +78,7 @@ middle = 0.5 * (1.3753 + 1.3779)  # of the bounds with 10,000 triangles
 for name, grid in (("mesh of the bounds", mesh), ("uniform mesh", start.refined(3))):
     begin = process_time()
     forms, fixed = model(grid)
-    reduction = sc.strength_reduction(forms, fixed, sc.weight(forms["soil"].basis, 20.0), tol=0.002, progress=False)
+    reduction = sc.Model(forms, fixed).strength_reduction(sc.weight(forms["soil"].basis, 20.0), tolerance=0.002, progress=False)
     rows.append({"method": f"strength reduction, {name}", "n": grid.nelements, "unknowns": len(reduction.x),
                  "error": abs(reduction.factor / middle - 1), "cpu_s": round(process_time() - begin, 2),
                  "iterations": reduction.iterations})  # fmt: skip

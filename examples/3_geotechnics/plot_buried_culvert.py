@@ -31,6 +31,8 @@ from skfem import Basis, ElementQuad1, ElementVector, FacetBasis, LinearForm
 
 import skfem_contact as sc
 import skfem_contact.plot as plot
+from skfem_contact.contact.laws import Status
+from skfem_contact.contact.penalty import choose_penalties
 
 plot.set_units("kN", "m")
 
@@ -55,9 +57,9 @@ soils = {"soft": sc.MohrCoulomb(E=1e4, nu=0.40, c=5.0, phi=25.0),
          "stiff": sc.MohrCoulomb(E=5e4, nu=0.35, c=10.0, phi=35.0)}
 concrete = sc.LinearElastic(E=2.8e7, nu=0.2)
 
-forms = sc.choose_penalties({
-    "ground": sc.SolidForm(basis.with_elements("ground"), soils, strain=sc.b_bar),
-    "culvert": sc.SolidForm(basis.with_elements("culvert"), concrete, strain=sc.b_bar),
+forms = choose_penalties({
+    "ground": sc.SolidForm(basis.with_elements("ground"), soils, strain="b_bar"),
+    "culvert": sc.SolidForm(basis.with_elements("culvert"), concrete, strain="b_bar"),
     "skin": sc.ContactPair(basis, slave="ground|culvert", master="culvert|ground", law=sc.Coulomb(mu=0.6),
                            quadrature="nodal", smoothing=0.5, initial="adjusted"),
 })
@@ -82,7 +84,7 @@ fixed = np.concatenate((basis.get_dofs("bottom").all(), basis.get_dofs({"left", 
 # to the stresses that gravity has left. The table says that nothing slips and nothing opens, in either
 # stage.
 
-result = sc.run(forms, [sc.Stage("gravity", gravity), sc.Stage("surcharge", gravity + strip)], fixed=fixed)
+result = sc.Model(forms, fixed).run([sc.Stage("gravity", gravity), sc.Stage("surcharge", gravity + strip)])
 cpu = process_time() - begin
 print(result)
 
@@ -90,7 +92,7 @@ print(result)
 # The settlement that the surcharge adds, displacements enlarged, with the undeformed outline in grey; and what the
 # ground exerts on the pipe at the end:
 
-plot.contour(forms, result["surcharge"], "uy", since=result["gravity"], deformed="auto", contact=True, loads=strip)
+plot.contour(result["surcharge"], "uy", since=result["gravity"], deformed="auto", contact=True, loads=strip)
 
 # %%
 # What presses on the pipe
@@ -98,17 +100,17 @@ plot.contour(forms, result["surcharge"], "uy", since=result["gravity"], deformed
 # ``tractions`` lists pressure, friction, gap, slip and status at the points of the interface. Angles are
 # measured from the crown, clockwise. Friction is that on the pipe, positive clockwise.
 
-skin = {stage.name: sc.tractions(forms["skin"], stage.states["skin"]) for stage in result}
+skin = {stage.name: stage.tractions("skin") for stage in result}
 angle = skin["gravity"].central_angle()
 
-plot.ring_diagram(angle, {name: points.pressure for name, points in skin.items()}, "contact pressure (kPa)")
+plot.diagram({name: points.pressure for name, points in skin.items()}, "contact pressure (kPa)", angle=angle)
 
 # %%
 # Under gravity the pressure is symmetric, and low at both sides, where the layers meet. The surcharge
 # presses from the upper right and spoils the symmetry; the smallest pressure is now found at 90 degrees, at
 # *the right interface between soft and stiff soil*.
 
-plot.ring_diagram(angle, {name: points.shear for name, points in skin.items()}, "friction (kPa)")
+plot.diagram({name: points.shear for name, points in skin.items()}, "friction (kPa)", angle=angle)
 
 # %%
 # The soil drags the upper half of the pipe down, and holds the lower half up. Nowhere does the friction
@@ -123,14 +125,14 @@ for name, points in skin.items():
 # ``section_forces`` cuts the ring and sums the nodal forces at every cut. The normal force is positive in
 # tension, so that a thrust is negative; the moment is positive where it stretches the outer fibres.
 
-cuts = sc.ring_sections(center=(0.0, 0.0), inner=0.72, outer=0.90, n=72)
-ring = {stage.name: sc.section_forces(forms["culvert"], stage.states["culvert"], cuts) for stage in result}
+cuts = sc.Sections.ring(center=(0.0, 0.0), inner=0.72, outer=0.90, n=72)
+ring = {stage.name: stage.section_forces("culvert", cuts) for stage in result}
 
-plot.ring_diagram(cuts.position, {name: forces.M for name, forces in ring.items()}, "moment (kNm/m)")
+plot.diagram({name: forces.M for name, forces in ring.items()}, "moment (kNm/m)", angle=cuts.position)
 
 # %%
 
-plot.ring_diagram(cuts.position, {name: -forces.N for name, forces in ring.items()}, "thrust (kN/m)")
+plot.diagram({name: -forces.N for name, forces in ring.items()}, "thrust (kN/m)", angle=cuts.position)
 
 # %%
 # Moment and thrust go round in the same rhythm in both stages, twice up and twice down: pressed harder from
@@ -190,7 +192,7 @@ for name, points in skin.items():
 # What the paper says of its example, and what equilibrium demands, as assertions:
 
 for name, points in skin.items():
-    assert (points.status == sc.Status.STICK).all()  # all pairs stick, no gap opens
+    assert (points.status == Status.STICK).all()  # all pairs stick, no gap opens
     np.testing.assert_allclose(carried[name], (0.0, weight), atol=1e-6 * weight)  # Newton's tolerance is 1e-8
     assert abs(push[name] / thrusts[name] - 1.0) < 0.01  # tractions at points against forces at nodes
 assert asymmetry["gravity"] < 1e-6 < 0.05 < asymmetry["surcharge"]

@@ -44,7 +44,7 @@ def press(basis, form, base, under, upright, area):
         down[upright] = -u
         stages.append(sc.Stage(f"{u:g} R", basis.zeros(), prescribed=down))
     fixed = np.union1d(base, under)
-    result = sc.run({"clay": form}, stages, fixed, progress=False)
+    result = sc.Model({"clay": form}, fixed).run(stages, progress=False)
     force = [-step.reactions()[upright].sum() for step in result]
     return np.array(force) / area, result
 
@@ -53,7 +53,7 @@ def in_space(kind):
     """A quarter of the ground."""
     mesh = ground_under_disc(m, size, growth, width=3.0)
     basis = Basis(mesh, ElementVector(ElementHexS2()), intorder=3)
-    form = sc.SolidForm(basis, CLAY, sc.three_dimensional)
+    form = sc.SolidForm(basis, CLAY, "full")
     x, y, z = basis.doflocs
     rim = np.hypot(x, y) > 0.98 * np.hypot(x, y).max()
     base = np.union1d(sc.box_supports(basis), np.flatnonzero(rim))
@@ -71,7 +71,7 @@ def axisymmetric(kind):
     inside = np.append(np.linspace(0, 0.6, 4)[:-1], 1 - away[away < 0.35][::-1])
     mesh = MeshQuad.init_tensor(np.unique(np.append(inside, 1 + away)), -away[::-1])
     basis = Basis(mesh.with_defaults(), ElementVector(ElementQuadS2()), intorder=3)
-    form = sc.SolidForm(basis, CLAY, sc.axisymmetric)
+    form = sc.SolidForm(basis, CLAY, coordinates="axisymmetric")
     below = np.isclose(basis.doflocs[1], 0) & (basis.doflocs[0] < 1.0001)
     base = np.union1d(sc.box_supports(basis), basis.get_dofs("right").all())
     upright = np.flatnonzero(below & (np.arange(basis.N) % 2 == 1))
@@ -108,8 +108,7 @@ plt.show()
 # --------------------
 # The ground moves down with the disc, sideways, and up beside it.
 
-clay = {"clay": last[-1].forms["clay"]}
-plot.cutaway(clay, last[-1], "u", since=last[-2], towards=(1, 1.4, -0.7), deformed=500.0,
+plot.cutaway(last[-1], "u", since=last[-2], towards=(1, 1.4, -0.7), deformed=500.0,
              cuts=[((1, 0, 0), (2.5, 0, 0)), ((0, 1, 0), (0, 2.5, 0)),
                    ((0, 0, -1), (0, 0, -1.5))])  # fmt: skip
 

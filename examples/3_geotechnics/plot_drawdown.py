@@ -48,7 +48,7 @@ rows, curves = [], {"slow": {}, "no drainage": {}, "no drainage, total stress": 
 
 def factor(kind: str, share: float, began: float, forms, load, expected: float | None = None, **settings) -> None:
     """Factor of safety at a level, noted in a row; `expected` is what the error is taken from."""
-    result = sc.strength_reduction(forms, fixed, load, progress=False, **settings)
+    result = sc.Model(forms, fixed).strength_reduction(load, progress=False, **settings)
     curves[kind][share] = result.factor
     rows.append({"method": f"{kind}, L/H = {share:g}", "n": mesh.nelements, "unknowns": int(basis.N),
                  "factor": round(result.factor, 4),
@@ -86,7 +86,7 @@ assert min(curves["slow"], key=curves["slow"].get) in (0.7, 0.8)
 stiff = sc.MohrCoulomb(E=1e5, nu=0.3, c=COHESION, phi=PHI, psi=0.0)
 form = sc.SolidForm(basis, stiff)
 full = sc.hydrostatic(HEIGHT, unit_weight=WATER)
-start = sc.gravity_state({"slope": form}, weight + sc.water_load(basis, full, "surface"), fixed)
+start = sc.Model({"slope": form}, fixed).gravity_state(weight + sc.water_load(basis, full, "surface"))
 quick = {"slope": form.with_materials({"all": sc.Undrained(stiff, nu_u=0.4995)})}
 
 
@@ -100,7 +100,7 @@ def on_surface(level: float) -> np.ndarray:
 
 
 in_pores = sc.water_load(basis, full, "surface") - on_surface(HEIGHT)
-strength = sc.undrained_strength(form, start["initial"].states["slope"])["all"]
+strength = start["initial"].undrained_strength("slope")["all"]
 clay = {"slope": form.with_materials({"all": sc.Tresca(E=1e5, nu=0.4995, c=strength)})}
 
 # %%
@@ -141,8 +141,8 @@ plt.show()
 # water was deepest.
 
 down = sc.Stage("down", weight + on_surface(0.7 * HEIGHT) + in_pores)
-result = sc.run(quick, [down], fixed, start=start, progress=False)
-plot.contour(quick, result["down"], "pore", mesh=False, levels=5)
+result = sc.Model(quick, fixed).run([down], start=start, progress=False)
+plot.contour(result["down"], "pore", mesh=False, levels=5)
 
 # %%
 # With time
@@ -154,7 +154,7 @@ plot.contour(quick, result["down"], "pore", mesh=False, levels=5)
 
 pores = sc.PoreWater(basis, K, unit_weight=WATER)
 wet = {"slope": form, "water": pores}
-DRY = {**wet, "face": sc.SeepageFace(pores, "surface", full)}
+DRY = {**wet, "face": sc.water.SeepageFace(pores, "surface", full)}
 at_face = pores.unknowns("surface")
 places = mesh.p[:, at_face - pores.first]
 LEVELS = HEIGHT * np.array([0.9, 0.8, 0.7, 0.6])
@@ -176,14 +176,14 @@ for days, rain, style in ((1.0, False, "o-"), (10.0, False, "s--"), (100.0, Fals
     forms, key = (wet, "rain") if rain else (DRY, f"{days:g} days")
     stages = [lift(level, days / len(LEVELS), rain) for level in LEVELS]
     stages.append(sc.Stage("later", stages[-1].load, duration=9 * days))
-    result = sc.run(forms, stages, fixed, start=sc.gravity_state(forms, at_rest, fixed), progress=False)
+    result = sc.Model(forms, fixed).run(stages, start=sc.Model(forms, fixed).gravity_state(at_rest), progress=False)
     water = result["later"].states["water"]
     lost = abs(pores.inflow(water) / pores.volume(water) - 1)
-    highest = max(float((pores.pressure(result[name].x)[at_face - pores.first] + full(places))[places[1] > 6].max())
+    highest = max(float((result[name].forms["water"].pressure(result[name].x)[at_face - pores.first] + full(places))[places[1] > 6].max())
                   for name in ("6 m", "later"))
     for name in ("6 m", "later"):
         began = time.process_time()
-        found = sc.strength_reduction(forms, fixed, start=result[name], tol=0.01, flow="associated", progress=False)
+        found = sc.Model(forms, fixed).strength_reduction(start=result[name], tolerance=0.01, flow="associated", progress=False)
         with_time[key, name] = found.factor
         rows.append({"method": f"L/H = 0.4, {key}, {name}", "n": mesh.nelements, "unknowns": len(result[name].x),
                      "factor": round(found.factor, 4), "error": None, "iterations": found.iterations,

@@ -63,7 +63,7 @@ def build(psi: float, wait: float = WAITING):
     forms = {name: sc.SolidForm(basis.with_elements(name), soft if name == "clay" else sand) for name in parts}
     forms["water"] = sc.PoreWater(basis.with_elements("clay"), K, unit_weight=9.81)
     load = sc.weight(basis, {"clay": GAMMA_CLAY})
-    start = sc.k0_state({"clay": forms["clay"]}, load, fixed, {"clay": GAMMA_CLAY}, K0=0.6)
+    start = sc.Model({"clay": forms["clay"]}, fixed).k0_state(load, unit_weights={"clay": GAMMA_CLAY}, K0=0.6)
     stages = []
     for i in range(LIFTS):
         name = f"lift {i + 1}"
@@ -71,8 +71,8 @@ def build(psi: float, wait: float = WAITING):
         stages += [sc.Stage(name, load, duration=PLACING, increments=4,
                             activate=[name, "water"] if i == 0 else name),
                    sc.Stage(f"rest {i + 1}", load, duration=wait)]
-    drained = np.append(fixed, forms["water"].unknowns("surface"))
-    return forms, sc.run(forms, stages, drained, start=start, progress=False)
+    drained = [fixed, forms["water"].dofs("surface")]
+    return forms, sc.Model(forms, drained).run(stages, start=start, progress=False)
 
 
 rows, factors = [], {}
@@ -81,7 +81,7 @@ rows, factors = [], {}
 def factor(forms, stage, key) -> None:
     """Factor of safety at the end of a stage: the pressures are those of that moment."""
     began = time.process_time()
-    found = sc.strength_reduction(forms, fixed, start=stage, tol=0.02, progress=False)
+    found = sc.Model(forms, fixed).strength_reduction(start=stage, tolerance=0.02, progress=False)
     factors[key, stage.name] = found.factor
     rows.append({"method": f"{key}, after {stage.name}", "n": mesh.nelements, "unknowns": len(stage.x),
                  "factor": round(found.factor, 3), "error": None,
@@ -133,11 +133,11 @@ ax.legend(frameon=False)
 # The excess pressure right after the last lift, and its course below the middle of the road.
 
 forms, result = kept
-plot.contour(forms, result["lift 3"], "pore", mesh=False)
+plot.contour(result["lift 3"], "pore", mesh=False)
 
 # %%
 
-figure = plot.history(forms, result, "pore", {"3 m deep": (0.0, -3.0), "base": (0.0, -DEPTH)}, time=True)
+figure = plot.history(result, "pore", {"3 m deep": (0.0, -3.0), "base": (0.0, -DEPTH)}, time=True)
 figure.axes[0].set_xlabel("time [days]")
 plt.show()
 

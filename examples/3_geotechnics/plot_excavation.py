@@ -60,7 +60,7 @@ def pit(materials, bonded=False):
         parts = {name: facets[np.isin(mesh.f2t[0, facets], mesh.subdomains[name])] for name in ("soil", *LIFTS)}
         mesh = mesh.with_boundaries({f"{name}|wall": part for name, part in parts.items()})
     basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
-    forms = {name: sc.SolidForm(basis.with_elements(name), materials[name], sc.b_bar) for name in materials}
+    forms = {name: sc.SolidForm(basis.with_elements(name), materials[name], "b_bar") for name in materials}
     if not bonded:
         friction = sc.Coulomb(mu=float(np.tan(np.radians(20))))
         forms |= {f"{name}|wall": sc.ContactPair(basis, f"{name}|wall", "concrete|ground", friction, quadrature=2)
@@ -84,7 +84,7 @@ for name, form in forms.items():
 
 wall = {"wall": 5.0}
 ground = dict.fromkeys(MATERIALS, WEIGHT)
-start = sc.k0_state(forms, sc.weight(basis, ground), fixed, ground, K0, name="at rest")
+start = sc.Model(forms, fixed).k0_state(sc.weight(basis, ground), unit_weights=ground, K0=K0, name="at rest")
 print(f"out of balance at rest: {start['at rest'].residual:.1e}")
 
 
@@ -103,7 +103,7 @@ stages = [
     sc.Stage("strut", load("lift 1"), fixed=np.append(fixed, strut)),
     sc.Stage("lift 2", load("lift 1", "lift 2"), deactivate=("lift 2", "lift 2|wall"), increments=6),
 ]
-result = sc.run(forms, stages, fixed, start=start)
+result = sc.Model(forms, fixed).run(stages, start=start)
 print(result)
 cpu, iterations = process_time() - begin, sum(sum(stage.iterations) for stage in result)
 
@@ -114,9 +114,9 @@ cpu, iterations = process_time() - begin, sum(sum(stage.iterations) for stage in
 
 
 last = result["lift 2"]
-held = sc.reactions(forms, last)
+held = last.reactions()
 reaction = held[strut][0]
-contacts = [sc.contact_report(forms[name], last.x, last.states[name]) for name in last.states if name.endswith("|wall")]
+contacts = [last.report(name) for name in last.states if name.endswith("|wall")]
 pushed = -sum(contact.force[0] for contact in contacts)
 balance = abs(pushed + reaction) / abs(reaction)
 base = held[fixed[fixed % 2 == 1]].sum()
@@ -137,7 +137,7 @@ assert 0 < inwards["lift 1"] < inwards["lift 2"]
 # %%
 # How far is it from collapse? The strength of the soil is reduced from the last stage on, and that of its contact with
 # the wall as well. What has been dug away is left out.
-found = sc.strength_reduction(forms, np.append(fixed, strut), start=result, reduce=["soil", "soil|wall"])
+found = sc.Model(forms, np.append(fixed, strut)).strength_reduction(start=result, reduce=["soil", "soil|wall"])
 print(f"factor of safety {found.factor:.2f} in {found.iterations} iterations, stopped by {found.stop}")
 assert 2.8 < found.factor < 3.2  # psi = 0: this much depends on path and method
 
@@ -150,10 +150,10 @@ bonded_basis, bonded, held = pit(elastic, bonded=True)
 whole = sc.weight(bonded_basis, ground)
 lighter = [sc.weight(bonded_basis, dict.fromkeys(there, WEIGHT))
            for there in (("soil", "wall", "lift 2"), ("soil", "wall"))]  # fmt: skip
-rest = sc.k0_state(bonded, whole, held, WEIGHT, K0)
-two = sc.run(bonded, [sc.Stage("1", lighter[0], deactivate="lift 1", increments=3),
-                      sc.Stage("2", lighter[1], deactivate="lift 2")], held, start=rest)  # fmt: skip
-one = sc.run(bonded, [sc.Stage("both", lighter[1], deactivate=tuple(LIFTS))], held, start=rest)
+rest = sc.Model(bonded, held).k0_state(whole, unit_weights=WEIGHT, K0=K0)
+two = sc.Model(bonded, held).run([sc.Stage("1", lighter[0], deactivate="lift 1", increments=3),
+                      sc.Stage("2", lighter[1], deactivate="lift 2")], start=rest)  # fmt: skip
+one = sc.Model(bonded, held).run([sc.Stage("both", lighter[1], deactivate=tuple(LIFTS))], start=rest)
 there = np.unique(bonded_basis.with_elements({"soil", "wall"}).element_dofs)
 difference = float(np.abs(two["2"].x - one["both"].x)[there].max() / np.abs(one["both"].x).max())
 cpu_elastic = process_time() - begin
@@ -166,16 +166,16 @@ assert difference < 1e-10
 # Contact pressure on the side of the ground and on that of the pit, and the moment in the wall.
 
 fig, (left, right) = plt.subplots(1, 2, figsize=(9, 4.5), sharey=True, layout="constrained")
-cuts = sc.line_sections(((INNER + OUTER) / 2, TOP - 0.25), ((INNER + OUTER) / 2, TOE + 0.25), OUTER - INNER, n=39)
+cuts = sc.Sections.line(((INNER + OUTER) / 2, TOP - 0.25), ((INNER + OUTER) / 2, TOE + 0.25), OUTER - INNER, n=39)
 for color, name in (("#777777", "at rest"), ("#1f4e8c", "lift 1"), ("#d55e00", "lift 2")):
     for part in ("soil", "lift 1", "lift 2"):
         if f"{part}|wall" in result[name].states:
-            skin = sc.tractions(forms[f"{part}|wall"], result[name].states[f"{part}|wall"])
+            skin = result[name].tractions(f"{part}|wall")
             for face, sign in ((skin.x > OUTER - 1e-6, 1), (skin.x < INNER + 1e-6, -1)):
                 label = name if part == "soil" and sign > 0 else None
                 left.plot(sign * skin.pressure[face], TOP - skin.y[face], ".-", color=color, label=label,
                           markersize=3, linewidth=0.8)  # fmt: skip
-    forces = sc.section_forces(forms["wall"], result[name].states["wall"], cuts)
+    forces = result[name].section_forces("wall", cuts)
     right.plot(forces.M, TOP - forces.y, color=color, label=name)
 left.set(xlabel="contact pressure [kPa]: pit (−) and ground (+)", ylabel="depth [m]", ylim=(TOP - TOE, 0))
 right.set(xlabel="moment in the wall [kNm/m]")
@@ -183,7 +183,7 @@ for ax in (left, right):
     ax.axvline(0, color="black", linewidth=0.8)
     ax.grid(color="#dddddd", linewidth=0.6)
     ax.legend(frameon=False)
-moments = {name: np.abs(sc.section_forces(forms["wall"], result[name].states["wall"], cuts).M).max()
+moments = {name: np.abs(result[name].section_forces("wall", cuts).M).max()
            for name in ("at rest", "lift 1", "lift 2")}  # fmt: skip
 print({name: round(float(value), 1) for name, value in moments.items()})
 
@@ -191,7 +191,7 @@ print({name: round(float(value), 1) for name, value in moments.items()})
 # Horizontal displacements at the end, enlarged. What has been dug away is not drawn.
 
 # sphinx_gallery_thumbnail_number = 2
-plot.contour(forms, last, "ux", deformed=40.0, window=(0, 18, 2, 17))
+plot.contour(last, "ux", deformed=40.0, window=(0, 18, 2, 17))
 
 # %%
 # Figures

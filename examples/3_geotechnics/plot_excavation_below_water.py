@@ -162,7 +162,7 @@ flows, rows = {}, []
 for lift in (1, 2, 3):
     began = process_time()
     wet = basis.with_elements(left_after(lift))
-    flow = sc.seepage(
+    flow = sc.water.seepage(
         wet, K, {"lake": 0.0, f"floor {lift}": LEVELS[lift]}, unit_weight=WATER
     )
     flows[lift] = flow
@@ -218,9 +218,7 @@ def dig(wet: bool):
     whole = sc.weight(basis, WEIGHT)
     if wet:
         whole = whole + sc.water_load(basis, still, ["ground|piles", "piles|ground"])
-    start = sc.k0_state(
-        forms, whole, fixed, WEIGHT, K0, water=still if wet else None, name="at rest"
-    )
+    start = sc.Model(forms, fixed).k0_state(whole, unit_weights=WEIGHT, K0=K0, water=still if wet else None, name="at rest")
     print(f"out of balance at rest: {start['at rest'].residual:.1e}")
     stages = [sc.Stage("wall", load(0, 0, wet))]
     for i, lift in enumerate(LIFTS):
@@ -236,7 +234,7 @@ def dig(wet: bool):
         )
         if i == 0:
             stages.append(sc.Stage("strut", stages[-1].load, fixed=np.append(fixed, strut)))
-    return sc.run(forms, stages, fixed, start=start)
+    return sc.Model(forms, fixed).run(stages, start=start)
 
 
 results = {}
@@ -290,7 +288,7 @@ rows[-1]["error"] = float(balance)
 # Moments
 # -------
 
-cuts = sc.line_sections(
+cuts = sc.Sections.line(
     (INNER + THICK / 2, -0.25), (INNER + THICK / 2, TOE + 0.25), THICK, n=55
 )
 moments = {
@@ -324,11 +322,11 @@ for ax in (left, right):
 # %%
 # On the wall itself, and the movements into the pit at the end.
 
-plot.diagram_on(forms, last, "M", moments["with water"]["dig 3"])
+plot.diagram(moments["with water"]["dig 3"], "M", on=last)
 
 # %%
 
-plot.contour(forms, last, "ux", deformed=20.0, window=(0, 20, -17, 1))
+plot.contour(last, "ux", deformed=20.0, window=(0, 20, -17, 1))
 
 # %%
 # The bottom of the pit
@@ -398,16 +396,7 @@ def in_pores(x):
 
 began, found = process_time(), {}
 for key in ("associated", "given"):
-    found[key] = sc.bounds(
-        bodies,
-        held,
-        weight={"sand": WEIGHT, "wall": WALL_WEIGHT},
-        water=in_pores,
-        wetted=("sand|wall", "wall|sand"),
-        flow=key,
-        gap=0.1,
-        elements=1300,
-    )
+    found[key] = sc.Model(bodies, held).bounds(weight={"sand": WEIGHT, "wall": WALL_WEIGHT}, water=in_pores, submerged=("sand|wall", "wall|sand"), flow=key, gap=0.1, elements=1300)
 proven, davis = found["associated"], found["given"].lower
 rows.append(
     {
@@ -431,7 +420,7 @@ assert 1.7 < proven.lower < proven.upper < 2.05 and 1.5 < davis < proven.lower
 # %%
 # The mechanism of the upper bound: the toe moves into the pit and lifts its bottom.
 
-plot.mechanism(bodies, proven)
+plot.mechanism(proven)
 
 # %%
 # The flow round the toe.

@@ -73,8 +73,8 @@ water = sc.hydrostatic(TABLE, unit_weight=WATER)
 top = FacetBasis(mesh, basis.elem, facets="top")
 pressed = LinearForm(lambda v, w: -SURCHARGE * v[1]).assemble(top)
 load = sc.weight(basis, GAMMA) + sc.water_load(basis, water, ["soil|concrete", "concrete|soil"]) + pressed
-start = sc.k0_state(forms, load, fixed, GAMMA, K0, surcharge=SURCHARGE, water=water)
-result = sc.run(forms, [sc.Stage("null step", load)], fixed, start=start)
+start = sc.Model(forms, fixed).k0_state(load, unit_weights=GAMMA, K0=K0, surcharge=SURCHARGE, water=water)
+result = sc.Model(forms, fixed).run([sc.Stage("null step", load)], start=start)
 print(result)
 assert start["initial"].residual < 1e-12
 assert not result["null step"].x.any()
@@ -82,7 +82,7 @@ assert not result["null step"].x.any()
 # %%
 # Contact pressure along the pile and its tip: exactly the effective stress at rest.
 
-skin = sc.tractions(forms["skin"], result["null step"].states["skin"])
+skin = result["null step"].tractions("skin")
 
 
 def effective(y):
@@ -119,9 +119,9 @@ ax.legend(frameon=False, loc="upper right")
 begin = process_time()
 with warnings.catch_warnings(record=True) as told:
     warnings.simplefilter("always")
-    weak = sc.k0_state(forms, load, fixed, GAMMA, 0.2, surcharge=SURCHARGE, water=water)
+    weak = sc.Model(forms, fixed).k0_state(load, unit_weights=GAMMA, K0=0.2, surcharge=SURCHARGE, water=water)
 print(told[0].message)
-settled = sc.run(forms, [sc.Stage("null step", load)], fixed, start=weak)
+settled = sc.Model(forms, fixed).run([sc.Stage("null step", load)], start=weak)
 print(settled)
 assert "out of balance" in str(told[0].message)
 assert settled["null step"].residual < 1e-8
@@ -148,8 +148,8 @@ basis = Basis(slope, ElementVector(ElementQuad2()), intorder=4)
 hill = {"hill": sc.SolidForm(basis, sc.MohrCoulomb(E=2e4, nu=0.3, c=5.0, phi=30.0))}
 held = np.append(basis.get_dofs("base").all(), basis.get_dofs("sides").all("u^1"))
 own = sc.weight(basis, 19.0)
-start = sc.gravity_state(hill, own, held, K0=0.6)
-null = sc.run(hill, [sc.Stage("null step", own)], held, start=start)
+start = sc.Model(hill, held).gravity_state(own, K0=0.6)
+null = sc.Model(hill, held).run([sc.Stage("null step", own)], start=start)
 print(null)
 assert not null["null step"].x.any()
 assert null["null step"].iterations == (0,)
@@ -164,7 +164,7 @@ row("gravity, slope", 24, null["null step"], error, begin)
 # %%
 # The shear stress in the slope, in equilibrium before anything is done to it.
 
-plot.contour(hill, null["null step"], "sxy")
+plot.contour(null["null step"], "sxy")
 
 # %%
 # Figures

@@ -65,7 +65,7 @@ def slice_of(alpha):
     basis = Basis(half_ring(*(24, 36) if FULL else (14, 24), 3.0),
                   ElementVector(ElementQuad2()), intorder=4)
     law = sc.Coulomb(adhesion=alpha, tension=SUCTION)
-    circle = sc.rigid_circle((0.0, 0.0), 0.5)
+    circle = sc.rigid.circle((0.0, 0.0), 0.5)
     forms = {"clay": sc.SolidForm(basis, CLAY),
              "shaft": sc.ContactPair(basis, "shaft", circle, law, 2, initial="adjusted")}
     fixed = np.union1d(basis.get_dofs("far").all(), basis.get_dofs("symmetry").all("u^2"))
@@ -74,7 +74,7 @@ def slice_of(alpha):
         x = basis.zeros()
         x[along] = -u
         stages.append(sc.Stage(f"{u:g} D", basis.zeros(), x))
-    result = sc.run(forms, stages, fixed, progress=False)
+    result = sc.Model(forms, fixed).run(stages, progress=False)
     force = [-2 * step.reactions()[along].sum() for step in result]
     return np.array(force), forms, result, process_time() - begin
 
@@ -91,7 +91,7 @@ for alpha, (force, *_) in slices.items():
 # with it, and beside it a body turns.
 
 _, forms, result, _ = slices[1.0]
-plot.contour(forms, result[-1], "u", since=result[-2], window=(-2.0, 2.0, 0.0, 2.0))
+plot.contour(result[-1], "u", since=result[-2], window=(-2.0, 2.0, 0.0, 2.0))
 
 # %%
 # A short pile
@@ -116,7 +116,7 @@ def pushed(tension):
     begin = process_time()
     law = sc.Coulomb(adhesion=1.0, tension=tension)
     steel = sc.LinearElastic(E=1e6, nu=0.2)
-    forms = {"clay": sc.SolidForm(basis.with_elements("soil"), CLAY, strain=sc.b_bar),
+    forms = {"clay": sc.SolidForm(basis.with_elements("soil"), CLAY, strain="b_bar"),
              "pile": sc.SolidForm(basis.with_elements("pile"), steel),
              "shaft": sc.ContactPair(basis, "soil:shaft", "pile:shaft", law, "nodal",
                                      initial="adjusted")}
@@ -127,7 +127,7 @@ def pushed(tension):
         stages.append(sc.Stage(f"{u:g} D", basis.zeros(), x))
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", ".*opened with their bond", sc.AnalysisWarning)
-        result = sc.run(forms, stages, fixed, progress=False)
+        result = sc.Model(forms, fixed).run(stages, progress=False)
     force = [2 * step.reactions()[push].sum() / LENGTH for step in result]
     return np.array(force), forms, result, process_time() - begin
 
@@ -163,13 +163,13 @@ view = {"cuts": [((1, 0, 0), (2.5, 0, 0)), ((0, 1, 0), (0, 2.0, 0)),
                  ((0, 0, -1), (0, 0, -4.5))],
         "towards": (-0.6, 1.4, -0.8), "deformed": 30.0, "limits": (-1.2e-3, 1.2e-3)}
 _, forms, result, _ = piles["held by suction"]
-plot.cutaway(forms, result[-1], "uz", **view)
+plot.cutaway(result[-1], "uz", **view)
 
 # %%
 # Without it the clay behind the pile stays where it is.
 
 _, forms, result, _ = piles["free to come off"]
-plot.cutaway(forms, result[-1], "uz", **view)
+plot.cutaway(result[-1], "uz", **view)
 print(result[-1].report("shaft"))
 
 # %%

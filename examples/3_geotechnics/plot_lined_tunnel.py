@@ -30,6 +30,7 @@ from skfem import Basis, ElementQuad2, ElementVector, FacetBasis, LinearForm, Me
 
 import skfem_contact as sc
 import skfem_contact.plot as plot
+from skfem_contact.contact.laws import Status
 
 plot.set_units("kN", "m")
 
@@ -118,22 +119,21 @@ def release(forms, shares, at_rest=AT_REST):
     """Take the support of the wall back to shares of S."""
     wall = FacetBasis(basis.mesh, basis.elem, facets="ground|lining", intorder=6)
     S = LinearForm(lambda v, w: at_rest[0] * w.n[0] * v[0] + at_rest[1] * w.n[1] * v[1]).assemble(wall)
-    start = sc.given_state({"ground": forms["ground"]}, S, fixed,
-                           lambda x: np.multiply.outer(at_rest, np.ones(x.shape[1:])), name="at rest")  # fmt: skip
-    return sc.run(forms, [sc.Stage(f"{share:g} S", share * S) for share in shares], fixed, start=start)
+    start = sc.Model({"ground": forms["ground"]}, fixed).initial_state(S, stress=lambda x: np.multiply.outer(at_rest, np.ones(x.shape[1:])), name="at rest")  # fmt: skip
+    return sc.Model(forms, fixed).run([sc.Stage(f"{share:g} S", share * S) for share in shares], start=start)
 
 
 def line(forms, placed):
     """Place the lining in a stage, and take away the support that is left there."""
     stage = sc.Stage("lined", 0 * placed.load, activate=("lining", "skin"), increments=4)
-    return sc.run(forms, [stage], fixed, start=placed)["lined"]
+    return sc.Model(forms, fixed).run([stage], start=placed)["lined"]
 
 
 # %%
 # Pressure, thrust, moment and movement are reduced to a constant and a wave. In a quarter there are 19 of 72 cuts, on
 # the radial lines of nodes; the first and the last are left out, for no elements lie beyond them.
 
-CUTS = sc.Sections(*(values[1:18] for values in astuple(sc.ring_sections((0, 0), INNER, WALL, n=72))))
+CUTS = sc.Sections(*(values[1:18] for values in astuple(sc.Sections.ring((0, 0), INNER, WALL, n=72))))
 
 
 def fit(position, values):
@@ -152,8 +152,8 @@ def movement(stage, face):
 
 def measured(forms, stage):
     """The quantities of the closed form, and the curves behind them."""
-    skin = sc.tractions(forms["skin"], stage.states["skin"])
-    cuts = sc.section_forces(forms["lining"], stage.states["lining"], CUTS)
+    skin = stage.tractions("skin")
+    cuts = stage.section_forces("lining", CUTS)
     fits = {"pressure": fit(skin.central_angle(), skin.pressure), "thrust": fit(cuts.position, cuts.N),
             "moment": fit(cuts.position, cuts.M), "movement": movement(stage, "lining|ground")}  # fmt: skip
     return fits, skin, cuts
@@ -184,7 +184,7 @@ for label, mu in (("full slip", 0.0), ("no slip", 1.0)):
         print(f"{name:12}" + "{:10.3f}{:10.3f}{:10.3f}{:10.3f}".format(*values) + f"{error:8.2%}")
     rows.append({"method": f"elastic, {label}", "n": 18, "unknowns": int(basis.N), "error": max(errors.values()),
                  "cpu_s": round(cpu, 2), "iterations": sum(bare[-1].iterations + last.iterations)})
-    assert (skin.status == (sc.Status.STICK if mu else sc.Status.SLIP)).all()  # the interface of the closed form
+    assert (skin.status == (Status.STICK if mu else Status.SLIP)).all()  # the interface of the closed form
     # The end of the ground holds back 0.2 % of the movement. Contact acts on the displaced bodies, and the wall has
     # moved by 0.2 % of its radius: were everything a hundred times as stiff, the forces would be right to 0.3 %.
     assert max(errors.values()) < 0.01
@@ -265,7 +265,7 @@ for left in (0.4, 0.2):
     print(f"\n{label}: pressure {pressure:.1f} kPa (elastic ground {least:.1f}, two curves {met:.1f}),\n"
           f"    wall {1e3 * u[1]:.1f} mm inwards instead of {1e3 * curve[0][-1]:.1f}, thrust {-cuts.N.max():.0f} to "
           f"{-cuts.N.min():.0f} kN/m, moment up to {np.abs(cuts.M).max():.1f} kNm/m,\n    {unloaded:.0%} of what had "
-          f"yielded yields no more, {np.mean(skin.status == sc.Status.SLIP):.0%} of the interface slips")
+          f"yielded yields no more, {np.mean(skin.status == Status.SLIP):.0%} of the interface slips")
     balance = float(abs(fits["thrust"][0] / (WALL * pressure) + 1))
     rows.append({"method": f"yielding, {label}", "n": 18, "unknowns": int(basis.N), "error": balance,
                  "cpu_s": round(cpu, 2), "iterations": sum(last.iterations)})  # fmt: skip
@@ -323,7 +323,7 @@ contact.set_ylim(0)
 # that the sides of the tunnel yield and not its crown.
 
 # sphinx_gallery_thumbnail_number = 2
-plot.contour(forms, lined["lining after 80%"][-1], "plastic", window=(0.0, 6.0, 0.0, 5.0))
+plot.contour(lined["lining after 80%"][-1], "plastic", window=(0.0, 6.0, 0.0, 5.0))
 
 # %%
 # Figures

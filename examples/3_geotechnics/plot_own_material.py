@@ -2,12 +2,14 @@ r"""
 How to add a material
 =====================
 
-A material is a small immutable class with three things: the number of its internal variables, its elasticity, and an
-``update`` that answers a strain increment with a stress. Nothing has to be registered, and nothing changes while
-Newton's method iterates: ``update`` is a pure function of the increment and of what has been accepted.
+A material is a small immutable class with two functions: its elasticity, and an ``update`` that returns the stress
+after a strain increment. It declares its memory, and how this memory follows from the stresses in the ground. Nothing
+has to be registered, and nothing changes while Newton's method iterates: ``update`` is a pure function of the increment
+and of the accepted state.
 
-The example adds von Mises plasticity with linear hardening, a metal or a stiff clay whose strength grows with the
-plastic strain. One implementation serves plane strain, axial symmetry and, with six components, three dimensions.
+The example adds a clay with a cap: its pores close for good where the pressure exceeds the largest one that the clay
+has ever borne, the preconsolidation pressure. One implementation serves plane strain, axial symmetry and, with six
+components, three dimensions.
 """
 
 import json
@@ -19,8 +21,8 @@ import numpy as np
 from skfem import Basis, ElementQuad2, ElementVector, MeshQuad
 
 import skfem_contact as sc
+from skfem_contact import plot
 from skfem_contact.materials import Update
-from skfem_contact.materials.elastic import Isotropic
 
 # %%
 # The law
@@ -28,137 +30,127 @@ from skfem_contact.materials.elastic import Isotropic
 # Tension is positive, the components are (xx, yy, zz, xy[, yz, zx]), and shear strains are engineering strains.
 # Arrays are (components, anything), so there is no loop over points.
 #
-# The elastic trial stress has the deviator :math:`s`, :math:`q = \sqrt{3/2\, s:s}`. Where q exceeds the strength
-# :math:`\sigma_y + H\bar\varepsilon`, the deviator shrinks along itself, by
-# :math:`\Delta\bar\varepsilon = (q - \sigma_y - H\bar\varepsilon) / (3G + H)` of plastic strain. With
-# :math:`\beta = 1 - 3 G \Delta\bar\varepsilon / q` and :math:`n = s / \sqrt{s:s}` the consistent tangent is
+# Shear is limited by the cylinder of :class:`~skfem_contact.VonMises`, from which the law derives. Where the trial
+# pressure :math:`p` exceeds the preconsolidation pressure :math:`p_c`, the volume shrinks by
+# :math:`\Delta\varepsilon_v = (p - p_c) / (K + H)`, and :math:`p_c` grows by :math:`H \Delta\varepsilon_v`. The bulk
+# modulus of the consistent tangent is then :math:`K - K^2 / (K + H)`.
 #
-# .. math:: K\, 1 \otimes 1 + 2 G \beta\, I_{dev} - 2 G \Big(\frac{3G}{3G + H} - (1 - \beta)\Big) n \otimes n .
-#
-# ``tangent`` is a function: a line search, which asks for stresses alone, never pays for it. It speaks of the
-# points in ``plastic`` only, all others keep their elastic stiffness.
+# ``internal`` declares the memory; a variable that is returned but not declared is refused. ``initial_internal`` gives
+# its values when an analysis starts from given stresses: here the clay has once borne ``ocr`` times its pressure.
+# ``tangent`` is a function: a line search, which asks for stresses alone, never pays for it. It concerns the points in
+# ``plastic`` only, all others keep their elastic stiffness.
 
 
 @dataclass(frozen=True, eq=False)
-class HardeningVonMises(Isotropic):
-    """Linear elasticity, von Mises plasticity, linear isotropic hardening."""
+class CapClay(sc.VonMises):
+    """Linear elasticity, von Mises plasticity, and a cap that hardens linearly with the plastic volume."""
 
-    strength: float
-    hardening: float = 0.0
+    hardening: float = 500.0
+    ocr: float = 1.0
+    internal = (sc.Internal("plastic strain"), sc.Internal("preconsolidation pressure", initial=1.0, unit="kPa"))
 
-    @property
-    def n_internal(self):
-        """The equivalent plastic strain."""
-        return 1
+    def initial_internal(self, stress):
+        """Return the memory of ground under a stress."""
+        values = super().initial_internal(stress)
+        values[1] = np.maximum(-self.ocr * stress[:3].mean(axis=0), values[1])
+        return values
 
     def update(self, strain_increment, stress, internal):
-        """Radial return."""
-        trial = self.elastic_stress(strain_increment, stress)
-        mean = trial[:3].mean(axis=0)
-        deviator = trial.copy()
-        deviator[:3] -= mean
-        norm = np.sqrt((deviator[:3] ** 2).sum(axis=0) + 2 * (deviator[3:] ** 2).sum(axis=0))
-        shear = self.lame[1]
-        excess = np.sqrt(1.5) * norm - self.strength - self.hardening * internal[0]
-        strain = np.maximum(excess, 0.0) / (3 * shear + self.hardening)
-        kept = 1 - np.sqrt(6) * shear * strain / np.where(norm > 0, norm, 1.0)
-        new = kept * deviator
-        new[:3] += mean
-        plastic = np.flatnonzero(strain > 0)
+        """Return to the cylinder, then to the cap."""
+        sheared = super().update(strain_increment, stress, internal[:1])
+        bulk = self.lame[0] + 2 / 3 * self.lame[1]
+        volume = np.maximum(-sheared.stress[:3].mean(axis=0) - internal[1], 0.0) / (bulk + self.hardening)
+        new = sheared.stress.copy()
+        new[:3] += bulk * volume
+        memory = np.stack((sheared.internal[0] + volume, internal[1] + self.hardening * volume))
+        capped = volume.ravel() > 0
+        plastic = np.union1d(sheared.plastic, np.flatnonzero(capped))
 
         def tangent():
-            n = (deviator.reshape(len(trial), -1) / norm.ravel())[:, plastic]
-            beta = kept.ravel()[plastic]
-            bulk = np.zeros((len(trial), len(trial)))
-            bulk[:3, :3] = self.lame[0] + 2 * shear / 3
-            unit = np.diag([1.0] * 3 + [0.5] * (len(trial) - 3))  # engineering shear strains
-            unit[:3, :3] -= 1 / 3
-            turn = 3 * shear / (3 * shear + self.hardening) - (1 - beta)
-            along = np.einsum("ip,jp->pij", n, n)
-            return bulk + 2 * shear * (beta[:, None, None] * unit - turn[:, None, None] * along)
+            moduli = np.tile(self.elasticity(len(stress)), (capped.size, 1, 1))
+            moduli[sheared.plastic] = sheared.tangent()
+            moduli[capped, :3, :3] -= bulk**2 / (bulk + self.hardening)
+            return moduli[plastic]
 
-        return Update(new, internal + strain, plastic, tangent)
+        return Update(new, memory, plastic, tangent)
 
 
 # %%
 # Is it right?
 # ------------
-# :func:`~skfem_contact.check_material` tries the law on random paths: whether it is pure, whether what it returns is
+# :func:`~skfem_contact.testing.check_material` tries the law on random paths: whether it is pure, whether its results are
 # admissible, whether the tangent is the derivative of the stress, whether plastic flow dissipates. It returns the error
 # of the tangent.
 
-steel = HardeningVonMises(E=2e5, nu=0.3, strength=200.0, hardening=5e3)
+clay = CapClay(E=6e3, nu=0.25, strength=70.0)
 for components in (4, 6):
-    print(f"{components} components: {sc.check_material(steel, ncomp=components):.1e}")
+    print(f"{components} components: {sc.testing.check_material(clay, strain=1e-2, ncomp=components):.1e}")
 
 # %%
-# Simple shear has a closed form: beyond the strength :math:`\sigma_y / \sqrt 3` the slope is
-# :math:`G H / (3 G + H)`. A square is sheared there and back again.
+# The oedometer has a closed form. A sample that starts under a vertical stress of 40 kPa with K0 = 0.8 and has
+# once borne 1.5 times its pressure is loaded, unloaded and loaded again. The curve bends where the pressure reaches the
+# preconsolidation pressure, for the second time at the largest stress before.
 
 begin = process_time()
 basis = Basis(MeshQuad().refined(1).with_defaults(), ElementVector(ElementQuad2()), intorder=4)
-forms = {"square": sc.SolidForm(basis, steel)}
-edge = basis.get_dofs().all()
-amplitudes = np.concatenate((np.linspace(0, 0.01, 11)[1:], np.linspace(0.01, 0.002, 9)[1:]))
-stages = []
-for k, gamma in enumerate(amplitudes):
-    x = basis.zeros()
-    x[0::2] = gamma * basis.doflocs[1, 0::2]
-    stages.append(sc.Stage(f"{k}", basis.zeros(), prescribed=x))
-result = sc.run(forms, stages, fixed=edge)
-computed = np.array([stage.states["square"].stress[3].mean() for stage in result])
+firm = CapClay(E=6e3, nu=0.25, strength=1e3, ocr=1.5)
+sample, fixed = {"sample": sc.SolidForm(basis, firm)}, sc.box_supports(basis, base="rollers")
+unit = sc.traction(basis, "top", (0.0, -1.0))
+start = sc.Model(sample, fixed).k0_state(40 * unit, unit_weights=0.0, K0=0.8, surcharge=40.0)
+levels = np.array([*range(50, 151, 10), *range(140, 59, -20), *range(80, 201, 10)], dtype=float)
+result = sc.Model(sample, fixed).run([sc.Stage(f"{k}", s * unit) for k, s in enumerate(levels)], start=start, progress=False)
+computed = np.array([-stage.states["sample"].strain[1].mean() for stage in result])[1:]
 
-shear = steel.lame[1]
-first = steel.strength / np.sqrt(3)
-slope = shear * steel.hardening / (3 * shear + steel.hardening)
-loading = np.where(shear * amplitudes < first, shear * amplitudes, first + slope * (amplitudes - first / shear))
-exact = np.where(np.arange(len(amplitudes)) < 10, loading, np.nan)
-peak = loading[9]
-exact[10:] = np.maximum(peak - shear * (0.01 - amplitudes[10:]),
-                        -peak - slope * (0.01 - 2 * peak / shear - amplitudes[10:]))  # fmt: skip
-error = float(np.abs(computed / peak - exact / peak).max())
-print(f"largest error in shear: {error:.1e} of the largest stress")
+shear, bulk = firm.lame[1], firm.lame[0] + 2 / 3 * firm.lame[1]
+elastic = bulk + 4 / 3 * shear
+plastic = bulk * firm.hardening / (bulk + firm.hardening) + 4 / 3 * shear
+pressure = 40 * (1 + 2 * 0.8) / 3
+bend = 40 + 0.5 * pressure * elastic / bulk  # vertical stress at the preconsolidation pressure
+largest = np.maximum.accumulate(np.maximum(levels, bend))
+exact = (levels - 40) / elastic + (largest - bend) * (1 / plastic - 1 / elastic)
+error = float(np.abs(computed - exact).max() / exact.max())
+print(f"largest error in strain: {error:.1e} of the largest strain")
 assert error < 1e-10
 
 fig, ax = plt.subplots(figsize=(6, 3.8), layout="constrained")
-ax.plot(np.append(0, 100 * amplitudes), np.append(0, exact), color="#1f4e8c", label="exact")
-ax.plot(100 * amplitudes, computed, "o", color="#d55e00", markersize=4, label="computed")
-ax.set(xlabel="shear strain [%]", ylabel="shear stress [MPa]")
+ax.plot(np.append(40, levels), -100 * np.append(0, exact), color="#1f4e8c", label="exact")
+ax.plot(levels, -100 * computed, "o", color="#d55e00", markersize=4, label="computed")
+ax.set(xlabel="vertical stress [kPa]", ylabel="vertical strain [%]")
 ax.grid(color="#dddddd", linewidth=0.6)
 ax.legend(frameon=False)
 
 # %%
-# Newton's method with it
-# -----------------------
-# A bar with a notch is drawn out, in plane strain and as a round bar in axial symmetry. Newton's method converges
-# in a few iterations, because the tangent is consistent.
+# A load on ground with a history
+# -------------------------------
+# A strip of 60 kPa on 8 m of clay, normally consolidated and overconsolidated. The K0 procedure fills the memory
+# of every point from its own stress. Newton's method converges in a few iterations, because the tangent is consistent.
 
-rows = [{"method": "simple shear", "n": 2, "unknowns": int(basis.N), "error": error,
+rows = [{"method": "oedometer", "n": 2, "unknowns": int(basis.N), "error": error,
          "cpu_s": round(process_time() - begin, 2),
          "iterations": sum(sum(stage.iterations) for stage in result)}]  # fmt: skip
-flat = MeshQuad.init_tensor(np.linspace(0, 1, 9), np.linspace(0, 2, 17))
-narrow = 1 - 0.3 * np.exp(-((flat.p[1] / 0.4) ** 2))
-bar = MeshQuad(np.stack((flat.p[0] * narrow, flat.p[1])), flat.t).with_boundaries({
-    "axis": lambda x: x[0] < 1e-9, "waist": lambda x: x[1] < 1e-9, "grip": lambda x: x[1] > 2 - 1e-9})  # fmt: skip
-basis = Basis(bar, ElementVector(ElementQuad2()), intorder=4)
-grip = basis.get_dofs("grip").all("u^2")
-fixed = np.concatenate((basis.get_dofs("axis").all("u^1"), basis.get_dofs("waist").all("u^2"), grip))
-drawn = basis.zeros()
-drawn[grip] = 0.01
-for strain in (sc.plane_strain, sc.axisymmetric):
+mesh = MeshQuad.init_tensor(np.linspace(0, 16, 17), np.linspace(-8, 0, 9)).with_defaults()
+mesh = mesh.with_boundaries({"strip": lambda x: (x[1] > -1e-9) & (x[0] < 3)})
+basis = Basis(mesh, ElementVector(ElementQuad2()), intorder=4)
+fixed, weight = sc.box_supports(basis), sc.weight(basis, 18.0)
+load, settlement = weight + sc.traction(basis, "strip", (0.0, -60.0)), {}
+for ocr in (1.0, 2.0):
     begin = process_time()
-    forms = {"bar": sc.SolidForm(basis, steel, strain)}
-    step = sc.run(forms, [sc.Stage("drawn", basis.zeros(), prescribed=drawn, increments=8)], fixed)["drawn"]
-    force = forms["bar"].assemble(step.x, step.states["bar"]).force[grip].sum()
-    print(f"{strain.__name__}: force {force:.1f}, {step.summary['bar']}, iterations {step.iterations}")
-    assert max(step.iterations) <= 8
-    rows.append({"method": f"notched bar, {strain.__name__}", "n": 16, "unknowns": int(basis.N), "error": None,
-                 "cpu_s": round(process_time() - begin, 2), "iterations": sum(step.iterations)})  # fmt: skip
+    ground = {"clay": sc.SolidForm(basis, CapClay(E=6e3, nu=0.25, strength=70.0, ocr=ocr))}
+    start = sc.Model(ground, fixed).k0_state(weight, unit_weights=18.0, K0=0.7)
+    stage = sc.Model(ground, fixed).run([sc.Stage("strip", load, increments=4)], start=start, progress=False)["strip"]
+    settlement[ocr] = -1e3 * float(stage.x[1::2].min())
+    print(f"ocr {ocr}: {settlement[ocr]:.0f} mm, {stage.summary['clay']}, iterations {stage.iterations}")
+    assert max(stage.iterations) <= 8
+    rows.append({"method": f"strip, ocr {ocr}", "n": 16, "unknowns": int(basis.N), "error": None,
+                 "cpu_s": round(process_time() - begin, 2), "iterations": sum(stage.iterations),
+                 "settlement_mm": round(settlement[ocr], 1)})  # fmt: skip
+assert settlement[1.0] > 1.5 * settlement[2.0]
+plot.contour(stage, "plastic")
 
 # %%
 # Materials whose strength shall be reduced by :func:`~skfem_contact.strength_reduction` have a method
-# ``reduced(factor, flow)`` besides, which returns the material with its strength divided by the factor; the flow that
-# is asked for (:func:`~skfem_contact.reduced_strength`) may be ignored by a law that has one only, as this one.
+# ``reduced(factor, flow)`` besides, which this law has from ``VonMises``. All further questions have defaults in
+# :class:`~skfem_contact.Material`: elasticity that depends on the stress, creep, the mobilised strength, bounds.
 #
 # Figures
 # -------

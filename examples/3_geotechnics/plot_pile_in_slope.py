@@ -29,6 +29,7 @@ from skfem import Basis, ElementTriP2, ElementVector, MeshQuad
 
 import skfem_contact as sc
 import skfem_contact.plot as plot
+from skfem_contact.contact.laws import Status
 
 plot.set_units("kN", "m")
 
@@ -157,9 +158,9 @@ def analyse(size, pile=None):
     """Forms, gravity stage, strength reduction and processor time."""
     begin = process_time()
     forms, weight, fixed = model(size, pile)
-    gravity = sc.run(forms, [sc.Stage("gravity", weight)], fixed)
+    gravity = sc.Model(forms, fixed).run([sc.Stage("gravity", weight)])
     reduced = set(forms) - {"pile"}
-    safety = sc.strength_reduction(forms, fixed, start=gravity, reduce=reduced)
+    safety = sc.Model(forms, fixed).strength_reduction(start=gravity, reduce=reduced)
     return forms, gravity["gravity"], safety, process_time() - begin
 
 
@@ -200,13 +201,13 @@ ax.legend(frameon=False)
 failure = replace(gravity, name="failure", x=piled.x, states=piled.states)
 moved = replace(failure, x=piled.x - gravity.x)
 # sphinx_gallery_thumbnail_number = 2
-plot.contour(forms, moved, "ux")
+plot.contour(moved, "ux")
 
 # %%
 # The pile, displacements as they are. It has two hinges: one below the interface, where the firm ground holds it, and
 # one in the sliding ground. Near its head the soil uphill falls behind, and a gap opens.
 
-plot.contour(forms, moved, "ux", deformed=1.0, window=(-8.0, 6.0, -17.0, 4.0))
+plot.contour(moved, "ux", deformed=1.0, window=(-8.0, 6.0, -17.0, 4.0))
 
 # %%
 # What the soil does to the pile
@@ -217,15 +218,15 @@ plot.contour(forms, moved, "ux", deformed=1.0, window=(-8.0, 6.0, -17.0, 4.0))
 
 def along_side(side, stage):
     """Tractions along a side of the pile, both layers together."""
-    layers = [sc.tractions(forms[f"{side} {layer}"], stage.states[f"{side} {layer}"]) for layer in soils]
+    layers = [stage.tractions(f"{side} {layer}") for layer in soils]
     together = {name: np.concatenate([getattr(part, name) for part in layers]) for name in vars(layers[0])}
     order = np.argsort(together["y"])
-    return sc.Tractions(**{name: values[order] for name, values in together.items()})
+    return sc.results.Tractions(**{name: values[order] for name, values in together.items()})
 
 
 right = {stage.name: along_side("right", stage) for stage in (gravity, failure)}
 left = {stage.name: along_side("left", stage) for stage in (gravity, failure)}
-plot.contact_diagram(right, along="y")
+plot.diagram(right, along="y")
 
 # %%
 # What the pile carries
@@ -234,9 +235,9 @@ plot.contact_diagram(right, along="y")
 # side. At failure the pile bears all it can in its two hinges. That it bears somewhat more than the 150 kNm/m of its
 # cross section is the mesh: the hinges are shorter than its elements.
 
-cuts = sc.line_sections((0.0, 0.0), (0.0, tip), depth=width, n=79)
-carried = {stage.name: sc.section_forces(forms["pile"], stage.states["pile"], cuts) for stage in (gravity, failure)}
-plot.section_diagram(carried, upright=True)
+cuts = sc.Sections.line((0.0, 0.0), (0.0, tip), depth=width, n=79)
+carried = {stage.name: stage.section_forces("pile", cuts) for stage in (gravity, failure)}
+plot.diagram(carried, upright=True)
 
 for name, forces in carried.items():
     peak = np.argmax(abs(forces.M))
@@ -252,7 +253,7 @@ for name, forces in carried.items():
 cut = np.argmin(abs(cuts.position + interface))
 unbalanced = {}
 for stage in (gravity, failure):
-    upper = {side: sc.tractions(forms[f"{side} upper"], stage.states[f"{side} upper"]) for side in ("left", "right")}
+    upper = {side: stage.tractions(f"{side} upper") for side in ("left", "right")}
     pushed = {side: (of.pressure * of.weight).sum() for side, of in upper.items()}
     push = float(pushed["left"] - pushed["right"])
     shear = float(carried[stage.name].V[cut])
@@ -271,12 +272,12 @@ for stage in (gravity, failure):
 #   paper; here, at the greatest factor, where the pile has bent by a metre and more, most of them slip as well.
 
 points = right["failure"]
-closed = points.status != sc.Status.OPEN
+closed = points.status != Status.OPEN
 above, below = closed & (points.y > interface + 0.5), closed & (points.y < interface - 1.0)
-slipping = (points.status[above] == sc.Status.SLIP).mean()
+slipping = (points.status[above] == Status.SLIP).mean()
 limit = law["upper"].mu / piled.factor * (points.pressure * points.weight)[above].sum()
 mobilised = (abs(points.shear) * points.weight)[above].sum() / limit
-sticking = (points.status[below] == sc.Status.STICK).mean()
+sticking = (points.status[below] == Status.STICK).mean()
 near = abs(points.y - interface) < 1.5
 jump = points.pressure[near].max() / points.pressure[near].min()
 print(f"right side: {slipping:.0%} of the points slip above the interface, with {mobilised:.0%} of the friction "

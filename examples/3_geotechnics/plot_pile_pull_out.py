@@ -52,7 +52,7 @@ def pull(soil, shaft, held, displacements):
         "shaft": sc.ContactPair(basis, "soil:shaft", "pile:shaft", sc.Coulomb(MU), 2),
     }
     rim = [d for d in ground if d % 3 < 2 and np.hypot(*basis.doflocs[:2, d]) > 5.99]
-    start = sc.k0_state(forms, weight, np.union1d(rollers, rim), unit_weights=GAMMA, K0=K0)
+    start = sc.Model(forms, np.union1d(rollers, rim)).k0_state(weight, unit_weights=GAMMA, K0=K0)
     below = np.intersect1d(rollers, pile[pile % 3 == 2])  # the pile leaves its base
     fixed = np.union1d(np.union1d(np.setdiff1d(rollers, below), rim), held)
     stages = []
@@ -60,7 +60,7 @@ def pull(soil, shaft, held, displacements):
         lifted = basis.zeros()
         lifted[held[held % 3 == 2]] = u
         stages.append(sc.Stage(f"{1e3 * u:g} mm", weight, prescribed=lifted))
-    result = sc.run(forms, stages, fixed, start=start, progress=False)
+    result = sc.Model(forms, fixed).run(stages, start=start, progress=False)
     own = GAMMA * np.pi * DIAMETER**2 / 4 * LENGTH
     upward = held[held % 3 == 2]
     force = [4 * step.reactions()[upward].sum() - own for step in list(result)[1:]]
@@ -100,7 +100,7 @@ plt.show()
 # The force at the head goes into the ground along the shaft, first near the head. What the pile
 # carried at rest is subtracted.
 
-cuts = sc.line_sections((0, 0, -0.95 * LENGTH), (0, 0, -0.05 * LENGTH), depth=1.1 * DIAMETER, n=19)
+cuts = sc.Sections.line((0, 0, -0.95 * LENGTH), (0, 0, -0.05 * LENGTH), depth=1.1 * DIAMETER, n=19)
 fig, ax = plt.subplots(figsize=(5, 4.5), layout="constrained")
 rest = result["initial"].section_forces("pile", cuts).N
 for name in ("0.5 mm", "2 mm", "8 mm"):
@@ -114,7 +114,7 @@ plt.show()
 # The ground that is drawn along
 # ------------------------------
 
-plot.cutaway(forms, result["8 mm"], "uz", since=result["initial"], limits=(0, 1.6e-3),
+plot.cutaway(result["8 mm"], "uz", since=result["initial"], limits=(0, 1.6e-3),
              cuts=[((1, 0, 0), (2.5, 0, 0)), ((0, 1, 0), (0, 2.5, 0))], towards=(1, 1.4, -0.8))
 
 # %%

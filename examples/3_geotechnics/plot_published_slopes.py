@@ -118,7 +118,7 @@ for name, slope in slopes.items():
     factors = []
     for dilatant in (True, False):
         begin = process_time()
-        result = sc.strength_reduction(*problem(slope, dilatant, finer), tol=0.005)
+        result = analysis("strength_reduction", *problem(slope, dilatant, finer), tol=0.005)
         seconds = round(process_time() - begin, 2)
         low, high = slope.published
         error = max(low / result.factor - 1.0, result.factor / high - 1.0, 0.0)

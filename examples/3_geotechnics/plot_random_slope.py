@@ -45,7 +45,7 @@ begin = process_time()
 
 basis, fixed, weight = model(n)
 uniform = {"clay": sc.SolidForm(basis, sc.Tresca(E=1e5, nu=0.3, c=mean))}
-factor = sc.strength_reduction(uniform, fixed, weight, tol=0.002, progress=False).factor
+factor = sc.Model(uniform, fixed).strength_reduction(weight, tolerance=0.002, progress=False).factor
 
 
 def below(factor):
@@ -79,7 +79,7 @@ rows = [sample(seed, length) for seed in range(50)]
 fallen = next(row["seed"] for row in rows if not row["stands"])
 c = strength(fallen, length, n)
 clay = {"clay": sc.SolidForm(basis, sc.Tresca(E=1e5, nu=0.3, c=c))}
-found = sc.limit_load(clay, fixed, weight, progress=False)
+found = sc.Model(clay, fixed).limit_load(weight, progress=False)
 assert found.multiplier < 1.0 + 0.01
 
 fig, ax = plt.subplots(figsize=(7.5, 3.4), layout="constrained")
@@ -89,7 +89,7 @@ ax.set(aspect="equal", xlabel="x [m]", ylabel="y [m]", title=f"Strength of sampl
 fig.colorbar(colors, label=r"$c_u / \gamma H$", shrink=0.8)
 
 # %%
-plot.mechanism(clay, found)
+plot.mechanism(found)
 
 # %%
 # Many samples

@@ -86,7 +86,7 @@ def analyse(n, delta, side, steps=1):
     fixed = np.concatenate((below, basis.get_dofs("sand:base").all(), basis.get_dofs("sand:far").all("u^1"), back,
                             basis.get_dofs({"wall:back", "wall:foot"}).all("u^2")))  # fmt: skip
     load = sc.weight(basis, WEIGHT)
-    start = sc.k0_state(forms, load, fixed, WEIGHT, K0, name="at rest")
+    start = sc.Model(forms, fixed).k0_state(load, unit_weights=WEIGHT, K0=K0, name="at rest")
     assert start["at rest"].residual < 1e-12
     stages = []
     for k in range(steps):
@@ -95,13 +95,13 @@ def analyse(n, delta, side, steps=1):
         released = np.setdiff1d(fixed, toe) if k == 0 else None
         stages.append(sc.Stage(f"{side} {k + 1}", load, moved, increments=2, fixed=released))
     newton = sc.Newton(tolerance=1e-6)
-    result = sc.run(forms, stages, fixed, start=start, newton=newton)
+    result = sc.Model(forms, fixed, newton=newton).run(stages, start=start)
     return forms, result, [thrust(forms, stage) / (0.5 * WEIGHT * HEIGHT**2) for stage in result]
 
 
 def thrust(forms, stage):
     """Horizontal force between sand and wall."""
-    joint = sc.tractions(forms["joint"], stage.states["joint"])
+    joint = stage.tractions("joint")
     return float((joint.weight * joint.pressure).sum())
 
 
@@ -148,11 +148,11 @@ for side, color in (("active", "#1f4e8c"), ("passive", "#d55e00")):
     states[side] = forms, result
     moved = [0.0] + [1e3 * MOVE[side] * ((k + 1) / 4) ** 2 for k in range(4)]
     curve.plot(moved, coefficients, "o-", color=color, label=side, markersize=4)
-    joint = sc.tractions(forms["joint"], result[-1].states["joint"])
+    joint = result[-1].tractions("joint")
     pressure.plot(joint.pressure, HEIGHT - joint.y, "o", color=color, markersize=3.5, label=side)
     mean = sum(BRACKETS[20.0, side]) / 2
     pressure.plot(mean * WEIGHT * depth, depth, color=color, linewidth=1)
-rest = sc.tractions(forms["joint"], result["at rest"].states["joint"])
+rest = result["at rest"].tractions("joint")
 pressure.plot(rest.pressure, HEIGHT - rest.y, "s", color="#777777", markersize=3, label="at rest")
 curve.set(xlabel="movement of the wall against the sand [mm]", ylabel="coefficient of the thrust", ylim=(0, None))
 pressure.set(xlabel="contact pressure [kPa]", ylabel="depth [m]", ylim=(HEIGHT, 0), xlim=(0, 700))
@@ -166,7 +166,7 @@ np.testing.assert_allclose(rest.pressure, K0 * WEIGHT * (HEIGHT - rest.y), atol=
 
 forms, result = states["passive"]
 # sphinx_gallery_thumbnail_number = 2
-plot.contour(forms, result[-1], "plastic", deformed=40.0, window=(-2, 18, -3, 8), colors="magma_r", limits=(0.0, 0.01))
+plot.contour(result[-1], "plastic", deformed=40.0, window=(-2, 18, -3, 8), colors="magma_r", limits=(0.0, 0.01))
 
 # %%
 # Figures

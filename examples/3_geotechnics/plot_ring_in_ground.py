@@ -142,7 +142,7 @@ def analyse(method, mu, n, load=1.0):
     if mu == 0:
         face = basis.get_dofs("ring:inside").all("u^1")
         fixed = np.append(fixed, face[np.argmax(basis.doflocs[1, face])])
-    result = sc.run(forms, [sc.Stage("loaded", basis.zeros(), prescribed=x)], fixed=fixed)
+    result = sc.Model(forms, fixed).run([sc.Stage("loaded", basis.zeros(), prescribed=x)])
     return forms, result["loaded"], process_time() - begin
 
 
@@ -158,9 +158,9 @@ def fit(theta, values, weight, wave=np.cos):
 
 def results(forms, step):
     """The same four quantities as in the exact solution, and the curves behind them."""
-    joint = sc.tractions(forms["joint"], step.states["joint"])
-    cuts = sc.ring_sections((0, 0), inner, outer, n=72)
-    ring = sc.section_forces(forms["ring"], step.states["ring"], cuts)
+    joint = step.tractions("joint")
+    cuts = sc.Sections.ring((0, 0), inner, outer, n=72)
+    ring = step.section_forces("ring", cuts)
     theta, cut, once = np.arctan2(joint.y, joint.x), np.radians(90 - ring.position), np.ones(72)
     fits = {"pressure": fit(theta, joint.pressure, joint.weight),
             "friction": fit(theta, -joint.shear, joint.weight, np.sin),
@@ -254,7 +254,7 @@ for ax in axes[1]:
 
 forms, step, _ = analyse("Q1, nodal, smoothed", 0.0, 72)
 # sphinx_gallery_thumbnail_number = 2
-plot.contour(forms, step, "u", deformed=100.0, window=(-2.0, 2.0, -1.6, 1.6), limits=(0.0, 0.006))
+plot.contour(step, "u", deformed=100.0, window=(-2.0, 2.0, -1.6, 1.6), limits=(0.0, 0.006))
 
 # %%
 # Figures

@@ -30,6 +30,7 @@ import numpy as np
 from skfem import Basis, ElementQuad2, ElementVector, FacetBasis, LinearForm, MeshQuad, MeshQuad2
 
 import skfem_contact as sc
+from skfem_contact.forms.solid import SolidState
 
 WALL, NEAR, FAR = 1.0, 10.0, 14.0  # radii of the tunnel, and of the ring that stands for the infinite ground
 
@@ -123,7 +124,7 @@ def solid(basis: Basis, g: Ground) -> sc.SolidForm:
                                 "ring": sc.LinearElastic(E=softer * g.E, nu=g.nu)})
 
 
-def excavate(basis: Basis, g: Ground, pressures: list[float], axial: float) -> tuple[sc.SolidForm, sc.Result]:
+def excavate(basis: Basis, g: Ground, pressures: list[float], axial: float) -> tuple[sc.SolidForm, sc.results.Result]:
     """Start from p0, and the pressure ``axial`` along the tunnel, and lower the pressure on the wall."""
     wall = FacetBasis(basis.mesh, basis.elem, facets="wall", intorder=6)
     load = LinearForm(lambda v, w: -(v[0] * w.n[0] + v[1] * w.n[1])).assemble(wall)
@@ -131,9 +132,9 @@ def excavate(basis: Basis, g: Ground, pressures: list[float], axial: float) -> t
                             basis.get_dofs("end").all()))
     forms = {"ground": solid(basis, g)}
     pressed = -np.array([g.p0, g.p0, axial, 0.0])[:, None, None]
-    start = sc.given_state(forms, g.p0 * load, fixed, lambda x: pressed * np.ones(x.shape[1:]))
+    start = sc.Model(forms, fixed).initial_state(g.p0 * load, stress=lambda x: pressed * np.ones(x.shape[1:]))
     stages = [sc.Stage(f"{p:g}", p * load) for p in pressures]
-    return forms["ground"], sc.run(forms, stages, fixed, start=start)
+    return forms["ground"], sc.Model(forms, fixed).run(stages, start=start)
 
 
 def wall_displacement(basis: Basis, x: np.ndarray) -> float:
@@ -144,7 +145,7 @@ def wall_displacement(basis: Basis, x: np.ndarray) -> float:
     return -float(np.mean((place[0] * x[ux] + place[1] * x[uy]) / WALL))
 
 
-def plastic_radius(form: sc.SolidForm, state: sc.SolidState) -> float:
+def plastic_radius(form: sc.SolidForm, state: SolidState) -> float:
     """Half-way between the last point that yielded and the first that did not."""
     r = np.hypot(*np.asarray(form.basis.global_coordinates()))
     yielded = state.internal[0] > 0

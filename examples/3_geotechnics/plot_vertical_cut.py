@@ -48,7 +48,7 @@ for n in (6, 12, 24) if "--full" in sys.argv else (6, 12):
     forms = {"ground": sc.SolidForm(basis, sc.Tresca(E=1e4, nu=0.49, c=1.0))}
     sides = basis.get_dofs(lambda x: np.isclose(np.abs(x[0]), WIDTH)).all("u^1")
     fixed = np.concatenate((basis.get_dofs(lambda x: np.isclose(x[1], -DEPTH)).all(), sides))
-    limit = sc.limit_load(forms, fixed, sc.weight(basis, 1.0))
+    limit = sc.Model(forms, fixed).limit_load(sc.weight(basis, 1.0))
     rows.append({"method": "P2, continuation", "n": n, "unknowns": int(basis.N),
                  "error": limit.multiplier / REFERENCE - 1, "cpu_s": round(process_time() - begin, 2),
                  "iterations": limit.iterations})

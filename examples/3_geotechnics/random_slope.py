@@ -57,9 +57,9 @@ def stands(c, n):
     basis, fixed, weight = model(n)
     clay = {"clay": sc.SolidForm(basis, sc.Tresca(E=1e5, nu=0.3, c=c))}
     try:
-        return sc.stands(clay, fixed, weight)
+        return sc.Model(clay, fixed).is_stable(weight)
     except sc.NotConverged:  # neither: along the curve of the load, if that has an end
-        found = sc.limit_load(clay, fixed, weight, progress=False)
+        found = sc.Model(clay, fixed).limit_load(weight, progress=False)
         if found.multiplier < 1.0 and not found.stop.shows_limit:
             raise
         return found.multiplier >= 1.0

@@ -69,9 +69,9 @@ class Problem:
         master = LOWER if slave == UPPER else UPPER
         return sc.ContactPair(self.basis, slave, master, sc.Coulomb(mu=mu), quadrature, **options)
 
-    def run(self, pair: sc.ContactPair, stages: list[sc.Stage], **options) -> sc.Result:
+    def run(self, pair: sc.ContactPair, stages: list[sc.Stage], **options) -> sc.results.Result:
         """Run stages; further options as for :func:`~skfem_contact.run`."""
-        return sc.run({"bodies": self.solid, "contact": pair}, stages, self.fixed, progress=False, **options)
+        return sc.Model({"bodies": self.solid, "contact": pair}, self.fixed).run(stages, progress=False, **options)
 
     def stage(self, name: str, normal: float = 1.0, tangential: float = 0.0, increments: int = 1) -> sc.Stage:
         """A stage that ends at these shares of the normal and the tangential loading."""

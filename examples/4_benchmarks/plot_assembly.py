@@ -115,7 +115,7 @@ def shortest(function, times=5):
 def compare(element, n):
     """Rows of figures of a mesh."""
     basis, x = scene(element, n)
-    form = sc.SolidForm(basis, soil, sc.plane_strain)
+    form = sc.SolidForm(basis, soil, "full")
     state = form.initial_state()
     strains = np.zeros_like(state.strain)
     strains[IN_PLANE] = np.stack(strain(basis.interpolate(x)))

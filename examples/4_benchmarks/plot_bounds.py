@@ -35,7 +35,7 @@ for name in names:
     problem, (low, high) = CASES[name]
     gap = SMALL.get(name, 0.01) if FULL else max(0.03, SMALL.get(name, 0.0))
     begin = process_time()
-    found = sc.bounds(**problem, gap=gap, progress=False)
+    found = bounds_of(**problem, gap=gap, progress=False)
     seconds = process_time() - begin
     histories[name] = found.history
     rows.append({"method": name, "n": found.mesh.nelements, "lower": round(found.lower, 6),
@@ -74,8 +74,7 @@ for times in range(3 if FULL else 2):
     begin = process_time()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", sc.AnalysisWarning)
-        factor = sc.strength_reduction({"soil": soil}, [*fixed[0], *fixed[1]], sc.weight(basis, 20.0), tol=0.002,
-                                       progress=False).factor  # fmt: skip
+        factor = sc.Model({"soil": soil}, [*fixed[0], *fixed[1]]).strength_reduction(sc.weight(basis, 20.0), tolerance=0.002, progress=False).factor  # fmt: skip
     reduction.append((process_time() - begin, abs(factor / 1.3772 - 1)))
 
 figure, ax = plt.subplots(figsize=(7, 4), layout="constrained")

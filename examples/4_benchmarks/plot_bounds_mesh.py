@@ -38,7 +38,7 @@ def factor(mesh, soil):
     begin = process_time()
     forms, fixed = model(mesh, soil)
     load = sc.weight(forms["soil"].basis, 20.0)
-    found = sc.strength_reduction(forms, fixed, load, tol=0.002, progress=False)
+    found = sc.Model(forms, fixed).strength_reduction(load, tolerance=0.002, progress=False)
     return found.factor, len(found.x), found.iterations, process_time() - begin
 
 
@@ -52,7 +52,7 @@ for name, times in (("Griffiths and Lane 1", 3), ("Griffiths and Lane 2", 2), ("
     problem, _ = CASES[name]
     first = problem["forms"]["soil"]
     begin = process_time()
-    found = sc.bounds(**problem, gap=0.01, elements=1450, progress=False)
+    found = bounds_of(**problem, gap=0.01, elements=1450, progress=False)
     seconds, middle = process_time() - begin, 0.5 * (found.lower + found.upper)
     rows.append({"method": f"{name}, bounds", "n": found.mesh.nelements, "lower": round(found.lower, 4),
                  "upper": round(found.upper, 4), "unknowns": found.certificates[1].unknowns,

@@ -42,6 +42,7 @@ from space_problems import (
 
 import skfem_contact as sc
 import skfem_contact.plot as plot
+from skfem_contact.contact.laws import Status
 
 MU, RATIOS, CYCLE = 0.4, (0.25, 0.5, 0.75, 0.9), 10
 COMPLIANCE = 4 * (2 - POISSON) * (1 + POISSON) / YOUNG  # of both bodies
@@ -76,7 +77,7 @@ def analyse(n, rule):
     pair = sc.ContactPair(problem.basis, SLAVE, MASTER, sc.Coulomb(mu=MU), rule,
                           penalty=(20 * YOUNG, 10 * YOUNG))  # fmt: skip
     forms = {"bodies": problem.solid, "joint": pair}
-    return problem, forms, sc.run(forms, stages(problem), problem.fixed, progress=False)
+    return problem, forms, sc.Model(forms, problem.fixed).run(stages(problem), progress=False)
 
 
 # %%
@@ -169,8 +170,8 @@ fig, axes = plt.subplots(1, 4, figsize=(10, 2.2), layout="constrained", sharey=T
 for ax, x in zip(axes, RATIOS):
     step = result[f"{x} mu P"]
     joint, mindlin = step.tractions("joint"), exact(problem, step)
-    closed = joint.status != sc.Status.OPEN
-    slips = joint.status == sc.Status.SLIP
+    closed = joint.status != Status.OPEN
+    slips = joint.status == Status.SLIP
     for chosen, color in ((closed & ~slips, "C0"), (closed & slips, "C1")):
         ax.plot(joint.x[chosen], joint.y[chosen], ".", color=color, ms=4)
     angle = np.linspace(0, np.pi, 100)
@@ -185,7 +186,7 @@ plt.show()
 # ------
 # Sheared by nine tenths of the friction: the plane of symmetry.
 
-plot.cutaway(forms, result[f"{RATIOS[-1]} mu P"], "szx", towards=(0.3, 1.0, -0.5),
+plot.cutaway(result[f"{RATIOS[-1]} mu P"], "szx", towards=(0.3, 1.0, -0.5),
              cuts=[((1, 0, 0), (2.5, 0, 0)), ((-1, 0, 0), (-2.5, 0, 0)), ((0, 1, 0), (0, 2.5, 0)),
                    ((0, 0, 1), (0, 0, 2)), ((0, 0, -1), (0, 0, -2))])  # fmt: skip
 

@@ -40,6 +40,7 @@ from skfem import (
 )
 
 import skfem_contact as sc
+from skfem_contact.contact.penalty import choose_penalties
 from skfem_contact.solvers.direct import DirectSolver
 from skfem_contact.stages.setup import build_system
 
@@ -55,17 +56,17 @@ ELEMENTS = {"P2-P1": (MeshTri, ElementTriP2, 4), "Q2-Q1": (MeshQuad, ElementQuad
 # the load on, others wait.
 
 
-def consolidate(basis, nu, load, fixed, drained, times, strain=sc.plane_strain, more=None, ramp=0.25):
+def consolidate(basis, nu, load, fixed, drained, times, strain="full", more=None, ramp=0.25):
     """Stages that end at times T, after a load that comes within a share of the first one."""
     forms = {"ground": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=nu), strain=strain),
-             "water": sc.PoreWater(basis, permeability=K, unit_weight=1.0, strain=strain), **(more or {})}
+             "water": sc.PoreWater(basis, permeability=K, unit_weight=1.0), **(more or {})}
     c_v = K * E * (1 - nu) / (1 + nu) / (1 - 2 * nu)
     # a load that grows in proportion within a short time acts like one at once in the middle of that time
     whole = np.concatenate(([ramp * times[0]], np.asarray(times) + 0.5 * ramp * times[0]))
     stages = [sc.Stage(f"T = {T:.4g}" if k else "load", load, duration=d / c_v)
               for k, (T, d) in enumerate(zip(whole, np.diff(whole, prepend=0.0)))]
-    fixed = np.concatenate((fixed, forms["water"].unknowns(drained)))
-    result = sc.run(forms, stages, fixed, progress=False)
+    fixed = [fixed, forms["water"].dofs(drained)]
+    result = sc.Model(forms, fixed).run(stages, progress=False)
     return forms["water"], list(result)[1:], [iterations for stage in result for iterations in stage.iterations]
 
 
@@ -99,7 +100,7 @@ for method, (kind, element, order) in ELEMENTS.items():
     began = time.process_time()
     mesh = kind.init_tensor(np.array([0.0, 0.1]), 1 - np.linspace(1, 0, 21) ** 1.8).with_defaults()
     basis = Basis(mesh, ElementVector(element()), intorder=order)
-    strain = sc.b_bar if element is ElementQuad1 else sc.plane_strain
+    strain = "b_bar" if element is ElementQuad1 else "full"
     water, stages, steps = consolidate(basis, 0.2, sc.traction(basis, "top", (0, -Q)),
                                        sc.box_supports(basis, base="rollers"), "top", times, strain)
     final = Q * 1.2 * 0.6 / (E * 0.8)
@@ -128,11 +129,11 @@ forms = {"ground": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=0.2)),
          "water": sc.PoreWater(basis, permeability=K, unit_weight=1.0, connected=[joint]),
          "joint": sc.ContactPair(basis, *joint, sc.Tied(), penalty=1e3 * E)}
 sides = basis.get_dofs({f"{body}:{side}" for body in ("low", "high") for side in ("left", "right")}).all("u^1")
-fixed = np.concatenate((basis.get_dofs("low:bottom").all("u^2"), sides, forms["water"].unknowns("high:top")))
+fixed = [basis.get_dofs("low:bottom").all("u^2"), sides, forms["water"].dofs("high:top")]
 load = sc.traction(basis, "high:top", (0, -Q))
 whole = np.append(0.25 * times[0], times + 0.125 * times[0]) / (K * Q / final)
 stages = [sc.Stage(f"{k}", load, duration=d) for k, d in enumerate(np.diff(whole, prepend=0.0))]
-result = list(sc.run(forms, stages, fixed, progress=False))
+result = list(sc.Model(forms, fixed).run(stages, progress=False))
 U = np.array([-stage.x[basis.get_dofs("high:top").all("u^2")].mean() / final for stage in result[1:]])
 row("Terzaghi", "P2-P1, cut", 20, result[1:], began, np.abs(U - degree(times)).max(),
     [k for stage in result for k in stage.iterations])
@@ -172,7 +173,7 @@ for method, n in (("P2-P1", 20), ("Q2-Q1", 20)) + ((("P2-P1", 40),) if FULL else
     fixed = np.append(basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1"))
     water, stages, steps = consolidate(basis, 0.2, sc.traction(basis, "top", (0, -Q)), fixed, "right", times,
                                        more=plate(basis))
-    p = np.array([water.pressure(stage.x)[0] / (Q / 2) for stage in stages])
+    p = np.array([stage.forms["water"].pressure(stage.x)[0] / (Q / 2) for stage in stages])
     exact = mandel(times, 0.2)
     row("Mandel", method, n, stages, began, abs(p.max() / exact.max() - 1), steps, peak=round(p.max(), 5))
     assert rows[-1]["error"] < 2e-3 and abs(exact.max() - 1.1069) < 1e-4
@@ -217,7 +218,7 @@ for n in (4, 5):
     load = sc.traction(basis, "out", lambda x: -Q * x / np.hypot(*x), axisymmetric=True)
     water, stages, steps = consolidate(basis, 0.25, load, fixed, "out", times, sc.axisymmetric)
     centre = np.hypot(*basis.mesh.p).argmin()
-    p, exact = np.array([water.pressure(stage.x)[centre] / Q for stage in stages]), cryer(times, 0.25)
+    p, exact = np.array([stage.forms["water"].pressure(stage.x)[centre] / Q for stage in stages]), cryer(times, 0.25)
     row("Cryer", "P2-P1", 2**n, stages, began, abs(p.max() / exact.max() - 1), steps, peak=round(p.max(), 5))
     assert rows[-1]["error"] < (2e-3 if n == 5 else 4e-3) and abs(exact.max() - 1.3075) < 1e-3
 ax.semilogx(times, p, "o", ms=3, label="P2-P1")
@@ -286,7 +287,7 @@ for n in (4, 8) if FULL else (4,):
     load = sc.traction(basis, "strip", (0, -Q))
     stages = [sc.Stage(f"T = {T:g}", load, duration=d, increments=count)
               for T, d, count in zip(ends, durations, counts.tolist(), strict=True)]
-    result = sc.run(forms, stages, np.concatenate((*fixed, forms["water"].unknowns("top"))), progress=False)
+    result = sc.Model(forms, [*fixed, forms["water"].dofs("top")]).run(stages, progress=False)
     middle = sc.dofs_at(basis, (0.0, 0.0))[0, 1]
     done = list(result)[1:]
     ours = [stage.x for stage in done]
@@ -328,10 +329,10 @@ def seconds(solver, K):
 
 for n in (8, 16, 32) if FULL else (8, 16):
     basis = Basis(strip(n), ElementVector(ElementTriP2()), intorder=4)
-    forms = sc.choose_penalties({"ground": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=0.3)),
+    forms = choose_penalties({"ground": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=0.3)),
                                  "water": sc.PoreWater(basis, permeability=K, unit_weight=1.0)})
     fixed = np.append(basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1"))
-    held = np.append(fixed, forms["water"].unknowns("top"))
+    held = [fixed, forms["water"].dofs("top")]
     alone = build_system({"ground": forms["ground"]}, fixed)
     ground = seconds(DirectSolver(basis.doflocs, alone.free), forms["ground"].elastic_stiffness.copy())
     both = build_system(forms, held)

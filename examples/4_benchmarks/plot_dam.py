@@ -41,11 +41,11 @@ def dam(kind, n: int, length: float):
     return kind.init_tensor(x, y).with_defaults()
 
 
-def leak(mesh, up: float, down: float, k=1.0) -> sc.Seepage:
+def leak(mesh, up: float, down: float, k=1.0) -> sc.water.Seepage:
     """Flow from the left to the right."""
     element = ElementTriP1() if isinstance(mesh, MeshTri) else ElementQuad1()
     heads = {"left": up, "right": down} if down > 0 else {"left": up}
-    return sc.seepage(Basis(mesh, element), k, heads, seepage_face="right", unit_weight=9.81)
+    return sc.water.seepage(Basis(mesh, element), k, heads, seepage_face="right", unit_weight=9.81)
 
 
 rows = []

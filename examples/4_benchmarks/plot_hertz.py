@@ -26,6 +26,7 @@ import peers
 from contact_problems import Contact, hertz
 
 import skfem_contact as sc
+from skfem_contact.contact.penalty import choose_penalties
 
 FULL, PEERS = "--full" in sys.argv, "--peers" in sys.argv
 SIZES = (5, 10, 20) if FULL else (5, 10)
@@ -172,7 +173,7 @@ def sweep(ratio=None, quadrature="segments", **options):
     """The figures of :func:`judged` and the error of the field at every load."""
     problem = hertz(n)
     pair = problem.pair(mu=0.0, quadrature=quadrature, **options)
-    forms = sc.choose_penalties({"bodies": problem.solid, "contact": pair})
+    forms = choose_penalties({"bodies": problem.solid, "contact": pair})
     if ratio is not None:
         penalty = ratio * forms["contact"].stiffness
         pair = pair.with_penalty(penalty, penalty)

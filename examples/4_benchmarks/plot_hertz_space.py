@@ -62,7 +62,7 @@ def press(method, n, element="Q1"):
     forms = {"bodies": problem.solid, "joint": pair}
     stage = sc.Stage("press", problem.basis.zeros(), problem.pressed, increments=4)
     solver = "superlu" if problem.basis.N > 50_000 else None
-    result = sc.run(forms, [stage], problem.fixed, solver=solver, progress=False)
+    result = sc.Model(forms, problem.fixed, solver=solver).run([stage], progress=False)
     cpu, iterations = process_time() - begin, sum(result[-1].iterations)
     return figures(method, n, problem, result[-1].x, cpu, iterations, element), forms, result
 
@@ -109,7 +109,7 @@ plt.show()
 # The largest shear stress lies below the surface, in both bodies. The symmetry planes are in
 # front.
 
-plot.cutaway(forms, result["press"], "mises", towards=(1.0, 1.4, -0.7),
+plot.cutaway(result["press"], "mises", towards=(1.0, 1.4, -0.7),
              cuts=[((1, 0, 0), (3, 0, 0)), ((0, 1, 0), (0, 3, 0)),
                    ((0, 0, 1), (0, 0, 2.5)), ((0, 0, -1), (0, 0, -2.5))])  # fmt: skip
 

@@ -34,7 +34,7 @@ def press(element, rule, slave):
     pair = sc.ContactPair(problem.basis, *SLAVES[slave], sc.Coulomb(), RULES[rule], penalty=50 * YOUNG)
     forms = {"cubes": problem.solid, "joint": pair}
     stage = sc.Stage("press", problem.basis.zeros(), problem.pressed)
-    result = sc.run(forms, [stage], problem.fixed, progress=False)
+    result = sc.Model(forms, problem.fixed).run([stage], progress=False)
     stress = result[-1].states["cubes"].stress[2]
     return {"method": rule, "element": element, "slave": slave, "n": ELEMENTS[element][3],
             "unknowns": int(problem.basis.N), "points": len(result[-1].states["joint"].gap),

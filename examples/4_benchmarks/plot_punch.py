@@ -45,7 +45,7 @@ def press(name, n, block, master, depth, force):
     pair = block.contact(master, quadrature="nodal", enforcement=sc.AugmentedLagrangian())
     forms = {"block": block.solid, "joint": pair}
     stage = sc.Stage(name, block.basis.zeros(), block.moved(depth, force), increments=2)
-    result = sc.run(forms, [stage], block.fixed, progress=False)
+    result = sc.Model(forms, block.fixed).run([stage], progress=False)
     row = {"method": name, "n": n, "unknowns": int(block.basis.N), "error": 0.0,
            "cpu_s": round(process_time() - begin, 2),
            "iterations": sum(result[-1].iterations)}  # fmt: skip
@@ -81,7 +81,7 @@ section = quarter_disc(n, np.append(0.0, 1 - inside[:0:-1]), 1 + away)
 block = Block.of(drawn(section, away), near=lambda p: np.hypot(*p[:2]) < 1.0)
 depth = 0.0182
 force, _, _ = half_space.flat_punch(np.ones(1), depth, 1.0, MODULUS)
-plane = sc.rigid_plane((0, 0, 0), (0, 0, -1), width=4.0, name="punch")
+plane = sc.rigid.plane((0, 0, 0), (0, 0, -1), width=4.0, name="punch")
 forms, step, found, row = press("flat punch", n, block, plane, depth, force)
 
 force = found.normal.sum()
@@ -103,7 +103,7 @@ drawn_beside(found.r, found.pressure, line, pressure, "flat punch", "r / a", yli
 # %%
 # How the ground settles, thirty times enlarged, and its vertical stress.
 
-plot.cutaway(forms, step, "szz", deformed=30.0, limits=(-20.0, 0.0), towards=(1.0, 1.4, -0.7),
+plot.cutaway(step, "szz", deformed=30.0, limits=(-20.0, 0.0), towards=(1.0, 1.4, -0.7),
              cuts=[((1, 0, 0), (2.5, 0, 0)), ((0, 1, 0), (0, 2.5, 0)),
                    ((0, 0, -1), (0, 0, -2.0))])  # fmt: skip
 
@@ -120,7 +120,7 @@ section = quarter_disc(round(0.4 * n), np.arange(round(0.4 * n)) / round(0.4 * n
 depths = np.append(2 * fine, 2 * fine[-1] + growing(1.5 / n, 1.5, 8.5)[1:])
 block = Block.of(drawn(section, depths), near=lambda p: np.hypot(*p[:2]) < 1.3)
 force, depth, _ = half_space.cone(np.ones(1), 1.0, slope, MODULUS)
-tip = sc.rigid_cone((0, 0, 0), (0, 0, 1), slope, radius=2.0, name="cone")
+tip = sc.rigid.cone((0, 0, 0), (0, 0, 1), slope, radius=2.0, name="cone")
 forms, step, found, row = press("cone", n, block, tip, depth, force)
 
 force = found.normal.sum()
@@ -168,7 +168,7 @@ level = Block.of(MeshHex.init_tensor(x, y, -z[::-1]),
                  near=lambda p: (np.abs(p[0]) < 1.3) & (np.abs(p[1]) < 1.3 * b))  # fmt: skip
 axis = 3 * np.array([np.cos(TURN), -np.sin(TURN), 0.0])
 above = np.array([0.0, 0.0, RADIUS])
-rod = sc.rigid_cylinder(above - axis, above + axis, RADIUS, name="cylinder")
+rod = sc.rigid.cylinder(above - axis, above + axis, RADIUS, name="cylinder")
 forms, step, found, row = press("crossed cylinders", n, level.raised(across), rod, depth,
                                 unit_axis**-3)  # fmt: skip
 

@@ -29,6 +29,7 @@ import numpy as np
 from skfem import Basis, ElementQuad1, ElementTriP2, ElementVector, FacetBasis, LinearForm, MeshTri
 
 import skfem_contact as sc
+from skfem_contact.contact.penalty import choose_penalties
 from skfem_contact.solvers.direct import DirectSolver
 
 
@@ -41,8 +42,8 @@ def culvert(refinements):
              "stiff": sc.MohrCoulomb(E=5e4, nu=0.35, c=10.0, phi=35.0, psi=35.0)}  # fmt: skip
     concrete = sc.LinearElastic(E=2.8e7, nu=0.2)
     forms = {
-        "ground": sc.SolidForm(basis.with_elements("ground"), soils, strain=sc.b_bar),
-        "culvert": sc.SolidForm(basis.with_elements("culvert"), concrete, strain=sc.b_bar),
+        "ground": sc.SolidForm(basis.with_elements("ground"), soils, strain="b_bar"),
+        "culvert": sc.SolidForm(basis.with_elements("culvert"), concrete, strain="b_bar"),
         "skin": sc.ContactPair(basis, slave="ground|culvert", master="culvert|ground", law=sc.Coulomb(mu=0.6),
                                quadrature="nodal", smoothing=0.5, initial="adjusted"),
     }  # fmt: skip
@@ -79,7 +80,7 @@ def peak():
 
 def factorisation(basis, forms, result, fixed):
     """Processor time of one factorisation of the last tangent."""
-    forms, last = sc.choose_penalties(forms), result[-1]
+    forms, last = choose_penalties(forms), result[-1]
     K = sum(form.assemble(last.x, last.states[name]).stiffness for name, form in forms.items())
     solver = DirectSolver(basis.doflocs, np.setdiff1d(np.arange(basis.N), fixed), "superlu")
     solver.factor(K)
@@ -93,7 +94,7 @@ def analyse(name, scene, n):
     before, begin = peak(), process_time()
     basis, forms, stages, fixed = scene(n)
     set_up = process_time() - begin
-    result = sc.run(forms, stages, fixed)
+    result = sc.Model(forms, fixed).run(stages)
     cost, memory = process_time() - begin, peak() - before
     one = factorisation(basis, forms, result, fixed)
     return {"method": name, "n": n, "unknowns": int(basis.N), "error": max(stage.residual for stage in result),

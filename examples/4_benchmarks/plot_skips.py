@@ -66,7 +66,7 @@ def footing(m):
     basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
     forms = {
         "ground": sc.SolidForm(basis.with_elements("ground"), sc.MohrCoulomb(E=3e4, nu=0.3, c=10.0, phi=20.0, psi=20.0),
-                               strain=sc.b_bar),
+                               strain="b_bar"),
         "footing": sc.SolidForm(basis.with_elements("footing"), sc.LinearElastic(E=3e7, nu=0.2)),
         "contact": sc.ContactPair(basis, "ground:top", "footing:bottom", sc.Coulomb(mu=0.5), "nodal"),
     }  # fmt: skip
@@ -152,7 +152,7 @@ def solved(scene, size):
     """The result and the process time that it took."""
     forms, stages, fixed = scene(size)
     start = process_time()
-    result = sc.run(forms, stages, fixed, newton=NEWTON, solver=SOLVER, progress=False)
+    result = sc.Model(forms, fixed, solver=SOLVER, newton=NEWTON).run(stages, progress=False)
     return result, process_time() - start
 
 

@@ -63,7 +63,7 @@ def quadrilaterals(mesh: MeshTri) -> MeshQuad:
         {"base": lambda p: p[1] < 1e-9, "left": lambda p: p[0] < 1e-9})
 
 
-def model(mesh, element, intorder, psi, strain=sc.plane_strain):
+def model(mesh, element, intorder, psi, strain="full"):
     """Forms, fixed unknowns and weight."""
     basis = Basis(mesh, ElementVector(element), intorder=intorder)
     soil = sc.MohrCoulomb(E=1e5, nu=0.3, c=10.0, phi=20.0, psi=psi)
@@ -74,11 +74,11 @@ def model(mesh, element, intorder, psi, strain=sc.plane_strain):
 rows = []
 
 
-def factor(mesh, label, element=None, intorder=2, psi=20.0, strain=sc.plane_strain, **settings):
+def factor(mesh, label, element=None, intorder=2, psi=20.0, strain="full", **settings):
     """Factor of safety, noted as a row of the table."""
     began = time.process_time()
     problem = model(mesh, element or ElementTriP2(), intorder, psi, strain)
-    result = sc.strength_reduction(*problem, progress=False, **settings)
+    result = analysis("strength_reduction", *problem, progress=False, **settings)
     rows.append({"method": f"{label}, {result.method}, flow {result.flow}", "psi": psi, "n": mesh.nelements,
                  "unknowns": len(result.x), "factor": round(result.factor, 4),
                  "error": round(abs(result.factor / 1.38 - 1), 5), "cpu_s": round(time.process_time() - began, 2),
@@ -133,15 +133,14 @@ if FULL:
     for mesh in meshes[:2]:
         quads = quadrilaterals(mesh)
         for psi in (20.0, 0.0):
-            factor(quads, "Q1 B-bar", ElementQuad1(), 3, psi, sc.b_bar)
+            factor(quads, "Q1 B-bar", ElementQuad1(), 3, psi, "b_bar")
             factor(quads, "Q2 reduced, 8 nodes", ElementQuadS2(), 3, psi)
             assert rows[-1]["iterations"] <= (100 if psi or len(mesh.t[0]) < 200 else 250)
     for psi in (20.0, 0.0):
         forms, fixed, load = model(meshes[1], ElementTriP2(), 2, psi)
-        start = sc.run(forms, [sc.Stage("gravity", load, increments=5)], fixed, progress=False)
+        start = sc.Model(forms, fixed).run([sc.Stage("gravity", load, increments=5)], progress=False)
         began = time.process_time()
-        sweep = [sc.strength_reduction(forms, fixed, load, start=begin, method=method, step=step, tol=tol,
-                                       newton=sc.Newton(tolerance, 30), progress=False)
+        sweep = [sc.Model(forms, fixed, newton=sc.Newton(tolerance, 30)).strength_reduction(load, start=begin, method=method, step=step, tolerance=tol, progress=False)
                  for begin in (None, start) for method in ("continuation", "bracket")
                  for step in (0.03, 0.1, 0.3) for tol in (0.01, 0.004) for tolerance in (1e-3, 1e-4)]
         factors = [result.factor for result in sweep]

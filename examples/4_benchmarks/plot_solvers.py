@@ -42,6 +42,7 @@ from skfem import (
 from space_problems import YOUNG, paraboloid
 
 import skfem_contact as sc
+from skfem_contact.contact.penalty import choose_penalties
 from skfem_contact.solvers.direct import DirectSolver
 from skfem_contact.solvers.multigrid import AmgSolver
 
@@ -92,7 +93,7 @@ def system(case, unknowns):
     mirrored = type(upper)(np.array([upper.p[0], 2.0 - upper.p[1]]), np.ascontiguousarray(upper.t))
     mesh = sc.join_bodies({"lower": lower.with_defaults(), "upper": mirrored.with_defaults()})
     basis = Basis(mesh, ElementVector(element), intorder=2)
-    forms = sc.choose_penalties({
+    forms = choose_penalties({
         "blocks": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3)),
         "contact": sc.ContactPair(basis, "upper:bottom", "lower:top", sc.Coulomb(mu=0.3), "nodal"),
     })  # fmt: skip
@@ -191,7 +192,7 @@ def block(case, unknowns):
     n = round((unknowns / 6) ** (1 / 3) / order)
     mesh = kind.init_tensor(*(np.linspace(0, side, side * n + 1) for side in (2, 1, 1)))
     basis = Basis(mesh, ElementVector(element), intorder=2)
-    K = sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3), sc.three_dimensional).elastic_stiffness
+    K = sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3), "full").elastic_stiffness
     free = np.setdiff1d(np.arange(basis.N), basis.get_dofs(lambda x: x[0] == 0.0).all())
     return (K, 1.01 * K), basis.doflocs, free, sc.weight(basis, 20.0)
 

@@ -70,7 +70,7 @@ for psi in (30.0, 0.0):
     for n in (7, 14, 28):
         begin = process_time()
         basis, forms, load, fixed = model(n, psi)
-        result = sc.run(forms, [sc.Stage("pressure", PRESSURE * load)], fixed)
+        result = sc.Model(forms, fixed).run([sc.Stage("pressure", PRESSURE * load)])
         error = bore_displacement(basis, result["pressure"].x) / BORE[psi] - 1
         rows.append({"method": f"Q2, psi = {psi:g}", "n": n, "unknowns": int(basis.N), "error": abs(error),
                      "cpu_s": round(process_time() - begin, 2), "iterations": sum(result["pressure"].iterations)})
@@ -135,7 +135,7 @@ plt.show()
 # The wall yields as a whole when the plastic zone reaches its outside.
 begin = process_time()
 basis, forms, load, fixed = model(14, 30.0)
-limit = sc.limit_load(forms, fixed, PRESSURE * load, tol=0.002)
+limit = sc.Model(forms, fixed).limit_load(PRESSURE * load, tolerance=0.002)
 pressure = PRESSURE * limit.multiplier
 print(f"collapse pressure {pressure:.3f}, exact {COLLAPSE:.3f}: {pressure / COLLAPSE - 1:+.3%}, "
       f"{limit.iterations} iterations")

@@ -49,7 +49,7 @@ def turn(n):
     """The block with its forms and what a ball makes of it that is pressed and turned."""
     body = block(n)
     force = 4 / 3 * MODULUS / RADIUS  # a = 1
-    ball = sc.rigid_sphere((0, 0, RADIUS), RADIUS, name="ball")
+    ball = sc.rigid.sphere((0, 0, RADIUS), RADIUS, name="ball")
     pair = body.contact(ball, quadrature=2, penalty=PENALTY)
     stages = [sc.Stage("press", body.basis.zeros(), body.moved(1 / RADIUS, force), increments=2)]
     for k in STICK:
@@ -58,7 +58,7 @@ def turn(n):
         stages.append(sc.Stage(f"c = {k} a", body.basis.zeros(),
                                body.moved(1 / RADIUS, force, twist), 2, change=rough))  # fmt: skip
     forms = {"block": body.solid, "ball": pair}
-    return body, twists(force), sc.run(forms, stages, body.fixed, progress=False)
+    return body, twists(force), sc.Model(forms, body.fixed).run(stages, progress=False)
 
 
 def twists(force):
@@ -128,7 +128,7 @@ plt.show()
 # ----------------------------------------------------------
 # Largest shear strain, in front of the axis.
 
-plot.cutaway({"block": body.solid}, result["c = 0.5 a"], "gamma", since=result["press"],
+plot.cutaway(result["c = 0.5 a"], "gamma", since=result["press"],
              towards=(0.7, 1.4, -1.0), cuts=[((0, -1, 0), (0, 0, 0)), ((1, 0, 0), (2, 0, 0)),
                                              ((-1, 0, 0), (-2, 0, 0)), ((0, 0, -1), (0, 0, -1.5)),
                                              ((0, 1, 0), (0, 2, 0))])  # fmt: skip

@@ -128,7 +128,7 @@ def analyse(m):
     basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
     soil = Soil(E=3e4, nu=0.3, c=10.0, phi=20.0, psi=20.0)
     forms = {
-        "ground": Solid(basis.with_elements("ground"), soil, strain=sc.b_bar),
+        "ground": Solid(basis.with_elements("ground"), soil, strain="b_bar"),
         "footing": Solid(basis.with_elements("footing"), sc.LinearElastic(E=3e7, nu=0.2)),
         "base": Contact(basis, "ground:top", "footing:bottom", sc.Coulomb(mu=0.5)),
     }
@@ -139,7 +139,7 @@ def analyse(m):
                             basis.get_dofs({"ground:left", "ground:right"}).all("u^1")))  # fmt: skip
     middle = basis.get_dofs("footing:top").all("u^1")
     fixed = np.append(fixed, middle[len(middle) // 2])
-    start = sc.run(forms, [sc.Stage("gravity", gravity)], fixed)
+    start = sc.Model(forms, fixed).run([sc.Stage("gravity", gravity)])
     return measured("footing", m, forms, sc.Stage("load", gravity + load), fixed, start)
 
 
@@ -148,7 +148,7 @@ def measured(method, n, forms, stage, fixed, start=None):
     charge()
     spent.clear()
     running[0] = "set-up"
-    result = sc.run(forms, [stage], fixed, start=start)
+    result = sc.Model(forms, fixed).run([stage], start=start)
     charge()
     total = sum(spent.get(part, 0.0) for part in PARTS)
     return {"method": method, "n": n, "unknowns": len(result[-1].x), "error": result[-1].residual,
@@ -178,7 +178,7 @@ print(result)
 def press(n):
     """As above, with n elements in a unit of length near the contact."""
     problem = paraboloid(n)
-    forms = {"bodies": Solid(problem.basis, sc.LinearElastic(E=YOUNG, nu=POISSON), sc.three_dimensional),
+    forms = {"bodies": Solid(problem.basis, sc.LinearElastic(E=YOUNG, nu=POISSON), "full"),
              "joint": Contact(problem.basis, "upper:bottom", "lower:top", sc.Coulomb(), 2,
                               enforcement=sc.AugmentedLagrangian())}  # fmt: skip
     stage = sc.Stage("press", problem.basis.zeros(), problem.pressed, increments=4)

@@ -103,7 +103,7 @@ class Block:
     @cached_property
     def solid(self) -> sc.SolidForm:
         """The elastic body."""
-        return sc.SolidForm(self.basis, sc.LinearElastic(E=YOUNG, nu=POISSON), sc.three_dimensional)
+        return sc.SolidForm(self.basis, sc.LinearElastic(E=YOUNG, nu=POISSON), "full")
 
     @property
     def share(self) -> float:

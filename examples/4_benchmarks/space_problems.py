@@ -60,7 +60,7 @@ class Problem:
     @cached_property
     def solid(self) -> sc.SolidForm:
         """Both blocks."""
-        return sc.SolidForm(self.basis, sc.LinearElastic(E=YOUNG, nu=POISSON), sc.three_dimensional)
+        return sc.SolidForm(self.basis, sc.LinearElastic(E=YOUNG, nu=POISSON), "full")
 
 
 def _block(element: str, x: ndarray, y: ndarray, z: ndarray, motion, near: float = np.inf,

@@ -10,23 +10,21 @@ S. Sysala, E. Hrubesova, Z. Michalec, F. Tschuchnigg, Int. J. Numer. Anal. Metho
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 import numpy as np
 from numpy import ndarray
 
-from ..errors import NoEquilibrium, NotConverged
-from ..forms.base import Form, as_forms
+from ..errors import NoEquilibrium, NotConverged, look_up
+from ..forms.base import Form
 from ..nonlinear.evaluation import Evaluation
 from ..nonlinear.line_search import Search
 from ..nonlinear.newton import Newton, iterate
 from ..nonlinear.system import System
+from ..results.result import Result, StageResult
 from ..solvers.direct import SingularSystem
-from ..stages.result import Result, StageResult
-from ..stages.setup import build_system, forms_there, not_there, on_all
-from ..stages.supports import all_unknowns, as_unknowns
+from ..stages.setup import Setup
 from .history import Fall, Point, SearchLog, kind_of
 from .result import Found, Stop, no_collapse_below
 
@@ -59,30 +57,51 @@ class Branch(Protocol):
 
 
 def last_stage(start: Result | StageResult | None) -> StageResult | None:
-    """The stage that a search starts from: the last one of a result."""
+    """Return the stage that a search starts from: the last one of a result."""
     return start[-1] if isinstance(start, Result) else start
 
 
-def loaded_start(forms: Mapping[str, Form], fixed: ndarray, load: ndarray | None, start: Result | StageResult | None,
-                 solver: Any) -> tuple[dict[str, Form], System, Point, ndarray]:
-    """The forms that are there, their system, where a search starts, and the load, by default that of the start.
+@dataclass(frozen=True)
+class Begun:
+    """Start of a search.
 
-    What a stage has left out stays where it is.  What follows displaced bodies is held, in the system, in the geometry
-    of the start: limits are those of one geometry, whatever the stiffness.
+    Attributes
+    ----------
+    forms
+        Active forms.
+    system, origin
+        Their system, in the geometry of the start, and the start itself.
+    weight, load
+        Weights and load on top, (N,); without a load of its own, that of the start.
     """
-    last, given = last_stage(start), as_forms(forms)
-    if load is None and last is None:
-        raise ValueError("there is no load: give `load`, or a `start` that carries one")
-    there, unknowns = given if last is None else forms_there(last, forms, "start"), all_unknowns(given)
-    system = build_system(there, np.union1d(as_unknowns(fixed), not_there(given, there, unknowns)), unknowns, solver)
+
+    forms: dict[str, Form]
+    system: System
+    origin: Point
+    weight: ndarray
+    load: ndarray
+
+
+def loaded_start(setup: Setup, load: Any, start: Result | StageResult | None) -> Begun:
+    """Return the start of a search.
+
+    Inactive bodies keep their places. What follows displaced bodies is held in the geometry of the start: limits are
+    those of one geometry, whatever the stiffness.
+    """
+    last = last_stage(start)
+    active = setup.forms if last is None else {
+        name: look_up(name, setup.forms, "form, though the start holds it,") for name in last.states}
+    system = setup.checked_system(active, np.union1d(setup.fixed, setup.inactive(active)))
     x = np.zeros(system.size) if last is None else last.x
     states = {name: form.initial_state() for name, form in system.forms.items()} if last is None else last.states
     held = {name: form.fixed_geometry(x, states[name]) for name, form in system.forms.items()}
     in_place, states = ({name: pair[i] for name, pair in held.items()} for i in (0, 1))
-    load = on_all(last.load if last is not None and load is None else load, unknowns, "the load")
-    if not load.any():
-        raise ValueError("the load is zero: nothing drives a collapse")
-    return system.forms, system.with_forms(in_place), Point(x, states, 0.0), load
+    weight, carried = setup.weights(active), last is not None and load is None
+    on_top = setup.vector(last.load, "the load of the start") - weight if carried else setup.load(load)
+    if not (weight + on_top).any():
+        what = "the load is zero" if load is not None else "there is no load"
+        raise ValueError(f"{what}: give a `load`, unit weights of the forms, or a loaded `start`")
+    return Begun(dict(active), system.with_forms(in_place), Point(x, states, 0.0), weight, on_top)
 
 
 def remainder(points: list[Point] | tuple[Point, ...]) -> float:
@@ -193,7 +212,7 @@ def as_collapse(error: NotConverged, system: System) -> NotConverged:
     """The error, or :class:`NoEquilibrium` where all points flow from the start and nothing resists any more."""
     singular = error.__cause__
     if len(error.residuals) > 1 or not isinstance(singular, SingularSystem) \
-            or len(singular.unknowns) < len(system.free):
+            or len(singular.dofs) < len(system.free):
         return error
     return NoEquilibrium("all points flow at once, and nothing resists any more", error.x, error.residuals,
-                         error.unknown)
+                         error.dof)

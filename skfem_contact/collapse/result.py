@@ -14,9 +14,8 @@ from ..display import html_table
 from ..errors import AnalysisWarning
 from ..forms.base import Form, solids_of
 from ..limit_analysis import Bounds
-from ..materials.reduction import dilates_less
 from ..nonlinear.system import System
-from ..stages.result import StageResult
+from ..results.result import StageResult
 from .history import Point, Step
 
 FACTOR, LOAD = "factor of safety", "limit load"
@@ -246,12 +245,12 @@ def conclude(what: str, found: Found, last: Point, system: System, load: ndarray
     motion = found.points[-1].x - found.points[-2].x if found.motion is None else found.motion
     mechanism = motion / (np.abs(motion).max() or 1.0)
     bands = {name: band for name, form in system.forms.items() if (band := form.shear_strain(mechanism)) is not None}
-    less = any(dilates_less(material) for form in system.forms.values() for material in form.materials.values())
+    less = any(material.dilates_less for form in system.forms.values() for material in form.materials.values())
     iterations = sum(step.iterations for step in steps)
     residual = next(step.residual for step in reversed(steps) if step.outcome == "equilibrium")
     released = {name: form.released(last.x, last.states[name]) for name, form in system.forms.items()}
     forms, states = ({name: pair[i] for name, pair in released.items()} for i in (0, 1))
-    end = StageResult(what, last.x, load, states, (iterations,), residual, forms=forms)
+    end = StageResult(what, last.x, load, states, (iterations,), residual, forms=forms, layout=system.layout)
     value = found.highest.parameter
     return CollapseResult(what, value, (value, found.above), found.stop, method, flow, reduced,
                           describe_mesh(system.forms), tuple(steps), end, mechanism, bands,

@@ -12,15 +12,15 @@ from numpy import ndarray
 
 from ..display import progress_bar
 from ..errors import NoEquilibrium, NotConverged
-from ..forms.base import Form
 from ..forms.targets import reduced_parts
 from ..limit_analysis import beside
-from ..materials.reduction import Flow, associated_bound, check_reduction, dilates_less
+from ..materials.base import Flow, check_reduction
 from ..nonlinear.line_search import Search
 from ..nonlinear.newton import Newton
 from ..nonlinear.system import System
-from ..solvers.threads import single_threaded
-from ..stages.result import Result, StageResult
+from ..results.result import Result, StageResult
+from ..solvers import single_threaded
+from ..stages.setup import Setup
 from .continuation import as_collapse, follow, loaded_start
 from .history import Point, SearchLog
 from .result import FACTOR, CollapseResult, Found, Stop, conclude, no_collapse_below
@@ -69,7 +69,7 @@ class _Strength:
         rest = [form.reduced(1.0, "associated", self.targets.get(name, ())) for name, form in self.whole.forms.items()]
         if not davis.stop.shows_limit or not all(form.symmetric for form in rest):
             return np.inf
-        return max(associated_bound(material, davis.bracket[1]) for material in self.materials)
+        return max(material.associated_bound(davis.bracket[1]) for material in self.materials)
 
     def at(self, parameter: float) -> tuple[System, ndarray]:
         """Forms of reduced strength, and the load."""
@@ -94,97 +94,29 @@ class _Strength:
 
 
 @single_threaded
-def strength_reduction(forms: Mapping[str, Form], fixed: ndarray, load: ndarray | None = None,
-                       start: Result | StageResult | None = None, reduce: str | Collection[str] | None = None,
-                       exclude: str | Collection[str] = (), method: Literal["continuation", "bracket"] = "continuation",
-                       flow: Flow = "given", tol: float = 0.01, step: float = 0.1, highest: float = 100.0,
-                       newton: Newton | None = None, solver: Any = None, progress: bool | None = None,
-                       certify: bool | Mapping[str, Any] = False) -> CollapseResult:
-    """Reduce the strength until the structure collapses under its load.
-
-    Parameters
-    ----------
-    forms
-        Solids and contact pairs by name; those that ``start`` does not hold are not there.
-    fixed
-        Layout that are held where they are.
-    load
-        External forces, (N,); by default those of ``start``.
-    start
-        Where to start: a result (its last stage) or a stage.  By default the load is applied to the unstrained
-        bodies first.
-    reduce
-        Names of forms and of regions whose strength is reduced, or one; by default all that have a strength: regions of
-        solids, and friction and adhesion of contact pairs.
-    exclude
-        Names of forms and of regions that keep their strength, or one.
-    method
-        ``"continuation"``: the work of the load is prescribed and the factor follows, up to its plateau;
-        ``"bracket"``: fixed factors, each from the last stable state.
-    flow
-        Flow rule, see :func:`reduced_strength`.
-    tol
-        Width of the bracket; the curve is followed until a quarter of it is left.
-    step
-        First step of the factor, at least `tol`: over less than that no curve can be told from its plateau.
-    highest
-        The search ends above this factor: what stands with so much less strength does not live on it.
-    newton
-        Settings of Newton's method; by default the residual is at most 0.03 ``tol`` of the load, 0.1 with psi < phi.
-    solver
-        A scikit-fem linear solver ``(A, b) -> x``.
-    progress
-        Show a progress bar; by default where the output is a terminal.
-    certify
-        Whether to prove bounds as well, :attr:`CollapseResult.proven`, before the search begins.  The load must be the
-        sum of weights of subdomains and tractions that are linear along named boundaries; of water give what the load
-        does not tell.  Arguments of :func:`bounds` go with it: ``{"gap": .02, "water": u, "wetted": "top"}``; others
-        are elements and seconds.
-
-    Raises
-    ------
-    ValueError
-        Unknown names, method or flow, no load, nothing to reduce; with `certify` whatever :func:`bounds` refuses.
-    NotConverged
-        No equilibrium was found to start from.
-
-    Warns
-    -----
-    AnalysisWarning
-        The structure is unstable under its own load: the factor is less than 1.  Or the search has shown no collapse,
-        and the factor may be higher: :attr:`CollapseResult.stop` says why.  Or it lies outside of the proven bounds by
-        more than `tol`.
-
-    Examples
-    --------
-    A column of soil between smooth walls cannot fail; one that can spread collapses at ``q = 2 c / F``:
-
-    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
-    >>> import skfem_contact as sc
-    >>> basis = Basis(MeshQuad().refined(1).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
-    >>> column = sc.SolidForm(basis, sc.MohrCoulomb(E=1e3, nu=.3, c=10., phi=0.), strain=sc.b_bar)
-    >>> fixed = np.hstack([basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1")])
-    >>> load = basis.zeros()
-    >>> load[basis.get_dofs("top").nodal["u^2"]] = -10. * np.array([.25, .25, .5])
-    >>> result = sc.strength_reduction({"soil": column}, fixed, load)
-    >>> print(f"{result.factor:.2f}")
-    2.00
-    """
+def strength_reduction(setup: Setup, load: Any, start: Result | StageResult | None,
+                       reduce: str | Collection[str] | None, exclude: str | Collection[str],
+                       method: Literal["continuation", "bracket"], flow: Flow, tolerance: float, step: float,
+                       max_value: float, certify: bool | Mapping[str, Any], progress: bool | None) -> CollapseResult:
+    """Reduce the strength until the structure collapses, see :meth:`skfem_contact.Model.strength_reduction`."""
     if method not in ("continuation", "bracket"):
         raise ValueError(f"method must be 'continuation' or 'bracket', not {method!r}")
     check_reduction(1.0, flow)
-    if not tol > 0 or not step > 0 or not highest > 1:
-        raise ValueError(f"tol and step must be positive and highest above 1, not {tol!r}, {step!r} and {highest!r}")
-    given, whole, origin, load = loaded_start(forms, fixed, load, start, solver)
-    branch = _Strength(whole, load, reduced_parts(whole.forms, reduce, exclude), flow)
-    free = flow == "given" and any(dilates_less(material) for material in branch.materials)
-    newton = newton or Newton(tolerance=(_LOOSE if free else _BALANCE) * tol, max_iterations=30)
-    proven = beside(certify, given, whole.fixed, load, None, reduce, exclude, flow, progress)
-    search = partial(_search, origin=origin, newton=newton, tol=tol, step=max(step, tol), highest=highest)
+    if not tolerance > 0 or not step > 0 or not max_value > 1:
+        raise ValueError(f"tolerance and step must be positive and max_value above 1, not {tolerance!r}, {step!r} and "
+                         f"{max_value!r}")
+    begun = loaded_start(setup, load, start)
+    whole = begun.weight + begun.load
+    branch = _Strength(begun.system, whole, reduced_parts(begun.system.forms, reduce, exclude), flow)
+    free = flow == "given" and any(material.dilates_less for material in branch.materials)
+    newton = setup.newton or Newton(tolerance=(_LOOSE if free else _BALANCE) * tolerance, max_iterations=30)
+    proven = beside(certify, begun.forms, begun.system.fixed, whole, None, reduce, exclude, flow, progress)
+    search = partial(_search, origin=begun.origin, newton=newton, tol=tolerance, step=max(step, tolerance),
+                     highest=max_value)
     with progress_bar(progress, desc=FACTOR, bar_format="{desc} {postfix} {elapsed}") as bar:
         davis = _davis(branch, search, bar) if free else None
         result = search(branch, method=method, bar=bar, davis=davis)
-    return result.beside(proven, tol, stacklevel=3)
+    return result.beside(proven, tolerance, stacklevel=4)
 
 
 def _search(branch: _Strength, origin: Point, newton: Newton, tol: float, step: float, highest: float,

@@ -1,22 +1,18 @@
-"""What a user should know of a contact state: contact that is not there, or not where it should be."""
+"""Remarks on a contact state: missing contact, penetration, penalties, lost bonds."""
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy import ndarray
 
 from ..errors import Remark, place
 from ..surfaces.surface import Surface
+from .base import TOUCHING, ContactBase
+from .interface import ContactState
 from .laws import InterfaceLaw, Status
 from .quadrature import SlavePoints
-from .settings import TOUCHING
-from .sides import normals_at_joint
-from .state import ContactState
-
-if TYPE_CHECKING:
-    from .pair import ContactPair
+from .search import normals_at_joint
 
 #: Penetration, as a share of the slave segment, that is remarked on.
 PENETRATION = 0.01
@@ -35,12 +31,12 @@ ROUND_OFF = 8 * np.finfo(float).eps
 _CLOSED = 0.05
 #: Round-off of the shear of sticking points, as a share of the largest traction, that is remarked on.
 _LOST = 1e-3
-#: Tractions below this share of what round-off may leave are none: a broken bond, contact that carries nothing.
+#: Tractions below this share of what round-off may leave are none: a broken bond, contact without traction.
 _NONE = 0.1
 
 
-def remarks(pair: ContactPair, x: ndarray, state: ContactState) -> Iterator[Remark]:
-    """Remarks on a state: penalty, multipliers, round-off, facets, lost bonds, points that lie too deep, no contact."""
+def remarks(pair: ContactBase, x: ndarray, state: ContactState) -> Iterator[Remark]:
+    """Yield remarks on a state: penalty, multipliers, round-off, facets, lost bonds, deep points, no contact."""
     meshed = state.gap
     if state.traction[0].any():  # else nobody asks
         meshed = pair.interface.closest(None, state.cuts).gap
@@ -60,14 +56,14 @@ def remarks(pair: ContactPair, x: ndarray, state: ContactState) -> Iterator[Rema
                      f"'{master.name}' than an element, up to {-state.gap.min():.3g}, and do not touch it; the "
                      f"deepest is at {_place(slave, points, state)}")
     elif (state.status == Status.OPEN).all():
-        gap = float((state.gap - state.offset).min())
+        gap = float((state.gap - state.clearance).min())
         yield Remark("open", np.nan_to_num(gap), "no slave point found a master within reach: " + (
             f"nothing of '{master.name}' lies opposite '{slave.name}'" if np.isinf(gap) else
             f"gap is {gap:.3g} between '{slave.name}' and '{master.name}', smallest at {_place(slave, points, state)}"))
 
 
-def _on_enforcement(pair: ContactPair, x: ndarray, state: ContactState, meshed: ndarray) -> Iterator[Remark]:
-    """Penetration, what the penalty gives way by, what multipliers leave, and round-off."""
+def _on_enforcement(pair: ContactBase, x: ndarray, state: ContactState, meshed: ndarray) -> Iterator[Remark]:
+    """Yield remarks on penetration, compliance of the penalty, errors of multipliers, and round-off."""
     slave, master, points, penalties = pair.slave, pair.master, pair.points(state), pair.penalties(state)
     share, stiffness = pair.penetration(state), pair.stiffness or penalties[0]
     if pair.enforcement is not None:
@@ -88,8 +84,8 @@ def _on_enforcement(pair: ContactPair, x: ndarray, state: ContactState, meshed: 
     elif pair.enforcement is None and max(parts := _compliance(pair, x, state, meshed)) > _COMPLIANCE:
         part, penalty, which = max(zip(parts, penalties, ("", "tangential ")))
         yield Remark("compliance", part,
-                     f"the {which}penalty, {penalty:.3g}, gives way by {part:.1%} of the largest displacement: finer "
-                     "elements, a harder penalty or AugmentedLagrangian() take that away")
+                     f"{which}penalty compliance is {part:.1%} of the largest displacement: increase the penalty, "
+                     f"{penalty:.3g}, refine the mesh or use AugmentedLagrangian()")
     lost = penalties[1] * ROUND_OFF * float(np.abs(master.nodes - slave.nodes.mean(axis=0)).max())
     largest = float(np.abs(state.traction).max(initial=0.0))
     if _NONE * lost < largest < lost / _LOST and (state.status == Status.STICK).any():
@@ -98,45 +94,45 @@ def _on_enforcement(pair: ContactPair, x: ndarray, state: ContactState, meshed: 
                      f"penalty, {penalties[1]:.3g}, is too hard")
 
 
-def _compliance(pair: ContactPair, x: ndarray, state: ContactState, meshed: ndarray) -> tuple[float, float]:
-    """What the penalties give way by, averaged over the tractions, as shares of the largest displacement.
+def _compliance(pair: ContactBase, x: ndarray, state: ContactState, meshed: ndarray) -> tuple[float, float]:
+    """Return the force-weighted mean compliance of both penalties as shares of the largest displacement.
 
-    What gave way when displacements were counted from anew, or is an overlap of the mesh, is not due to them; nor is
-    what a law of one's own makes of gap and slip.
+    Compliance before the last reset of displacements does not count, nor do overlaps of the mesh and laws of one's own.
     """
     closed = np.flatnonzero(state.status != Status.OPEN)
     largest = float(np.abs(x).max(initial=0.0))
     if largest == 0.0:
         return 0.0, 0.0
-    way, slip = (state.offset - state.gap)[closed], np.linalg.norm(state.slip[:, closed], axis=0)
+    depth, slip = (state.clearance - state.gap)[closed], np.linalg.norm(state.slip[:, closed], axis=0)
     pressed, sheared = np.abs(state.traction[0, closed]), np.linalg.norm(state.traction[1:, closed], axis=0)
     normal, tangential = pair.penalties(state)
-    weight, since = pair.points(state).weight[closed], way - (state.offset - meshed)[closed]
-    return (_gives_way(weight, pressed, normal, np.abs(way), np.abs(since)) / largest,
-            _gives_way(weight, sheared, tangential, slip, _moved_apart(pair, x, state)[closed]) / largest)
+    weight, since = pair.points(state).weight[closed], depth - (state.clearance - meshed)[closed]
+    return (_mean_compliance(weight, pressed, normal, np.abs(depth), np.abs(since)) / largest,
+            _mean_compliance(weight, sheared, tangential, slip, _moved_apart(pair, x, state)[closed]) / largest)
 
 
-def _gives_way(weight: ndarray, traction: ndarray, penalty: float, way: ndarray, since: ndarray) -> float:
-    """Mean over the force of the way, as far as it was gone since displacements count, where it is elastic."""
-    force = weight * traction * np.isclose(traction, penalty * way, rtol=_ELASTIC, atol=0.0)
-    return float(np.average(np.minimum(way, since), weights=force)) if force.any() else 0.0
+def _mean_compliance(weight: ndarray, traction: ndarray, penalty: float, distance: ndarray,
+                     since: ndarray) -> float:
+    """Return the force-weighted mean elastic distance, as far as it has grown since the last reset."""
+    force = weight * traction * np.isclose(traction, penalty * distance, rtol=_ELASTIC, atol=0.0)
+    return float(np.average(np.minimum(distance, since), weights=force)) if force.any() else 0.0
 
 
-def _moved_apart(pair: ContactPair, x: ndarray, state: ContactState) -> ndarray:
-    """Distance by which the displacements have moved points and their closest points apart, (n,)."""
+def _moved_apart(pair: ContactBase, x: ndarray, state: ContactState) -> ndarray:
+    """Return the distance between the displacements of points and of their closest points, shape (n,)."""
     (slave, master), (slave_0, master_0) = pair.interface.places(x), pair.interface.places(None)
-    apart = pair.points(state).positions(slave - slave_0) - state.closest.places(pair.master, master - master_0)
-    return np.asarray(np.linalg.norm(apart, axis=1))
+    between = pair.points(state).positions(slave - slave_0) - state.closest.places(pair.master, master - master_0)
+    return np.asarray(np.linalg.norm(between, axis=1))
 
 
-def _on_facets(pair: ContactPair, state: ContactState, meshed: ndarray) -> Iterator[Remark]:
-    """What straight facets do to the pressure: overlaps where they do not match, a slope at nodes where they do."""
+def _on_facets(pair: ContactBase, state: ContactState, meshed: ndarray) -> Iterator[Remark]:
+    """Yield remarks on overlaps of facets that do not match, and on nodes that face joints."""
     points = pair.points(state)
     force = points.weight * np.abs(state.traction[0])
     if not force.any():
         return
     # what counts as touching may lie deeper where bodies start with a pressure: that moves nothing apart
-    overlap = np.maximum(np.minimum(state.offset, state.gap) - meshed, 0.0)
+    overlap = np.maximum(np.minimum(state.clearance, state.gap) - meshed, 0.0)
     overlap[(overlap > pair.interface.depth(points)) | (overlap < TOUCHING * points.size)] = 0.0
     penalty = pair.penalties(state)[0]
     in_series = 1.0 / (1.0 / penalty + 1.0 / (pair.stiffness or penalty))
@@ -155,8 +151,8 @@ def _on_facets(pair: ContactPair, state: ContactState, meshed: ndarray) -> Itera
                      f'quadrature="segments"{smooth} avoids that')
 
 
-def _on_sliding(pair: ContactPair, state: ContactState) -> Iterator[Remark]:
-    """Points that have only just closed, beside others that have slid by more than a facet: they bear no shear yet."""
+def _on_sliding(pair: ContactBase, state: ContactState) -> Iterator[Remark]:
+    """Yield a remark on points without shear that have just closed, beside others that have slid by a facet."""
     force = pair.points(state).weight * np.abs(state.traction[0])
     closed = (state.status == Status.STICK) & ~state.slip.any(axis=0) & ~state.traction[1:].any(axis=0)
     slid = float(np.linalg.norm(state.slip[:, state.status == Status.SLIP], axis=0).max(initial=0.0))
@@ -168,7 +164,6 @@ def _on_sliding(pair: ContactPair, state: ContactState) -> Iterator[Remark]:
 
 
 def _within_facets(slave: Surface, points: SlavePoints, values: ndarray) -> ndarray:
-    """Standard deviations of values at points within each facet of the slave, (n_facets,)."""
     if points.nodes.shape[1] == 1:
         nodal = np.zeros(len(slave.nodes))
         nodal[points.nodes[:, 0]] = values
@@ -179,8 +174,8 @@ def _within_facets(slave: Surface, points: SlavePoints, values: ndarray) -> ndar
     return np.asarray(np.sqrt(np.maximum(second / total - mean**2, 0.0)))
 
 
-def _slope_at_joints(pair: ContactPair, state: ContactState) -> ndarray:
-    """Sine of half the angle by which the master turns where points face its joints, else zero, (n,)."""
+def _slope_at_joints(pair: ContactBase, state: ContactState) -> ndarray:
+    """Return the sine of half the angle by which the master turns where points face its joints, else zero."""
     master, sine = pair.master, np.zeros(len(state.gap))
     at, side = np.nonzero((state.facet >= 0)[:, None] & (master.shape.beyond(state.position.T) > -2.0 * _AT_JOINT))
     here, there = normals_at_joint(master, master.nodes, state.facet[at], side)
@@ -189,7 +184,6 @@ def _slope_at_joints(pair: ContactPair, state: ContactState) -> ndarray:
 
 
 def _without_bond(law: InterfaceLaw, state: ContactState) -> ndarray:
-    """Closed points whose bond is broken, of a law that has one."""
     gone = law.debonded(state.internal)
     has_bond = (law.debonded(np.zeros_like(gone)) != 0.0).any(axis=0)
     return has_bond & (gone == state.internal).all(axis=0) & (state.status != Status.OPEN)

@@ -1,4 +1,4 @@
-"""The two surfaces of a contact pair: the points of the slave, what they face, and how they follow the bodies."""
+"""Interface of a contact pair: the slave's points, their state, and their closest points on the master."""
 from __future__ import annotations
 
 from collections.abc import Callable
@@ -10,16 +10,14 @@ import numpy as np
 from numpy import ndarray
 from scipy.spatial import cKDTree
 
-from ..surfaces.material_points import MaterialPoints, along_chain, apart, behind, shifted, way
+from ..surfaces.material_points import MaterialPoints, along_chain, arc_distance, distance, moved_along, offset_back
 from ..surfaces.surface import Surface
 from ..surfaces.vectors import frame
 from .kinematics import Kinematics, variations
-from .laws import Status
+from .laws import Status, Update
 from .neighbours import NeighbourList, Neighbours
-from .pieces import common_cuts, moved, piecewise
-from .quadrature import SlavePoints, between, gauss, nodal
+from .quadrature import SlavePoints, between, changed, common_cuts, gauss, nodal, piecewise
 from .search import Projection, merged, project
-from .state import ContactState
 
 #: The rule "segments" is cut anew when a cut has moved by more than this share of a segment.
 _MOVED = 1e-3
@@ -27,18 +25,83 @@ _MOVED = 1e-3
 RECUTS = 8
 
 
+@dataclass(frozen=True)
+class ContactState:
+    """State of a contact pair with ``n`` points; the plane has ``dim = 2``.
+
+    In space slips and shear tractions have two components: one along the slave's ``directions``, which move with its
+    material, and one to the left of that, seen from the slave's side.
+
+    Attributes
+    ----------
+    facet, position : ndarray, shapes (n,) and (dim - 1, n)
+        Facet of the master with the closest point, -1 where there is none, and local coordinates there.
+    stick_facet, stick_point : ndarray, shapes (n,) and (dim - 1, n)
+        Material point of the master to which each point sticks; -1 where it has no counterpart.
+    gap : ndarray, shape (n,)
+        Normal gap; negative: penetration, inf: nothing opposite.
+    slip : ndarray, shape (dim - 1, n)
+        Slip since the point closed.
+    traction : ndarray, shape (dim, n)
+        Normal traction, negative in compression, then shear, which opposes the slip.
+    status : ndarray, shape (n,)
+        0 open, 1 stick, 2 slip.
+    internal : ndarray, shape (n_internal, n)
+        Internal variables of the law.
+    multiplier : ndarray, shape (dim, n_nodes)
+        Lagrange multipliers of the augmented method at the slave's nodes; zero in the penalty method.
+    penalty_factor : ndarray, shape (2,)
+        Factors by which the augmented method has changed the normal and the tangential penalty.
+    clearance : ndarray, shape (n,)
+        Gap of bodies that touch: the initial one where it was adjusted.
+    cuts : ndarray
+        Cuts of the slave for ``quadrature="segments"``: facet numbers plus shares of the facet in the plane, points of
+        the pieces in space; empty for other rules.
+    """
+
+    facet: ndarray
+    position: ndarray
+    stick_facet: ndarray
+    stick_point: ndarray
+    gap: ndarray
+    slip: ndarray
+    traction: ndarray
+    status: ndarray
+    internal: ndarray
+    multiplier: ndarray
+    penalty_factor: ndarray
+    clearance: ndarray
+    cuts: ndarray
+
+    @property
+    def closest(self) -> MaterialPoints:
+        """Closest points on the master."""
+        return MaterialPoints(self.facet, self.position.T)
+
+    @property
+    def stick(self) -> MaterialPoints:
+        """Stick points on the master."""
+        return MaterialPoints(self.stick_facet, self.stick_point.T)
+
+    def after(self, found: Projection, at: ndarray, update: Update, stick: MaterialPoints, slip: ndarray
+              ) -> ContactState:
+        """Return the candidate state after the update of the points `at`; open points stick to their closest points."""
+        closest, traction, internal = found.closest, np.zeros_like(self.traction), self.internal.copy()
+        facet, xi, status = closest.facet.copy(), closest.xi.copy(), np.full(len(found.gap), int(Status.OPEN))
+        facet[at], xi[at] = stick
+        traction[:, at], status[at], internal[:, at] = update.traction, update.status, update.internal
+        return replace(self, facet=closest.facet, position=closest.xi.T, stick_facet=facet, stick_point=xi.T,
+                       gap=found.gap, slip=np.where(status == Status.OPEN, 0.0, slip), traction=traction,
+                       status=status, internal=internal)
+
+    def with_stick(self, stick: MaterialPoints) -> ContactState:
+        """Return a copy with other stick points."""
+        return replace(self, stick_facet=stick.facet, stick_point=stick.xi.T)
+
+
 @dataclass(frozen=True, eq=False)
 class Interface:
-    """A slave that faces a master.
-
-    Parameters
-    ----------
-    slave, master
-        The surfaces.
-    rule
-        ``"nodal"``, a number of Gauss points on each slave segment or piece of it, or ``"segments"``, whose points
-        lie between the cuts that a state remembers.
-    """
+    """Slave and master with the quadrature rule of a contact pair, see there."""
 
     slave: Surface
     master: Surface
@@ -46,31 +109,29 @@ class Interface:
 
     @cached_property
     def neighbours(self) -> NeighbourList:
-        """Facets of the master that points of the slave may face."""
+        """Facets of the master that may be closest to points of the slave."""
         return NeighbourList(self.master)
 
     @cached_property
     def _meshed(self) -> NeighbourList:
-        """Those that they face in the mesh, where nothing moves."""
+        """Candidates in the undeformed mesh."""
         return NeighbourList(self.master)
 
     @cached_property
     def _facing(self) -> NeighbourList:
-        """Facets of the slave that ends of the master's may face."""
+        """Facets of the slave that may be closest to ends of the master's facets."""
         return NeighbourList(self.slave)
 
     def places(self, x: ndarray | None) -> tuple[ndarray, ndarray]:
-        """Nodes of both surfaces, seen from the middle of the slave: large coordinates would cost digits.
+        """Return the nodes of both surfaces displaced by x : ndarray, shape (N,), or undeformed for None.
 
-        They are displaced by x, (N,), or undeformed for None.
+        They count from the middle of the slave: large coordinates would cost digits.
         """
         origin = self.slave.middle
         return self.slave.positions(x, origin), self.master.positions(x, origin)
 
-    # -- points of the slave --------------------------------------------------------------------------------
-
     def cuts(self, x: ndarray | None) -> ndarray:
-        """Cuts at some displacements; none unless the rule is ``"segments"``."""
+        """Return the cuts at displacements x; none unless the rule is ``"segments"``."""
         if self.rule != "segments":
             return np.zeros(0)
         slave, master = self.places(x)
@@ -79,13 +140,13 @@ class Interface:
         return common_cuts(self.slave, slave, self.master, master, self._facing)
 
     def fits(self, cuts: ndarray) -> bool:
-        """Whether cuts are some of this slave."""
+        """Return True if cuts belong to this slave."""
         if len(cuts) == 0 or cuts.ndim != self.slave.dim - 1:
             return False
         return bool((cuts[-1] - 1 if cuts.ndim == 1 else cuts[-1, 0]) == len(self.slave.facets) - 1)
 
     def points(self, cuts: ndarray) -> SlavePoints:
-        """The points between cuts."""
+        """Return the points between cuts."""
         if self.rule != "segments":
             return self._everywhere
         if self._last[0] is not cuts:
@@ -101,33 +162,34 @@ class Interface:
 
     @cached_property
     def _last(self) -> list[Any]:
-        """Cuts that were asked for last, and their points."""
         return [None, None]
 
     @cached_property
     def _everywhere(self) -> SlavePoints:
         return nodal(self.slave) if self.rule == "nodal" else gauss(self.slave, self.master, int(self.rule))
 
-    # -- what they face -------------------------------------------------------------------------------------
-
     def depth(self, points: SlavePoints) -> ndarray:
-        """Largest penetration: what is deeper than an element or so belongs to the other side of the body."""
+        """Return the largest penetration: a deeper point belongs to the other side of the body."""
         return np.maximum(points.size, self.master.spacing)
 
     def project(self, points: SlavePoints, nodes: ndarray, positions: ndarray, depth: ndarray,
-                previous: ndarray | None, locked: ndarray | None, among: Neighbours) -> Projection:
-        """Closest points of the points; those on pieces in space stay on the facet that their piece faces."""
-        if (faces := points.facing >= 0).any():
-            before = np.full(len(faces), -1) if previous is None else previous
-            previous = np.where(faces, points.facing, before)
-            locked = faces if locked is None else faces | locked
-        return project(self.master, nodes, positions, depth, previous, locked, among)
+                previous: ndarray | None, among: Neighbours) -> Projection:
+        """Return closest points; points on pieces in space stay on the facet that their piece faces."""
+        if not (faces := points.facing >= 0).any():
+            return project(self.master, nodes, positions, depth, previous, None, among)
+        previous = np.where(faces, points.facing, -1 if previous is None else previous)
+        return project(self.master, nodes, positions, depth, previous, faces, among)
 
-    def near(self, slave: ndarray, nodes: ndarray, state: ContactState, reach: ndarray, depth: ndarray,
-             locked: ndarray | None) -> tuple[Projection, Callable[[], Projection]]:
-        """Closest points of closed points and of those that may be as near as a reach, (n,); what finds all others too.
+    def near(self, slave: ndarray, nodes: ndarray, state: ContactState, reach: ndarray, depth: ndarray
+             ) -> tuple[Projection, Callable[[], Projection]]:
+        """Project closed points and those that may be as near as a reach; the second result projects all others too.
 
-        The nodes of the surfaces lie there, no point is deeper than a depth, (n,), locked ones stay on their facets.
+        Parameters
+        ----------
+        slave, nodes : ndarray, shape (n_nodes, dim)
+            Present coordinates of the nodes of both surfaces.
+        reach, depth : ndarray, shape (n,)
+            Gap that matters; largest penetration.
         """
         points = self.points(state.cuts)
         positions = points.positions(slave)
@@ -135,28 +197,28 @@ class Interface:
         near = (state.status != Status.OPEN) | around.within(reach, depth)  # the others need not be projected
 
         def projected(chosen: ndarray) -> Projection:
-            return self.project(points, nodes, positions, depth, state.facet, locked, around.of(chosen))
+            return self.project(points, nodes, positions, depth, state.facet, around.of(chosen))
 
         found = projected(near)
         self.neighbours.learn(near, found.distance, found.gap)
         return found, lambda: merged(near, found, projected)
 
     def closest(self, x: ndarray | None, cuts: ndarray, previous: ndarray | None = None) -> Projection:
-        """Closest points of all points between cuts, at some displacements."""
+        """Project all points between cuts at displacements x."""
         slave, nodes = self.places(x)
         points = self.points(cuts)
         positions = points.positions(slave)
         around = self._meshed if x is None else self.neighbours
-        return self.project(points, nodes, positions, self.depth(points), previous, None, around.at(nodes, positions))
+        return self.project(points, nodes, positions, self.depth(points), previous, around.at(nodes, positions))
 
     def variations(self, x: ndarray, state: ContactState, found: Projection, at: ndarray) -> Kinematics:
-        """Variations of points of a state, given by their numbers, at their closest points."""
+        """Return the kinematics of the points `at` of a state at their closest points."""
         slave, nodes = self.places(x)
         return variations(self.points(state.cuts).take(at), self.slave, self.master, found.take(at), slave, nodes,
                           state.stick.take(at))
 
     def passed_through(self, x: ndarray, accepted: ContactState, found: ContactState) -> int:
-        """Number of points that were outside the master, or near its surface, and are deep inside now, or beyond it."""
+        """Count points that were outside the master, or near its surface, and are deep inside now, or beyond it."""
         points, (slave, nodes) = self.points(accepted.cuts), self.places(x)
         depth = self.depth(points)
         was_outside = np.isfinite(accepted.gap) & (accepted.gap >= -depth)
@@ -168,57 +230,53 @@ class Interface:
         passed[left] |= np.einsum("nc,nc->n", offset, touched.normal) < -depth[left]
         return int(passed.sum())
 
-    # -- ways along the undeformed master, (dim - 1, n) -----------------------------------------------------
-
     def _tangents(self, points: SlavePoints, closest: MaterialPoints) -> ndarray:
-        """Unit tangents of the undeformed master, (n, dim - 1, dim), counted as those of slips are."""
+        """Return unit tangents of the undeformed master, shape (n, dim - 1, dim), in the directions of slips."""
         normal = self.master.at(closest.facet, closest.known, self.master.nodes).normal
         return frame(normal, points.direction(self.slave, self.slave.nodes))
 
-    def _apart(self, cuts: ndarray, closest: MaterialPoints, before: MaterialPoints) -> ndarray:
+    def _distance(self, cuts: ndarray, closest: MaterialPoints, before: MaterialPoints) -> ndarray:
         tangents = self._tangents(self.points(cuts), closest)
-        return apart(self.master, self.master.nodes, tangents, closest, before).T
+        return distance(self.master, self.master.nodes, tangents, closest, before).T
 
     def slid(self, accepted: ContactState, closest: MaterialPoints) -> ndarray:
-        """Way of the closest points since a state: along the chain, or straight in space."""
+        """Return the distance of closest points from those of a state: along the chain, or straight in space."""
         if self.slave.dim == 2:
-            return way(self.master, closest, accepted.closest)[None]
-        return self._apart(accepted.cuts, closest, accepted.closest)
+            return arc_distance(self.master, closest, accepted.closest)[None]
+        return self._distance(accepted.cuts, closest, accepted.closest)
 
     def elastic_slip(self, state: ContactState, found: ContactState | None = None) -> ndarray:
-        """Slip of a state's closest points, or of those of another one, from its stick points."""
-        return self._apart(state.cuts, (found or state).closest, state.stick)
+        """Return the slip of the closest points, or of those of a state found, from the stick points."""
+        return self._distance(state.cuts, (found or state).closest, state.stick)
 
     def with_elastic_slip(self, state: ContactState, slip: ndarray) -> ContactState:
-        """The state with stick points from which the closest points have slipped."""
+        """Return the state with stick points from which the closest points have this slip."""
         tangents = self._tangents(self.points(state.cuts), state.closest)
-        return state.with_stick(behind(self.master, self.master.nodes, tangents, state.closest, slip.T))
-
-    # -- other points ---------------------------------------------------------------------------------------
+        return state.with_stick(offset_back(self.master, self.master.nodes, tangents, state.closest, slip.T))
 
     def follow(self, state: ContactState, x: ndarray) -> ContactState | None:
-        """An accepted state at points between cuts that follow the bodies to x; None where they do closely enough."""
+        """Return an accepted state at cuts that follow the bodies to x; None where they have hardly moved."""
         cuts = self.cuts(x)
-        return None if len(cuts) == 0 or moved(state.cuts, cuts) <= _MOVED else self.transferred(state, cuts, x)
+        return None if len(cuts) == 0 or changed(state.cuts, cuts) <= _MOVED else self.transferred(state, cuts, x)
 
     def transferred(self, state: ContactState, cuts: ndarray, x: ndarray | None) -> ContactState:
-        """The state at the points between other cuts, at some displacements.
+        """Return the state at points between other cuts, at displacements x.
 
-        Positions on the master, and what is no smooth field, come from the nearest old point.
+        Positions on the master and fields that are not smooth come from the nearest old point.
         """
         old, new, (slave, master) = self.points(state.cuts), self.points(cuts), self.places(x)
         at, elastic = self.nearest(old, new), self.elastic_slip(state)
-        slip, traction, offset, elastic = (self.interpolated(old, new, values) for values in (
-            state.slip, state.traction, state.offset, elastic))
+        slip, traction, clearance, elastic = (self.interpolated(old, new, values) for values in (
+            state.slip, state.traction, state.clearance, elastic))
         motion = new.positions(slave) - old.positions(slave)[at]
-        closest = shifted(self.master, master, state.closest.take(at), motion)
+        closest = moved_along(self.master, master, state.closest.take(at), motion)
         state = replace(state, facet=closest.facet, position=closest.xi.T, gap=state.gap[at], status=state.status[at],
-                        internal=state.internal[:, at], slip=slip, traction=traction, offset=offset,
+                        internal=state.internal[:, at], slip=slip, traction=traction, clearance=clearance,
                         stick_facet=closest.facet, stick_point=closest.xi.T, cuts=cuts)
         return self.with_elastic_slip(state, elastic)
 
     def nearest(self, old: SlavePoints, new: SlavePoints) -> ndarray:
-        """Number of the old point nearest to each new one in the undeformed slave."""
+        """Return the number of the old point nearest to each new one in the undeformed slave."""
         if self.slave.dim == 2:
             before, after = (along_chain(self.slave, points.facet, points.xi) for points in (old, new))
             return np.asarray(np.abs(after[:, None] - before).argmin(axis=1))
@@ -226,12 +284,11 @@ class Interface:
         return np.asarray(cKDTree(before).query(after)[1])
 
     def _places_and_normals(self, points: SlavePoints) -> ndarray:
-        """Where points of a slave in space lie, and which way they look: not round a corner, (n, 6)."""
         normal = self.slave.at(points.facet, points.xi, self.slave.nodes).normal
         return np.hstack((points.positions(self.slave.nodes), self.slave.spacing * normal))
 
     def interpolated(self, old: SlavePoints, new: SlavePoints, values: ndarray) -> ndarray:
-        """Fields, (..., n), at new points: along the slave in the plane, of the nearest old point in space."""
+        """Interpolate fields, shape (..., n), along the slave in the plane; take the nearest old point in space."""
         if self.slave.dim == 3:
             return np.asarray(values[..., self.nearest(old, new)])
         before, after = (along_chain(self.slave, points.facet, points.xi) for points in (old, new))

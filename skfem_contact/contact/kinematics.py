@@ -26,10 +26,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy import ndarray
 
-from ..surfaces.material_points import MaterialPoints, behind
+from ..surfaces.material_points import MaterialPoints, offset_back
 from ..surfaces.surface import Place, Surface
 from ..surfaces.vectors import askew, dot, frame, inverse, lift, outer, products, spread
-from .joints import Joints
+from .edges import OnEdges
 from .quadrature import SlavePoints
 from .search import Projection
 
@@ -38,20 +38,21 @@ _SAME_SLIP = 1e-9
 
 
 class Kinematics(NamedTuple):
-    """Variations at ``n`` contact points with ``m`` unknowns each.
+    """Variations at ``n`` contact points with ``m`` nodal displacements each.
 
     Attributes
     ----------
-    dofs
-        Layout: of the slave, of the closest facet and, where it is another, of the stick point's, (n, m); -1: none.
-    work
-        Work conjugates of the tractions, (n, dim, m): ``G`` = d gap / d u, and those of the tangential ones.
-    slip
-        Slip from the stick point, (n, dim - 1); zero where a point comes from beyond the rim: it sticks there.
-    normal, tangents
-        Unit vectors of the master at the closest point, (n, dim) and (n, dim - 1, dim).
-    closest
-        The closest points.
+    dofs : ndarray, shape (n, m) or more
+        Dofs of the slave's nodes, of those of the closest facet and, if it is another, of the stick point's facet;
+        then the rotations that move these nodes; -1: none.
+    work : ndarray, shape (n, dim, m)
+        Work conjugates of the tractions with respect to the nodes: ``G`` = d gap / d u, then the tangential ones.
+    slip : ndarray, shape (n, dim - 1)
+        Slip from the stick point; zero where a point comes from beyond the rim: it sticks there.
+    normal, tangents : ndarray, shapes (n, dim) and (n, dim - 1, dim)
+        Unit vectors of the master at the closest point.
+    lever : ndarray, shape (n, m, q), optional
+        Displacements of the nodes by their rotations.
     """
 
     dofs: ndarray
@@ -61,12 +62,17 @@ class Kinematics(NamedTuple):
     tangents: ndarray
     closest: MaterialPoints
     facets: _OnFacets
-    joints: Joints | None
+    edges: OnEdges | None
+    lever: ndarray | None = None
+
+    def expanded(self, variations: ndarray) -> ndarray:
+        """Return variations by nodal displacements, shape (n, i, m), as variations by the dofs, shape (n, i, ...)."""
+        return variations if self.lever is None else np.concatenate((variations, variations @ self.lever), axis=2)
 
 
 @dataclass(frozen=True, eq=False)
 class _OnFacets:
-    """What the second variations need; ``alpha`` (n, nodes) acts as r - rho, ``beta`` as a, ``sigma`` as r - x_s.
+    """Data of second variations; ``alpha`` (n, nodes) acts as r - rho, ``beta`` as a, ``sigma`` as r - x_s.
 
     ``delta`` acts as the direction from which tangents are counted.  The columns ``own`` are those of the closest
     facet's nodes; ``normal`` is the facet's, ``turning`` is ``n . da|_xi``, ``operator`` the inverse of m - g h.
@@ -90,22 +96,22 @@ class _OnFacets:
 
     @property
     def curved(self) -> bool:
-        """Whether the facets have second derivatives at all."""
+        """True if the facets have second derivatives."""
         return len(self.place.x) > 2
 
     @cached_property
     def turns(self) -> ndarray:
-        """``n . da``: rates at which the normal turns towards the tangents, (n, dim - 1, m)."""
+        """Rates ``n . da`` at which the normal turns towards the tangents, (n, dim - 1, m)."""
         return self.turning + self.curvature @ self.Xi if self.curved else self.turning
 
     @cached_property
     def normal_motion(self) -> ndarray:
-        """``dn`` of the normal at the closest point, (n, dim, m)."""
+        """Variation ``dn`` of the normal at the closest point, shape (n, dim, m)."""
         return np.asarray(-self.place.x[1].transpose(0, 2, 1) @ (inverse(self.metric) @ self.turns))
 
     @cached_property
     def tangent_motion(self) -> ndarray:
-        """``da`` of the facet's tangents, the motion of the closest point included, (n, dim - 1, dim, m)."""
+        """Variation ``da`` with the motion of the closest point, shape (n, dim - 1, dim, m)."""
         n, dim = self.from_stick.shape
         fixed = (self.beta[:, :, None, :, None] * np.eye(dim)[:, None]).reshape(n, dim - 1, dim, -1)
         return fixed + np.einsum("nabc,nbm->nacm", self.place.x[2], self.Xi) if self.curved else fixed
@@ -113,15 +119,17 @@ class _OnFacets:
 
 def variations(points: SlavePoints, slave: Surface, master: Surface, projection: Projection, slave_nodes: ndarray,
                nodes: ndarray, stick: MaterialPoints) -> Kinematics:
-    """Variations of points with their closest and stick points, where the surfaces' nodes lie now."""
+    """Return the kinematics of points with their closest and stick points at present coordinates of the nodes."""
     facet, xi, g, r = projection.facet, projection.xi, projection.gap, points.positions(slave_nodes)
     place = master.at(facet, xi, nodes, 1 if master.shape.affine else 3)
     N, direction = points.values, points.direction(slave, slave_nodes)
     held, weights, others = _stick_weights(master, facet, stick)
-    dofs = [slave.dofs[points.nodes], master.dofs[master.facets[facet]], *(
-        np.where((block < 0)[:, :, None], -1, master.dofs[block]) for block in others)]
+    blocks = [(slave, points.nodes), (master, master.facets[facet]), *((master, block) for block in others)]
+    dofs = np.concatenate([surface.dofs_of(block) for surface, block in blocks], axis=1)
+    dofs = dofs.reshape(len(dofs), dofs.shape[1] * dofs.shape[2])
+    more, lever = _levers(blocks)
     stuck = (held >= 0)[:, None]
-    way = _from_stick(master, nodes, facet, place, held, weights)
+    from_stick = _from_stick(master, nodes, facet, place, held, weights)
     M, own = place.shapes, slice(N.shape[1], N.shape[1] + place.shapes[0].shape[1])
     sigma = np.concatenate((np.where(stuck, N, 0.0), *(-w for w in weights)), axis=1)
     alpha, beta = np.zeros(sigma.shape), np.zeros((*M[1].shape[:2], sigma.shape[1]))
@@ -139,27 +147,39 @@ def variations(points: SlavePoints, slave: Surface, master: Surface, projection:
     operator = inverse(m - g[:, None, None] * h)
     Xi = operator @ (lift(alpha[:, None], a) + g[:, None, None] * turning)
     G, T = lift(alpha[:, None], n[:, None])[:, 0], products(e, a) @ Xi
-    offset = way + np.where(stuck, r - place.x[0], 0.0)
+    offset = from_stick + np.where(stuck, r - place.x[0], 0.0)
     facets = _OnFacets(place, own, alpha, beta, sigma, g, offset, n, turning, m, h, operator, Xi, direction, delta)
-    joints = None
+    edges = None
     if (v := np.flatnonzero(projection.feature)).size:
-        joints = Joints(v, master, facet[v], xi[v], _free(master, projection.feature[v]), g[v], r[v],
+        edges = OnEdges(v, master, facet[v], xi[v], _free(master, projection.feature[v]), g[v], r[v],
                         nodes[master.facets[facet[v]]], facets.from_stick[v], direction[v], N[v], sigma[v], delta[v])
         n, e = n.copy(), e.copy()
-        n[v], e[v], G[v], T[v] = joints.first[:4]
-    return Kinematics(np.concatenate(dofs, axis=1).reshape(G.shape), np.concatenate((G[:, None], T), axis=1),
-                      np.einsum("nic,nc->ni", e, way), n, e, MaterialPoints(facet, xi), facets, joints)
+        n[v], e[v], G[v], T[v] = edges.first[:4]
+    return Kinematics(dofs if lever is None else np.hstack((dofs, more)), np.concatenate((G[:, None], T), axis=1),
+                      np.einsum("nic,nc->ni", e, from_stick), n, e, MaterialPoints(facet, xi), facets, edges, lever)
+
+
+def _levers(blocks: list[tuple[Surface, ndarray]]) -> tuple[ndarray, ndarray | None]:
+    """Return the rotations that move nodes, shape (n, q), and their effect, shape (n, m, q), block by block."""
+    if all(surface.arms is None for surface, _ in blocks):
+        return np.zeros(0), None
+    dofs, levers = zip(*(surface.levers(block) for surface, block in blocks), strict=True)
+    lever = np.zeros((len(dofs[0]), sum(a.shape[1] for a in levers), sum(a.shape[2] for a in levers)))
+    row = column = 0
+    for part in levers:
+        lever[:, row:row + part.shape[1], column:column + part.shape[2]] = part
+        row, column = row + part.shape[1], column + part.shape[2]
+    return np.concatenate(dofs, axis=1), lever
 
 
 def _free(master: Surface, feature: ndarray) -> ndarray:
-    """Directions in local coordinates in which closest points on features may move, (n, dim - 1): along edges."""
     along = master.shape.along
     return np.concatenate((0 * along[:1], along, 0 * along[:1]))[feature]
 
 
 def _stick_weights(master: Surface, facet: ndarray, stick: MaterialPoints
                    ) -> tuple[ndarray, list[ndarray], list[ndarray]]:
-    """Facets of the stick points; shape functions of the closest facets' nodes there, and of other facets' if any."""
+    """Return facets of the stick points, and shape functions there of these and the closest facets."""
     held = stick.facet
     weights = np.where(stick.exist[:, None], master.shape.at(held, stick.known, 0)[0], 0.0)
     elsewhere = (stick.exist & (held != facet))[:, None]
@@ -171,7 +191,7 @@ def _stick_weights(master: Surface, facet: ndarray, stick: MaterialPoints
 
 def _from_stick(master: Surface, nodes: ndarray, facet: ndarray, place: Place, held: ndarray, weights: list[ndarray]
                 ) -> ndarray:
-    """Way from the stick points to the closest points, (n, dim), to the last bit zero where they are the same."""
+    """Return vectors from stick to closest points, shape (n, dim), exactly zero where they coincide."""
     near = np.where((held >= 0)[:, None], place.shapes[0], 0.0) - weights[0]
     way = np.einsum("nk,nkc->nc", near, nodes[master.facets[facet]])
     for others in weights[1:]:
@@ -181,41 +201,43 @@ def _from_stick(master: Surface, nodes: ndarray, facet: ndarray, place: Place, h
 
 def dragged(kinematics: Kinematics, master: Surface, nodes: ndarray, stick: MaterialPoints, elastic: ndarray
             ) -> MaterialPoints:
-    """Stick points after a step: those that slide drag them behind by their elastic slip, (dim - 1, n) (eq. 10)."""
+    """Return stick points after a step: sliding points drag them behind by their elastic slip (eq. 10)."""
     left = np.abs(elastic.T - kinematics.slip).max(axis=1)
     stays = stick.exist & (left <= _SAME_SLIP * np.abs(elastic).max(axis=0))
-    after = behind(master, nodes, kinematics.tangents, kinematics.closest, elastic.T)
+    after = offset_back(master, nodes, kinematics.tangents, kinematics.closest, elastic.T)
     return MaterialPoints(np.where(stays, stick.facet, after.facet), np.where(stays[:, None], stick.xi, after.xi))
 
 
 def slip_gradient(kinematics: Kinematics) -> ndarray:
-    """Derivatives of the slips, d slip / d u, (n, dim - 1, m)."""
+    """Return d slip / d u, shape (n, dim - 1, m)."""
     on, n, e = kinematics.facets, kinematics.normal, kinematics.tangents
     S = lift(on.sigma[:, None], e) - dot(on.from_stick, n)[:, None, None] * (e @ on.normal_motion)
     if (spin := _spin(on, n, e)) is not None:
         s = kinematics.slip
         S += np.stack((s[:, 1], -s[:, 0]), axis=1)[:, :, None] * spin[:, None]
-    if kinematics.joints is not None:
-        S[kinematics.joints.at] = kinematics.joints.second[2]
+    if kinematics.edges is not None:
+        S[kinematics.edges.at] = kinematics.edges.second[2]
     return S
 
 
 def tangents(kinematics: Kinematics, traction: ndarray, derivative: ndarray, exact: bool) -> ndarray:
-    """Tangents of the forces of points of unit weight, (n, m, m): eqs 14 to 16 or, unless exact, eqs 20 to 22.
+    """Return tangents of the forces of points of unit weight, shape (n, m, m): eqs 14 to 16 or, unless exact, 20 to 22.
 
-    They are made of tractions, (dim, n), and their derivatives with respect to gap and slip, (dim, dim, n).
+    `derivative` : ndarray, shape (dim, dim, n), holds the derivatives of the tractions by gap and slip.
     """
     work = kinematics.work
     jump = np.concatenate((work[:, :1], slip_gradient(kinematics)), axis=1)
     K = work.transpose(0, 2, 1) @ (derivative.transpose(2, 0, 1) @ jump)
-    return K + geometric_tangent(kinematics, traction) if exact else K
+    K = K + geometric_tangent(kinematics, traction) if exact else K
+    if kinematics.lever is None:
+        return K
+    return kinematics.expanded(kinematics.expanded(K).transpose(0, 2, 1)).transpose(0, 2, 1)
 
 
 def geometric_tangent(kinematics: Kinematics, traction: ndarray) -> ndarray:
-    r"""``t_N dG/du + t_i dT_i/du``: what turning and moving the contact frame adds, (n, m, m).
+    """Return ``t_N dG/du + t_i dT_i/du``, shape (n, m, m): the part of the moving contact frame.
 
-    These are the rotation and curvature parts of eqs 14 to 16, complete: with the terms in
-    :math:`m - g h` that the paper drops.
+    These are the rotation and curvature parts of eqs 14 to 16, with the terms in :math:`m - g h` that the paper drops.
     """
     on, tension = kinematics.facets, traction[0][:, None, None]
     dn, back = on.normal_motion, on.Xi.transpose(0, 2, 1)
@@ -223,14 +245,14 @@ def geometric_tangent(kinematics: Kinematics, traction: ndarray) -> ndarray:
                    - on.turning.transpose(0, 2, 1) @ on.Xi - back @ on.turns)
     if traction[1:].any():
         K += _tangential_part(kinematics, np.einsum("in,nic->nc", traction[1:], kinematics.tangents))
-    if kinematics.joints is not None:
-        v, (dG, dT, _) = kinematics.joints.at, kinematics.joints.second
+    if kinematics.edges is not None:
+        v, (dG, dT, _) = kinematics.edges.at, kinematics.edges.second
         K[v] = tension[v] * dG + np.einsum("in,nijk->njk", traction[1:, v], dT)
     return K
 
 
 def _tangential_part(kinematics: Kinematics, t: ndarray) -> ndarray:
-    """``d((t . a) Xi)/du`` for tangential tractions t, (n, dim), that are constant in the frame, (n, m, m)."""
+    """Return ``d((t . a) Xi)/du``, shape (n, m, m), for tractions t that are constant in the frame."""
     on = kinematics.facets
     a, n, g, dn, da = on.place.x[1], on.normal, on.gap[:, None, None], on.normal_motion, on.tangent_motion
     p = np.einsum("nab,nb->na", on.operator, np.einsum("nac,nc->na", a, t))  # contravariant, for the operator m - g h
@@ -249,7 +271,7 @@ def _tangential_part(kinematics: Kinematics, t: ndarray) -> ndarray:
 
 
 def _bending(on: _OnFacets, p: ndarray, G: ndarray) -> tuple[ndarray, ndarray]:
-    """What second and third derivatives add to that: ``n . d(p . rho_,ab)|_xi`` and less of ``d(m - g h) p``."""
+    """Return ``n . d(p . rho_,ab)|_xi`` of second derivatives, and the part of ``d(m - g h) p`` by third ones."""
     n, g, (_, _, rho2, rho3) = on.normal, on.gap[:, None, None], on.place.x
     gamma = np.zeros_like(on.beta)
     gamma[:, :, on.own] = np.einsum("na,nabk->nbk", p, on.place.shapes[2])
@@ -260,7 +282,7 @@ def _bending(on: _OnFacets, p: ndarray, G: ndarray) -> tuple[ndarray, ndarray]:
 
 
 def _spin(on: _OnFacets, n: ndarray, e: ndarray) -> ndarray | None:
-    """Rate at which the frame turns about the normal, (n, m); in the plane there is no such motion."""
+    """Return the rate at which the frame turns about the normal, shape (n, m); None in the plane."""
     if e.shape[1] == 1:
         return None
     across = e[:, 1:]

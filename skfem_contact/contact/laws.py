@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy import ndarray
+from typing_extensions import override
 
 from ..errors import finite
 from .quadrature import SlavePoints
@@ -17,24 +18,7 @@ _ON_CONE = 1e-9
 
 
 class Status(IntEnum):
-    """Status of a contact point; arrays of states and :class:`~skfem_contact.Tractions` hold its numbers.
-
-    Attributes
-    ----------
-    OPEN
-        0: no traction, for nothing is opposite or the gap is open.
-    STICK
-        1: closed; slip is elastic.
-    SLIP
-        2: closed; the shear traction has reached its bound.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from skfem_contact import Status
-    >>> np.bincount([2, 2, 1], minlength=3)[Status.SLIP].item()
-    2
-    """
+    """Status of a contact point: open, closed with elastic slip, or closed at the friction bound."""
 
     OPEN = 0
     STICK = 1
@@ -42,21 +26,20 @@ class Status(IntEnum):
 
 
 class Update(NamedTuple):
-    """Answer of an interface law at ``n`` points; the plane has ``dim = 2``, space 3.
+    """Result of an interface law at ``n`` points; the plane has ``dim = 2``, space 3.
 
     Attributes
     ----------
-    traction
-        Normal traction, negative in compression, then the shear tractions, positive where the slave is dragged back
-        from a positive slip: work conjugate to gap and slip, (dim, n).
-    internal
-        New internal variables, (n_internal, n).
-    tangent
-        ``tangent[i, j]`` is the derivative of traction i by jump j, (dim, dim, n).
-    elastic_slip
-        Part of the slip that would be recovered: the distance from the new stick point, (dim - 1, n).
-    status
-        :class:`Status` of every point, (n,).
+    traction : ndarray, shape (dim, n)
+        Normal traction, negative in compression, then the shear tractions, work conjugate to gap and slip.
+    internal : ndarray, shape (n_internal, n)
+        New internal variables.
+    tangent : ndarray, shape (dim, dim, n)
+        Derivative ``tangent[i, j]`` of traction i by jump j.
+    elastic_slip : ndarray, shape (dim - 1, n)
+        Recoverable part of the slip: the distance from the new stick point.
+    status : ndarray, shape (n,)
+        0 open, 1 stick, 2 slip.
     """
 
     traction: ndarray
@@ -67,21 +50,21 @@ class Update(NamedTuple):
 
 
 class InterfaceLaw:
-    """What a contact pair asks of a law; a law of your own writes :meth:`update`, and what differs from here.
+    """Base of interface laws; a law of your own overrides :meth:`update`, and what differs from here.
 
-    A law is a frozen dataclass of parameters.  A parameter that is an array has one value for each node of the slave,
+    A law is a frozen dataclass of parameters.  An array parameter has one value for each node of the slave,
     ``pair.slave.nodes``, and is interpolated between them.
 
     Attributes
     ----------
-    n_internal
+    n_internal : int
         Number of internal variables of a point; they are zero at first.
-    reaches_far
-        Whether points at any distance from the master may carry traction: by default those within an element may.
-    bonds
-        Whether points near the master are bonded to it as they are meshed.
-    symmetric
-        Whether the tangent of contact is symmetric.
+    reaches_far : bool
+        True if points at any distance from the master may carry traction; by default points within an element may.
+    bonds : bool
+        True if points near the master are bonded to it as they are meshed.
+    symmetric : bool
+        True if the tangent of contact is symmetric.
     """
 
     n_internal: int = 0
@@ -90,40 +73,44 @@ class InterfaceLaw:
     symmetric: bool = False
 
     def take(self, points: SlavePoints) -> InterfaceLaw:
-        """The law at points of the slave: parameters that are arrays are interpolated there."""
+        """Return the law at points of the slave, with array parameters interpolated there."""
         arrays = {name: points.at(value) for name, value in vars(self).items() if isinstance(value, ndarray)}
         return replace(self, **arrays) if arrays else self  # type: ignore[type-var]
 
     def reaches(self, gap: ndarray, internal: ndarray, closed: ndarray) -> ndarray:
-        """Points that may carry traction, (n,): :meth:`update` is asked for these; all others are open.
+        """Return a mask, shape (n,), of points that may carry traction and get an update; all others are open.
 
         Parameters
         ----------
-        gap
-            Normal gap, negative in penetration, (n,).
-        internal
-            Accepted internal variables, (n_internal, n).
-        closed
-            Points that were closed in the accepted state, (n,).
+        gap : ndarray, shape (n,)
+            Normal gap, negative in penetration.
+        internal : ndarray, shape (n_internal, n)
+            Accepted internal variables.
+        closed : ndarray, shape (n,)
+            True at points that were closed in the accepted state.
         """
         return gap <= 0.0
 
     def update(self, jump: ndarray, internal: ndarray, penalty: tuple[float, float]) -> Update:
-        """Tractions, a pure function.
+        """Return tractions, tangent and new internal variables, without side effects.
 
         Parameters
         ----------
-        jump
-            Normal gap, negative in penetration, then the slip from the stick point, (dim, n).
-        internal
-            Accepted internal variables, (n_internal, n).
-        penalty
+        jump : ndarray, shape (dim, n)
+            Normal gap, negative in penetration, then the slip from the stick point.
+        internal : ndarray, shape (n_internal, n)
+            Accepted internal variables.
+        penalty : tuple
             Traction per penetration and per elastic slip.
         """
         raise NotImplementedError(f"{type(self).__name__} has no `update`")
 
+    def reduced(self, factor: float) -> InterfaceLaw:
+        """Return the law with its strength divided by a factor; laws that do not override this have no strength."""
+        raise NotImplementedError(f"{type(self).__name__} has no `reduced`")
+
     def debonded(self, internal: ndarray) -> ndarray:
-        """Internal variables of points that have lost what holds them together; the same ones where nothing does."""
+        """Return the internal variables of points whose bond is broken; by default the same ones."""
         return internal
 
 
@@ -133,24 +120,16 @@ class Coulomb(InterfaceLaw):
 
     .. math:: t_N = \epsilon_N \min(g, 0), \qquad |t_T| \le a + \mu |t_N|
 
+    Adhesion and tension are a brittle bond.  A closed point that opens breaks it for good.
+
     Parameters
     ----------
-    mu
-        Coefficient of friction; this and the others a number, or one for each node of the slave.
-    adhesion
-        Shear strength ``a`` at zero pressure, in units of stress; it acts while the point is closed.
-    tension
+    mu : float or ndarray, shape (n_nodes,)
+        Coefficient of friction; array parameters have one value for each node of the slave.
+    adhesion : float or ndarray
+        Shear strength ``a`` at zero pressure of closed points, in units of stress.
+    tension : float or ndarray
         Tension cut-off: a closed point opens when its normal traction exceeds this stress.
-
-    Raises
-    ------
-    ValueError
-        Negative or NaN parameters.
-
-    Notes
-    -----
-    Adhesion and tension are a brittle bond.  A closed point that opens breaks it for good, which is the law's only
-    internal variable: 1 where the bond is broken.
 
     Examples
     --------
@@ -176,39 +155,28 @@ class Coulomb(InterfaceLaw):
                                  f"not {getattr(self, name)!r}")
             object.__setattr__(self, name, value if value.ndim else float(value))
 
+    @override
     def reduced(self, factor: float) -> Coulomb:
-        """The law with friction, adhesion and tension cut-off divided by a factor.
-
-        Raises
-        ------
-        ValueError
-            The factor is not positive.
-
-        Examples
-        --------
-        >>> from skfem_contact import Coulomb
-        >>> Coulomb(mu=.6, adhesion=10.).reduced(2.)
-        Coulomb(mu=0.3, adhesion=5.0, tension=0.0)
-        """
+        """Return the law with friction, adhesion and tension cut-off divided by a positive factor."""
         if not factor > 0.0:
             raise ValueError(f"the factor must be positive, not {factor!r}")
         return replace(self, mu=self.mu / factor, adhesion=self.adhesion / factor, tension=self.tension / factor)
 
     @property
     def symmetric(self) -> bool:  # type: ignore[override]
-        """Whether the tangent of contact is symmetric: there is no shear, and the pressure has a potential."""
+        """True without shear: the pressure has a potential."""
         return not (np.any(self.mu) or np.any(self.adhesion))
 
     @property
     def _has_bond(self) -> bool:
         return bool(np.any(self.adhesion) or np.any(self.tension))
 
+    @override
     def reaches(self, gap: ndarray, internal: ndarray, closed: ndarray) -> ndarray:
-        """Penetrating points, and closed ones with a bond, which may hold or break."""
         return (gap <= 0.0) | (closed & (internal[0] == 0.0)) if self._has_bond else gap <= 0.0
 
+    @override
     def update(self, jump: ndarray, internal: ndarray, penalty: tuple[float, float]) -> Update:
-        """Return mapping of the shear traction onto the cone (eqs 8 to 10); arguments as of a law."""
         gap, slip, (by_gap, by_slip) = jump[0], jump[1:], penalty
         normal, pulls = by_gap * gap, gap > 0.0  # eq. 4
         whole = internal[0] == 0.0
@@ -234,14 +202,14 @@ class Coulomb(InterfaceLaw):
         return Update(traction, np.where(opens, 1.0, internal), np.where(opens, 0.0, tangent),
                       traction[1:] / by_slip, status)  # eq. 10
 
+    @override
     def debonded(self, internal: ndarray) -> ndarray:
-        """The bond is broken."""
         return np.ones_like(internal) if self._has_bond else internal
 
 
 @dataclass(frozen=True, eq=False)
 class Tied(InterfaceLaw):
-    r"""A bond of what is meshed apart: :math:`t_N = \epsilon_N g` in both directions, and no slip.
+    r"""Bond of bodies that are meshed apart: :math:`t_N = \epsilon_N g` in both directions, and no slip.
 
     Slave points that lie within half a segment of the master at the start are tied as they are meshed.
 
@@ -256,12 +224,12 @@ class Tied(InterfaceLaw):
 
     bonds = True
 
+    @override
     def reaches(self, gap: ndarray, internal: ndarray, closed: ndarray) -> ndarray:
-        """What was tied at the start."""
         return closed
 
+    @override
     def update(self, jump: ndarray, internal: ndarray, penalty: tuple[float, float]) -> Update:
-        """Linear springs in all directions; arguments as of a law."""
         stiffness, tangent = np.ones_like(jump), np.zeros((len(jump), *jump.shape))
         stiffness[0], stiffness[1:] = penalty
         tangent[np.arange(len(jump)), np.arange(len(jump))] = stiffness

@@ -1,4 +1,4 @@
-"""Which facets of a surface may be the closest to a point: found once, and kept while little moves."""
+"""Candidate facets for the closest points, searched once and kept while little moves."""
 from __future__ import annotations
 
 from itertools import chain, product
@@ -23,16 +23,10 @@ ON_FACET = 1e-9  # round-off of xi at a joint
 
 
 class Neighbours(NamedTuple):
-    """Pairs (point, facet) that contain the closest facet of every point, and how far the surface is.
+    """Pairs (point, facet) that contain the closest facet of every point, and lower bounds of the distances.
 
-    Attributes
-    ----------
-    point, facet
-        The pairs, ordered.
-    clearance
-        No part of the surface, beyond its rim included, is nearer to the point than this, (n_points,).
-    outside
-        Whether the point is known to lie outside the body, (n_points,).
+    No part of the surface, beyond its rim included, is nearer to a point than its `clearance`; points known to lie
+    outside the body are True in `outside`.
     """
 
     point: ndarray
@@ -41,35 +35,24 @@ class Neighbours(NamedTuple):
     outside: ndarray
 
     def of(self, chosen: ndarray) -> Neighbours:
-        """Those of the points that a mask, (n_points,), chooses."""
+        """Return the pairs of the points that a mask chooses."""
         kept = chosen[self.point]
         return self._replace(point=self.point[kept], facet=self.facet[kept])
 
     def within(self, gap: ndarray, depth: ndarray) -> ndarray:
-        """Points that may be as near as a gap, those that may lie inside as deep as a depth; inf for those of any."""
+        """Return a mask of points that may be as near as a gap or, inside, as deep as a depth."""
         return np.asarray(self.clearance <= np.where(self.outside & (depth < np.inf), gap, np.maximum(depth, gap)))
 
 
 class NeighbourList:
-    """Neighbours of some points that are searched anew only after motion that could matter (L. Verlet, 1967).
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> import skfem_contact as sc
-    >>> ground = sc.rigid_line((0.0, 0.0), (1.0, 0.0))
-    >>> neighbours = NeighbourList(ground)
-    >>> found = neighbours.at(ground.nodes, np.array([[0.5, 3.0]]))
-    >>> found.facet, bool(2.0 < found.clearance[0] <= 3.0)
-    (array([0]), True)
-    """
+    """Neighbours of some points, searched anew only after motion that could matter (L. Verlet, 1967)."""
 
     def __init__(self, surface: Surface) -> None:
         self._surface, self._moved = surface, 0.0
         self._list: tuple[Neighbours, float, ndarray, ndarray] | None = None
 
     def at(self, nodes: ndarray, points: ndarray) -> Neighbours:
-        """Neighbours where the nodes of the surface and the points are now."""
+        """Return neighbours at present coordinates of the surface's nodes and of the points."""
         if self._list is not None and len(points) == len(self._list[3]):
             found, lasts, *places = self._list
             self._moved = _relative_motion(nodes - places[0], points - places[1])
@@ -80,10 +63,9 @@ class NeighbourList:
         return found
 
     def learn(self, chosen: ndarray, distance: ndarray, gap: ndarray) -> None:
-        """Remember how far points are that have been projected where they are now.
+        """Remember distances and gaps of the points that a mask chooses, at their present coordinates.
 
-        Points that have come no farther than that have not passed the surface: who was outside still is.  A mask,
-        (n_points,), chooses them; distances and gaps of the others are not looked at.
+        Points that have moved less than their distance have not passed the surface: if outside, they remain so.
         """
         assert self._list is not None
         known, at = self._list[0], np.flatnonzero(chosen)
@@ -93,17 +75,17 @@ class NeighbourList:
 
 
 def _relative_motion(nodes: ndarray, points: ndarray) -> float:
-    """By how much distances may have changed with these motions; a common translation changes none."""
+    """Return the largest possible change of distances; a common translation changes none."""
     common = nodes.sum(axis=0) / len(nodes)
     return sum(float(np.sqrt(dot(motion - common, motion - common).max())) for motion in (nodes, points))
 
 
 def neighbours(surface: Surface, nodes: ndarray, points: ndarray, slack: float = 0.0) -> tuple[Neighbours, float]:
-    """Neighbours of points, (n, dim), and the motion for which they last: a share, the slack, of the spacing.
+    """Return neighbours of points, shape (n, dim), and the motion for which they last: `slack` times the spacing.
 
-    The facets are sampled at a uniform spacing.  The sample next to the closest point is at most half a
-    spacing (half a diagonal in space) farther away than that, so all samples within as much, and a margin for curved
-    facets, of the nearest one are looked at.
+    The facets are sampled at a uniform spacing.  The sample next to the closest point is at most half a spacing (half a
+    diagonal in space) farther away than that point.  So all samples within this distance of the nearest one, and a
+    margin for curved facets, are candidates.
     """
     m = len(surface.facets)
     spacing = max(surface.spacing, surface.size.sum() / (4 * m)) / _SAMPLES[surface.dim]
@@ -127,7 +109,7 @@ def neighbours(surface: Surface, nodes: ndarray, points: ndarray, slack: float =
 
 
 class Flat(NamedTuple):
-    """Facets as seen from their centres: places (m, dim), tangents (m, dim - 1, dim) and their inverse metric."""
+    """Facets linearised at their centres: coordinates, tangents and their inverse metric."""
 
     centre: ndarray
     tangents: ndarray
@@ -135,23 +117,23 @@ class Flat(NamedTuple):
 
     @classmethod
     def of(cls, surface: Surface, nodes: ndarray) -> Flat:
-        """Those of a surface whose nodes lie there."""
+        """Return the facets at present coordinates of the nodes."""
         places, (values, slopes) = nodes[surface.facets], surface.shape.at_centre
         tangents = slopes @ places
         return cls(np.einsum("nk,nkc->nc", values, places), tangents, inverse(products(tangents, tangents)))
 
     def foot(self, shape: Shape, facet: ndarray, points: ndarray) -> ndarray:
-        """Local coordinates of the orthogonal projections, (n, dim - 1): exact where the facets are affine."""
+        """Return local coordinates of orthogonal projections, shape (n, dim - 1): exact on affine facets."""
         along = (self.tangents[facet] @ (points - self.centre[facet])[:, :, None])
         return np.asarray(shape.centre + (self.inverse[facet] @ along)[:, :, 0])
 
 
 def promising(surface: Surface, nodes: ndarray, flat: Flat, points: ndarray, row: ndarray, facet: ndarray,
               foot: ndarray, slack: ndarray | float = 0.0) -> ndarray:
-    """Which pairs (point, facet) in space may be the closest, as far as flat facets tell.
+    """Return a mask of pairs (point, facet) in space that may be the closest, as far as flat facets tell.
 
-    No facet with the distance of its flat image, less the largest distance between the two and a slack, beyond that of
-    some place on another one is the closest.
+    A facet is excluded if the distance of its flat image, less the largest distance between the two and a slack,
+    exceeds that of some point on another facet.
     """
     shape = surface.shape
     places = flat.centre[:, None] + (shape.nodes - shape.centre) @ flat.tangents
@@ -170,7 +152,6 @@ def promising(surface: Surface, nodes: ndarray, flat: Flat, points: ndarray, row
 
 
 def _longest_side(surface: Surface) -> ndarray:
-    """Length of the longest side of every facet in the reference configuration, (n_facets,)."""
     if surface.dim == 2:
         return surface.area
     corners = surface.nodes[surface.facets[:, : len(surface.shape.corners)]]
@@ -178,7 +159,6 @@ def _longest_side(surface: Surface) -> ndarray:
 
 
 def _samples(surface: Surface, nodes: ndarray, divisions: ndarray) -> tuple[ndarray, ndarray, ndarray]:
-    """Facets and places of samples on lattices of so many divisions, and the widest gap on each facet."""
     facets, places, gap = [], [], np.zeros(len(divisions))
     for n in np.unique(divisions):
         on = np.flatnonzero(divisions == n)
@@ -192,7 +172,7 @@ def _samples(surface: Surface, nodes: ndarray, divisions: ndarray) -> tuple[ndar
 
 
 def _lattice(shape: Shape, n: int) -> tuple[ndarray, ndarray]:
-    """Local coordinates of a lattice of n divisions a side, and the pairs next to each other, (2, n_pairs)."""
+    """Return local coordinates of a lattice of n divisions a side, and the adjacent pairs."""
     numbers = np.array([k for k in product(range(n + 1), repeat=shape.dim) if not shape.triangular or sum(k) <= n])
     apart = np.abs(numbers[:, None] - numbers).sum(axis=2)
     low, high = shape.corners.min(axis=0), shape.corners.max(axis=0)
@@ -200,10 +180,7 @@ def _lattice(shape: Shape, n: int) -> tuple[ndarray, ndarray]:
 
 
 def _nearest(samples: ndarray, points: ndarray, margin: ndarray) -> tuple[ndarray, ndarray, ndarray]:
-    """Pairs (point, sample) of all samples at most their margin farther away than the nearest one, and its distance.
-
-    They are ordered by points and samples.
-    """
+    """Return ordered pairs (point, sample) within the margin of the nearest sample, and its distance."""
     tree, pairs = cKDTree(samples), []
     nearest = np.asarray(tree.query(points)[0])
     for some in np.array_split(np.arange(len(points)), len(points) // _AT_ONCE + 1):

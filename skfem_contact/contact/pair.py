@@ -1,75 +1,68 @@
-"""The contact pair: two surfaces, a law and a quadrature rule that answer like any other form; and two of them."""
+"""Contact pair: force, tangent and state of two surfaces with a law and a quadrature rule."""
 from __future__ import annotations
 
-from copy import copy
+from collections.abc import Iterable
 from dataclasses import replace
-from typing import Literal
+from typing import Any
 
 import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix
 from skfem import CellBasis
+from typing_extensions import override
 
-from ..errors import Failure, IncrementTooLarge, check_basis, check_size, is_number
-from ..forms.base import Response
-from ..sparse import Gathering
-from ..surfaces.smoothing import smoothed
-from ..surfaces.surface import Surface
-from .answers import Answers
-from .augmented import AugmentedLagrangian, Progress
-from .diagnosis import ROUND_OFF
-from .interface import RECUTS, Interface
+from ..errors import Failure, IncrementTooLarge, Remark, check_size
+from ..forms.base import Form, Response
+from ..forms.states import arrays_of
+from . import regularisation
+from .base import ContactBase, initial_clearance
+from .diagnosis import ROUND_OFF, remarks
+from .interface import RECUTS, ContactState
 from .kinematics import Kinematics, dragged, tangents, variations
 from .laws import InterfaceLaw, Status, Update
-from .quadrature import SlavePoints
-from .recovery import FAMILIES
-from .recovery.chatter import FacetLock
-from .recovery.family import Easing
-from .settings import Fit, check_law, check_settings, check_surfaces, touching
-from .state import ContactState
+from .penalty import Progress
+from .prestress import LinearisedContact, TractionOperator
 
 #: Largest tractions in the damped tangent's geometric part, over those at which the surfaces give way by a segment.
 _LARGEST_TRACTION = 0.1
+#: Tractions that differ by this share come from another penalty.
+_SAME = 1e-6
 
 
-class ContactPair(Answers):
-    """Frictional contact with finite sliding between two boundaries, or a boundary and a rigid obstacle.
+class ContactPair(ContactBase):
+    """Frictional contact with finite sliding between two surfaces, of which one may be rigid.
 
     Parameters
     ----------
-    basis
-        ``Basis`` of the mesh that holds the bodies.
-    slave, master
-        Names of the boundaries; in the plane each must be a single chain.
-        The paper's advice: the softer body is the slave.
-        The master may be a rigid obstacle, e.g. :func:`rigid_line`.
-    law
-        Interface law: :class:`Coulomb`, :class:`Tied`, or your own :class:`~skfem_contact.InterfaceLaw`.
-    quadrature
-        ``"segments"``, Gauss points between cuts by both meshes, which passes the patch test; the number of Gauss
-        points on each slave segment (surface-to-surface), or on each of the equal pieces that are no longer than the
-        distance of the master's nodes; or ``"nodal"``, the paper's node-to-segment with tributary lengths: across
-        meshes that do not match its stresses err by 6 to 29 % in a patch test, and where they match see `smoothing`.
-    penalty
-        Traction per penetration: one number for both directions, or (normal, tangential); by default
-        :func:`choose_penalties` takes it from the stiffness and the size of the elements on both sides.
-    smoothing
-        Share alpha of the facets that Hermite curves round off at the master's joints (0 < alpha <= 1/2); joints
-        of more than 45 degrees stay sharp.  ``None``: the facets as they are; a node that faces a joint then belongs
-        to the facet before it, which costs the mirror symmetry of meshes that match: smoothing of 0.1 restores it.
-    enforcement
+    basis : Basis or None
+        Basis of the mesh that holds the bodies; None where both sides are surfaces.
+    slave, master : str or Surface
+        Names of boundaries, in the plane each a single chain, or any :class:`Surface`: of a beam or shell, or rigid,
+        such as ``rigid.line(...)``.  The paper's advice: the softer body is the slave.
+    law : InterfaceLaw
+        :class:`Coulomb`, :class:`Tied`, or your own :class:`~skfem_contact.InterfaceLaw`.
+    quadrature : "segments", "nodal" or int
+        ``"segments"``: Gauss points between cuts by both meshes, which pass the patch test.  A number: Gauss points on
+        each slave segment (surface-to-surface), or on equal pieces no longer than the distance of the master's nodes.
+        ``"nodal"``: the paper's node-to-segment with tributary lengths; across meshes that do not match its stresses
+        err by 6 to 29 % in a patch test.
+    penalty : float or tuple, optional
+        Traction per penetration: one number for both directions, or (normal, tangential); by default chosen from the
+        stiffness and the size of the elements on both sides.
+    smoothing : float, optional
+        Share alpha of the facets that Hermite curves round off at the master's joints (0 < alpha <= 1/2); joints of
+        more than 45 degrees stay sharp.  ``None``: a node that faces a joint belongs to the facet before it, which
+        costs the mirror symmetry of meshes that match; a smoothing of 0.1 restores it.
+    enforcement : AugmentedLagrangian, optional
         ``None``: penalty; or :class:`AugmentedLagrangian`, whose result does not depend on the penalty.
-    initial
-        ``"as meshed"``: gaps and overlaps count; ``"adjusted"``: what lies within half a segment touches exactly;
-        ``"ramped"``: overlaps are resolved in steps; a number: an interference of adjusted bodies, too.
-    share
-        Share of the contact work, 1/2 for each of two pairs with the roles swapped (:func:`two_pass`).
-    tangent
+    initial : str or float
+        ``"as meshed"``: gaps and overlaps count; ``"adjusted"``: points within half a segment touch exactly;
+        ``"ramped"``: overlaps are resolved in steps; a number: an interference of adjusted bodies.
+    share : float
+        Share of the contact work, 1/2 for each pair of :meth:`two_pass`.
+    tangent : "exact" or "primary"
         ``"exact"``, or ``"primary"``: the paper's eqs 20 to 22 without the rotation and curvature parts.  Where the
-        iterations make no progress these parts are limited: bodies that overlap on the way to the solution exert
-        tractions that would turn the facets.
-    axisymmetric
-        Forces per radian about the axis x = 0, for solids with ``strain=axisymmetric``.
+        iterations make no progress these parts are limited: tractions of bodies that overlap would turn the facets.
 
     Raises
     ------
@@ -92,79 +85,51 @@ class ContactPair(Answers):
     [-10.0, -10.0, -10.0]
     """
 
-    def __init__(self, basis: CellBasis, slave: str, master: str | Surface, law: InterfaceLaw,
-                 quadrature: Literal["nodal", "segments"] | int = "segments",
-                 penalty: float | tuple[float, float] | None = None,
-                 smoothing: float | None = None, enforcement: AugmentedLagrangian | None = None,
-                 initial: Fit = "as meshed", share: float = 1.0, tangent: Literal["exact", "primary"] = "exact",
-                 axisymmetric: bool = False) -> None:
-        check_basis(basis)
-        self.slave = replace(Surface.from_boundary(basis, slave), axisymmetric=axisymmetric)
-        self.facets = master if isinstance(master, Surface) else Surface.from_boundary(basis, master)
-        self.master = (self.facets if smoothing is None else smoothed(self.facets, smoothing)).facing(self.slave)
-        check_surfaces(self.slave, self.master)
-        check_settings(self.slave, quadrature, enforcement, initial, share, tangent)
-        check_law(law, len(self.slave.nodes))
-        self.law, self.quadrature, self.tangent, self.axisymmetric = law, quadrature, tangent, axisymmetric
-        self.interface, self._gathering = Interface(self.slave, self.master, quadrature), Gathering(basis.N)
-        self.enforcement, self.initial, self.share = enforcement, initial, share
-        self.size: int = int(basis.N)
-        self.penalty, self.stiffness = None, None
-        self.easing, self._progress, self._recuts = Easing(), Progress(), 0
-        if penalty is not None:
-            both = penalty if isinstance(penalty, tuple) and len(penalty) == 2 else (penalty, penalty)
-            self.penalty = self.with_penalty(*both).penalty
+    _progress, _recuts = Progress(), 0
 
-    def __repr__(self) -> str:
-        return (f"<ContactPair {self.slave.name} on {self.master.name}, {len(self.slave.facets)} facets, "
-                f"quadrature {self.quadrature}, {self.law!r}>")
-
-    # -- what is given once ---------------------------------------------------------------------------------
-
-    def with_penalty(self, normal: float, tangential: float, stiffness: float | None = None) -> ContactPair:
-        """The same pair with other penalties.
+    @classmethod
+    def two_pass(cls, basis: CellBasis, a: str, b: str, law: InterfaceLaw, **options: Any) -> dict[str, ContactPair]:
+        """Return two pairs with the roles swapped, each with half of the contact work: contact without bias.
 
         Parameters
         ----------
-        normal, tangential
-            Traction per penetration and per elastic slip.
-        stiffness
-            Traction per displacement of the bodies' surfaces, about E/h: what the augmented method measures a
-            penetration by.
+        basis, law
+            Basis and law of :class:`ContactPair`.
+        a, b : str
+            Names of the boundaries; the forms are named ``"a on b"`` and ``"b on a"``.
+        options
+            Further arguments of :class:`ContactPair`; ``quadrature="nodal"`` unless it is given.
+
+        Examples
+        --------
+        >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+        >>> import skfem_contact as sc
+        >>> block = MeshQuad().refined(1).with_defaults()
+        >>> mesh = sc.join_bodies({"lower": block, "upper": block.translated((0., 1.))})
+        >>> basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+        >>> list(sc.ContactPair.two_pass(basis, "upper:bottom", "lower:top", sc.Coulomb(mu=.3)))
+        ['upper:bottom on lower:top', 'lower:top on upper:bottom']
         """
-        for value in (normal, tangential):
-            if not is_number(value, 0.0, np.inf):
-                raise ValueError(f"penalties must be positive numbers, not {value!r}")
-        new = copy(self)
-        new.penalty, new.stiffness = (float(normal), float(tangential)), stiffness
-        return new
+        options = {"quadrature": "nodal", **options}
+        return {f"{slave} on {master}": cls(basis, slave, master, law, share=0.5, **options)
+                for slave, master in ((a, b), (b, a))}
 
-    def with_law(self, law: InterfaceLaw) -> ContactPair:
-        """The same pair with another interface law."""
-        check_law(law, len(self.slave.nodes))
-        new = copy(self)
-        new.law = law
-        return new
-
-    def points(self, state: ContactState) -> SlavePoints:
-        """The slave's points at which a state holds."""
-        return self.interface.points(state.cuts)
-
+    @override
     def initial_state(self, x: ndarray | None = None) -> ContactState:
-        """Nothing has moved: each point sticks to its initial closest point (eq. 7, ``xi_0 = xi_c``).
+        """Return the state of points that stick to their initial closest points (eq. 7, ``xi_0 = xi_c``).
 
         Parameters
         ----------
-        x
-            Displacements, (N,), that the bodies have when the pair becomes active. Gaps are still those of the mesh,
-            or as adjusted: bodies are built to fit into displaced surfaces, and touch them without traction.
+        x : ndarray, shape (N,), optional
+            Displacements at which the pair becomes active. Gaps are still those of the mesh, or as adjusted: bodies are
+            built to fit into displaced surfaces, and touch them without traction.
         """
         cuts = self.interface.cuts(x)
         points, found = self.interface.points(cuts), self.interface.closest(x, cuts)
         meshed = found if x is None else self.interface.closest(None, cuts)
-        offset = touching(found.gap, meshed.gap, points.size, self.initial, self.law.bonds)
+        clearance = initial_clearance(found.gap, meshed.gap, points.size, self.initial, self.law.bonds)
         n, nodal, dim, closest = len(found.gap), len(self.slave.nodes), self.slave.dim, found.closest
-        status = np.where(found.gap <= offset, int(Status.STICK), int(Status.OPEN))
+        status = np.where(found.gap <= clearance, int(Status.STICK), int(Status.OPEN))
         factor = np.ones(2)
         if self.enforcement is not None and self.penalty is not None and self.stiffness is not None:
             factor = self.enforcement.start(self.penalty, self.stiffness)
@@ -172,28 +137,18 @@ class ContactPair(Answers):
                             stick_point=closest.xi.T, gap=found.gap, slip=np.zeros((dim - 1, n)),
                             traction=np.zeros((dim, n)), status=status,
                             internal=np.zeros((self.law.n_internal, n)), multiplier=np.zeros((dim, nodal)),
-                            penalty_factor=factor, offset=offset, cuts=cuts)
+                            penalty_factor=factor, clearance=clearance, cuts=cuts)
 
-    # -- the form -------------------------------------------------------------------------------------------
-
+    @override
     def assemble(self, x: ndarray, state: ContactState) -> Response:
-        """Contact force, tangent and candidate state at the displacements ``x``.
-
-        Parameters
-        ----------
-        x
-            Displacements, (N,).
-        state
-            The last accepted state.
-        """
         check_size(x, self.size)
         slave, nodes = self.interface.places(x)
         points, exact = self.points(state), ROUND_OFF * float(np.abs(nodes).max())
-        accepted, state, law, lock = state, self.seen(state), self.easing.law(self.law), self.easing.of(FacetLock)
+        accepted, state, law = state, self.effective(state), self.law
         depth = np.full(len(points.weight), np.inf) if law.reaches_far else self.interface.depth(points)
         penalties = self.penalties(state)
-        closing = state.offset - points.at(state.multiplier[0]) / penalties[0]
-        found, everywhere = self.interface.near(slave, nodes, state, closing + exact, depth, lock and lock.points)
+        closing = state.clearance - points.at(state.multiplier[0]) / penalties[0]
+        found, everywhere = self.interface.near(slave, nodes, state, closing + exact, depth)
         gap = found.gap - closing
         gap = np.where(np.abs(gap) <= exact, 0.0, gap)
         closed = state.status != Status.OPEN
@@ -202,11 +157,13 @@ class ContactPair(Answers):
         kinematics = variations(closing_points, self.slave, self.master, found.take(at), slave, nodes,
                                 state.stick.take(at))
         multiplied = closing_points.at(state.multiplier[1:].T).T / penalties[1]
-        slip = kinematics.slip.T + multiplied + self.easing.slip(at)
+        slip = kinematics.slip.T + multiplied
+        if self.slip_shift is not None:
+            slip = slip + self.slip_shift[:, at]
         update = law.take(closing_points).update(np.stack((gap[at], *slip)), state.internal[:, at], penalties)
 
         weight = self.share * closing_points.weight
-        force = weight[:, None] * np.einsum("in,nim->nm", update.traction, kinematics.work)
+        force = weight[:, None] * np.einsum("in,nim->nm", update.traction, kinematics.expanded(kinematics.work))
         elastic = np.where(update.status == Status.OPEN, 0.0, update.elastic_slip - multiplied)
 
         def candidate() -> ContactState:
@@ -220,41 +177,24 @@ class ContactPair(Answers):
                         round_off=max(penalties) * exact * float(np.linalg.norm(weight)),
                         active=at.tobytes() + update.status.tobytes())
 
-    def seen(self, state: ContactState) -> ContactState:
-        """An accepted state as the pair sees it; internal variables that it lacks are zero, as before any update."""
-        missing = self.law.n_internal - len(state.internal)
-        if missing:
-            rows = np.pad(state.internal, ((0, max(missing, 0)), (0, 0)))
-            state = replace(state, internal=rows[:self.law.n_internal])
-        return self.easing.seen(state)
-
-    def penalties(self, state: ContactState) -> tuple[float, float]:
-        """Normal and tangential penalty in a state."""
-        if self.penalty is None:
-            raise ValueError(f"contact of '{self.slave.name}' on '{self.master.name}' has no penalty yet: give "
-                             "`penalty=`, or call choose_penalties(forms), which `run` does for you")
-        normal, tangential = self.penalty * state.penalty_factor
-        return float(normal), float(tangential)
-
     def _stiffness(self, kinematics: Kinematics, update: Update, weight: ndarray, exact: bool) -> csr_matrix:
         K = tangents(kinematics, update.traction, update.tangent, exact) * weight[:, None, None]
         return self._gathering.matrix(kinematics.dofs, K)
 
     def _limited(self, update: Update) -> Update:
-        """The tractions as far as the bodies could bear them, for without any a round body could turn freely."""
+        """Return the update with tractions limited to what the bodies resist; without any a round body turns freely."""
         if self.stiffness is None:
             return update
         largest = _LARGEST_TRACTION * self.stiffness * self.slave.spacing
         return update._replace(traction=np.clip(update.traction, -largest, largest))
 
-    # -- increments that take more than one equilibrium ---------------------------------------------------------
-
+    @override
     def outer(self, x: ndarray, accepted: ContactState, found: ContactState
               ) -> tuple[ContactPair, ContactState] | None:
-        """Pair and accepted state with which the increment must be solved once more; None where nothing is left to do.
+        """Return the pair and the accepted state with which the increment must be solved once more, or None.
 
-        An easier pair makes room for the next one of its family, the augmented method improves its multipliers, and
-        the cuts of ``quadrature="segments"`` follow the bodies.
+        A regularised pair proceeds to the next one, the augmented method improves its multipliers, and the cuts of
+        ``quadrature="segments"`` follow the bodies.
 
         Raises
         ------
@@ -266,61 +206,89 @@ class ContactPair(Answers):
             raise IncrementTooLarge(f"{passed} of {len(points.weight)} points of '{self.slave.name}' have passed "
                                     f"through '{self.master.name}', or the penalty, "
                                     f"{self.penalties(accepted)[0]:.3g}, is soft")
-        new, state = copy(self), accepted
-        new.easing = self.easing.proceed(self, accepted, found)
-        if new.easing is not self.easing:
+        if (new := regularisation.proceed(self, accepted, found)) is not self:
             return new, accepted
+        changes: dict[str, Any] = {}
+        state = accepted
         if self.enforcement is not None:
             stiffness = self.penalty[0] if self.stiffness is None else self.stiffness  # type: ignore[index]
-            state, new._progress = self.enforcement.augment(accepted, found, points, self.penalties(accepted),
-                                                            stiffness, self._progress)
+            state, changes["_progress"] = self.enforcement.augment(accepted, found, points, self.penalties(accepted),
+                                                                   stiffness, self._progress)
             if (harder := state.penalty_factor[1] / accepted.penalty_factor[1]) != 1.0:  # with the same tractions
                 state = self.interface.with_elastic_slip(state, self.interface.elastic_slip(state) / harder)
         cut = self.interface.follow(state, x) if self._recuts < RECUTS else None
         if cut is not None:
-            nearest = self.interface.nearest(points, self.points(cut))
-            state, new._recuts, new.easing = cut, self._recuts + 1, self.easing.at(nearest)
-        return None if state is accepted else (new, state)
+            at = self.interface.nearest(points, self.points(cut))
+            state, changes["_recuts"] = cut, self._recuts + 1
+            changes |= {name: values[..., at] for name in ("clearance", "slip_shift", "debonded")
+                        if (values := getattr(self, name)) is not None}
+        return None if state is accepted else (self.with_(**changes), state)
 
+    @override
     def begin(self, accepted: ContactState, failure: Failure | None = None) -> ContactPair:
-        """An easier pair to begin an increment with, whose family ends at this one; itself where none is known."""
-        new = copy(self)
-        new.easing = self.easing.begun(FAMILIES, self, accepted, failure)
-        return self if new.easing is self.easing else new
+        return regularisation.begin(self, accepted, failure)
 
-    @property
-    def reason(self) -> str:
-        """Why there may be no equilibrium but of an easier pair, for a message."""
-        return self.easing.reason
+    @override
+    def continues(self, old: Form) -> ContactPair:
+        if not isinstance(old, ContactPair) or (old.slave.name, old.facets.name, old.quadrature) \
+                != (self.slave.name, self.facets.name, self.quadrature):
+            raise ValueError("its surfaces are others")
+        new = self if self.complete or not old.complete else self._about_axis(old.axisymmetric).with_(complete=True)
+        if new.penalty is not None or old.penalty is None:
+            return new
+        return new.with_penalty(*old.penalty, stiffness=old.stiffness)
 
+    @override
+    def replaces(self, old: Form) -> bool:
+        return isinstance(old, ContactPair) and \
+            {old.slave.name, old.facets.name} == {self.slave.name, self.facets.name}
 
-def two_pass(basis: CellBasis, a: str, b: str, law: InterfaceLaw, **options: object) -> dict[str, ContactPair]:
-    """Two pairs with the roles swapped, each with half of the contact work: node-to-segment without bias.
+    @override
+    def fits(self, state: ContactState) -> bool:
+        """Return True if a state has the points of this pair; internal variables may be those of another law."""
+        if self.quadrature == "segments":
+            return self.interface.fits(state.cuts)
+        initial = arrays_of(self.initial_state())
+        return all(np.shape(values) == np.shape(initial[name]) for name, values in arrays_of(state).items()
+                   if name != "internal")
 
-    Parameters
-    ----------
-    basis, law
-        As for :class:`ContactPair`.
-    a, b
-        Names of the boundaries.
-    options
-        Further arguments of :class:`ContactPair`; ``quadrature="nodal"`` unless it is given.
+    @override
+    def check_start(self, x: ndarray, state: ContactState) -> None:
+        new, pressure = self.assemble(x, state).state, state.traction[0]
+        both = (new.status != Status.OPEN) & (state.status != Status.OPEN)
+        if np.abs(new.traction[0] - pressure)[both].max(initial=0.0) > _SAME * np.abs(pressure).max(initial=0.0):
+            raise ValueError("its penalty is another one than in the start: give `penalty=`, or use "
+                             "choose_penalties(forms) of the same forms in both analyses")
 
-    Returns
-    -------
-    dict
-        The two forms, named ``"a on b"``.
+    @override
+    def tractions_at(self, x: ndarray, state: ContactState) -> TractionOperator:
+        return TractionOperator(self, x, state)
 
-    Examples
-    --------
-    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
-    >>> import skfem_contact as sc
-    >>> block = MeshQuad().refined(1).with_defaults()
-    >>> mesh = sc.join_bodies({"lower": block, "upper": block.translated((0., 1.))})
-    >>> basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
-    >>> list(sc.two_pass(basis, "upper:bottom", "lower:top", sc.Coulomb(mu=.3)))
-    ['upper:bottom on lower:top', 'lower:top on upper:bottom']
-    """
-    options = {"quadrature": "nodal", **options}
-    return {f"{slave} on {master}": ContactPair(basis, slave, master, law, share=0.5, **options)  # type: ignore[arg-type]
-            for slave, master in ((a, b), (b, a))}
+    @override
+    def rebased(self, x: ndarray, state: ContactState) -> ContactState:
+        home, face = self.initial_state(), self.interface
+        old, new = self.points(state), self.points(home)
+        elastic = face.elastic_slip(state)
+        if self.quadrature == "segments":
+            excess = face.interpolated(old, new, np.where(np.isfinite(state.gap), state.gap - state.clearance, 0.0))
+            elastic = face.interpolated(old, new, elastic)
+            state = replace(face.transferred(state, home.cuts, None), clearance=np.zeros(len(excess)), gap=excess)
+        near = np.isfinite(home.gap) & np.isfinite(state.gap)
+        clearance = np.where(near, home.gap - (state.gap - state.clearance), 0.0)
+        state = replace(state, facet=home.facet, position=home.position, gap=home.gap, slip=np.zeros_like(state.slip),
+                        clearance=clearance)
+        return face.with_elastic_slip(state.with_stick(home.stick), elastic)
+
+    @override
+    def fixed_geometry(self, x: ndarray, state: ContactState) -> tuple[LinearisedContact, ContactState]:
+        held = LinearisedContact(self, x, state)
+        return held, held.held(state)
+
+    @override
+    def summary(self, state: ContactState) -> str:
+        counts = np.bincount(state.status, minlength=3)
+        return f"{counts[Status.STICK]} stick, {counts[Status.SLIP]} slip, {counts[Status.OPEN]} open"
+
+    @override
+    def remarks(self, x: ndarray, state: ContactState) -> Iterable[Remark]:
+        return list(remarks(self, x, state))

@@ -9,9 +9,8 @@ from numpy import ndarray
 
 from ..surfaces.material_points import MaterialPoints
 from ..surfaces.surface import Surface
-from ..surfaces.vectors import across, determinant, dot, products, solve
+from ..surfaces.vectors import across, determinant, dot, products, solve, unit
 from .neighbours import FROZEN, ON_FACET, Flat, Neighbours, neighbours, promising
-from .sides import normals_at_joint, on_ends, on_sides, side_of_joint
 
 #: Hysteresis: at a joint that turns by less than a degree, a point leaves the facet that it had in the accepted
 #: state only beyond this share of its size, lest nodes that face each other chatter between two facets; one that is
@@ -19,28 +18,28 @@ from .sides import normals_at_joint, on_ends, on_sides, side_of_joint
 HYSTERESIS = 0.01
 _STRAIGHT = np.cos(np.deg2rad(1.0))
 _SMOOTH = 1e-12  # sine of the angle at a joint without one
-_NEWTON_STEPS = 25
+NEWTON_STEPS = 25
 _ROUND_OFF = 16 * np.finfo(float).eps  # ... of xi where the coordinates are as large as the facet
 _BEYOND = 0.3  # share of its width by which a curved facet is followed beyond its sides: farther than locked points go
+_ON_SIDE = 1e-10  # last step along a side, that of Newton's method: the error is its square
+_ALONG_STEPS = 25  # of Newton's method, at most
 
 
 class Projection(NamedTuple):
-    """Closest points of ``n`` points, found or not.
+    """Closest points of ``n`` points.
 
     Attributes
     ----------
-    found
-        Whether contact is possible, (n,): not off the rim of a surface, and not deeper than an element or so.
-    facet, xi
-        Where the closest point lies, (n,) and (n, dim - 1).
-    gap
-        Signed distance, positive outside the body; inf where nothing is near.
-    feature
-        What the closest point lies on: 0 the facet; the number of its side, from 1, or one more than there are sides
-        for a corner, where there is no orthogonal projection on either facet.  The ends of facets in the plane are
-        sides.
-    distance
-        From the surface, no matter on which facet a point is to stay, (n,); inf where nothing is near.
+    found : ndarray, shape (n,)
+        True where contact is possible: not off the rim of a surface, and not deeper than an element or so.
+    facet, xi : ndarray, shapes (n,) and (n, dim - 1)
+        Facet and local coordinates of the closest point.
+    gap, distance : ndarray, shape (n,)
+        Signed distance, positive outside the body; distance from the surface, whatever facet a point is to stay on; inf
+        where nothing is near.
+    feature : ndarray, shape (n,)
+        0 on the facet; the number of its side, from 1, or one more than there are sides for a corner, where there is no
+        orthogonal projection on either facet.  The ends of facets in the plane are sides.
     """
 
     found: ndarray
@@ -51,7 +50,7 @@ class Projection(NamedTuple):
     distance: ndarray
 
     def take(self, chosen: ndarray) -> Projection:
-        """Some of the points."""
+        """Return some of the points."""
         return Projection(*(part[chosen] for part in self))
 
     @property
@@ -61,23 +60,23 @@ class Projection(NamedTuple):
 
     @property
     def vertex(self) -> ndarray:
-        """Whether the closest point is an edge or a vertex of the surface."""
+        """True where the closest point is on an edge or a vertex of the surface."""
         return np.asarray(self.feature > 0)
 
 
 def project(surface: Surface, nodes: ndarray, points: ndarray, depth: ndarray,
             previous: ndarray | None = None, frozen: ndarray | None = None, among: Neighbours | None = None
             ) -> Projection:
-    """Closest points of points, (n, dim), on a surface whose nodes lie there, among its facets near them.
+    """Return closest points of points, shape (n, dim), on a surface at present coordinates of its nodes.
 
     Parameters
     ----------
-    depth
-        Largest penetration that counts as contact, (n,): what lies deeper belongs to the body's other side.
-    previous, frozen
-        Facets of the accepted state, (n,), -1 for none, and whether points are to stay there or without any, (n,).
-    among
-        Neighbours as far as they are known; points without any are not projected.
+    depth : ndarray, shape (n,)
+        Largest penetration that counts as contact: a deeper point belongs to the body's other side.
+    previous, frozen : ndarray, shape (n,), optional
+        Facets of the accepted state, -1 for none, and True for points that stay there or without any.
+    among : Neighbours, optional
+        Candidates; points without any are not projected.
     """
     n = len(points)
     result = Projection(np.zeros(n, bool), np.zeros(n, int), np.zeros((n, surface.dim - 1)), np.full(n, np.inf),
@@ -111,7 +110,7 @@ def project(surface: Surface, nodes: ndarray, points: ndarray, depth: ndarray,
 
 
 def merged(near: ndarray, found: Projection, projected: Callable[[ndarray], Projection]) -> Projection:
-    """What was found for the near points, and what is found now for all others, as `projected` finds it."""
+    """Return the projection of the near points, joined with a new projection of all others."""
     if near.all():
         return found
     return Projection(*(np.where(near.reshape(-1, *(1,) * (a.ndim - 1)), a, b)
@@ -119,7 +118,6 @@ def merged(near: ndarray, found: Projection, projected: Callable[[ndarray], Proj
 
 
 def _foot(surface: Surface, nodes: ndarray, points: ndarray, facet: ndarray, xi: ndarray) -> ndarray:
-    """Local coordinates of the orthogonal projection on every candidate: Newton from those on flat ones."""
     shape = surface.shape
     if shape.affine:
         return xi
@@ -128,7 +126,7 @@ def _foot(surface: Surface, nodes: ndarray, points: ndarray, facet: ndarray, xi:
     xi = np.clip(xi, low, high)
     exact = _ROUND_OFF * float(np.abs(nodes).max() / surface.size.min())
     left = np.arange(len(facet))
-    for _ in range(_NEWTON_STEPS):
+    for _ in range(NEWTON_STEPS):
         step = _newton_step(surface.at(facet[left], xi[left], nodes, 2).x, points[left])
         xi[left] = np.clip(xi[left] + np.clip(step, -width / 4, width / 4), low, high)
         moves = (np.abs(step) >= exact) & (xi[left] > low) & (xi[left] < high)
@@ -139,7 +137,6 @@ def _foot(surface: Surface, nodes: ndarray, points: ndarray, facet: ndarray, xi:
 
 
 def _newton_step(x: list[ndarray], points: ndarray) -> ndarray:
-    """Newton's step towards the orthogonal projection; x as in :class:`Place`."""
     offset, metric = points - x[0], products(x[1], x[1])
     matrix = metric - np.einsum("nabc,nc->nab", x[2], offset)
     # beyond the centre of curvature the full Newton step runs away: fall back to the safe Gauss-Newton step
@@ -151,7 +148,7 @@ def _newton_step(x: list[ndarray], points: ndarray) -> ndarray:
 
 def _on_facets(surface: Surface, nodes: ndarray, points: ndarray, facet: ndarray, foot: ndarray, beyond: ndarray,
                stays: ndarray) -> tuple[ndarray, ndarray, ndarray]:
-    """Closest points on candidates: feet, or places on the sides beyond which they lie; as :func:`on_sides`."""
+    """Return closest points on candidates: feet, or points on the sides, see :func:`on_sides`."""
     reach = surface.reach[facet]
     limit = np.maximum(reach, np.maximum(2.0 * stays, ON_FACET))
     xi, feature, off = foot.copy(), np.zeros(len(facet), int), np.zeros(len(facet), bool)
@@ -163,7 +160,6 @@ def _on_facets(surface: Surface, nodes: ndarray, points: ndarray, facet: ndarray
 
 def _above(surface: Surface, nodes: ndarray, facet: ndarray, feature: ndarray, xi: ndarray, normal: ndarray,
            offset: ndarray) -> ndarray:
-    """Whether points lie outside the body, seen from their closest points with the facet's normal there."""
     if (bent := np.flatnonzero(feature)).size:  # all facets there tell what is outside
         normal[bent] = side_of_joint(surface, nodes, facet[bent], feature[bent], xi[bent])
     return np.asarray(dot(normal, offset) >= 0)
@@ -171,7 +167,7 @@ def _above(surface: Surface, nodes: ndarray, facet: ndarray, feature: ndarray, x
 
 def _stays(surface: Surface, nodes: ndarray, facet: ndarray, beyond: ndarray, accepted: ndarray, frozen: ndarray
            ) -> ndarray:
-    """Share of the facet's size by which candidates that are a point's accepted facet are preferred, by side."""
+    """Return the share of the facet's size by which a point's accepted facet is preferred, by side."""
     share = np.where(frozen, FROZEN, HYSTERESIS)[:, None]
     stays = np.zeros(beyond.shape)
     pair, side = np.nonzero(accepted[:, None] & (np.abs(beyond) <= 2.0 * share) & ~surface.at_rim[facet])
@@ -184,9 +180,9 @@ def _stays(surface: Surface, nodes: ndarray, facet: ndarray, beyond: ndarray, ac
 
 
 def _preferred(surface: Surface, facet: ndarray, beyond: ndarray, outside: ndarray, stays: ndarray) -> ndarray:
-    """Share of its size by which a candidate may be farther away than another one and is taken yet, (n,).
+    """Return the share of its size by which a candidate may be farther away than another one and is still taken.
 
-    Neither round-off nor the order of the search decides at a joint: the facet before it does.
+    So neither round-off nor the order of the search decides at a joint: the facet before it does.
     """
     tied = (np.abs(beyond) <= ON_FACET) | (outside[:, None] & (beyond > 0))
     ties = np.where(tied, ON_FACET * surface.rank[facet], 0.0)
@@ -194,8 +190,99 @@ def _preferred(surface: Surface, facet: ndarray, beyond: ndarray, outside: ndarr
 
 
 def _first_minimum(row: ndarray, value: ndarray) -> ndarray:
-    """Position of the first smallest value of every row."""
     order = np.lexsort((value, row))
     first = np.ones(len(order), bool)
     first[1:] = row[order[1:]] != row[order[:-1]]
     return order[first]
+
+
+# -- sides and corners of facets --------------------------------------------------------------------------------
+
+
+def on_ends(surface: Surface, nodes: ndarray, points: ndarray, facet: ndarray, beyond: ndarray, reach: ndarray
+            ) -> tuple[ndarray, ndarray, ndarray]:
+    """Return the ends in the plane beyond which feet lie, like :func:`on_sides`."""
+    side = np.argmax(beyond - reach, axis=1)
+    end = surface.shape.corners[side, 0]
+    at = np.arange(len(facet))
+    return (end * (1.0 + reach[at, side]))[:, None], side + 1, surface.at_rim[facet, side]
+
+
+def on_sides(surface: Surface, nodes: ndarray, points: ndarray, facet: ndarray, beyond: ndarray, reach: ndarray
+             ) -> tuple[ndarray, ndarray, ndarray]:
+    """Return closest points on the sides beyond which feet lie, their features, and True if off the rim."""
+    shape, n = surface.shape, len(facet)
+    best, xi = np.full(n, np.inf), np.zeros((n, shape.dim))
+    feature, off = np.zeros(n, int), np.zeros(n, bool)
+    sides = len(shape.side_corners)
+    for side in range(sides):
+        if len(at := np.flatnonzero(beyond[:, side] > reach[:, side])) == 0:
+            continue
+        start = shape.corners[shape.side_corners[side, 0]] + reach[at, side, None] * (
+            shape.outward[side] / (shape.outward[side] @ shape.outward[side]))
+        ends = 0.5 * reach[at][:, [side - 1, (side + 1) % sides]] * [-1, 1] + [0, 1]
+        s, place = _along_side(surface, nodes, points[at], facet[at], start, shape.along[side], ends)
+        distance = np.sqrt(((points[at] - place) ** 2).sum(axis=1))
+        nearer = distance < best[at]
+        at, s, start, ends = at[nearer], s[nearer], start[nearer], ends[nearer]
+        best[at], xi[at] = distance[nearer], start + s[:, None] * shape.along[side]
+        over = s[:, None] == ends  # beyond an end of the side
+        feature[at] = np.where(over.any(axis=1), sides + 1, side + 1)
+        off[at] = surface.at_rim[facet[at], side] | (over & (ends != [0, 1])).any(axis=1)
+    return xi, feature, off
+
+
+def _along_side(surface: Surface, nodes: ndarray, points: ndarray, facet: ndarray, start: ndarray, along: ndarray,
+                ends: ndarray) -> tuple[ndarray, ndarray]:
+    s, left = np.full(len(facet), 0.5), np.arange(len(facet))
+    for _ in range(_ALONG_STEPS):
+        if len(left) == 0:
+            break
+        place = surface.at(facet[left], start[left] + s[left, None] * along, nodes, 2)
+        tangent, offset = along @ place.x[1], points[left] - place.x[0]
+        slope, curvature = dot(tangent, tangent), dot(along @ (along @ place.x[2]), offset)
+        step = dot(offset, tangent) / np.maximum(slope - curvature, 0.5 * slope)
+        new = np.clip(s[left] + np.clip(step, -1.0, 1.0), *ends[left].T)
+        moves, s[left] = np.abs(new - s[left]) > _ON_SIDE, new
+        left = left[moves]
+    return s, surface.at(facet, start + s[:, None] * along, nodes, 0).x[0]
+
+
+def side_of_joint(surface: Surface, nodes: ndarray, facet: ndarray, feature: ndarray, xi: ndarray) -> ndarray:
+    """Return the direction that tells outside from inside at sides and corners: the sum of all normals there.
+
+    At corners in space each normal counts with the angle of its facet (Baerentzen and Aanaes, 2005).
+    """
+    sides = surface.neighbours.shape[1]
+    normal = np.zeros((len(facet), surface.dim))
+    at_side = feature <= sides
+    here, there = normals_at_joint(surface, nodes, facet[at_side], feature[at_side] - 1)
+    normal[at_side] = here + there
+    if not at_side.all():
+        corner = np.argmin(np.abs(xi[~at_side][:, None] - surface.shape.corners).sum(axis=2), axis=1)
+        normal[~at_side] = _normals_at_corners(surface, nodes, surface.facets[facet[~at_side], corner])
+    return normal
+
+
+def _normals_at_corners(surface: Surface, nodes: ndarray, which: ndarray) -> ndarray:
+    n = len(surface.shape.corners)
+    facet, corner = np.nonzero(np.isin(surface.facets[:, :n], which))
+    node = surface.facets[facet, corner]
+    before = nodes[surface.facets[facet, corner - 1]] - nodes[node]
+    after = nodes[surface.facets[facet, (corner + 1) % n]] - nodes[node]
+    angle = np.arccos(np.clip(dot(unit(before), unit(after)), -1.0, 1.0))
+    normal = surface.at(facet, surface.shape.corners[corner], nodes).normal
+    total = np.zeros((len(surface.nodes), 3))
+    np.add.at(total, node, angle[:, None] * normal)
+    return total[which]
+
+
+def normals_at_joint(surface: Surface, nodes: ndarray, facet: ndarray, side: ndarray) -> tuple[ndarray, ndarray]:
+    """Return normals of facets and of their neighbours at the side's middle; the own one at a rim."""
+    shape = surface.shape
+    neighbour = surface.neighbours[facet, side]
+    other = 1 - side if surface.dim == 2 else np.argmax(surface.neighbours[neighbour] == facet[:, None], axis=1)
+    neighbour, other = np.where(neighbour < 0, facet, neighbour), np.where(neighbour < 0, side, other)
+    middle = shape.side_middles[np.concatenate((side, other))]
+    normal = surface.at(np.concatenate((facet, neighbour)), middle, nodes).normal
+    return normal[:len(facet)], normal[len(facet):]

@@ -1,20 +1,19 @@
-"""Forms between a few unknowns: matrices of scikit-fem, springs, bars such as anchors and struts, rigid footings."""
+"""Links: matrices of scikit-fem, springs, and bars such as anchors and struts."""
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy import ndarray
 from numpy.typing import ArrayLike
-from scipy.linalg import null_space
 from scipy.sparse import coo_matrix, csr_matrix
 from skfem import CellBasis
 
-from ..errors import check_basis, facets_of, finite, is_number
-from ..layout import Field, dofs_at, first_behind, rigid_modes
-from .base import Form, Response, solids_of
+from ..errors import finite, is_number
+from ..layout import dofs_at
+from .base import Form, Response
 
 
 class MatrixForm(Form):
@@ -41,7 +40,7 @@ class MatrixForm(Form):
     >>> bottom = FacetBasis(basis.mesh, basis.elem, facets="bottom")
     >>> subgrade = BilinearForm(lambda u, v, w: 100. * (u[0] * v[0] + u[1] * v[1])).assemble(bottom)
     >>> forms = {"square": sc.SolidForm(basis, sc.LinearElastic(E=1e6, nu=0.)), "ground": sc.MatrixForm(subgrade)}
-    >>> result = sc.run(forms, [sc.Stage("weight", sc.weight(basis, 20.))], fixed=[])
+    >>> result = sc.Model(forms).run([sc.Stage("weight", sc.weight(basis, 20.))])
     >>> [float(f"{u:.4f}") for u in result["weight"].x[basis.get_dofs("bottom").all("u^2")]]
     [-0.2, -0.2, -0.2, -0.2, -0.2]
     """
@@ -163,7 +162,7 @@ class Bar(Form):
 
     Notes
     -----
-    A bar is prestressed in a stage by :meth:`jacked`, whose force does not depend on the displacements, and locked
+    A bar is prestressed in a stage by :meth:`prestressed`, whose force does not depend on the displacements, and locked
     in the next one, where it goes on from that force (``Stage(change={"anchor": bar})``).
 
     Examples
@@ -179,7 +178,7 @@ class Bar(Form):
     >>> load = basis.zeros()
     >>> load[basis.get_dofs("left").all("u^2")] = -10.
     >>> fixed = basis.get_dofs().all("u^1")
-    >>> state = sc.run(forms, [sc.Stage("hang", load)], fixed)["hang"].states["rope"]
+    >>> state = sc.Model(forms, fixed).run([sc.Stage("hang", load)])["hang"].states["rope"]
     >>> state.force.round(6), (state.force * 2. / 1e3).round(6)
     (array([20.]), array([0.04]))
     """
@@ -213,7 +212,7 @@ class Bar(Form):
     def __repr__(self) -> str:
         return f"<Bar {len(self._axis)} bars, EA/L {self._stiffness.min():.4g} to {self._stiffness.max():.4g}>"
 
-    def jacked(self, force: float) -> Bar:
+    def prestressed(self, force: float) -> Bar:
         """The bars with a jack that keeps their force, tension positive, whatever they elongate by."""
         if not self._least <= force <= self._yield_force:
             raise ValueError(f"the force of a jack must lie between {self._least:g} and {self._yield_force:g}")
@@ -253,97 +252,3 @@ class Bar(Form):
     def summary(self, state: BarState) -> str:
         """Smallest and largest force, for the table of a result."""
         return f"forces {state.force.min():.4g} to {state.force.max():.4g}"
-
-
-class RigidBoundary(MatrixForm):
-    """A boundary that moves as a rigid body: below a footing, a cap or a platen that is much stiffer than the ground.
-
-    Small displacements: it may sink and turn, and what it rests on sticks to it.  Multipliers, unknowns behind the
-    displacements, keep all of its motions at zero but the rigid ones; to prescribe one of these, hold a single node.
-
-    Parameters
-    ----------
-    basis
-        ``Basis`` of the mesh.
-    boundary
-        Its name.
-    rotates
-        Whether it may turn; else it is guided and moves parallel to itself.
-    after
-        The form whose unknowns come before these, such as another footing or :class:`PoreWater`.
-
-    Raises
-    ------
-    ValueError
-        There is no such boundary, or it is empty; where it is run: it belongs to no solid.
-
-    Examples
-    --------
-    A footing of one metre, loaded at a third of its width from its end, tilts so far that the other end stays:
-
-    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
-    >>> import skfem_contact as sc
-    >>> basis = Basis(MeshQuad().refined(2).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
-    >>> footing = sc.RigidBoundary(basis, "top")
-    >>> forms = {"soil": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.)), "footing": footing}
-    >>> stage = sc.Stage("load", footing.load((0., -10.), at=(1 / 3, 1.)))
-    >>> x = sc.run(forms, [stage], fixed=basis.get_dofs("bottom").all())["load"].x
-    >>> [f"{footing.motion(x, at)[1]:.4f}" for at in ((0., 1.), (1., 1.))]
-    ['-0.0197', '-0.0003']
-    """
-
-    def __init__(self, basis: CellBasis, boundary: str, rotates: bool = True, after: Form | None = None) -> None:
-        check_basis(basis)
-        self._dofs = np.unique(basis.get_dofs(facets_of(basis.mesh, boundary)).all())  # node by node
-        self._places, self._modes = basis.doflocs[:, self._dofs], None if rotates else basis.mesh.dim()
-        modes = self._at(self._places[:, 0])[0]
-        others = null_space(modes.T)
-        first = first_behind(basis, after)
-        self._displacements, size = int(basis.N), first + others.shape[1]
-        rows, columns = np.broadcast_arrays(self._dofs[:, None], np.arange(first, size))
-        ties = coo_matrix((others.ravel(), (rows.ravel(), columns.ravel())), shape=(size, size)).tocsr()
-        super().__init__(ties + ties.T)
-        self.fields = (Field("force of a rigid footing", self._places[:, :others.shape[1]], first, moves=False),)
-
-    def completed(self, forms: Mapping[str, Form]) -> RigidBoundary:
-        """The footing with a scale of its forces that suits the solids."""
-        stiffness = [form.elastic_stiffness.diagonal()[self._dofs].max() for form in solids_of(forms).values()]
-        if not max(stiffness, default=0.0) > 0.0:
-            raise ValueError("a rigid footing rests on nothing: its boundary belongs to no solid among the forms")
-        new = copy(self)
-        new.fields = (replace(self.fields[0], scale=float(max(stiffness))),)
-        return new
-
-    def assemble(self, x: ndarray, state: ndarray) -> Response:
-        """Forces of the multipliers, and motions that are none of a rigid body: small beside those that add up."""
-        answer, first = super().assemble(x, state), self.fields[0].first
-        answer.measure = answer.force.copy()
-        answer.measure[first:] = (abs(self.elastic_stiffness) @ abs(x - state))[first:]
-        return answer
-
-    def rebased(self, x: ndarray, state: ndarray) -> ndarray:
-        """Displacements from which motions count, once these count from x on; forces stay."""
-        moved, first = super().rebased(x, state), self.fields[0].first
-        return np.append(moved[:first], state[first:])
-
-    def load(self, force: ArrayLike, at: ArrayLike) -> ndarray:
-        """Load vector, (N,), of a force, (dim,), at a place of the footing, (dim,), on its line or beside it."""
-        load = np.zeros(self._displacements)
-        load[self._dofs] = self._spread(at) @ finite(force, "force")
-        return load
-
-    def motion(self, x: ndarray, at: ArrayLike) -> ndarray:
-        """Displacement, (dim,), of a place of the footing when the displacements are x, (N,)."""
-        return self._spread(at).T @ x[self._dofs]
-
-    def _spread(self, at: ArrayLike) -> ndarray:
-        """Forces on the unknowns for unit forces at a place, (n, dim): its motion, too, by reciprocity."""
-        modes, there = self._at(finite(at, "at"))
-        return np.linalg.pinv(modes).T @ there.T
-
-    def _at(self, place: ndarray) -> tuple[ndarray, ndarray]:
-        """Rigid motions of the unknowns, and of a place."""
-        dim, n = self._places.shape
-        places = np.column_stack((self._places, np.tile(place[:, None], dim)))
-        modes = rigid_modes(places, np.arange(n + dim))[:, :self._modes]
-        return modes[:n], modes[n:]

@@ -1,29 +1,35 @@
 """A body that carries load: a basis, a strain measure and the materials of its regions."""
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import cast
 
 import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix
 from skfem import CellBasis
+from typing_extensions import override
 
 from ..errors import Remark, check_basis, check_quadrature, check_size, look_up
+from ..loads import by_element, weight
 from ..materials import Material, Update
-from ..materials.reduction import reduced_strength
+from ..materials.base import PLASTIC_STRAIN, Flow, updated
 from ..materials.spectral import largest_shear
-from .assembly import Pattern, damped, element_stiffness, force_matrix
-from .base import Form, Response
-from .regions import Region, by_region, check_materials
-from .strain import StrainOperator, axisymmetric, b_bar, has_corners_only, strain_of
+from .assembly import Pattern, element_stiffness, force_matrix
+from .base import Coordinates, Form, Response
+from .regions import Region, by_region, changed_moduli, check_materials, inherited, region_of
+from .strain import Measure, has_corners_only, strain_of, strain_operator
 
 #: Round-off of the forces of a displaced body, relative to those of its displacements taken one by one.
 _ROUND_OFF = 8 * np.finfo(float).eps
 #: Rotation (radians) and strain that are remarked on: lengths are then off by 1 %, strains by a fifth of themselves.
 _TURN, _STRAIN = 0.14, 0.2
+
+#: Regions with the stresses and internal variables of an accepted state.
+_Given = list[tuple[Region, ndarray, ndarray]]
 
 
 @dataclass(frozen=True)
@@ -37,7 +43,7 @@ class SolidState:
     stress
         Stress of these components, tension positive.
     internal
-        Internal variables of the materials; the first is the equivalent plastic strain where there is one.
+        Internal variables of the materials, in the order in which each of them declares its own.
     """
 
     strain: ndarray
@@ -58,9 +64,17 @@ class SolidForm(Form):
         One material, or ``{subdomain: material}`` that covers every element of the basis exactly once. Parameters that
         are arrays have one value for each of these elements, in the order of ``mesh.subdomains[subdomain]``.
     strain
-        :func:`plane_strain`, :func:`b_bar`, :func:`axisymmetric` or :func:`three_dimensional`; by default plane or
-        three-dimensional strains, and :func:`b_bar` for quadrilaterals of four nodes and hexahedra of eight with a
-        material that yields, where they would lock.
+        ``"full"``: the strains of the displacements; ``"b_bar"``: their volumetric part averaged over each element.
+        By default ``"b_bar"`` for quadrilaterals of four nodes and hexahedra of eight with a material that yields,
+        where full strains lock.
+    coordinates
+        ``"axisymmetric"`` for axial symmetry about x = 0, where all forces are per radian and the radial displacement
+        on the axis has to be fixed. By default ``"plane"`` or ``"space"``, as the mesh.
+    unit_weight
+        Weight per volume: one number, or by subdomain, for every element. Stages and searches of a :class:`Model` then
+        carry the weight of the active bodies. By default the body is weightless.
+    porous
+        True if water at rest (``Stage(water=...)``) acts in its pores; False for concrete and steel.
 
     Attributes
     ----------
@@ -94,14 +108,18 @@ class SolidForm(Form):
     """
 
     def __init__(self, basis: CellBasis, materials: Material | Mapping[str, Material],
-                 strain: Callable[[CellBasis], StrainOperator] | None = None) -> None:
+                 strain: Measure | None = None, *, coordinates: Coordinates | None = None,
+                 unit_weight: float | Mapping[str, float] | None = None, porous: bool = True) -> None:
         check_basis(basis)
         check_quadrature(basis)
         self.basis, regions = by_region(basis, materials)  # state arrays follow this order of the elements
-        flows = any(getattr(region.material, "n_internal", 0) for region in regions)
-        self.size, self.strain = int(self.basis.N), strain or strain_of(self.basis, flows)
-        self.joins, self.axisymmetric = np.zeros(0, int), self.strain is axisymmetric
-        B, self.weight = self.strain(self.basis)
+        flows = any(region.material.n_internal for region in regions)
+        self.size, self.joins, self._duration = int(self.basis.N), np.zeros(0, int), 0.0
+        self.strain, self.coordinates = strain_of(self.basis, strain, coordinates, flows)
+        self.unit_weight, self.porous = unit_weight, porous
+        if unit_weight is not None:
+            self.own_weight(np.zeros(basis.mesh.dim()))
+        B, self.weight = strain_operator(self.basis, self.strain, self.coordinates)
         self._ncomp = B.shape[2]
         self._set(regions)
         self._pattern = Pattern.of(self.basis)
@@ -120,17 +138,18 @@ class SolidForm(Form):
         check_materials(regions, self.basis.nelems, self._ncomp)
         self.regions = regions
         self.materials = {region.name: region.material for region in regions}
-        self.symmetric = all(getattr(material, "symmetric", False) for material in self.materials.values())
-        elastic = all(material.n_internal == 0 for material in self.materials.values())
-        self.changing = self.joins if elastic else None
-        self.strengths = tuple(name for name, material in self.materials.items() if hasattr(material, "reduced"))
+        materials = self.materials.values()
+        self.symmetric = all(material.symmetric for material in materials)
+        changing = any(m.n_internal or m.stress_dependent or m.time_dependent for m in materials)
+        self.changing = None if changing else self.joins
+        self.strengths = tuple(name for name, material in self.materials.items() if material.reducible)
 
     def with_materials(self, materials: Mapping[str, Material]) -> SolidForm:
         """The same body with other materials, ``{subdomain: material}``; what does not change is shared."""
         for name in materials:
             look_up(name, self.materials, "region of this solid")
         new = copy(self)
-        new._set(tuple(Region(r.name, materials.get(r.name, r.material), r.elements) for r in self.regions))
+        new._set(tuple(region_of(r.name, materials.get(r.name, r.material), r.elements) for r in self.regions))
         same = all(np.array_equal(a.material.elasticity(self._ncomp), b.material.elasticity(self._ncomp))
                    for a, b in zip(self.regions, new.regions, strict=True))
         if not same:
@@ -138,26 +157,51 @@ class SolidForm(Form):
                 new.__dict__.pop(name, None)
         return new
 
+    @override
+    def own_weight(self, acceleration: ndarray) -> ndarray | None:
+        if self.unit_weight is None:
+            return None
+        gamma = by_element(self.basis.mesh, self.unit_weight, "unit weight", np.nan)[self.elements]
+        if np.isnan(gamma).any():
+            missing = [region.name for region in self.regions if np.isnan(gamma[region.elements]).any()]
+            raise ValueError(f"{np.isnan(gamma).sum()} elements of the regions {missing} have no unit weight: give one "
+                             "for each subdomain, 0 for a weightless one")
+        size = float(np.linalg.norm(acceleration))
+        return size * weight(self, self.unit_weight, acceleration / size) if size else np.zeros(self.size)
+
     def reduced(self, factor: float, flow: str, names: Collection[str]) -> SolidForm:
-        """The same body with the strength of some regions divided by a factor, see :func:`reduced_strength`."""
-        return self.with_materials({name: reduced_strength(self.materials[name], factor, flow) for name in names})
+        """Return the same body with the strength of some regions divided by a factor, see `Material.reduced`."""
+        return self.with_materials({n: self.materials[n].reduced(factor, cast(Flow, flow)) for n in names})
+
+    def over(self, duration: float) -> SolidForm:
+        """Return the form of a step in time; itself where no material depends on time."""
+        if duration == self._duration or not any(m.time_dependent for m in self.materials.values()):
+            return self
+        new = copy(self)
+        new._duration = duration
+        return new
 
     def yielding(self, before: SolidState, after: SolidState) -> tuple[int, int]:
-        """Number of points whose plastic strain has grown from one state to another, and of all points."""
-        if not len(after.internal):
-            return 0, after.stress[0].size
-        earlier = before.internal[0] if len(before.internal) else 0.0
-        return int((after.internal[0] > earlier).sum()), after.stress[0].size
+        """Return the number of points that have flowed from one state to another, and that of all points."""
+        parts = zip(self.at_regions(before), self.at_regions(after), strict=True)
+        return sum(int(r.material.yielding(i, j).sum()) for (r, _, i), (_, _, j) in parts), after.stress[0].size
 
     def shear_strain(self, x: ndarray) -> ndarray:
         """Largest shear strain of displacements, of plane bodies that in their plane, (n_elements, n_points)."""
         return largest_shear(self._strains(x))
 
-    def initial_state(self, x: ndarray | None = None) -> SolidState:
-        """Stress-free: undeformed or, when it is built after others have deformed, at the displacements x, (N,)."""
-        stress = np.zeros((self._ncomp, *self.weight.shape))
-        strain = stress.copy() if x is None else self._strains(x)
-        return SolidState(strain, stress, np.zeros((self._n_internal, *self.weight.shape)))
+    def initial_state(self, x: ndarray | None = None, stress: ndarray | None = None) -> SolidState:
+        """Return the state without strain: undeformed or built at the displacements x, (N,); stress-free or given."""
+        stress = np.zeros((self._ncomp, *self.weight.shape)) if stress is None else stress
+        strain = np.zeros(stress.shape) if x is None else self._strains(x)
+        return SolidState(strain, stress, self._initial_internal(stress))
+
+    def _initial_internal(self, stress: ndarray) -> ndarray:
+        """Return the internal variables with which the materials start under a stress."""
+        internal = np.zeros((self._n_internal, *self.weight.shape))
+        for r in self.regions:
+            internal[:r.material.n_internal, r.elements] = r.material.initial_internal(stress[:, r.elements])
+        return internal
 
     def _strains(self, x: ndarray) -> ndarray:
         n_elements, n_points, n_acting, n_local = self._B.shape
@@ -172,40 +216,53 @@ class SolidForm(Form):
         return max(region.material.n_internal for region in self.regions)
 
     def _remembered(self, state: SolidState) -> ndarray:
-        """Internal variables, of which a state from before a change of materials may hold too few."""
-        missing = max(0, self._n_internal - len(state.internal))
-        return np.pad(state.internal, ((0, missing), (0, 0), (0, 0))) if missing else state.internal
+        """Return the internal variables, of which a state from before a change of materials may hold too few."""
+        known = len(state.internal)
+        if known >= self._n_internal:
+            return state.internal
+        return np.concatenate((state.internal, self._initial_internal(state.stress)[known:]))
+
+    def at_regions(self, state: SolidState) -> _Given:
+        """Return the regions with the stresses and internal variables of their materials."""
+        internal = self._remembered(state)
+        return [(r, state.stress[:, r.elements], internal[:r.material.n_internal, r.elements]) for r in self.regions]
 
     def assemble(self, x: ndarray, state: SolidState) -> Response:
         """Internal force, tangent and candidate state at the displacements x, (N,), from the last accepted state."""
         check_size(x, self.basis.N)
         strain = self._strains(x)
         increment = strain - state.strain
-        before = self._remembered(state)
-        given = [before[:r.material.n_internal, r.elements] for r in self.regions]
-        updates = [r.material.update(increment[:, r.elements], state.stress[:, r.elements], internal)
-                   for r, internal in zip(self.regions, given, strict=True)]
+        given = self.at_regions(state)
+        updates = [updated(r.material, increment[:, r.elements], old, internal, self._duration)
+                   for r, old, internal in given]
         # one region's stress is not copied
         stress = updates[0].stress if len(updates) == 1 else np.concatenate([u.stress for u in updates], axis=1)
         force = self._force_matrix @ stress.ravel()
-        return Response(force, lambda: SolidState(strain, stress, self._internal(before, given, updates)),
-                        lambda: self._tangent(updates), lambda: self._tangent(updates, damping=True),
+        return Response(force, lambda: SolidState(strain, stress, self._internal(state, given, updates)),
+                        lambda: self._tangent(given, updates), lambda: self._tangent(given, updates, damping=True),
                         _ROUND_OFF * float(np.linalg.norm(self._diagonal * x)))
 
-    def _internal(self, before: ndarray, given: list[ndarray], updates: list[Update]) -> ndarray:
-        """Internal variables after the updates; what a material hands back as it was given has not changed."""
-        changed = [(r, update) for r, i, update in zip(self.regions, given, updates, strict=True)
-                   if update.internal is not i]
+    def _internal(self, state: SolidState, given: _Given, updates: list[Update]) -> ndarray:
+        """Return internal variables after the updates; a material that hands back its argument has changed nothing."""
+        before = self._remembered(state)
+        changed = [(r, update) for (r, _, i), update in zip(given, updates, strict=True) if update.internal is not i]
         after = before.copy() if changed else before
         for region, update in changed:
             after[:region.material.n_internal, region.elements] = update.internal
         return after
 
     def summary(self, state: SolidState) -> str:
-        """Share of the points that have yielded, for the table of a result; nothing where nothing has."""
-        if not len(state.internal) or not (yielded := state.internal[0] > 0).any():
-            return ""
-        return f"{yielded.mean():.1%} yielded"
+        """Return the share of the points that have yielded, for the table of a result; "" if there is none."""
+        yielded = self.variable(PLASTIC_STRAIN, state) > 0
+        return f"{yielded.mean():.1%} yielded" if yielded.any() else ""
+
+    def variable(self, name: str, state: SolidState) -> ndarray:
+        """Return an internal variable, (n_elements, n_points); zero where a material does not declare it."""
+        values = np.zeros(self.weight.shape)
+        for region, _, internal in self.at_regions(state):
+            if (own := region.material.variable(name, internal)) is not None:
+                values[region.elements] = own
+        return values
 
     def continues(self, old: Form) -> SolidForm:
         """The form in the place of another one of the same elements."""
@@ -215,18 +272,14 @@ class SolidForm(Form):
         return self
 
     def inherits(self, old: Form, state: SolidState) -> SolidState:
-        """The state of an old form, without the excess pressures of ground that was undrained and is not any more."""
-        tight = np.zeros(self.basis.nelems, bool)
-        for region in self.regions:
-            tight[region.elements] = hasattr(region.material, "drained")
-        for region in old.regions if isinstance(old, SolidForm) else ():
-            opened = np.arange(len(tight))[region.elements][~tight[region.elements]]
-            if (drained := getattr(region.material, "drained", None)) and len(opened) \
-                    and len(state.internal) >= region.material.n_internal:
-                state = SolidState(state.strain, state.stress.copy(), state.internal.copy())
-                state.stress[:, opened], state.internal[:, opened] = drained(
-                    state.stress[:, opened], state.internal[:, opened])
-        return state
+        """Return the state of an old form for the materials of this one, see :func:`inherited`."""
+        if not isinstance(old, SolidForm):
+            return state
+        internal = old._remembered(state)
+        missing = max(0, self._n_internal - len(internal))
+        new = SolidState(state.strain, state.stress.copy(), np.pad(internal, ((0, missing), (0, 0), (0, 0))))
+        changed = [inherited(one, other, new.stress, new.internal) for one in old.regions for other in self.regions]
+        return new if any(changed) else state
 
     def fits(self, state: SolidState) -> bool:
         """Whether a state has stresses at the points of this body; internal variables may be others than at first."""
@@ -247,9 +300,9 @@ class SolidForm(Form):
         strain = float(np.abs(state.strain).max(initial=0.0))
         if strain > _STRAIN:
             yield Remark("strain", strain, f"strains of up to {strain:.0%} are taken for small")
-        yielded = float((state.internal[0] > 0).mean()) if len(state.internal) else 0.0
-        if yielded and self.strain is not b_bar and has_corners_only(self.basis):
-            instead = "" if self.axisymmetric else "strain=b_bar, or "
+        yielded = float((self.variable(PLASTIC_STRAIN, state) > 0).mean())
+        if yielded and self.strain != "b_bar" and has_corners_only(self.basis):
+            instead = "" if self.coordinates == "axisymmetric" else 'strain="b_bar", or '
             yield Remark("locking", yielded, f"{yielded:.1%} of the points yield in elements of corner nodes with full "
                          f"integration, which are too stiff where volume does not change: take {instead}elements of "
                          "second order")
@@ -281,19 +334,14 @@ class SolidForm(Form):
     def _diagonal(self) -> ndarray:
         return self.elastic_stiffness.diagonal()
 
-    def _tangent(self, updates: list[Update], damping: bool = False) -> csr_matrix:
-        """Elastic stiffness corrected in the elements that hold a plastic point."""
+    def _tangent(self, given: _Given, updates: list[Update], damping: bool = False) -> csr_matrix:
+        """Correct the elastic stiffness in the elements that hold a point of another tangent."""
         n_points = self.weight.shape[1]
         points, tangents = [], []
-        for region, update in zip(self.regions, updates, strict=True):
-            if len(update.plastic):
-                points.append(update.plastic + n_points * (region.elements.start or 0))
-                tangent = update.tangent()
-                if damping:
-                    n_elements = len(range(self.basis.nelems)[region.elements])
-                    n = self._ncomp
-                    elasticity = np.broadcast_to(region.material.elasticity(n), (n_elements, n, n))
-                    tangent = damped(tangent, elasticity[update.plastic // n_points])
+        for (region, stress, internal), update in zip(given, updates, strict=True):
+            at, tangent = changed_moduli(region.material, stress, internal, update, damping)
+            if len(at):
+                points.append(at + n_points * (region.elements.start or 0))
                 tangents.append(tangent)
         if not points:
             return self.elastic_stiffness

@@ -1,4 +1,4 @@
-"""What a stress or a velocity proves: recomputed after the solver, to round-off, by the theorems of limit analysis."""
+"""Certificates of stresses and velocities, computed after the solver by the theorems of limit analysis."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -7,9 +7,9 @@ import numpy as np
 from numpy import ndarray
 from scipy.optimize import brentq
 
+from .elements import Program
 from .interior_point import HIGHEST, Solution
-from .program import Program
-from .strength import FLAT
+from .strength import Strength
 
 #: Share of plain stiffness in the metric in which stresses are put into equilibrium: with the solver's alone points at
 #: yield could not move at all, with the plain one soil of little stress would lose up to 2 % of the factor.
@@ -30,47 +30,37 @@ _MIXED = (0.0, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3)
 
 @dataclass(frozen=True)
 class Proof:
-    """A bound and the field that proves it.
+    """Bound and the field that proves it."""
 
-    Attributes
-    ----------
-    value
-        Factor or multiplier; -inf or inf where nothing was proven.
-    field
-        Stresses (n_points, 3), or velocities (m,) that move the loads with unit power.
-    residual
-        Largest violation of equilibrium, or of the flow rule where it is an equation, as a share of what adds up to it.
-    """
-
-    value: float
-    field: ndarray
-    residual: float
+    value: float  # factor or multiplier; -inf or inf where nothing was proven
+    field: ndarray  # stresses (n_points, 3), or velocities (m,) that move the loads with unit power
+    residual: float  # largest relative violation of equilibrium, or of a flow rule that is an equation
 
 
 def prove_lower(program: Program, found: Solution, live: bool) -> Proof:
-    """Lower bound: stresses in equilibrium with the loads, and the largest factor (multiplier) that they admit."""
+    """Prove a lower bound: the largest factor (multiplier) that stresses in equilibrium with the loads admit."""
     theta = found.theta if live else 1.0
     stress, residual = _balanced(program, found, theta)
     if not residual <= UNBALANCED:
         return Proof(-np.inf, stress, residual)
     round_off = _NO_STRESS * np.abs(stress).max(initial=0.0)
     if not live:
-        return Proof(float(_admitted(program, stress, round_off).min()), stress, residual)
+        return Proof(_admitted(program, stress, round_off), stress, residual)
     if np.any(program.dead):
-        holds = _admitted(program, stress, round_off).min() >= 1.0
+        holds = _admitted(program, stress, round_off) >= 1.0
         return Proof(theta if holds else -np.inf, stress, residual)
-    share = float(_largest_share(program, stress, round_off))
+    share = _largest_share(program, stress, round_off)
     return Proof(share * theta, share * stress, residual)
 
 
 def _balanced(program: Program, found: Solution, theta: float) -> tuple[ndarray, float]:
-    """Stresses moved into equilibrium, where it costs least, and what is left of the violation."""
+    """Move stresses into equilibrium, where it costs least; also return the relative violation that is left."""
     f = program.dead + theta * program.live
     stress = found.stress.copy()
     scale = float((abs(program.matrix) @ np.abs(stress).ravel()).max(initial=0.0)) or 1.0
     trace = np.trace(found.metric, axis1=1, axis2=2)[:, None, None]
     metric = np.divide(found.metric, trace, out=np.zeros_like(found.metric), where=trace > 0) + _PLAIN * np.eye(3)
-    inverse = program.normal.factor(metric)
+    inverse = program.factor(metric)
     for _ in range(_REPETITIONS):
         r = f - program.forces(stress)
         if np.abs(r).max(initial=0.0) < _BALANCED * scale:
@@ -79,14 +69,15 @@ def _balanced(program: Program, found: Solution, theta: float) -> tuple[ndarray,
     return stress, float(np.abs(f - program.forces(stress)).max(initial=0.0)) / scale
 
 
-def _admitted(program: Program, stress: ndarray, round_off: float) -> ndarray:
-    return program.of_points(lambda s, points: s.factor(stress[points], round_off))
+def _admitted(program: Program, stress: ndarray, round_off: float) -> float:
+    """Return the largest factor that stresses at all points admit."""
+    return float(program.of_points(lambda s, points: s.factor(stress[points], round_off)).min())
 
 
 def _largest_share(program: Program, stress: ndarray, round_off: float) -> float:
-    """Largest number that stresses may be multiplied by: the strength holds zero, so bisection finds it."""
+    """Return the largest number that stresses may be multiplied by; zero stress is admissible."""
     def holds(share: float) -> bool:
-        return bool(_admitted(program, share * stress, share * round_off).min() >= 1.0)
+        return _admitted(program, share * stress, share * round_off) >= 1.0
 
     low, high = 0.0, 2.0
     for _ in range(60):
@@ -96,7 +87,7 @@ def _largest_share(program: Program, stress: ndarray, round_off: float) -> float
 
 
 def prove_upper(program: Program, found: Solution, live: bool) -> Proof:
-    """Upper bound: velocities that obey the flow rule, and the factor (multiplier) that their power refutes."""
+    """Prove an upper bound: the factor (multiplier) that the power of a plastic flow refutes."""
     inner = found.inner[len(found.inner) // 2] if found.inner else found.velocity
     last, inner = _shaped(program, found, [-found.velocity, -inner])
     best = Proof(np.inf, last, np.inf)
@@ -111,7 +102,7 @@ def prove_upper(program: Program, found: Solution, live: bool) -> Proof:
 
 
 def _refuted(program: Program, velocity: ndarray, live: bool) -> Proof:
-    """The bound of velocities that obey the flow rule from some factor on: the smallest where the loads win."""
+    """Return the bound of velocities: the smallest factor of their flow rule at which the loads win."""
     strain, round_off = program.strains(velocity), program.round_off(velocity)
     fixed = program.dead @ velocity
     power = program.live @ velocity + (0.0 if live else fixed)
@@ -130,47 +121,36 @@ def _refuted(program: Program, velocity: ndarray, live: bool) -> Proof:
     else:
         flow = max(flow, 1.0 / HIGHEST)
         value = flow if excess(flow) <= 0 else (1 + _ROOT) * brentq(excess, flow, HIGHEST, xtol=_ROOT, rtol=_ROOT)
-    return Proof(value, velocity, _volume_residual(program, strain))
+    kept = program.incompressible
+    change = np.abs((strain[kept] * program.volume[kept]).sum(1)).max(initial=0.0)
+    return Proof(value, velocity, float(change / np.abs(strain).max(initial=1e-300)))
 
 
 def dissipation(program: Program, strain: ndarray, factor: float) -> ndarray:
-    """Dissipation at every point, (n_points,)."""
+    """Return the dissipation at every point, (n_points,)."""
     return program.of_points(lambda s, points: s.dissipation(strain[points], factor))
 
 
-def _kept(program: Program) -> ndarray:
-    """Points whose volume does not change."""
-    return np.flatnonzero(program.of_points(lambda s, points: (s.t < FLAT) & ~s.cut))
-
-
-def _volume_residual(program: Program, strain: ndarray) -> float:
-    kept = _kept(program)
-    volume = (strain[kept] * program.volume[kept]).sum(1)
-    return float(np.abs(volume).max(initial=0.0) / np.abs(strain).max(initial=1e-300))
-
-
 def _shaped(program: Program, found: Solution, velocities: list[ndarray]) -> list[ndarray]:
-    """Velocities that keep the volume where there is no friction, and whose bodies do not overlap."""
-    kept = _kept(program)
+    """Correct velocities to constant volume where there is no friction, and to bodies that do not overlap."""
+    kept = program.incompressible
     if not len(kept) and not program.joints:
         return velocities
     volume = program.volume
     stiffness = np.einsum("ni,nij,nj->n", volume, found.metric, volume) / (volume**2).sum(1) ** 2
-    inverse = program.normal.factor(found.metric)
+    inverse = program.factor(found.metric)
     shaped = []
     for velocity in velocities:
         for _ in range(_SHAPINGS):
             strain = program.strains(velocity)
-            missing = _missing_volume(program, kept, strain, found.factor)
+
+            def overlap(s: Strength, points: slice, strain: ndarray = strain) -> ndarray:
+                return s.overlap(strain[points], found.factor)
+
+            missing = program.of_points(overlap)
+            missing[kept] = -(strain[kept] * volume[kept]).sum(1)
             if np.abs(missing).max(initial=0.0) <= _SHAPED * np.abs(strain).max(initial=0.0):
                 break
             velocity = velocity + inverse(program.forces((stiffness * missing)[:, None] * volume))
         shaped.append(velocity)
     return shaped
-
-
-def _missing_volume(program: Program, kept: ndarray, strain: ndarray, factor: float) -> ndarray:
-    """Change of volume, or opening, that strains lack for being a plastic flow, (n_points,)."""
-    missing = program.of_points(lambda s, points: s.overlap(strain[points], factor))
-    missing[kept] = -(strain[kept] * program.volume[kept]).sum(1)
-    return missing

@@ -15,11 +15,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy import ndarray
 
-from .cone import longest_step, product, quotient, scaling
-from .program import Program
+from .elements import Program
 from .strength import FLAT
 
 _MOST = 80
+_SIGNS = np.array([1.0, -1.0, -1.0])
 #: Factor beyond which nothing is looked for: what stands with so much less strength does not live on it.
 HIGHEST = 100.0
 #: Distance from the aim of which the gap keeps a share: points at the surface of their cones cannot follow the factor.
@@ -45,59 +45,30 @@ _STALLED = 2
 
 @dataclass(frozen=True)
 class Solution:
-    """The last iterate.
+    """Last iterate."""
 
-    Attributes
-    ----------
-    theta, factor
-        Objective and factor.
-    stress, velocity
-        (n_points, 3) and (m,).
-    metric
-        Inverse Hessian at the points, (n_points, 3, 3): how easily their stresses change.
-    inner
-        Velocities of earlier iterates, farther inside of the flow rule.
-    iterations
-        How many systems were factored.
-    """
-
-    theta: float
+    theta: float  # objective
     factor: float
-    stress: ndarray
-    velocity: ndarray
-    metric: ndarray
-    inner: list[ndarray]
-    iterations: int
+    stress: ndarray  # (n_points, 3)
+    velocity: ndarray  # (m,)
+    metric: ndarray  # inverse Hessian at the points, (n_points, 3, 3): compliance of the stresses
+    inner: list[ndarray]  # velocities of earlier iterates, farther inside of the flow rule
+    iterations: int  # number of systems that were factored
 
 
 @dataclass(frozen=True)
 class Goal:
-    """What is looked for.
+    """Aim of an iteration."""
 
-    Attributes
-    ----------
-    factor
-        Factor of strength to begin with, or to stay at.
-    aim
-        Objective at which the factor is right.
-    moving
-        Whether the factor is looked for; it stays otherwise, and the load is multiplied.
-    volume
-        Share of compliance to the mean stress where the strength does not depend on it: that stress is then a
-        multiplier, which the iteration finds as an augmented Lagrangian method does.
-    fixed
-        Factor of strength that is not reduced.
-    """
-
-    factor: float
-    aim: float
-    moving: bool
-    volume: float
-    fixed: float = 1.0
+    factor: float  # of strength, to begin with or to stay at
+    aim: float  # objective at which the factor is right
+    moving: bool  # the factor is sought; otherwise it stays, and the load is multiplied
+    volume: float  # compliance to the mean stress where strength does not depend on it: then an augmented Lagrangian
+    fixed: float = 1.0  # factor of strength that is not reduced
 
 
 def solve(program: Program, goal: Goal, accuracy: float) -> Solution:
-    """Go to where the gap is this share of the objective, or as close to the optimum as round-off allows."""
+    """Iterate until the gap is this share of the objective, or round-off rules."""
     path = _Path(program, goal, accuracy)
     while path.iterations < _MOST and path.F <= HIGHEST and not path.arrived():
         try:
@@ -108,7 +79,7 @@ def solve(program: Program, goal: Goal, accuracy: float) -> Solution:
 
 
 class _Path:
-    """Iterates and what a step needs of them."""
+    """Iterates, and data of a step."""
 
     def __init__(self, program: Program, goal: Goal, accuracy: float) -> None:
         self.program, self.goal, self.F, self.accuracy = program, goal, goal.factor, accuracy
@@ -140,7 +111,7 @@ class _Path:
         self.G, self.h, self.dh, self.dq = self.cones.at_factor(factor, self.goal.fixed)
 
     def gathered(self, x: ndarray) -> ndarray:
-        """Sum over the cones of every point."""
+        """Return the sum over the cones of every point."""
         n = self.program.n_points
         total = x[:n].copy()
         total[self.second] += x[n:]
@@ -152,7 +123,7 @@ class _Path:
         return abs(self.theta - self.goal.aim) if self.moving else 0.0
 
     def residuals(self) -> None:
-        """How far the iterate is from equilibrium, strength, flow rule and normalisation."""
+        """Compute residuals of equilibrium, strength, flow rule and normalisation."""
         program, s, z = self.program, self.s, self.z
         self.rc = s + _times(self.G, self.sigma[self.cones.at])
         self.rc[:, 0] += self.theta * self.e - self.h
@@ -162,7 +133,7 @@ class _Path:
         self.gap = float((s * z).sum())
 
     def arrived(self) -> bool:
-        """Whether the gap is small, or no progress is made any more."""
+        """Return True if the gap is small, or no progress is made any more."""
         self.residuals()
         size = 1.0 if self.moving else max(self.theta, 1e-9)
         feasible = abs(self.rt) < _FEASIBLE[0] and np.abs(self.rc).max() < _FEASIBLE[1]
@@ -176,18 +147,18 @@ class _Path:
         return self._stalled > _STALLED
 
     def step(self) -> None:
-        """Predictor and corrector."""
+        """Take a predictor and a corrector."""
         self.iterations += 1
-        scaled = self.scaled = scaling(self.s, self.z)
+        scaled = self.scaled = _scaling(self.s, self.z)
         self._factor()
         n_cones, point = len(self.s), scaled.point
         mu = self.gap / n_cones
         first = self._direction(-point)
-        a = min(1.0, longest_step(self.s, first.s), longest_step(self.z, first.z))
-        right = -product(point, point) - product(_times(scaled.inverse, first.s), _times(scaled.W, first.z))
+        a = min(1.0, _longest_step(self.s, first.s), _longest_step(self.z, first.z))
+        right = -_product(point, point) - _product(_times(scaled.inverse, first.s), _times(scaled.W, first.z))
         right[:, 0] += max(max((1 - a) ** 3, 1e-8) * mu, min(mu, _CENTRED * self.away / n_cones))
-        d = self._direction(quotient(right, point))
-        a = min(1.0, _STEP * min(longest_step(self.s, d.s), longest_step(self.z, d.z)))
+        d = self._direction(_quotient(right, point))
+        a = min(1.0, _STEP * min(_longest_step(self.s, d.s), _longest_step(self.z, d.z)))
         self.sigma, self.y, self.theta = self.sigma + a * d.sigma, self.y + a * d.y, self.theta + a * d.theta
         self.s, self.z = self.s + a * d.s, self.z + a * d.z
         if d.factor:
@@ -195,7 +166,7 @@ class _Path:
         self._mend()
 
     def _factor(self) -> None:
-        """Factor the normal equations, and what a change of the objective and of the factor does."""
+        """Factor the normal equations; compute responses to the objective and to the factor."""
         scaled, G = self.scaled, self.G
         H = self.gathered(np.matmul(np.matmul(G.transpose(0, 2, 1), scaled.squared), G))
         trace = np.trace(H, axis1=1, axis2=2)[:, None, None]
@@ -207,7 +178,7 @@ class _Path:
         if not np.isfinite(H).all():
             raise ArithmeticError("a point has reached the surface of its cone")
         self.metric = np.linalg.inv(H)
-        self._inverse = self.program.normal.factor(self.metric)
+        self._inverse = self.program.factor(self.metric)
         self._pull = self.gathered(_by(G, scaled.squared[:, :, 0] * self.e[:, None]))
         r = _times(self.metric, self._pull)
         self._y2 = self._solve(self.program.forces(r) + self.f1)
@@ -221,7 +192,7 @@ class _Path:
             self._by_factor = (*self._response(u, self.gathered(turn), 0.0, 0.0), u, growth, turn)
 
     def _solve(self, b: ndarray) -> ndarray:
-        """Normal equations, refined."""
+        """Solve the normal equations, refined."""
         y = self._inverse(b)
         for _ in range(_REFINEMENTS):
             r = b - self.program.forces(_times(self.metric, self.program.strains(y)))
@@ -231,7 +202,7 @@ class _Path:
         return y
 
     def _response(self, u: ndarray, rd: ndarray, rp: ndarray | float, rt: float) -> tuple[ndarray, ndarray, float]:
-        """Changes of stress, velocity and objective that answer some residuals."""
+        """Return changes of stress, velocity and objective that remove some residuals."""
         r = _times(self.metric, -rd - self.gathered(_by(self.G, u)))
         y = self._solve(self.program.forces(r) + rp)
         s = r - _times(self.metric, self.program.strains(y))
@@ -239,7 +210,7 @@ class _Path:
         return s - theta * self._s2, y - theta * self._y2, theta
 
     def _direction(self, q: ndarray) -> _Direction:
-        """Newton's direction to the scaled point plus q."""
+        """Return Newton's direction to the scaled point plus q."""
         scaled = self.scaled
         u = _times(scaled.squared, self.rc + _times(scaled.W, q))
         sigma, y, theta = self._response(u, self.rd, self.rp, self.rt)
@@ -258,7 +229,7 @@ class _Path:
         return _Direction(sigma, y, theta, -rc - change, z, factor)
 
     def _follow_flow(self, z: ndarray, strain: ndarray, turn: ndarray | None) -> None:
-        """Make z follow from the strains exactly: the flow rule then holds to round-off."""
+        """Compute z from the strains: the flow rule then holds to round-off."""
         n, cones, second = self.program.n_points, self.cones, self.second
         if turn is not None:
             strain = strain - self.gathered(turn)
@@ -274,7 +245,7 @@ class _Path:
         z[:n, 1:] = -np.einsum("nij,nj->ni", R, left) / size
 
     def _mend(self) -> None:
-        """Flow rule at points that are deep enough within their cones: short steps leave it violated elsewhere."""
+        """Restore the flow rule at points deep enough within their cones: short steps leave it violated elsewhere."""
         n, change = self.program.n_points, np.zeros_like(self.z)
         self._follow_flow(change, -self.program.strains(self.y) - self.gathered(_by(self.G, self.z)), None)
         fits = _depth(self.z + change) > _DEEP * _depth(self.z)
@@ -283,7 +254,7 @@ class _Path:
         self.z += np.where(whole[self.cones.at, None], change, 0.0)
 
     def solution(self) -> Solution:
-        """What has been reached."""
+        """Return the last iterate."""
         return Solution(self.theta, self.F, self.sigma, self.y, self.metric, self.inner, self.iterations)
 
 
@@ -297,15 +268,67 @@ class _Direction(NamedTuple):
 
 
 def _depth(z: ndarray) -> ndarray:
-    """Distance from the surface of the cones, (n,)."""
+    """Return the distance from the surface of the cones, (n,)."""
     return z[:, 0] - np.linalg.norm(z[:, 1:], axis=1)
 
 
 def _times(matrices: ndarray, x: ndarray) -> ndarray:
-    """Matrices (n, 3, 3) times vectors (n, 3)."""
+    """Multiply matrices (n, 3, 3) by vectors (n, 3)."""
     return np.einsum("nij,nj->ni", matrices, x)
 
 
 def _by(matrices: ndarray, x: ndarray) -> ndarray:
-    """Transposed matrices (n, 3, 3) times vectors (n, 3)."""
+    """Multiply transposed matrices (n, 3, 3) by vectors (n, 3)."""
     return np.einsum("nij,ni->nj", matrices, x)
+
+
+def _determinant(x: ndarray) -> ndarray:
+    """Return s_0^2 - s_1^2 - s_2^2, factored so that little is lost at the surface."""
+    radius = np.hypot(x[:, 1], x[:, 2])
+    return (x[:, 0] - radius) * (x[:, 0] + radius)
+
+
+def _product(x: ndarray, y: ndarray) -> ndarray:
+    """Return the product of Jordan's algebra."""
+    return np.column_stack([(x * y).sum(1), x[:, :1] * y[:, 1:] + y[:, :1] * x[:, 1:]])
+
+
+def _quotient(y: ndarray, x: ndarray) -> ndarray:
+    """Return the vectors whose product with `x` is `y`."""
+    first = (_SIGNS * x * y).sum(1) / _determinant(x)
+    return np.column_stack([first, (y[:, 1:] - first[:, None] * x[:, 1:]) / x[:, :1]])
+
+
+def _longest_step(x: ndarray, d: ndarray) -> float:
+    """Return the largest step from inner points x in the directions d that leaves all of them inside."""
+    a, b, c = _determinant(d), (_SIGNS * x * d).sum(1), _determinant(x)
+    inside = b * b - a * c
+    below = np.sqrt(np.maximum(inside, 0.0)) - b
+    leaves = (inside >= -1e-12 * b * b) & (below > 0)  # along an axis it is zero, to round-off
+    return float(np.min(c[leaves] / below[leaves], initial=np.inf))
+
+
+class _Scaling(NamedTuple):
+    """Symmetric W with W z = W^-1 s, its inverse, the inverse squared, (n, 3, 3), and the point W z (n, 3)."""
+
+    W: ndarray
+    inverse: ndarray
+    squared: ndarray
+    point: ndarray
+
+
+def _scaling(s: ndarray, z: ndarray) -> _Scaling:
+    """Return the scaling of Nesterov and Todd of inner points s and z; ArithmeticError for other points."""
+    squares = _determinant(s), _determinant(z)
+    if not all((square > 0).all() for square in squares):
+        raise ArithmeticError("a point has reached the surface of its cone")
+    size_s, size_z = np.sqrt(squares)
+    unit_s, unit_z = s / size_s[:, None], z / size_z[:, None]
+    w = (unit_s + _SIGNS * unit_z) / np.sqrt(2 * (1 + (unit_s * unit_z).sum(1)))[:, None]
+    V = np.empty((len(s), 3, 3))
+    V[:, 0], V[:, 1:, 0] = w, w[:, 1:]
+    V[:, 1:, 1:] = np.eye(2) + w[:, 1:, None] * w[:, None, 1:] / (1 + w[:, 0])[:, None, None]
+    ratio = np.sqrt(size_s / size_z)[:, None, None]
+    W, turned = ratio * V, _SIGNS * w
+    squared = (2 * turned[:, :, None] * turned[:, None] - np.diag(_SIGNS)) / ratio**2
+    return _Scaling(W, V * np.outer(_SIGNS, _SIGNS) / ratio, squared, np.einsum("nij,nj->ni", W, z))

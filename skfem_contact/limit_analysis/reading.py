@@ -1,7 +1,7 @@
-"""From forms, supports and loads to a limit-analysis model; what has no bounds is refused by name."""
+"""Translation of forms, supports and loads to a model; forms without bounds are refused by name."""
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -14,82 +14,60 @@ from skfem import CellBasis, Mesh
 from ..contact.laws import Coulomb, Tied
 from ..contact.pair import ContactPair
 from ..forms.solid import SolidForm
-from ..forms.strain import axisymmetric
 from ..forms.targets import reduced_parts
-from ..materials import LinearElastic, MohrCoulomb, Tresca, VonMises
-from ..materials.reduction import Flow, dilates_less
-from ..stages.supports import as_unknowns
-from .contact import Contact
-from .loading import Distributed, Loads, Site, Vectors
-from .model import Model
-from .strength import FLAT, Soil
-from .triangles import Geometry, Tag, Triangles, geometry
+from ..materials.base import Flow, Material
+from .model import Loads, Model, Site
+from .strength import FLAT, Strength
+from .triangles import Contact, Geometry, Tag, Triangles, geometry
 
 
 @dataclass(frozen=True)
 class Problem:
-    """A model, the units it is in, and what was done to it.
+    """Model, its units, and the simplifications that led to it."""
 
-    Attributes
-    ----------
-    model
-        In units of its size and of a stress.
-    davis
-        The same with the associated soil of less strength after Davis, where the flow is not associated.
-    mesh, geometry
-        The mesh of the forms, and centre and size of the model's.
-    stress
-        Unit of stress.
-    live
-        Whether a load is multiplied; otherwise the strength is reduced.
-    cohesionless
-        Whether there is soil without cohesion.
-    reduced
-        Names of what is reduced.
-    remarks
-        What a reader of the bounds should know.
-    """
-
-    model: Model
-    davis: Model | None
+    model: Model  # in units of its size and of a stress
+    davis: Model | None  # with the associated soil of less strength after Davis, where the flow is not associated
     mesh: Mesh
     geometry: Geometry
-    stress: float
-    live: bool
-    cohesionless: bool
+    stress: float  # unit of stress
+    live: bool  # a load is multiplied; otherwise the strength is reduced
+    missing: str  # "cohesion" or "tension" where some soil has none
     reduced: tuple[str, ...]
     remarks: tuple[str, ...]
 
 
-def read(forms: Mapping[str, Any], fixed: ndarray, loads: Loads | Vectors, reduce: str | Collection[str] | None,
-         exclude: str | Collection[str], associated: bool) -> Problem:
-    """Check everything, then translate it."""
+def read(forms: Mapping[str, Any], fixed: ndarray, loads: Callable[[Site], Loads], multiplied: bool,
+         reduce: str | Collection[str] | None, exclude: str | Collection[str], associated: bool) -> Problem:
+    """Check forms, supports and loads, then translate them; without a multiplied load the strength is reduced."""
     solids, pairs = _by_kind(forms)
     basis = next(iter(solids.values())).basis
-    targets = {} if loads.multiplied else reduced_parts(forms, reduce, exclude)
+    targets = {} if multiplied else reduced_parts(forms, reduce, exclude)
     soil = _strengths(solids, targets, "associated")
     elements = np.sort(np.concatenate([form.elements for form in solids.values()]))
     if soil.rigid[elements].all() and not pairs:
         raise ValueError("nothing can yield: all solids are elastic, which bounds take for rigid")
     fixed = _unknowns(fixed, basis)
     shape = geometry(basis, elements, fixed)
-    given = loads.on(Site(basis, elements, elements[~soil.rigid[elements]], fixed))
-    for tag in (*(traction.tag for traction in given.tractions), *given.wetted):
+    given = loads(Site(basis, elements, elements[~soil.rigid[elements]], fixed))
+    for tag in (*(traction.tag for traction in given.tractions), *given.submerged):
         _check_boundary(tag, shape.triangles)
     unit = _unit_of_stress(soil, given, shape)
     model = Model(shape.triangles, soil.over(unit), _rigid_bodies(shape.triangles, soil.rigid),
                   given.scaled(shape.centre, shape.size, unit), _contacts(pairs, targets, unit))
-    less = any(dilates_less(material) for form in solids.values() for material in form.materials.values())
+    less = any(material.dilates_less for form in solids.values() for material in form.materials.values())
     davis = None
     if less and not associated:
         davis = replace(model, soil=_strengths(solids, targets, "davis_a").over(unit))
     names = tuple(f"{name}.{part}" if part else name for name, parts in targets.items() for part in parts)
-    return Problem(model, davis, basis.mesh, shape, unit, loads.multiplied, bool((soil.c == 0).any()), names,
-                   _remarks(solids, shape, given, soil))
+    missing = "cohesion" if (soil.c == 0).any() else "tension" if (soil.tension == 0).any() else ""
+    remarks = _remarks(solids, shape, given, soil)
+    if not associated:
+        remarks += _slipping(pairs)
+    return Problem(model, davis, basis.mesh, shape, unit, multiplied, missing, names, remarks)
 
 
 def _by_kind(forms: Mapping[str, Any]) -> tuple[dict[str, SolidForm], dict[str, ContactPair]]:
-    """Solids and contact pairs; other forms are refused."""
+    """Return solids and contact pairs; refuse other forms."""
     solids = {name: form for name, form in forms.items() if isinstance(form, SolidForm)}
     pairs = {name: form for name, form in forms.items() if isinstance(form, ContactPair)}
     for name in set(forms) - set(solids) - set(pairs):
@@ -105,24 +83,25 @@ def _by_kind(forms: Mapping[str, Any]) -> tuple[dict[str, SolidForm], dict[str, 
 
 
 def _check_solids(solids: Mapping[str, SolidForm]) -> None:
-    """Refuse what has no bounds: space, axial symmetry, other materials, overlapping solids."""
+    """Refuse solids without bounds: space, axial symmetry, materials without a cone, shared elements."""
     for name, form in solids.items():
-        if form.basis.mesh.dim() != 2 or form.strain is axisymmetric:
+        if form.basis.mesh.dim() != 2 or form.coordinates == "axisymmetric":
             kind = "axially symmetric" if form.basis.mesh.dim() == 2 else "in three dimensions"
             raise ValueError(f"bounds are for plane strain, but '{name}' is {kind}")
         for region, material in form.materials.items():
-            if not isinstance(material, (LinearElastic, MohrCoulomb, Tresca, VonMises)):
-                raise ValueError(f"there are no bounds for {type(material).__name__}, the material of '{region}' in "
-                                 f"'{name}'; there are for MohrCoulomb, Tresca, VonMises and, rigid, LinearElastic")
+            if material.cone() is None:
+                raise ValueError(f"there are no bounds for {material.label}, the material of '{region}' in '{name}', "
+                                 "which has no cone(flow); MohrCoulomb, Tresca, VonMises and, rigid, LinearElastic "
+                                 "have one")
     elements = np.concatenate([form.elements for form in solids.values()])
     if len(np.unique(elements)) < len(elements):
         raise ValueError(f"the solids {', '.join(solids)} share elements: each must belong to one of them")
 
 
-def _strengths(solids: Mapping[str, SolidForm], targets: Mapping[str, Collection[str]], flow: Flow) -> Soil:
-    """Strength of all elements of the mesh; elastic ones and those of no solid are rigid."""
+def _strengths(solids: Mapping[str, SolidForm], targets: Mapping[str, Collection[str]], flow: Flow) -> Strength:
+    """Return the strength of all elements of the mesh; elastic elements and elements of no solid are rigid."""
     n = next(iter(solids.values())).basis.mesh.nelements
-    found = Soil(np.full(n, np.inf), np.zeros(n), np.full(n, np.inf), np.zeros(n, bool))
+    found = Strength(np.full(n, np.inf), np.zeros(n), np.full(n, np.inf), np.zeros(n, bool))
     for name, form in solids.items():
         for region in form.regions:
             where = form.elements[region.elements]
@@ -132,19 +111,11 @@ def _strengths(solids: Mapping[str, SolidForm], targets: Mapping[str, Collection
     return found
 
 
-def _parameters(material: Any, flow: Flow, name: str) -> tuple[Any, Any, Any]:
-    """Cohesion, tan phi and tensile strength in plane strain."""
-    if isinstance(material, LinearElastic):
-        return np.inf, 0.0, np.inf
-    if isinstance(material, VonMises):  # what flows in plane strain has the mean of the others as third stress
-        c, t, tension = material.strength / np.sqrt(3), 0.0, np.inf
-    elif isinstance(material, Tresca):
-        c, t, tension = material.c, 0.0, np.inf
-    else:
-        if flow != "associated":
-            material = material.reduced(1.0, flow)
-        c, t = material.c, np.tan(np.radians(material.phi))
-        tension = np.inf if material.tension is None else material.tension
+def _parameters(material: Material, flow: Flow, name: str) -> tuple[Any, Any, Any]:
+    """Return cohesion, tan phi and tensile strength in plane strain."""
+    if (cone := material.cone(flow)) is None:
+        raise ValueError(f"there are no bounds for {material.label} with the flow '{flow}'")
+    c, t, tension = cone
     if np.any((np.asarray(t) > 0) & (np.asarray(t) < FLAT)):
         raise ValueError(f"a friction angle of '{name}' lies between 0 and {np.degrees(FLAT):.2f} degrees; make it 0")
     if np.any((np.asarray(c) == 0) & (np.asarray(t) == 0)):
@@ -153,16 +124,16 @@ def _parameters(material: Any, flow: Flow, name: str) -> tuple[Any, Any, Any]:
 
 
 def _unknowns(fixed: ndarray, basis: CellBasis) -> ndarray:
-    """Fixed unknowns, checked."""
-    fixed = as_unknowns(fixed)
+    """Return fixed dofs, checked."""
+    fixed = np.unique(fixed)
     if len(fixed) == 0 or fixed[0] < 0 or fixed[-1] >= basis.N:
         raise ValueError(f"fixed must hold numbers of unknowns from 0 to {basis.N - 1}"
                          + (": without supports there are no bounds" if len(fixed) == 0 else ""))
     return fixed
 
 
-def _unit_of_stress(soil: Soil, given: Distributed, shape: Geometry) -> float:
-    """A typical strength: what all stresses are divided by."""
+def _unit_of_stress(soil: Strength, given: Loads, shape: Geometry) -> float:
+    """Return a typical strength: the unit of stress."""
     c = soil.c[np.isfinite(soil.c) & (soil.c > 0)]
     if len(c):
         return float(np.median(c))
@@ -171,7 +142,7 @@ def _unit_of_stress(soil: Soil, given: Distributed, shape: Geometry) -> float:
 
 
 def _check_boundary(name: Tag, triangles: Triangles) -> None:
-    """A load acts on facets of the boundary."""
+    """Refuse a load that acts inside the bodies, or nowhere."""
     facets = triangles.tags[name]
     if len(facets) == 0:
         raise ValueError(f"boundary '{name}' is empty")
@@ -180,7 +151,7 @@ def _check_boundary(name: Tag, triangles: Triangles) -> None:
 
 
 def _contacts(pairs: Mapping[str, ContactPair], targets: Mapping[str, Any], stress: float) -> tuple[Contact, ...]:
-    """Contacts in units of the model."""
+    """Return contacts in units of the model."""
     contacts: list[Contact] = []
     seen: set[str] = set()
     for name, pair in pairs.items():
@@ -205,8 +176,15 @@ def _contacts(pairs: Mapping[str, ContactPair], targets: Mapping[str, Any], stre
     return tuple(contacts)
 
 
+def _slipping(pairs: Mapping[str, ContactPair]) -> tuple[str, ...]:
+    """Return a remark on joints whose friction is not associated."""
+    names = [name for name, pair in pairs.items() if isinstance(pair.law, Coulomb) and pair.law.mu > 0]
+    return (f"the joints {', '.join(names)} open by mu times their slip here (associated flow) but not in ContactPair: "
+            "for joints without dilation `lower` is an estimate; mu=0 with an adhesion gives a bound",) * bool(names)
+
+
 def _rigid_bodies(triangles: Triangles, rigid: ndarray) -> ndarray:
-    """Number of the rigid body that every element of the mesh belongs to, -1 for none."""
+    """Return the number of the rigid body of every element of the mesh, -1 for none."""
     mesh, stiff = triangles.mesh, rigid[triangles.origin]
     one, other = mesh.f2t[:, mesh.f2t[1] >= 0]
     both = stiff[one] & stiff[other]
@@ -223,8 +201,8 @@ def _rigid_bodies(triangles: Triangles, rigid: ndarray) -> ndarray:
     return result
 
 
-def _remarks(solids: Mapping[str, SolidForm], shape: Geometry, given: Distributed, soil: Soil) -> tuple[str, ...]:
-    """What was simplified."""
+def _remarks(solids: Mapping[str, SolidForm], shape: Geometry, given: Loads, soil: Strength) -> tuple[str, ...]:
+    """Return the simplifications."""
     remarks = []
     elastic = [name for name, form in solids.items() if soil.rigid[form.elements].any()]
     if elastic:

@@ -1,4 +1,4 @@
-"""What the bounds are, and how they were found."""
+"""Bounds, and their certificates mesh by mesh."""
 from __future__ import annotations
 
 from dataclasses import dataclass, field
@@ -8,54 +8,35 @@ from skfem import MeshTri
 
 
 def relative_gap(lower: float, upper: float) -> float:
-    """Difference of two bounds as a share of their mean; inf where one is not proven."""
+    """Return the difference of two bounds as a share of their mean; inf where one is not proven."""
     mean = 0.5 * (abs(lower) + abs(upper))
     return (upper - lower) / mean if 0 < mean < float("inf") else float("inf") if mean else 0.0
 
 
 @dataclass(frozen=True)
 class Certificate:
-    """What was checked after the solver, on one mesh.
+    """Check of a bound after the solver, on one mesh."""
 
-    Attributes
-    ----------
-    kind
-        ``"lower"`` or ``"upper"``.
-    elements, unknowns
-        Size of the mesh, and velocities of the program.
-    value
-        The bound that was proven; -inf or inf: none was.
-    solver
-        What the solver believes.
-    residual
-        Largest violation of equilibrium, as a share of the forces that meet there; of the upper bound that of the
-        volume of soil without friction, as a share of the largest strain.
-    iterations
-        Systems that were factored.
-    cpu
-        Processor time since the beginning, seconds.
-    """
-
-    kind: str
-    elements: int
-    unknowns: int
-    value: float
-    solver: float
-    residual: float
-    iterations: int
-    cpu: float
+    kind: str  # "lower" or "upper"
+    elements: int  # of the mesh
+    unknowns: int  # velocities of the program
+    value: float  # proven bound; -inf or inf: none
+    solver: float  # value of the solver
+    residual: float  # largest violation of equilibrium, or of incompressibility, relative to its largest terms
+    iterations: int  # number of systems that were factored
+    cpu: float  # processor time since the beginning, seconds
 
 
 @dataclass(frozen=True)
 class Bounds:
-    """Two numbers between which the factor of safety, or the limit load, lies; printed as a table.
+    """Lower and upper bound of the factor of safety, or of the limit load; printed as a table.
 
     Attributes
     ----------
     lower, upper
         The bounds; -inf or inf where none was proven.
     estimate
-        Whether ``lower`` is no bound but the estimate of Davis: the flow is not associated.
+        True if ``lower`` is no bound but the estimate of Davis: the flow of the soil is not associated.
     what
         ``"factor of safety"`` or ``"limit load"``.
     reduced
@@ -74,7 +55,7 @@ class Bounds:
     history
         Certificates of all meshes.
     remarks
-        What was simplified.
+        Simplifications.
     """
 
     lower: float
@@ -97,7 +78,7 @@ class Bounds:
 
     @property
     def certificates(self) -> tuple[Certificate, Certificate]:
-        """Those of the lower and of the upper bound."""
+        """Certificates of the lower and of the upper bound."""
         lower, upper = ([c for c in self.history if c.kind == kind] for kind in ("lower", "upper"))
         return max(lower, key=lambda c: c.value), min(upper, key=lambda c: c.value)
 

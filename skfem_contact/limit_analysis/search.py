@@ -1,6 +1,7 @@
-"""Both bounds on one mesh after the other, each refined where the bounds differ."""
+"""Bounds on one mesh after the other, each refined where the bounds differ."""
 from __future__ import annotations
 
+from dataclasses import replace
 from time import process_time
 from typing import Any, NamedTuple
 
@@ -9,15 +10,12 @@ from numpy import ndarray
 from tqdm import tqdm
 
 from .certify import UNBALANCED, Proof, dissipation, prove_lower, prove_upper
-from .contact import Joint, matched
-from .elements import gradients, stress_elements, velocity_elements
+from .elements import Joint, Program, stress_elements, velocity_elements
 from .interior_point import HIGHEST, Goal, Solution, solve
 from .model import Model, discretise
-from .program import Program
 from .reading import Problem
-from .refine import fanned, gap_of_elements, gap_of_facets, marked, singular_points
 from .result import Certificate, relative_gap
-from .triangles import Triangles, outward_normals
+from .triangles import Triangles, check_closed, gradients, matched, outward_normals
 
 #: Strength that the solver keeps in reserve where it is not reduced: its stresses violate it by less.
 _RESERVES = (1e-6, 2e-5, 2e-4, 2e-3)
@@ -37,10 +35,18 @@ _GAIN = 0.2
 _GROWN = 3.0
 #: The factor from which the next mesh's solver starts, over the last one.
 _ABOVE = 1.01
+#: Share of the gap that lies in the triangles which are refined.
+_SHARE = 0.5
+#: Triangles around a singular point, at most: with 40 of them N_c comes to 0.2 % from below (4.50 of 5.14 with four).
+_FAN = 40
+#: Distance, of bodies of size one, below which nodes are at a singular point.
+_HERE = 1e-9
+#: Interior angle from which a corner of the ground is singular, in degrees, and at which loads and supports may change.
+_REENTRANT, _LEVEL = 185.0, 150.0
 
 
-class Found(NamedTuple):
-    """A bound on a mesh."""
+class Bound(NamedTuple):
+    """Bound on a mesh."""
 
     triangles: Triangles
     program: Program
@@ -49,12 +55,13 @@ class Found(NamedTuple):
 
 
 class Search:
-    """Meshes, their bounds and the best of them; a bar shows how far it is."""
+    """Meshes, their bounds and the best of them, with a progress bar."""
 
     def __init__(self, problem: Problem, bar: tqdm[Any]) -> None:
         self.problem, self.model, self.live, self._bar = problem, problem.model, problem.live, bar
         self.triangles = matched(self.model.contacts, self.model.triangles)
-        self._singular = singular_points(self.model, self.triangles)
+        check_closed(self.model.contacts, self.triangles)
+        self._singular = _singular_points(self.model, self.triangles)
         for _ in range(_FANS):
             self.triangles = self._fanned(self.triangles)
         self.history: list[Certificate] = []
@@ -72,13 +79,14 @@ class Search:
 
     @property
     def overloaded(self) -> bool:
-        """Whether it is proven that the fixed loads alone are too much."""
+        """True if the fixed loads alone are proven to be too much."""
         return self.live and (self.upper.proof.value < 0 or self.fixed_factor < 1)
 
     def run(self, gap: float, elements: int, seconds: float) -> None:
         """Refine until the gap is small."""
         while self.gap > gap and not self.overloaded:
-            finer = self._refined()
+            finer = self.triangles.refined(_marked(self._gap_of_elements()))
+            finer = self._fanned(matched(self.model.contacts, finer))
             if finer.mesh.nelements > elements or process_time() - self._began > seconds:
                 break
             self.triangles = finer
@@ -89,7 +97,7 @@ class Search:
         if self.gap > gap and self.last[0].triangles.mesh is not self.triangles.mesh:
             self._note(lower=self._solve_lower(self.model))
 
-    def _note(self, lower: Found | None = None, upper: Found | None = None) -> None:
+    def _note(self, lower: Bound | None = None, upper: Bound | None = None) -> None:
         """Keep the last bounds, and the best."""
         self.last = lower or self.last[0], upper or self.last[1]
         if lower is not None:
@@ -102,17 +110,20 @@ class Search:
     def _accuracy(self) -> float:
         return float(np.clip(_ACCURACY * self.gap, _FINE, _COARSE)) if self.history[2:] else _COARSE
 
-    def _solve_lower(self, model: Model) -> Found:
-        """Lower bound on the present triangles, which become those whose parts later ones are."""
-        self.triangles = self.triangles.rooted
+    def _solve_lower(self, model: Model) -> Bound:
+        """Return the lower bound on the present triangles, which become the parents of later ones."""
+        self.triangles = replace(self.triangles, parent=np.arange(len(self.triangles.origin)))
         program = discretise(model, self.triangles, stress_elements(self.triangles.mesh))
         tried: list[tuple[Solution, Proof]] = []
         for reserve in _RESERVES:
             goal = Goal(1.0 if self.live else self._factor, 0.0, not self.live, _VOLUME[0], 1.0 + reserve)
             found = solve(program, goal, self._accuracy)
-            if found.factor > HIGHEST:
-                raise ValueError(f"the factor exceeds {HIGHEST:g}: there is no collapse")
             proof = prove_lower(program, found, self.live)
+            if found.factor > HIGHEST:
+                raise ValueError(f"the factor exceeds {HIGHEST:g}: there is no collapse" if proof.value > 1.0 else
+                                 f"no factor up to {HIGHEST:g} was proven or refuted: at any strength the loads exceed "
+                                 "what the soil or a joint bears (tension beyond c cot(phi), no friction), or it ends "
+                                 "in the air")
             tried.append((found, proof))
             if proof.value > (-np.inf if self.live else 0.0) or proof.residual > UNBALANCED:  # which no reserve mends
                 break
@@ -120,72 +131,68 @@ class Search:
             del tried[1:]  # in vain
         return self._found("lower", program, *tried[-1])
 
-    def _solve_upper(self) -> Found:
-        """Upper bound on the present triangles."""
+    def _solve_upper(self) -> Bound:
+        """Return the upper bound on the present triangles."""
         program = discretise(self.model, self.triangles, velocity_elements(self.triangles.mesh))
+        return self._found("upper", program, *self._refuted(program, self.live))
+
+    def _refuted(self, program: Program, live: bool) -> tuple[Solution, Proof]:
+        """Solve a program of the upper bound and prove it."""
         factor = 1.0 if self.live else self._factor * _ABOVE
-        goal = Goal(factor, _AIM * self._accuracy, not self.live, _VOLUME[1])
-        found = solve(program, goal, self._accuracy)
-        return self._found("upper", program, found, prove_upper(program, found, self.live))
+        found = solve(program, Goal(factor, _AIM * self._accuracy, not live, _VOLUME[1]), self._accuracy)
+        return found, prove_upper(program, found, live)
 
     def _factor_of_fixed_loads(self) -> float:
-        """Upper bound of their factor of safety, where no multiplier was shown to be borne.
+        """Return the upper bound of the fixed loads' factor of safety; inf where a multiplier is proven.
 
-        Whatever the live load, the mechanism of fixed loads that are too much goes on: its multiplier has no optimum,
-        and where the iteration for it ends is left to round-off.
+        The mechanism of fixed loads that are too much goes on under any live load: its multiplier has no optimum,
+        and round-off decides where that iteration ends.
         """
         program = self.upper.program
         if not self.live or np.isfinite(self.lower.proof.value) or not np.any(program.dead):
             return np.inf
-        fixed = program.of_fixed_loads()
-        goal = Goal(1.0, _AIM * self._accuracy, True, _VOLUME[1])
-        return prove_upper(fixed, solve(fixed, goal, self._accuracy), False).value
+        return self._refuted(program.of_fixed_loads(), False)[1].value
 
-    def _found(self, kind: str, program: Program, solution: Solution, proof: Proof) -> Found:
-        """A bound on the present triangles, noted."""
+    def _found(self, kind: str, program: Program, solution: Solution, proof: Proof) -> Bound:
+        """Record a bound on the present triangles."""
         if not self.live:
             self._factor = float(np.clip(solution.factor, 1.0 / HIGHEST, HIGHEST))
         believed, n = float(solution.theta if self.live else solution.factor), self.triangles.mesh.nelements
         self.history.append(Certificate(kind, n, program.size, proof.value, believed, proof.residual,
                                         solution.iterations, process_time() - self._began))
         self._bar.set_postfix_str(f"{kind} bound {proof.value:.5g}, {n} triangles")
-        return Found(self.triangles, program, solution, proof)
+        return Bound(self.triangles, program, solution, proof)
 
     def estimate(self, weaker: Model) -> float:
-        """What another, weaker model bears on the last triangles."""
+        """Return the lower bound of a weaker model on the last triangles."""
         return self._solve_lower(weaker).proof.value
 
-    def _refined(self) -> Triangles:
-        """More triangles where the last bounds differ, and around singular points."""
-        finer = self.triangles.refined(marked(self._gap_of_elements()))
-        return self._fanned(matched(self.model.contacts, finer))
-
     def _fanned(self, triangles: Triangles) -> Triangles:
-        return matched(self.model.contacts, fanned(triangles, self._singular))
+        return matched(self.model.contacts, _fanned(triangles, self._singular))
 
     def _gap_of_elements(self) -> ndarray:
-        """Contributions of all triangles to the gap between the last bounds; those of contacts count for both sides."""
+        """Return the share of every triangle in the gap between the last bounds; contacts count for both sides."""
         below, (_, program, found, proof) = self.last
         strain = program.strains(proof.field)
         factor = 1.0 if self.live else proof.value if np.isfinite(proof.value) else found.factor
         spent = dissipation(program, strain, factor)
         stress = _interpolated(below, self.triangles)
         gap, soft = np.zeros(self.triangles.mesh.nelements), program.soft
-        gap[soft] = gap_of_elements(program.of_triangles(spent), stress[soft], program.of_triangles(strain))
+        gap[soft] = _gap_of_elements(program.of_triangles(spent), stress[soft], program.of_triangles(strain))
         n = 3 * len(soft)
         for joint in program.joints:
             at = slice(n, n + 3 * len(joint.slave))
             n = at.stop
             for facets in (joint.slave, joint.master):
                 owner = self.triangles.mesh.f2t[0, facets]
-                values = gap_of_facets(spent[at].reshape(-1, 3), _tractions(self.triangles, joint, facets, stress),
+                values = _gap_of_facets(spent[at].reshape(-1, 3), _tractions(self.triangles, joint, facets, stress),
                                        strain[at].reshape(-1, 3, 3))
                 gap[owner] += np.where(np.isin(owner, soft), values, 0.0)
         return gap
 
 
 def _tractions(triangles: Triangles, joint: Joint, facets: ndarray, stress: ndarray) -> ndarray:
-    """Normal and tangential tractions at the ends of the slave's facets, from the stresses of one side, (n, 2, 2)."""
+    """Return normal and tangential tractions at the ends of the slave's facets, by stresses of one side, (n, 2, 2)."""
     mesh = triangles.mesh
     owner = mesh.f2t[0, facets]
     normal = outward_normals(mesh, joint.slave, mesh.f2t[0, joint.slave])
@@ -198,8 +205,8 @@ def _tractions(triangles: Triangles, joint: Joint, facets: ndarray, stress: ndar
     return np.stack([t[0] * nx + t[1] * ny, -t[0] * ny + t[1] * nx], axis=2)
 
 
-def _interpolated(below: Found, triangles: Triangles) -> ndarray:
-    """Stresses of a coarser mesh at the corners of the triangles, (n_elements, 3 corners, 3)."""
+def _interpolated(below: Bound, triangles: Triangles) -> ndarray:
+    """Return stresses of a coarser mesh at the corners of the triangles, (n_elements, 3 corners, 3)."""
     coarse, parent = below.triangles.mesh, triangles.parent
     stress = np.zeros((coarse.nelements, 3, 3))
     stress[below.program.soft] = below.program.of_triangles(below.proof.field)
@@ -208,3 +215,75 @@ def _interpolated(below: Found, triangles: Triangles) -> ndarray:
     shares = np.einsum("eic,cve->evi", gradient, away)
     shares[..., 0] += 1.0
     return np.einsum("evi,eis->evs", shares, stress[parent])
+
+
+def _gap_of_elements(dissipation: ndarray, stress: ndarray, strain: ndarray) -> ndarray:
+    """Return dissipation less the power of the lower bound's stresses, by triangle: their sum is the gap.
+
+    All are values at the corners, (n, 3, ...); dissipation and strain times weight.
+    """
+    mass = (np.ones((3, 3)) + np.eye(3)) / 4  # of linear functions, over a third of the area
+    return np.abs(dissipation.sum(axis=1) - np.einsum("evc,ewc,vw->e", stress, strain, mass))
+
+
+def _gap_of_facets(dissipation: ndarray, tractions: ndarray, jump: ndarray) -> ndarray:
+    """Return dissipation less the power of tractions (normal, tangential) at facets' ends, (n, 2, 2).
+
+    Quadratic jumps are given, times weight, by their Bernstein coefficients, (n, 3, 3).
+    """
+    mass = np.array([[0.75, 0.25, 0.5], [0.25, 0.75, 0.5]])
+    return np.abs(dissipation.sum(axis=1) - np.einsum("fsc,fpc,sp->f", tractions, jump[..., :2], mass))
+
+
+def _marked(gap: ndarray) -> ndarray:
+    """Return the triangles with the largest shares of the gap, which together hold a given share."""
+    order = np.argsort(-gap, kind="stable")
+    count = np.searchsorted(np.cumsum(gap[order]), _SHARE * gap.sum()) + 1
+    return np.sort(order[:count])
+
+
+def _fanned(triangles: Triangles, points: ndarray) -> Triangles:
+    """Double the triangles around singular points, (2, n), until there are enough."""
+    mesh = triangles.mesh
+    count = np.bincount(mesh.t.ravel(), minlength=mesh.nvertices)
+    away = np.linalg.norm(mesh.p[:, None] - points[:, :, None], axis=0)  # (n_points, n_nodes); bodies have one each
+    few = np.flatnonzero((away < _HERE).any(axis=0) & (count < _FAN))
+    return triangles.fanned(few) if len(few) else triangles
+
+
+def _singular_points(model: Model, triangles: Triangles) -> ndarray:
+    """Return corners that point into the ground, and changes of loads or supports at its surface, (2, n)."""
+    mesh, rigid = triangles.mesh, model.rigid[triangles.origin]
+    soft = np.where(mesh.f2t >= 0, rigid[mesh.f2t] < 0, False)
+    edge = np.flatnonzero(soft[0] != soft[1])  # of what can yield
+    kind = _kinds(model, triangles)[edge]
+    order = np.argsort(mesh.facets[:, edge].ravel(), kind="stable")
+    nodes, facet = mesh.facets[:, edge].ravel()[order], np.tile(np.arange(len(edge)), 2)[order]
+    same = np.flatnonzero(nodes[1:] == nodes[:-1])
+    vertex, one, other = nodes[same], facet[same], facet[same + 1]
+    angle = _interior_angles(triangles, rigid)[vertex]
+    differ = kind[one] != kind[other]
+    pushed = differ[:, 2:-1].any(axis=1)  # a load or a contact ends
+    changes = pushed | (differ.any(axis=1) & (angle > _LEVEL))
+    return mesh.p[:, np.unique(vertex[changes | (angle > _REENTRANT)])]
+
+
+def _kinds(model: Model, triangles: Triangles) -> ndarray:
+    """Return the supports, loads, contacts and rigid bodies on every facet, (n_facets, n_kinds)."""
+    mesh, tags = triangles.mesh, triangles.tags
+    names = [("held", 0), ("held", 1), *(t.tag for t in model.loads.tractions)]
+    names += [tag for contact in model.contacts for tag in (contact.slave, contact.master)]
+    kinds = np.zeros((mesh.nfacets, len(names) + 1), bool)
+    for i, name in enumerate(names):
+        kinds[tags[name], i] = True
+    kinds[:, -1] = (np.where(mesh.f2t >= 0, model.rigid[triangles.origin][mesh.f2t], -1) >= 0).any(axis=0)
+    return kinds
+
+
+def _interior_angles(triangles: Triangles, rigid: ndarray) -> ndarray:
+    """Return the sum of the angles of all triangles that can yield at every vertex, in degrees."""
+    t = triangles.mesh.t[:, rigid < 0]
+    corner = triangles.mesh.p[:, t]
+    (ax, ay), (bx, by) = (np.roll(corner, -k, axis=1) - corner for k in (1, 2))
+    angle = np.degrees(np.arctan2(np.abs(ax * by - ay * bx), ax * bx + ay * by))
+    return np.bincount(t.ravel(), angle.ravel(), minlength=triangles.mesh.nvertices)

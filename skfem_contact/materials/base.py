@@ -1,34 +1,63 @@
-"""What every material offers, and the handling of its parameters."""
+"""Contract of a material, and checks of its parameters."""
 
 from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
-from typing import Any, NamedTuple, Protocol
+from typing import Any, Literal, NamedTuple, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from typing_extensions import override
 
 from ..errors import AnalysisWarning
 
 Array = NDArray[np.float64]
 Parameter = float | Array
 
+#: Flow rules with which a strength is reduced, see :meth:`Material.reduced`.
+Flow = Literal["given", "associated", "davis_a", "davis_b", "davis_c", "lagged"]
+FLOWS: tuple[str, ...] = get_args(Flow)
 
-class Update(NamedTuple):
-    """Answer of a material to a strain increment.
+#: Names of internal variables that results ask for.
+PLASTIC_STRAIN, EXCESS_PRESSURE = "plastic strain", "excess pore pressure"
+
+
+class Internal(NamedTuple):
+    """Internal variable that a material declares.
+
+    The variables named ``"plastic strain"`` and ``"excess pore pressure"`` have results of their own.
 
     Attributes
     ----------
-    stress : ndarray, shape (ncomp, ...)
-        New stress, tension positive; 4 components (xx, yy, zz, xy) or 6 (xx, yy, zz, xy, yz, zx).
-    internal : ndarray, shape (n_internal, ...)
-        New internal variables.
+    name, unit : str
+        Name, and unit for the reader.
+    initial : float
+        Value of unstressed ground, see :meth:`Material.initial_internal`.
+
+    Examples
+    --------
+    >>> import skfem_contact as sc
+    >>> sc.Internal("void ratio", initial=0.8)
+    Internal(name='void ratio', initial=0.8, unit='')
+    """
+
+    name: str
+    initial: float = 0.0
+    unit: str = ""
+
+
+class Update(NamedTuple):
+    """Response of a material to a strain increment.
+
+    Attributes
+    ----------
+    stress, internal : ndarray, shapes (ncomp, ...) and (n_internal, ...)
+        New stress and new internal variables.
     plastic : ndarray of int, shape (n_plastic,)
-        Flat (C-order) indices of the points whose tangent differs from elasticity.
+        Flat (C-order) indices of the points whose tangent differs from the elasticity.
     tangent : callable
-        ``tangent()`` returns the consistent tangent d stress / d strain (engineering shear strains) at these
-        points, shape (n_plastic, ncomp, ncomp). It is computed only when it is called.
+        ``tangent()`` computes d stress / d strain at these points, shape (n_plastic, ncomp, ncomp).
     """
 
     stress: Array
@@ -37,45 +66,219 @@ class Update(NamedTuple):
     tangent: Callable[[], Array]
 
 
-class Material(Protocol):
-    """Constitutive law: a pure function of strain increment and accepted state; it holds parameters only."""
+class Material:
+    """Constitutive law: pure functions of strain increment and accepted state; an instance holds parameters only.
 
-    @property
-    def n_internal(self) -> int:
-        """Number of internal variables a point."""
+    A law defines :meth:`elasticity` and :meth:`update`; all other members have defaults. Arrays have the components
+    first: stress (ncomp, n_elements, ...), tension positive, 4 components (xx, yy, zz, xy) or 6 (xx, yy, zz, xy, yz,
+    zx); strains with engineering shear; internal variables (n_internal, n_elements, ...).
 
-    def elasticity(self, ncomp: int) -> Array:
-        """Elastic stiffness, (ncomp, ncomp), or (n_elements, ncomp, ncomp) where a parameter is an array."""
-
-    def update(self, strain_increment: Array, stress: Array, internal: Array) -> Update:
-        """Stress, internal variables and tangent after a strain increment.
-
-        Parameters
-        ----------
-        strain_increment : ndarray, shape (ncomp, n_elements, ...)
-            With engineering shear strains; 4 components (xx, yy, zz, xy) or 6 (xx, yy, zz, xy, yz, zx).
-        stress : ndarray, same shape
-            Accepted stress, tension positive.
-        internal : ndarray, shape (n_internal, n_elements, ...)
-            Accepted internal variables.
-
-        Raises
-        ------
-        ValueError
-            If the shapes do not fit each other or the parameters.
-        """
-
-
-def as_parameter(name: str, value: ArrayLike) -> Parameter:
-    """A finite float, or a read-only array with one finite value an element.
+    Attributes
+    ----------
+    internal : tuple of Internal
+        Declared internal variables. In a dataclass write it without an annotation, which would make a parameter.
+    time_dependent : bool
+        Whether :meth:`update` takes the time increment ``dt`` as its last argument.
+    stress_dependent : bool
+        Whether :meth:`elasticity` takes the accepted stress and internal variables.
+    undrained : bool
+        Whether the stress contains an excess pore pressure, which :meth:`drained` removes.
 
     Examples
     --------
-    >>> as_parameter("E", 10)
-    10.0
-    >>> as_parameter("E", [10, 20])
-    array([10., 20.])
+    >>> import numpy as np
+    >>> import skfem_contact as sc
+    >>> from skfem_contact.materials import Update
+    >>> class Soft(sc.Material):
+    ...     def elasticity(self, ncomp, stress=None, internal=None):
+    ...         return np.diag([2.0] * 3 + [1.0] * (ncomp - 3))
+    ...     def update(self, strain_increment, stress, internal):
+    ...         new = stress + np.tensordot(self.elasticity(len(stress)), strain_increment, 1)
+    ...         return Update(new, internal, np.zeros(0, int), lambda: np.zeros((0, len(stress), len(stress))))
+    >>> sc.check_material(Soft()) < 1e-6
+    True
     """
+
+    internal: tuple[Internal, ...] = ()
+    time_dependent: bool = False
+    stress_dependent: bool = False
+    undrained: bool = False
+
+    def elasticity(self, ncomp: int, stress: Array | None = None, internal: Array | None = None) -> Array:
+        """Return d stress / d strain: (ncomp, ncomp), or (n_elements, ncomp, ncomp) where a parameter is an array.
+
+        Only a `stress_dependent` material gets the accepted state, whose stiffness is (n_elements, ..., ncomp, ncomp);
+        without a state it returns a typical stiffness.
+        """
+        raise NotImplementedError
+
+    def update(self, strain_increment: Array, stress: Array, internal: Array) -> Update:
+        """Return stress, internal variables and tangent after a strain increment from an accepted state.
+
+        Raise `errors.IncrementTooLarge` where the law has no solution for the increment: a smaller one follows.
+        """
+        raise NotImplementedError
+
+    @property
+    def label(self) -> str:
+        """Name of the law in messages."""
+        return type(self).__name__
+
+    @property
+    def n_internal(self) -> int:
+        """Number of internal variables."""
+        return len(self.internal)
+
+    @property
+    def symmetric(self) -> bool:
+        """Whether the tangent is symmetric."""
+        return False
+
+    @property
+    def reducible(self) -> bool:
+        """Whether there is a strength to reduce."""
+        return type(self).reduced is not Material.reduced
+
+    @property
+    def dilates(self) -> bool:
+        """Whether the volume grows by plastic flow."""
+        return False
+
+    @property
+    def dilates_less(self) -> bool:
+        """Whether there is an angle of friction and a smaller one of dilatancy."""
+        return False
+
+    @property
+    def tensile_strength(self) -> Parameter | None:
+        """Largest principal stress that the material admits, None if it is unknown or unlimited."""
+        return None
+
+    def initial_internal(self, stress: Array) -> Array:
+        """Return internal variables of ground under an initial stress; by default the declared initial values.
+
+        A law overrides this method if its memory follows from the stress, for instance a preconsolidation pressure.
+        """
+        values = np.zeros((self.n_internal, *stress.shape[1:]))
+        for row, variable in zip(values, self.internal):
+            row[...] = variable.initial
+        return values
+
+    def variable(self, name: str, internal: Array) -> Array | None:
+        """Return the internal variable of a name, or None if the material does not declare it."""
+        names = [variable.name for variable in self.internal]
+        return internal[names.index(name)] if name in names else None
+
+    def yielding(self, before: Array, after: Array) -> NDArray[np.bool_]:
+        """Return a mask of the points that have flowed between two arrays of internal variables.
+
+        By default these are the points whose ``"plastic strain"`` has grown.
+        """
+        strain, earlier = self.variable(PLASTIC_STRAIN, after), self.variable(PLASTIC_STRAIN, before)
+        return np.zeros(after.shape[1:], bool) if strain is None or earlier is None else strain > earlier
+
+    def mobilised(self, stress: Array, internal: Array) -> tuple[Array, Array] | None:
+        """Return a measure of shear and its limit, infinite without failure; None if they are unknown.
+
+        Their ratio is the mobilised strength.
+        """
+        return None
+
+    def undrained_strength(self, mean: Array, internal: Array) -> Array | None:
+        """Return the undrained shear strength in plane strain, None if it is unknown.
+
+        The argument `mean` is the mean effective stress in the plane, compression positive.
+        """
+        return None
+
+    def cone(self, flow: Flow = "associated") -> tuple[Parameter, Parameter, Parameter] | None:
+        """Return cohesion, tan(phi) and tensile strength in plane strain for limit analysis, None without bounds.
+
+        The flow is associated or one of Davis'. The cohesion of a rigid material is infinite.
+        """
+        return None
+
+    def reduced(self, factor: float, flow: Flow = "given") -> Material:
+        """Return the material with its strength divided by a positive factor; refuse a flow that it does not have.
+
+        Parameters
+        ----------
+        factor : float
+            Strength reduction factor.
+        flow : str
+            ``"given"``: the strength is divided, the dilatancy stays unless it exceeds the new friction;
+            ``"associated"``: psi = phi; ``"davis_a"``: Davis' beta of the unreduced soil; ``"davis_b"``: beta of the
+            reduced soil with its psi; ``"davis_c"``: the same with tan(psi) divided as well; ``"lagged"``: as given,
+            with the friction of the pressure at the start of each step. A material of one flow ignores it.
+        """
+        raise ValueError(f"{self.label} has no strength to reduce: it has no method reduced(factor, flow)")
+
+    def associated_bound(self, factor: float) -> float:
+        """Return the factor from which the associated material is not stronger than Davis' (B) at another factor.
+
+        Where the soils of Davis collapse at `factor`, associated ones cannot stand at the largest bound of all
+        materials; nor can any with less dilatancy (Radenkovic's theorem).
+        """
+        return factor
+
+    def drained(self, stress: Array, internal: Array) -> tuple[Array, Array]:
+        """Return accepted stress and internal variables without their excess pore pressure."""
+        return stress, internal
+
+
+#: Members that a law may bring without deriving from :class:`Material`.
+_MEMBERS = frozenset(name for name in dir(Material) if not name.startswith("_"))
+
+
+class _Completed(Material):
+    """Law that does not derive from :class:`Material`, with the defaults of the contract."""
+
+    def __init__(self, law: Any) -> None:
+        self._law, self._brought = law, _MEMBERS.intersection(dir(law))
+
+    def __getattribute__(self, name: str) -> Any:
+        own = super().__getattribute__
+        return getattr(own("_law"), name) if name in own("__dict__").get("_brought", ()) else own(name)
+
+    def __repr__(self) -> str:
+        return repr(self._law)
+
+    @property
+    @override
+    def label(self) -> str:
+        return type(self._law).__name__
+
+    @property
+    @override
+    def reducible(self) -> bool:
+        return "reduced" in self._brought
+
+
+def as_material(law: Any) -> Material:
+    """Return a law with the defaults of the contract; refuse what has no elasticity or update."""
+    calls = {name: getattr(law, name, None) for name in ("elasticity", "update")}
+    missing = [name for name, call in calls.items()
+               if not callable(call) or getattr(call, "__func__", None) is getattr(Material, name)]
+    if missing or isinstance(law, type):
+        raise ValueError(f"{law!r} is no material: {' and '.join(missing) or 'an instance'} missing")
+    return law if isinstance(law, Material) else _Completed(law)
+
+
+def updated(material: Material, strain_increment: Array, stress: Array, internal: Array, dt: float) -> Update:
+    """Call the update of a material, with the time increment if it asks for it."""
+    time = (dt,) if material.time_dependent else ()
+    return material.update(strain_increment, stress, internal, *time)
+
+
+def check_reduction(factor: float, flow: str) -> None:
+    """Check a reduction factor and a flow rule."""
+    require("factor", factor, np.isfinite(factor) and factor > 0, "be positive")
+    if flow not in FLOWS:
+        raise ValueError(f"flow must be one of {', '.join(FLOWS)}, not {flow!r}")
+
+
+def as_parameter(name: str, value: ArrayLike) -> Parameter:
+    """Return a finite float, or a read-only array with one finite value an element."""
     try:
         array = np.array(value)
     except ValueError:
@@ -93,15 +296,7 @@ def as_parameter(name: str, value: ArrayLike) -> Parameter:
 
 
 def require(name: str, value: Parameter, holds: Any, demand: str) -> None:
-    """Raise a ValueError that names the first element where a demand on a parameter does not hold.
-
-    Examples
-    --------
-    >>> require("E", -1.0, False, "be positive")
-    Traceback (most recent call last):
-    ...
-    ValueError: E must be positive, got -1.0
-    """
+    """Raise a ValueError that names the first element where a demand on a parameter does not hold."""
     if np.all(holds):
         return
     first = int(np.argmin(np.atleast_1d(holds)))
@@ -110,30 +305,8 @@ def require(name: str, value: Parameter, holds: Any, demand: str) -> None:
     raise ValueError(f"{name} must {demand}, got {values[first if values.size > 1 else 0]}{where}")
 
 
-def warn_of_radians(**angles: Parameter) -> None:
-    """Warn of angles that may have been meant in radians: all of them less than a right angle is there."""
-    for name, angle in angles.items():
-        largest = float(np.max(angle))
-        if 0.0 < largest < np.pi / 2:
-            warnings.warn(f"{name} is {largest:.4g}: angles are given in degrees", AnalysisWarning, stacklevel=4)
-
-
-def require_same_length(**parameters: Parameter | None) -> None:
-    """Raise a ValueError if arrays among the parameters do not have one common length."""
-    lengths = {name: value.size for name, value in parameters.items() if isinstance(value, np.ndarray)}
-    if len(set(lengths.values())) > 1:
-        listed = ", ".join(f"{name} has {length}" for name, length in lengths.items())
-        raise ValueError(f"parameter arrays must have one value an element: {listed}")
-
-
 def along_elements(value: Parameter, shape: tuple[int, ...]) -> Parameter:
-    """Parameter at the points of a field of the given shape (ncomp, n_elements, ...); a float stays one.
-
-    Examples
-    --------
-    >>> along_elements(np.array([1.0, 2.0]), (4, 2, 9)).shape
-    (2, 9)
-    """
+    """Return a parameter at the points of a field of the shape (ncomp, n_elements, ...); a float stays one."""
     if not isinstance(value, np.ndarray):
         return value
     if np.size(value) != shape[1]:
@@ -142,15 +315,14 @@ def along_elements(value: Parameter, shape: tuple[int, ...]) -> Parameter:
 
 
 def reduced_dilatancy(dilatancy: Parameter, friction: Parameter, reduced_friction: Parameter) -> Parameter:
-    """Dilatancy that belongs to a reduced friction.
-
-    It equals the reduced friction where it equalled the friction (associated flow); elsewhere it is capped
-    by it.
-
-    Examples
-    --------
-    >>> reduced_dilatancy(np.array([30.0, 5.0]), np.array([30.0, 30.0]), np.array([20.0, 20.0]))
-    array([20.,  5.])
-    """
+    """Return the dilatancy of a reduced friction: equal to it if the flow was associated, else at most equal."""
     associated = np.equal(dilatancy, friction)
     return np.where(associated, reduced_friction, np.minimum(dilatancy, reduced_friction))
+
+
+def warn_of_radians(**angles: Parameter) -> None:
+    """Warn of angles that are so small that radians may have been meant."""
+    for name, angle in angles.items():
+        largest = float(np.max(angle))
+        if 0.0 < largest < np.pi / 2:
+            warnings.warn(f"{name} is {largest:.4g}: angles are given in degrees", AnalysisWarning, stacklevel=4)

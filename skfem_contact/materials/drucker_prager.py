@@ -1,53 +1,85 @@
-"""Drucker-Prager plasticity with an exact return mapping."""
+"""Drucker-Prager plasticity, and its limit, the cylinder of von Mises.
+
+The yield function is sqrt(J2) + alpha I1 - k with the first invariant I1 of the stress (tension positive) and
+the second invariant J2 of its deviator; the plastic potential is the same with beta for alpha. The return is
+radial in the deviator, to the cone or to its apex I1 = k / alpha.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
+from typing_extensions import override
 
-from .base import Parameter, reduced_dilatancy, require
-from .cone import ConeConstants, ConePlasticity
+from .base import Array, Flow, Parameter, along_elements, check_reduction, reduced_dilatancy, require
 from .mohr_coulomb import MohrCoulomb
-from .reduction import Flow, check_reduction
+from .plastic import IsotropicPlasticity, Return, chosen
+from .spectral import mean_and_shear
+
+
+class ConeConstants(NamedTuple):
+    """Constants of the cone: floats, or arrays over elements or points."""
+
+    lam: Parameter
+    mu: Parameter
+    alpha: Parameter
+    beta: Parameter
+    k: Parameter
+
+
+@dataclass(frozen=True, eq=False)
+class ConePlasticity(IsotropicPlasticity):
+    """Base of the laws with a circular cone or cylinder; a law adds its parameters and constants."""
+
+    @property
+    @override
+    def symmetric(self) -> bool:
+        constants = self.constants()
+        return bool(np.all(constants.alpha == constants.beta))
+
+    @override
+    def yield_bound(self, stress: Array, constants: ConeConstants) -> Array:
+        return _excess(*mean_and_shear(stress), constants)
+
+    @override
+    def yield_function(self, values: Array, constants: ConeConstants) -> Array:
+        return _excess(*mean_and_shear(values), constants)
+
+    @override
+    def return_map(self, trial: Array, constants: ConeConstants) -> Return:
+        return _cone_return(trial, constants)
+
+    @override
+    def mobilised(self, stress: Array, internal: Array) -> tuple[Array, Array]:
+        constants = self.constants()
+        alpha, k = (along_elements(value, stress.shape) for value in (constants.alpha, constants.k))
+        return mean_and_shear(stress)[1], k - alpha * stress[:3].sum(axis=0)
 
 
 @dataclass(frozen=True, eq=False)
 class DruckerPrager(ConePlasticity):
     """Linear elasticity, perfect plasticity on the Drucker-Prager cone, non-associated flow.
 
-    The yield function is ``sqrt(J2) + alpha I1 - k`` (tension positive), and the plastic potential is the
-    same with beta. Evaluation stresses return exactly to the cone or its apex. Where c and phi are known, use
+    The yield function is ``sqrt(J2) + alpha I1 - k`` (tension positive), and the plastic potential is the same with
+    beta (D. C. Drucker, W. Prager, Quart. Appl. Math. 10 (1952) 157-165). Where c and phi are known, use
     :meth:`plane_strain`: k, alpha and beta are not cohesion and angles.
 
     Parameters
     ----------
     E, nu : float or ndarray
         As those of :class:`LinearElastic`.
-    k : float or ndarray
-        Shear strength sqrt(J2) without mean stress, not negative; a float or one value an element.
-    alpha : float or ndarray
-        Friction, not negative, below 1/3 for soil in plane strain; a float or one value an element.
-    beta : float or ndarray, optional
-        Dilatancy, 0 <= beta <= alpha; a float or one value an element.
-
-    Raises
-    ------
-    ValueError
-        If a parameter is out of its range, not finite, or arrays differ in length.
-
-    Notes
-    -----
-    D. C. Drucker, W. Prager, Quart. Appl. Math. 10 (1952) 157-165.
+    k, alpha, beta : float or ndarray
+        Shear strength sqrt(J2) without mean stress; friction, below 1/3 for soil in plane strain; and dilatancy, at
+        most alpha. None may be negative.
 
     Examples
     --------
-    >>> import numpy as np
-    >>> from skfem_contact.materials import DruckerPrager
-    >>> soil = DruckerPrager(E=1000.0, nu=0.25, k=5.0, alpha=0.2)
-    >>> shear_strain = np.array([[0.0], [0.0], [0.0], [0.1]])
-    >>> soil.update(shear_strain, np.zeros((4, 1)), np.zeros((1, 1))).stress.ravel()
-    array([0., 0., 0., 5.])
+    >>> import skfem_contact as sc
+    >>> soil = sc.DruckerPrager.plane_strain(E=1e4, nu=0.3, c=10.0, phi=30.0, psi=30.0)
+    >>> print(f"{soil.k:.4f} {soil.alpha:.4f} {soil.beta:.4f}")
+    8.3205 0.1601 0.1601
     """
 
     k: Parameter
@@ -60,25 +92,12 @@ class DruckerPrager(ConePlasticity):
         require("beta", self.beta, np.less_equal(self.beta, self.alpha), "not exceed alpha")
 
     @classmethod
-    def plane_strain(
-        cls, E: Parameter, nu: Parameter, c: Parameter, phi: Parameter, psi: Parameter = 0.0
-    ) -> DruckerPrager:
-        """The cone that collapses at the Mohr-Coulomb strength in plane strain.
+    def plane_strain(cls, E: Parameter, nu: Parameter, c: Parameter, phi: Parameter, psi: Parameter = 0.0
+                     ) -> DruckerPrager:
+        """Return the cone that collapses at the Mohr-Coulomb strength in plane strain.
 
-        At collapse the strain out of plane is plastic and vanishes, which fixes the stress out of plane by
-        the plastic potential; then the strength in the plane is that of c and phi, and the flow has the
-        angle psi.
-
-        Parameters
-        ----------
-        E, nu, c, phi, psi : float or ndarray
-            As those of `MohrCoulomb`.
-
-        Examples
-        --------
-        >>> soil = DruckerPrager.plane_strain(E=1e4, nu=0.3, c=10.0, phi=30.0, psi=30.0)
-        >>> print(f"{soil.k:.4f} {soil.alpha:.4f} {soil.beta:.4f}")
-        8.3205 0.1601 0.1601
+        The parameters are those of :class:`MohrCoulomb`. At collapse the strain out of plane is plastic and vanishes,
+        which fixes the stress out of plane by the plastic potential.
         """
         model = MohrCoulomb(E, nu, c, phi, psi)
         phi, psi = np.radians(model.phi), np.radians(model.psi)
@@ -87,40 +106,94 @@ class DruckerPrager(ConePlasticity):
         alpha = np.where(np.equal(psi, phi), beta, np.sin(phi) / (3 * scale))
         return cls(E, nu, k=model.c * np.cos(phi) / scale, alpha=alpha, beta=beta)
 
+    @override
     def reduced(self, factor: float, flow: Flow = "given") -> DruckerPrager:
-        """The material with its strength k and alpha divided by a factor.
-
-        Where the flow is associated (beta = alpha) it stays so; elsewhere the new beta is the smaller of
-        beta and the new alpha.
-
-        Parameters
-        ----------
-        factor : float
-            Positive.
-        flow : str
-            ``"given"``, or ``"associated"``: beta = alpha. A cone of less dilatancy has no other: Davis' strength is
-            that of c and phi on a plane.
-
-        Raises
-        ------
-        ValueError
-            If the factor is not positive, or the cone does not have the flow.
-
-        Examples
-        --------
-        >>> soil = DruckerPrager(E=1e4, nu=0.3, k=10.0, alpha=0.2).reduced(2.0)
-        >>> soil.k, soil.alpha
-        (5.0, 0.1)
-        """
         check_reduction(factor, flow)
         if flow not in ("given", "associated") and not self.symmetric:
-            raise ValueError(
-                f"flow '{flow}' needs cohesion and friction angle, which a DruckerPrager cone with beta < alpha has "
-                "not: use MohrCoulomb, or flow 'given' or 'associated'"
-            )
+            raise ValueError(f"flow '{flow}' needs cohesion and friction angle, which a DruckerPrager cone with "
+                             "beta < alpha has not: use MohrCoulomb, or flow 'given' or 'associated'")
         alpha = self.alpha / factor
         beta = alpha if flow == "associated" else reduced_dilatancy(self.beta, self.alpha, alpha)
         return self._with(k=self.k / factor, alpha=alpha, beta=beta)
 
-    def _constants(self) -> ConeConstants:
+    @override
+    def constants(self) -> ConeConstants:
         return ConeConstants(*self.lame, self.alpha, self.beta, self.k)
+
+
+@dataclass(frozen=True, eq=False)
+class VonMises(ConePlasticity):
+    """Drucker-Prager plasticity without friction: the equivalent stress sqrt(3 J2) reaches the strength.
+
+    Parameters
+    ----------
+    E, nu : float or ndarray
+        As those of :class:`LinearElastic`.
+    strength : float or ndarray
+        Yield stress in uniaxial tension, not negative. A soil of shear strength c in plane strain has sqrt(3) c.
+
+    Examples
+    --------
+    >>> import skfem_contact as sc
+    >>> sc.VonMises(E=210e3, nu=0.3, strength=235.0).reduced(2.0)
+    VonMises(E=210000.0, nu=0.3, strength=117.5)
+    """
+
+    strength: Parameter
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._not_negative("strength")
+
+    @override
+    def reduced(self, factor: float, flow: Flow = "given") -> VonMises:
+        check_reduction(factor, flow)
+        return self._with(strength=self.strength / factor)
+
+    @override
+    def cone(self, flow: Flow = "associated") -> tuple[Parameter, Parameter, Parameter]:
+        # in plane strain the third stress of a flowing point is the mean of the others
+        return self.strength / np.sqrt(3), 0.0, np.inf
+
+    @override
+    def constants(self) -> ConeConstants:
+        return ConeConstants(*self.lame, alpha=0.0, beta=0.0, k=self.strength / np.sqrt(3))
+
+
+def _cone_return(trial: Array, constants: ConeConstants) -> Return:
+    """Return principal trial stresses (3, n), all of them outside, to the cone."""
+    lam, mu, alpha, beta, k = constants
+    bulk = lam + 2 / 3 * mu
+    mean, shear = mean_and_shear(trial)
+    multiplier = _excess(mean, shear, constants) / (mu + 9 * bulk * alpha * beta)
+    apex = np.flatnonzero(mu * (3 * alpha * mean - k) > 9 * bulk * alpha * beta * shear)
+
+    direction = (trial - mean) / np.where(shear > 0, shear, 1)
+    returned_mean = mean - 3 * bulk * beta * multiplier
+    # from the yield condition, which then holds to the round-off of the returned stress
+    returned_shear = np.maximum(k - 3 * alpha * returned_mean, 0)
+    values = returned_mean + returned_shear * direction
+    if apex.size:
+        at_apex = chosen(constants, apex)
+        values[:, apex] = at_apex.k / (3 * at_apex.alpha)
+
+    def moduli() -> Array:
+        result = np.empty((3, *trial.shape))
+        kept = returned_shear / np.where(shear > 0, shear, 1)
+        for i in range(3):
+            drop = (3 * bulk * beta + mu * direction[i]) / (mu + 9 * bulk * alpha * beta)
+            for j in range(3):
+                deviatoric = (2.0 * (i == j) - 2 / 3) * kept + (1 - kept) * direction[i] * direction[j]
+                result[i, j] = bulk + mu * deviatoric - drop * (3 * bulk * alpha + mu * direction[j])
+        result[:, :, apex] = 0
+        return result
+
+    return Return(values, moduli)
+
+
+def _excess(mean: Array, shear: Array, k: ConeConstants) -> Array:
+    """Return the yield function of the mean stress and sqrt(J2)."""
+    excess = 3 * k.alpha * mean
+    excess += shear
+    excess -= k.k
+    return excess

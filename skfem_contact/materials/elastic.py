@@ -7,27 +7,31 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
+from typing_extensions import override
 
-from .base import Array, Parameter, Update, along_elements, as_parameter, require, require_same_length
+from .base import Array, Flow, Material, Parameter, Update, along_elements, as_parameter, require
 
 
 @dataclass(frozen=True, eq=False)
-class Isotropic:
-    """Parameters of isotropic elasticity and what follows from them; the laws derive from it.
+class Isotropic(Material):
+    """Parameters of isotropic elasticity: floats, or arrays with one value an element of the region.
 
-    Parameters are floats, or arrays with one value an element of the region. Two materials are equal only if
-    they are the same object, because parameters may be arrays.
+    A ValueError refuses a parameter that is out of its range or not finite, and arrays that differ in length. Two
+    materials are equal only if they are the same object.
     """
 
     E: Parameter
     nu: Parameter
 
     def __post_init__(self) -> None:
+        given = {field.name: getattr(self, field.name) for field in fields(self)}
         for field in fields(self):
-            value = getattr(self, field.name)
-            if value is not None or field.default is not None:
-                object.__setattr__(self, field.name, as_parameter(field.name, value))
-        require_same_length(**{field.name: getattr(self, field.name) for field in fields(self)})
+            if given[field.name] is not None or field.default is not None:
+                object.__setattr__(self, field.name, as_parameter(field.name, given[field.name]))
+        lengths = {name: np.size(value) for name, value in given.items() if np.ndim(value)}
+        if len(set(lengths.values())) > 1:
+            listed = ", ".join(f"{name} has {length}" for name, length in lengths.items())
+            raise ValueError(f"parameter arrays must have one value an element: {listed}")
         require("E", self.E, np.greater(self.E, 0), "be positive")
         require("nu", self.nu, np.greater(self.nu, -1) & np.less(self.nu, 0.5), "lie between -1 and 0.5")
 
@@ -38,7 +42,7 @@ class Isotropic:
                 require(name, value, np.greater_equal(value, 0), "not be negative")
 
     def _with(self, **changes: Parameter | None) -> Any:
-        """The material with other parameters, which need not be checked: they follow from those that were."""
+        """Return the material with other parameters, which follow from checked ones."""
         new = copy(self)
         for name, value in changes.items():
             object.__setattr__(new, name, None if value is None else as_parameter(name, value))
@@ -49,27 +53,8 @@ class Isotropic:
         """Lamé's constants (lambda, mu)."""
         return self.E * self.nu / ((1 + self.nu) * (1 - 2 * self.nu)), self.E / (2 * (1 + self.nu))
 
-    def elasticity(self, ncomp: int) -> Array:
-        """Elastic stiffness d stress / d strain.
-
-        Parameters
-        ----------
-        ncomp : int
-            4 (xx, yy, zz, xy) or 6 (xx, yy, zz, xy, yz, zx) components.
-
-        Returns
-        -------
-        ndarray
-            Shape (ncomp, ncomp), or (n_elements, ncomp, ncomp) where E or nu is an array.
-
-        Examples
-        --------
-        >>> LinearElastic(E=2.5, nu=0.25).elasticity(4)
-        array([[3., 1., 1., 0.],
-               [1., 3., 1., 0.],
-               [1., 1., 3., 0.],
-               [0., 0., 0., 1.]])
-        """
+    @override
+    def elasticity(self, ncomp: int, stress: Array | None = None, internal: Array | None = None) -> Array:
         lam, mu = np.broadcast_arrays(*self.lame)
         stiffness = np.zeros((*lam.shape, ncomp, ncomp))
         stiffness[..., :3, :3] = lam[..., None, None] + 2 * mu[..., None, None] * np.eye(3)
@@ -77,12 +62,10 @@ class Isotropic:
         return stiffness
 
     def elastic_stress(self, strain_increment: Array, stress: Array) -> Array:
-        """Stress if the strain increment is elastic: a new array, shape (ncomp, ...)."""
+        """Return the stress after an elastic strain increment, a new array of shape (ncomp, ...)."""
         if strain_increment.shape != stress.shape or stress.ndim < 2 or stress.shape[0] not in (4, 6):
-            raise ValueError(
-                "strain increment and stress must share a shape (4 or 6, n_elements, ...), "
-                f"got {strain_increment.shape} and {stress.shape}"
-            )
+            raise ValueError("strain increment and stress must share a shape (4 or 6, n_elements, ...), "
+                             f"got {strain_increment.shape} and {stress.shape}")
         lam, mu = (along_elements(value, stress.shape) for value in self.lame)
         result = np.empty(stress.shape)
         pressure = strain_increment[0] + strain_increment[1]
@@ -101,15 +84,8 @@ class LinearElastic(Isotropic):
 
     Parameters
     ----------
-    E : float or ndarray
-        Young's modulus (stress), positive; a float or one value an element.
-    nu : float or ndarray
-        Poisson's ratio, -1 < nu < 0.5; a float or one value an element.
-
-    Raises
-    ------
-    ValueError
-        If a parameter is out of its range, not finite, or arrays differ in length.
+    E, nu : float or ndarray
+        Young's modulus (stress), positive, and Poisson's ratio, -1 < nu < 0.5; floats or one value an element each.
 
     Examples
     --------
@@ -122,16 +98,19 @@ class LinearElastic(Isotropic):
     """
 
     @property
-    def n_internal(self) -> int:
-        """No internal variables."""
-        return 0
-
-    @property
+    @override
     def symmetric(self) -> bool:
-        """The tangent is symmetric."""
         return True
 
+    @override
     def update(self, strain_increment: Array, stress: Array, internal: Array) -> Update:
-        """Stress after a strain increment, see :meth:`Material.update`; no point is ever plastic."""
         new, tangent = self.elastic_stress(strain_increment, stress), np.empty((0, len(stress), len(stress)))
         return Update(new, internal, np.empty(0, dtype=np.intp), lambda: tangent)
+
+    @override
+    def mobilised(self, stress: Array, internal: Array) -> tuple[Array, Array]:
+        return np.zeros(stress.shape[1:]), np.full(stress.shape[1:], np.inf)
+
+    @override
+    def cone(self, flow: Flow = "associated") -> tuple[Parameter, Parameter, Parameter]:
+        return np.inf, 0.0, np.inf

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from typing import NamedTuple, cast
 
 import numpy as np
+from typing_extensions import override
 
-from .base import Array, Parameter, reduced_dilatancy, require, warn_of_radians
-from .mohr_coulomb import MohrCoulomb
+from .base import Array, Flow, Parameter, along_elements, check_reduction, reduced_dilatancy, require, warn_of_radians
+from .mohr_coulomb import CohesiveFrictional, MohrCoulomb
 from .plastic import ROUND_OFF, IsotropicPlasticity, Return, chosen, equivalent_shear_strain
-from .pyramid import PyramidConstants, PyramidReturn, pyramid_excess, pyramid_return
-from .reduction import Flow, check_reduction
+from .pyramid import PyramidConstants, pyramid_excess, pyramid_return
 from .spectral import extremes
 
 _NEWTON_ITERATIONS = 20
@@ -33,52 +33,29 @@ class _Constants(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class HardeningMohrCoulomb(IsotropicPlasticity):
+class HardeningMohrCoulomb(CohesiveFrictional, IsotropicPlasticity):
     """Mohr-Coulomb plasticity, hardening or softening linearly with the plastic shear strain.
 
-    Cohesion and friction angle go linearly from their first to their last values while the accumulated
-    equivalent plastic shear strain (the internal variable) goes from zero to a given strain, and stay there.
-    The dilatancy angle is constant. Stress and strength at the end of an increment fulfil the yield
-    condition exactly (implicit integration).
+    Cohesion and friction angle go linearly from their first to their last values while the accumulated equivalent
+    plastic shear strain goes from zero to a given strain, and stay there. The dilatancy angle is constant. Stress and
+    strength at the end of an increment fulfil the yield condition exactly. A softening body has no solution that is
+    independent of the mesh: choose ``strain_end`` for the size of the elements.
 
     Parameters
     ----------
-    E, nu : float or ndarray
-        As those of :class:`LinearElastic`.
-    c, c_end : float or ndarray
-        First and last cohesion (stress), not negative; floats or one value an element.
-    phi, phi_end : float or ndarray
-        First and last friction angle in degrees, in [0, 90); floats or one value an element.
+    E, nu, c, c_end, phi, phi_end, psi : float or ndarray
+        As those of :class:`MohrCoulomb`, with first and last strength; psi must not exceed phi and phi_end.
     strain_end : float or ndarray
-        Equivalent plastic shear strain at which the last values are reached, positive; a float or one value
-        an element.
-    psi : float or ndarray, optional
-        Dilatancy angle in degrees, not negative and not above phi and phi_end; a float or one value an
-        element.
-
-    Raises
-    ------
-    ValueError
-        If a parameter is out of its range, not finite, or arrays differ in length.
-
-    Notes
-    -----
-    A softening body has no solution that is independent of the mesh: the plastic strain gathers in a band one
-    element wide. Choose ``strain_end`` for the size of the elements.
+        Equivalent plastic shear strain at which the last values are reached, positive.
 
     Examples
     --------
     >>> import numpy as np
     >>> from skfem_contact.materials import HardeningMohrCoulomb
     >>> clay = HardeningMohrCoulomb(1e4, 0.3, c=20.0, c_end=5.0, phi=0.0, phi_end=0.0, strain_end=0.1)
-    >>> state = np.zeros((4, 1)), np.zeros((1, 1))
-    >>> for _ in range(3):
-    ...     update = clay.update(np.array([[0.0], [0.0], [0.0], [0.08]]), *state)
-    ...     state = update.stress, update.internal
-    ...     print(update.stress[3].round(3), update.internal[0].round(4))
-    [13.373] [0.0442]
-    [6.285] [0.0914]
-    [5.] [0.1378]
+    >>> update = clay.update(np.array([[0.0], [0.0], [0.0], [0.08]]), np.zeros((4, 1)), np.zeros((1, 1)))
+    >>> update.stress[3].round(3), update.internal[0].round(4)
+    (array([13.373]), array([0.0442]))
     """
 
     c: Parameter
@@ -98,31 +75,23 @@ class HardeningMohrCoulomb(IsotropicPlasticity):
         warn_of_radians(phi=np.maximum(self.phi, self.phi_end))
         require("strain_end", self.strain_end, np.greater(self.strain_end, 0), "be positive")
 
+    @override
+    def strength_at(self, internal: Array) -> tuple[Parameter, Parameter]:
+        c, c_end, phi, phi_end, strain_end = (
+            along_elements(value, internal.shape)
+            for value in (self.c, self.c_end, np.radians(self.phi), np.radians(self.phi_end), self.strain_end)
+        )
+        way = np.minimum(internal[0] / strain_end, 1.0)
+        return c + way * (c_end - c), phi + way * (phi_end - phi)
+
+    @override
     def reduced(self, factor: float, flow: Flow = "given") -> HardeningMohrCoulomb:
-        """The material with c and tan(phi), first and last, divided by a factor.
-
-        Where psi equals the smaller friction angle it goes on to do so; elsewhere it is capped by it.
-
-        Parameters
-        ----------
-        factor : float
-            Positive.
-        flow : str
-            ``"given"``; or, where phi = phi_end, ``"associated"`` or one of Davis' as for `MohrCoulomb`.
-
-        Raises
-        ------
-        ValueError
-            If the factor is not positive, or the flow unknown, or not that of soil whose friction changes.
-        """
         check_reduction(factor, flow)
         if flow == "lagged":
             raise ValueError("flow 'lagged' is for MohrCoulomb, not for HardeningMohrCoulomb, whose strength changes")
         if flow != "given" and not np.all(self.phi == self.phi_end):
-            raise ValueError(
-                f"flow '{flow}' needs one friction angle: the constant psi of a HardeningMohrCoulomb cannot follow "
-                "phi to another phi_end"
-            )
+            raise ValueError(f"flow '{flow}' needs one friction angle: the constant psi of a HardeningMohrCoulomb "
+                             "cannot follow phi to another phi_end")
         first, last = (
             cast(MohrCoulomb, MohrCoulomb(self.E, self.nu, c, phi, self.psi).reduced(factor, flow))
             for c, phi in ((self.c, self.phi), (self.c_end, self.phi_end))
@@ -131,27 +100,31 @@ class HardeningMohrCoulomb(IsotropicPlasticity):
         psi = reduced_dilatancy(self.psi, least, reduced) if flow == "given" else first.psi
         return self._with(c=first.c, c_end=last.c, phi=first.phi, phi_end=last.phi, psi=psi)
 
-    def _constants(self) -> _Constants:
+    @override
+    def constants(self) -> _Constants:
         phi, phi_end, psi = np.radians(self.phi), np.radians(self.phi_end), np.radians(self.psi)
-        return _Constants(
-            *self.lame, np.sin(psi), self.c, phi, self.c_end - self.c, phi_end - phi, self.strain_end
-        )
+        c_change, phi_change = self.c_end - self.c, phi_end - phi
+        return _Constants(*self.lame, np.sin(psi), self.c, phi, c_change, phi_change, self.strain_end)
 
-    def _at_state(self, constants: _Constants, internal: Array) -> _Constants:
+    @override
+    def at_state(self, constants: _Constants, internal: Array) -> _Constants:
         return constants._replace(accepted=internal)
 
-    def _yield_bound(self, stress: Array, constants: _Constants) -> Array:
+    @override
+    def yield_bound(self, stress: Array, constants: _Constants) -> Array:
         return pyramid_excess(*extremes(stress), _pyramid(constants.accepted, constants))
 
-    def _yield_function(self, values: Array, constants: _Constants) -> Array:
+    @override
+    def yield_function(self, values: Array, constants: _Constants) -> Array:
         return pyramid_excess(values[0], values[2], _pyramid(constants.accepted, constants))
 
-    def _return_map(self, trial: Array, constants: _Constants) -> Return:
+    @override
+    def return_map(self, trial: Array, constants: _Constants) -> Return:
         strain = _end_strain(trial, constants)
         returned = pyramid_return(trial, _pyramid(strain, constants))
 
         def moduli() -> Array:
-            """The perfectly plastic moduli, and what the change of strength adds, a dyad."""
+            """Return the perfectly plastic moduli and the dyad of the change of strength."""
             perfect = returned.moduli()
             change = _stress_change(returned, strain, constants)
             gradient = _strain_gradient(trial - returned.values, constants.mu)
@@ -164,7 +137,7 @@ class HardeningMohrCoulomb(IsotropicPlasticity):
 
 
 def _pyramid(strain: Parameter, k: _Constants) -> PyramidConstants:
-    """The yield surface at an equivalent plastic shear strain."""
+    """Return the yield surface at an equivalent plastic shear strain."""
     progress = np.minimum(strain / k.range, 1)
     phi = k.phi + progress * k.phi_change
     strength = 2 * (k.c + progress * k.c_change) * np.cos(phi)
@@ -172,11 +145,11 @@ def _pyramid(strain: Parameter, k: _Constants) -> PyramidConstants:
 
 
 def _end_strain(trial: Array, k: _Constants) -> Array:
-    """Equivalent plastic shear strain at the end of the increment.
+    """Solve for the equivalent plastic shear strain at the end of the increment.
 
     It is the root of: accepted strain + growth in the return to the surface at this strain - this strain.
-    Newton's method, kept between bounds by bisection, which finishes what Newton's method does not: the
-    growth is never negative, and never more than what relaxes the whole deviator of the trial stress.
+    Newton's method is safeguarded by bisection between bounds: the growth is never negative, and never more than
+    the strain that relaxes the whole deviator of the trial stress.
     """
     lower = np.broadcast_to(k.accepted, trial.shape[1:]).copy()
     upper = lower + equivalent_shear_strain(trial, k.mu)
@@ -201,7 +174,7 @@ def _end_strain(trial: Array, k: _Constants) -> Array:
 
 
 def _growth(strain: Array, trial: Array, k: _Constants) -> tuple[Array, Array]:
-    """Equivalent plastic shear strain of the return to the surface at ``strain``, and its derivative."""
+    """Return the plastic shear strain of the return to the surface at ``strain``, and its derivative."""
     surface = _pyramid(strain, k)
     returned = pyramid_return(trial, surface)
     relaxed = trial - returned.values
@@ -211,18 +184,19 @@ def _growth(strain: Array, trial: Array, k: _Constants) -> tuple[Array, Array]:
     return np.where(outside, equivalent_shear_strain(relaxed, k.mu), 0), np.where(outside, slope, 0)
 
 
-def _stress_change(returned: PyramidReturn, strain: Array, k: _Constants) -> Array:
-    """Derivative of the returned principal stresses (3, n) to the plastic shear strain, the trial fixed."""
+def _stress_change(returned: Return, strain: Array, k: _Constants) -> Array:
+    """Return d returned principal stress (3, n) / d plastic shear strain, the trial fixed."""
     largest, _, smallest = returned.values
     phi = k.phi + np.minimum(strain / k.range, 1) * k.phi_change
     c = k.c + np.minimum(strain / k.range, 1) * k.c_change
     cos, sin = np.cos(phi), np.sin(phi)
     rise = ((largest + smallest) * cos + 2 * c * sin) * k.phi_change - 2 * cos * k.c_change
+    assert returned.relief is not None
     return -returned.relief() * np.where(strain < k.range, rise / k.range, 0)
 
 
 def _strain_gradient(relaxed: Array, mu: Parameter) -> Array:
-    """Derivative of the equivalent shear strain to the relaxed principal stresses (3, n)."""
+    """Return d equivalent shear strain / d relaxed principal stress (3, n)."""
     deviator = relaxed - relaxed.mean(axis=0)
     size = np.sqrt((deviator * deviator).sum(axis=0))
     return deviator / (np.where(size > 0, size, 1) * np.sqrt(6) * mu)

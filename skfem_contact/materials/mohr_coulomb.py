@@ -1,49 +1,106 @@
-"""Mohr-Coulomb plasticity with an exact return mapping."""
+"""Mohr-Coulomb plasticity, its limit Tresca, and its associated substitutes.
+
+With psi < phi collapse loads depend on mesh and path. Davis (1968) replaces the soil by an associated one of less
+strength, c* = beta c and tan phi* = beta tan phi with beta = cos psi cos phi / (1 - sin psi sin phi): the shear
+strength on a plane along which the soil shears without extension. The procedures A, B and C take beta of different
+angles (F. Tschuchnigg, H. F. Schweiger, S. W. Sloan, Computers and Geotechnics 70 (2015) 169-177 and 178-189).
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
+from typing_extensions import override
 
-from .base import Parameter, reduced_dilatancy, require, warn_of_radians
-from .pyramid import PyramidConstants, PyramidPlasticity
-from .reduction import Flow, check_reduction, without_dilatancy
-from .substitute import AssociatedSubstitute
+from .base import (
+    Array,
+    Flow,
+    Material,
+    Parameter,
+    Update,
+    along_elements,
+    check_reduction,
+    reduced_dilatancy,
+    require,
+    warn_of_radians,
+)
+from .plastic import IsotropicPlasticity, Return
+from .pyramid import PyramidConstants, cut_off_excess, return_with_cut_off
+from .spectral import extremes, principal_stresses
+
+#: Share of the strength without pressure that is left in tension, where the soil would be beyond its apex.
+_LEAST = 0.1
+
+
+class CohesiveFrictional(Material):
+    """Results of the laws with cohesion and friction angle by Mohr's circle."""
+
+    c: Parameter
+    phi: Parameter
+    psi: Parameter
+    tension: Parameter | None = None
+
+    def strength_at(self, internal: Array) -> tuple[Parameter, Parameter]:
+        """Return cohesion and friction angle (radians) at the points of internal variables."""
+        return along_elements(self.c, internal.shape), along_elements(np.radians(self.phi), internal.shape)
+
+    @property
+    @override
+    def dilates(self) -> bool:
+        return bool(np.any(np.greater(self.psi, 0.0)))
+
+    @property
+    @override
+    def dilates_less(self) -> bool:
+        return bool(np.any(self.psi < self.phi))
+
+    @property
+    @override
+    def tensile_strength(self) -> Parameter | None:
+        if self.tension is not None or not np.all(np.greater(self.phi, 0)):
+            return self.tension
+        return self.c / np.tan(np.radians(self.phi))
+
+    @override
+    def mobilised(self, stress: Array, internal: Array) -> tuple[Array, Array]:
+        largest, _, smallest = principal_stresses(stress)
+        c, phi = self.strength_at(internal)
+        return 0.5 * (largest - smallest), c * np.cos(phi) - 0.5 * (largest + smallest) * np.sin(phi)
+
+    @override
+    def undrained_strength(self, mean: Array, internal: Array) -> Array:
+        c, phi = self.strength_at(internal)
+        return np.maximum(c * np.cos(phi) + mean * np.sin(phi), 0.0)
+
+    @override
+    def associated_bound(self, factor: float) -> float:
+        if not self.dilates_less:
+            return factor
+        friction, reduced = np.radians(self.phi), np.radians(self.reduced(factor, "davis_b").phi)  # type: ignore[attr-defined]
+        return float(np.max(np.tan(friction) / np.tan(reduced), initial=factor, where=np.greater(friction, 0.0)))
 
 
 @dataclass(frozen=True, eq=False)
-class MohrCoulomb(PyramidPlasticity):
+class MohrCoulomb(CohesiveFrictional, IsotropicPlasticity):
     """Linear elasticity, perfect plasticity on the Mohr-Coulomb surface, non-associated flow.
 
     With principal stresses s1 >= s2 >= s3 (tension positive) the yield function is
-    ``(1 + sin phi) s1 - (1 - sin phi) s3 - 2 c cos phi``, and the plastic potential is the same with psi.
-    Evaluation stresses return exactly to a face, an edge (s1 = s2 or s2 = s3) or the apex. phi = 0 is the Tresca
-    surface.
+    ``(1 + sin phi) s1 - (1 - sin phi) s3 - 2 c cos phi``, and the plastic potential is the same with psi. Trial
+    stresses return exactly to a face, an edge (s1 = s2 or s2 = s3) or the apex by Koiter's rule: W. T. Koiter, Quart.
+    Appl. Math. 11 (1953) 350-354; J. Clausen, L. Damkilde, L. Andersen, Computers & Structures 85 (2007) 1795-1807.
 
     Parameters
     ----------
     E, nu : float or ndarray
         As those of :class:`LinearElastic`.
     c : float or ndarray
-        Cohesion (stress), not negative; a float or one value an element.
-    phi : float or ndarray
-        Friction angle in degrees, 0 <= phi < 90; a float or one value an element.
-    psi : float or ndarray, optional
-        Dilatancy angle in degrees, 0 <= psi <= phi; a float or one value an element.
+        Cohesion (stress), not negative; like all parameters a float or one value an element.
+    phi, psi : float or ndarray
+        Friction angle in degrees, 0 <= phi < 90, and dilatancy angle, 0 <= psi <= phi.
     tension : float or ndarray, optional
-        Tensile strength, not negative: no principal stress exceeds it, with associated flow. None, or a value
-        above the apex c cot(phi), is no cut-off.
-
-    Raises
-    ------
-    ValueError
-        If a parameter is out of its range, not finite, or arrays differ in length.
-
-    Notes
-    -----
-    The return mapping follows Koiter's rule in principal stresses: W. T. Koiter, Quart. Appl. Math. 11 (1953)
-    350-354; J. Clausen, L. Damkilde, L. Andersen, Computers & Structures 85 (2007) 1795-1807.
+        Tensile strength, not negative: no principal stress exceeds it, with associated flow. None, or a value above
+        the apex c cot(phi), is no cut-off.
 
     Examples
     --------
@@ -68,35 +125,8 @@ class MohrCoulomb(PyramidPlasticity):
         require("psi", self.psi, np.less_equal(self.psi, self.phi), "not exceed phi")
         warn_of_radians(phi=self.phi)
 
+    @override
     def reduced(self, factor: float, flow: Flow = "given") -> MohrCoulomb | AssociatedSubstitute:
-        """The material with its strength, c, tan(phi) and tension, divided by a factor.
-
-        Where the flow is associated (psi = phi) it stays so; elsewhere the new psi is the smaller of psi and
-        the new phi.
-
-        Parameters
-        ----------
-        factor : float
-            Positive.
-        flow : str
-            The flow that is assumed, see `reduced_strength`.
-
-        Returns
-        -------
-        MohrCoulomb or AssociatedSubstitute
-            The latter with a flow that lags.
-
-        Raises
-        ------
-        ValueError
-            If the factor is not positive, or the flow unknown.
-
-        Examples
-        --------
-        >>> soil = MohrCoulomb(E=1e4, nu=0.3, c=10.0, phi=45.0, psi=30.0).reduced(2.0)
-        >>> print(f"{soil.c:.3f} {soil.phi:.3f} {soil.psi:.3f}")
-        5.000 26.565 26.565
-        """
         check_reduction(factor, flow)
         if flow == "associated":
             return self._with(psi=self.phi)._divided(factor)
@@ -112,18 +142,110 @@ class MohrCoulomb(PyramidPlasticity):
 
     def _divided(self, factor: float) -> MohrCoulomb:
         phi = np.degrees(np.arctan(np.tan(np.radians(self.phi)) / factor))
-        return self._with(
-            c=self.c / factor,
-            phi=phi,
-            psi=reduced_dilatancy(self.psi, self.phi, phi),
-            tension=None if self.tension is None else self.tension / factor,
-        )
+        psi, tension = reduced_dilatancy(self.psi, self.phi, phi), self.tension
+        return self._with(c=self.c / factor, phi=phi, psi=psi, tension=None if tension is None else tension / factor)
 
     def _davis(self, psi: Parameter) -> MohrCoulomb:
-        c, phi = without_dilatancy(self.c, self.phi, psi)
-        return self._with(c=c, phi=phi, psi=phi)
+        friction, dilatancy = np.radians(self.phi), np.radians(psi)
+        beta = np.cos(dilatancy) * np.cos(friction) / (1 - np.sin(dilatancy) * np.sin(friction))
+        phi = np.degrees(np.arctan(beta * np.tan(friction)))
+        return self._with(c=beta * self.c, phi=phi, psi=phi)
 
-    def _constants(self) -> PyramidConstants:
+    @override
+    def cone(self, flow: Flow = "associated") -> tuple[Parameter, Parameter, Parameter] | None:
+        if flow != "associated":
+            return self.reduced(1.0, flow).cone()
+        return self.c, np.tan(np.radians(self.phi)), np.inf if self.tension is None else self.tension
+
+    @override
+    def constants(self) -> PyramidConstants:
         phi, psi = np.radians(self.phi), np.radians(self.psi)
         strength = 2 * self.c * np.cos(phi)
         return PyramidConstants(*self.lame, np.sin(phi), np.sin(psi), strength, self.tension)
+
+    @property
+    @override
+    def symmetric(self) -> bool:
+        constants = self.constants()
+        return bool(np.all(constants.sin_phi == constants.sin_psi))
+
+    @override
+    def yield_bound(self, stress: Array, constants: PyramidConstants) -> Array:
+        return cut_off_excess(*extremes(stress), constants)
+
+    @override
+    def yield_function(self, values: Array, constants: PyramidConstants) -> Array:
+        return cut_off_excess(values[0], values[2], constants)
+
+    @override
+    def return_map(self, trial: Array, constants: PyramidConstants) -> Return:
+        return return_with_cut_off(trial, constants)
+
+
+@dataclass(frozen=True, eq=False)
+class Tresca(MohrCoulomb):
+    """Mohr-Coulomb plasticity without friction: undrained soil with the shear strength c, no change of volume.
+
+    Parameters
+    ----------
+    E, nu, c : float or ndarray
+        As those of :class:`MohrCoulomb`.
+
+    Examples
+    --------
+    >>> import skfem_contact as sc
+    >>> sc.Tresca(E=1000.0, nu=0.25, c=10.0).reduced(2.0)
+    Tresca(E=1000.0, nu=0.25, c=5.0)
+    """
+
+    phi: Parameter = field(default=0.0, init=False, repr=False)
+    psi: Parameter = field(default=0.0, init=False, repr=False)
+    tension: Parameter | None = field(default=None, init=False, repr=False)
+
+
+@dataclass(frozen=True, eq=False)
+class AssociatedSubstitute(Material):
+    """Mohr-Coulomb soil with the friction of the last accepted stress; its increments have a convex potential.
+
+    In tension the strength does not fall below a tenth of ``2 c cos(phi)``. K. Krabbenhoft, M. R. Karim,
+    A. V. Lyamin, S. W. Sloan, Int. J. Numer. Meth. Engng 90 (2012) 1089-1117.
+
+    Parameters
+    ----------
+    soil : MohrCoulomb
+        Soil of less dilatancy than friction.
+    """
+
+    soil: MohrCoulomb
+    internal = MohrCoulomb.internal
+
+    @override
+    def elasticity(self, ncomp: int, stress: Array | None = None, internal: Array | None = None) -> Array:
+        return self.soil.elasticity(ncomp)
+
+    @override
+    def mobilised(self, stress: Array, internal: Array) -> tuple[Array, Array]:
+        return self.soil.mobilised(stress, internal)
+
+    @property
+    @override
+    def tensile_strength(self) -> Parameter | None:
+        return self.soil.tensile_strength
+
+    @override
+    def update(self, strain_increment: Array, stress: Array, internal: Array) -> Update:
+
+        def at_points(value: Parameter) -> Parameter:
+            value = along_elements(value, stress.shape)
+            return value.ravel() if isinstance(value, np.ndarray) else value
+
+        soil = self.soil
+        phi, psi = np.radians(at_points(soil.phi)), np.radians(at_points(soil.psi))
+        largest, smallest = (extreme.ravel() for extreme in extremes(stress))
+        alone = 2 * at_points(soil.c) * np.cos(phi)
+        strength = np.maximum(alone - (np.sin(phi) - np.sin(psi)) * (largest + smallest), _LEAST * alone)
+        E, nu, angle = (at_points(value) for value in (soil.E, soil.nu, soil.psi))
+        tension = None if soil.tension is None else at_points(soil.tension)
+        substitute = replace(soil, E=E, nu=nu, c=strength / (2 * np.cos(psi)), phi=angle, psi=angle, tension=tension)
+        flat = substitute.update(*(a.reshape(len(a), -1) for a in (strain_increment, stress, internal)))
+        return flat._replace(stress=flat.stress.reshape(stress.shape), internal=flat.internal.reshape(internal.shape))

@@ -1,37 +1,30 @@
 """Return mapping to the pyramid of Mohr and Coulomb with its tension cut-off, and its limit, the prism of Tresca.
 
-In principal stresses s1 >= s2 >= s3 the yield function is (1 + sin phi) s1 - (1 - sin phi) s3 - strength,
-and the plastic potential is the same with psi. Evaluation stresses return by Koiter's rule to a face, an edge or
-the apex.
+In principal stresses s1 >= s2 >= s3 the yield function is (1 + sin phi) s1 - (1 - sin phi) s3 - strength, and the
+plastic potential is the same with psi. Trial stresses return by Koiter's rule to a face, an edge or the apex.
 
-An edge is a face whose two meeting principal stresses are averaged: the multipliers of the edge's two faces
-differ by what makes these stresses equal, and their sum follows from the mean of both yield functions. The
-averaging is given by the weights (w1, w3) of s1 and s3 in their own means: (1, 1) on a face, (1, 1/2) on
-the edge s2 = s3 and (1/2, 1) on the edge s1 = s2.
+An edge is a face whose two meeting principal stresses are averaged: the difference of the multipliers of its two faces
+makes these stresses equal, and their sum follows from the mean of both yield functions. The averaging is given by the
+weights (w1, w3) of s1 and s3 in their own means: (1, 1) on a face, (1, 1/2) on the edge s2 = s3 and (1/2, 1) on the
+edge s1 = s2.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .base import Array, Parameter
-from .plastic import ROUND_OFF, IsotropicPlasticity, Return, chosen
-from .spectral import extremes
+from .plastic import ROUND_OFF, Return, chosen
 
 _Weights = tuple[Parameter, Parameter]
 _FACE: _Weights = (1.0, 1.0)
 
 
 class PyramidConstants(NamedTuple):
-    """Constants of the pyramid: floats, or arrays over elements or points.
-
-    ``strength`` is 2 c cos(phi), and ``tension`` the cut-off, None without.
-    """
+    """Floats, or arrays over elements or points; ``strength`` is 2 c cos(phi), ``tension`` the cut-off or None."""
 
     lam: Parameter
     mu: Parameter
@@ -41,37 +34,16 @@ class PyramidConstants(NamedTuple):
     tension: Parameter | None = None
 
 
-@dataclass(frozen=True, eq=False)
-class PyramidPlasticity(IsotropicPlasticity):
-    """Base of the laws with a hexagonal pyramid or prism; a law adds its parameters and constants."""
-
-    @property
-    def symmetric(self) -> bool:
-        """Whether the tangent is symmetric: the flow is associated."""
-        constants = self._constants()
-        return bool(np.all(constants.sin_phi == constants.sin_psi))
-
-    def _yield_bound(self, stress: Array, constants: PyramidConstants) -> Array:
-        return _excess(*extremes(stress), constants)
-
-    def _yield_function(self, values: Array, constants: PyramidConstants) -> Array:
-        return _excess(values[0], values[2], constants)
-
-    def _return_map(self, trial: Array, constants: PyramidConstants) -> Return:
-        if constants.tension is None:
-            shear = pyramid_return(trial, constants)
-            return Return(shear.values, shear.moduli)
-        return _return_with_cut_off(trial, constants)
-
-
-def _excess(largest: Array, smallest: Array, k: PyramidConstants) -> Array:
-    """Yield function of the pyramid with its cut-off."""
+def cut_off_excess(largest: Array, smallest: Array, k: PyramidConstants) -> Array:
+    """Return the yield function of the pyramid with its cut-off."""
     excess = pyramid_excess(largest, smallest, k)
     return excess if k.tension is None else np.maximum(excess, largest - k.tension, out=excess)
 
 
-def _return_with_cut_off(trial: Array, k: PyramidConstants) -> Return:
-    """Return to the pyramid, and to the cut-off what exceeds it then, from the trial stress again."""
+def return_with_cut_off(trial: Array, k: PyramidConstants) -> Return:
+    """Return trial stresses to the pyramid, and to the cut-off where the result exceeds it."""
+    if k.tension is None:
+        return pyramid_return(trial, k)
     values = trial.copy()
     sheared = np.flatnonzero(pyramid_excess(trial[0], trial[2], k) > 0)
     shear = pyramid_return(trial[:, sheared], chosen(k, sheared))
@@ -95,8 +67,8 @@ def _to_cut_off(trial: Array, k: PyramidConstants, tension: Parameter) -> Return
     """Return principal trial stresses (3, n) whose return to the pyramid alone exceeds the tensile strength.
 
     The three planes s_i = tension have associated flow and are combined with the faces of the pyramid by
-    Koiter's rule. The returned stress lies on one, two or three of the planes, or where they cut the pyramid; there
-    s1 and s3 = lateral are given, and s2 is free, or equals one of them at the end of that line.
+    Koiter's rule. The returned stress lies on one, two or three of the planes, or where they cut the pyramid; there s1
+    and s3 = lateral are given, and s2 is free, or equals one of them at the end of that line.
     """
     s1, s2, s3 = trial
     lam, mu = k.lam, k.mu
@@ -110,9 +82,8 @@ def _to_cut_off(trial: Array, k: PyramidConstants, tension: Parameter) -> Return
     sheared = smallest < lateral
     between = s2 - poisson * (s1 - tension + s3 - lateral)
     middle = np.where(sheared, np.maximum(between, lateral), middle)
-    values = np.stack(
-        (np.broadcast_to(tension, s1.shape), np.minimum(middle, tension), np.clip(smallest, lateral, tension))
-    )
+    first = np.broadcast_to(tension, s1.shape)
+    values = np.stack((first, np.minimum(middle, tension), np.clip(smallest, lateral, tension)))
 
     def moduli() -> Array:
         result = np.zeros((3, *trial.shape))
@@ -127,15 +98,7 @@ def _to_cut_off(trial: Array, k: PyramidConstants, tension: Parameter) -> Return
     return Return(values, moduli)
 
 
-class PyramidReturn(NamedTuple):
-    """As `Return`; ``relief()`` is the loss of returned stress (3, n) for a unit rise of the excess."""
-
-    values: Array
-    moduli: Callable[[], Array]
-    relief: Callable[[], Array]
-
-
-def pyramid_return(trial: Array, k: PyramidConstants) -> PyramidReturn:
+def pyramid_return(trial: Array, k: PyramidConstants) -> Return:
     """Return descending principal trial stresses (3, n), all of them outside, to the pyramid."""
     values = _to_plane(trial, _FACE, k)
     tolerance = ROUND_OFF * np.maximum(trial[0], -trial[2])
@@ -158,11 +121,11 @@ def pyramid_return(trial: Array, k: PyramidConstants) -> PyramidReturn:
         result[:, edge] = at_edges
         return result
 
-    return PyramidReturn(values, moduli, relief)
+    return Return(values, moduli, relief=relief)
 
 
 def pyramid_excess(largest: Array, smallest: Array, k: PyramidConstants) -> Array:
-    """Yield function of the extreme principal stresses."""
+    """Return the yield function of the extreme principal stresses."""
     excess = (1 + k.sin_phi) * largest
     excess -= (1 - k.sin_phi) * smallest
     excess -= k.strength
@@ -170,19 +133,19 @@ def pyramid_excess(largest: Array, smallest: Array, k: PyramidConstants) -> Arra
 
 
 def _normal(sine: Parameter, weights: _Weights) -> tuple[Parameter, Parameter, Parameter]:
-    """Averaged gradient of the yield function (sine of phi) or of the potential (sine of psi)."""
+    """Return the averaged gradient of the yield function (sine of phi) or of the potential (sine of psi)."""
     w1, w3 = weights
     return (1 + sine) * w1, (1 + sine) * (1 - w1) - (1 - sine) * (1 - w3), -(1 - sine) * w3
 
 
 def _averaging(weights: _Weights) -> tuple[tuple[Parameter, ...], ...]:
-    """Matrix that averages the meeting principal stresses."""
+    """Return the matrix that averages the meeting principal stresses."""
     w1, w3 = weights
     return (w1, 1 - w1, 0.0), (1 - w1, w1 + w3 - 1, 1 - w3), (0.0, 1 - w3, w3)
 
 
 def _step(weights: _Weights, k: PyramidConstants) -> tuple[Parameter, ...]:
-    """Drop of the averaged stresses that lowers the yield function by one."""
+    """Return the drop of the averaged stresses that lowers the yield function by one."""
     normal, flow = _normal(k.sin_phi, weights), _normal(k.sin_psi, weights)
     product: Parameter = sum(n * r for n, r in zip(normal, flow))
     resistance = 2 * k.lam * k.sin_phi * k.sin_psi + k.mu * product
@@ -190,16 +153,13 @@ def _step(weights: _Weights, k: PyramidConstants) -> tuple[Parameter, ...]:
 
 
 def _to_plane(averaged: Array, weights: _Weights, k: PyramidConstants) -> Array:
-    """Return averaged trial stresses along the averaged flow direction to where the yield function vanishes.
-
-    The largest stress follows from the yield condition in the end, so that this holds to the round-off of the
-    returned stress, however large the trial stress was.
-    """
+    """Return averaged trial stresses along the averaged flow direction to the zero of the yield function."""
     excess = pyramid_excess(averaged[0], averaged[2], k)
     values = np.empty_like(averaged)
     for value, stress, step in zip(values, averaged, _step(weights, k)):
         np.multiply(excess, step, out=value)
         np.subtract(stress, value, out=value)
+    # from the yield condition, which then holds to the round-off of the returned stress
     values[0] = (k.strength + (1 - k.sin_phi) * values[2]) / (1 + k.sin_phi)
     return values
 
@@ -207,10 +167,10 @@ def _to_plane(averaged: Array, weights: _Weights, k: PyramidConstants) -> Array:
 def _to_edge_or_apex(trial: Array, k: PyramidConstants) -> tuple[Array, _Weights, NDArray[np.intp]]:
     """Return trial stresses whose return to the face would change their order.
 
-    Along the flow direction of the face one pair of principal stresses meets first, and the return goes on
-    along that edge; the multipliers of both its faces grow all the way. The other pair can meet at the apex
-    only, which the return reaches if it would change the order of the largest and the smallest stress.
-    Beside the stresses: the weights of the edges, and the points at the apex.
+    Along the flow direction of the face one pair of principal stresses meets first, and the return goes on along that
+    edge; the multipliers of both its faces grow all the way. The other pair can meet at the apex only, which the return
+    reaches if it would change the order of the largest and the smallest stress. The result holds the stresses, the
+    weights of the edges, and the points at the apex.
     """
     minor_pair = (trial[1] - trial[2]) * (1 + k.sin_psi) <= (trial[0] - trial[1]) * (1 - k.sin_psi)
     weights = np.where(minor_pair, 1.0, 0.5), np.where(minor_pair, 0.5, 1.0)
@@ -226,7 +186,7 @@ def _to_edge_or_apex(trial: Array, k: PyramidConstants) -> tuple[Array, _Weights
 
 
 def _moduli(weights: _Weights, k: PyramidConstants, n: int) -> Array:
-    """Derivative of principal stresses to principal strains on a face or an edge, shape (3, 3, n)."""
+    """Return d principal stress / d principal strain on a face or an edge, shape (3, 3, n)."""
     steps, normal, averaging = _step(weights, k), _normal(k.sin_phi, weights), _averaging(weights)
     result = np.empty((3, 3, n))
     for i in range(3):
@@ -237,7 +197,7 @@ def _moduli(weights: _Weights, k: PyramidConstants, n: int) -> Array:
 
 
 def _filled(rows: tuple[Parameter, ...], shape: tuple[int, ...]) -> Array:
-    """Array whose rows are floats or arrays."""
+    """Return an array whose rows are floats or arrays."""
     result = np.empty(shape)
     for row, value in zip(result, rows):
         row[...] = value

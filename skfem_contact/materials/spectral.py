@@ -1,12 +1,12 @@
-"""Principal stresses, and the way back from principal to Cartesian components.
+"""Principal stresses, and the rotation from principal to Cartesian components.
 
-Isotropic laws are written once, in principal stresses; what differs between 4 components (plane strain,
-axisymmetry) and 6 components (three dimensions) is all in this file.
+Isotropic laws are written once, in principal stresses. Only this file distinguishes 4 components (plane strain,
+axisymmetry) from 6 components (three dimensions).
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,54 +24,10 @@ _TENSOR = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
 _ROW, _COLUMN = np.array([0, 1, 2, 0, 1, 2]), np.array([0, 1, 2, 1, 2, 0])
 
 
-class Frame(Protocol):
-    """Principal stresses of n points with their directions."""
-
-    @property
-    def values(self) -> Array:
-        """Principal stresses in descending order, shape (3, n)."""
-
-    def take(self, points: NDArray[np.intp]) -> Frame:
-        """The same at a subset of the points."""
-
-    def stress(self, values: Array) -> Array:
-        """Cartesian components, shape (ncomp, n), of principal stresses (3, n) in these directions."""
-
-    def tangent(self, moduli: Array, values: Array, shear: Parameter) -> Array:
-        """Cartesian tangent, shape (n, ncomp, ncomp), of a return mapping from this (trial) frame.
-
-        Parameters
-        ----------
-        moduli : ndarray, shape (3, 3, n)
-            d principal stress / d principal strain.
-        values : ndarray, shape (3, n)
-            Principal stresses after the return.
-        shear : float or ndarray, shape (n,)
-            Elastic shear modulus.
-        """
-
-
-def principal(stress: Array) -> Frame:
-    """Principal stresses and directions of stresses (4, n) or (6, n).
-
-    Examples
-    --------
-    >>> principal(np.array([[3.0], [1.0], [9.0], [0.0]])).values.ravel()
-    array([9., 3., 1.])
-    """
-    return _plane_frame(stress) if stress.shape[0] == 4 else _space_frame(stress)
-
-
 def extremes(stress: Array) -> tuple[Array, Array]:
-    """Upper bound of the largest and lower bound of the smallest principal stress, shape (...).
+    """Return an upper bound of the largest and a lower bound of the smallest principal stress, shape (...).
 
     The bounds are sharp for 4 components; for 6 they lie outside by 1e-7 of the deviatoric stress.
-
-    Examples
-    --------
-    >>> largest, smallest = extremes(np.array([[3.0], [1.0], [9.0], [0.0]]))
-    >>> float(largest[0]), float(smallest[0])
-    (9.0, 1.0)
     """
     if stress.shape[0] == 4:
         centre, _, radius = _mohr_circle(stress)
@@ -82,21 +38,12 @@ def extremes(stress: Array) -> tuple[Array, Array]:
     j3 = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * zx) + zx * (xy * yz - yy * zx)
     radius = 2 / np.sqrt(3) * shear
     lode = np.arccos(np.clip(4 * j3 / np.where(radius > 0, radius, 1) ** 3, -1, 1)) / 3
-    return (
-        mean + radius * (np.cos(lode) + _MARGIN),
-        mean + radius * (np.cos(lode + 2 * np.pi / 3) - _MARGIN),
-    )
+    third = np.cos(lode + 2 * np.pi / 3)
+    return mean + radius * (np.cos(lode) + _MARGIN), mean + radius * (third - _MARGIN)
 
 
 def mean_and_shear(stress: Array) -> tuple[Array, Array]:
-    """Mean stress and sqrt(J2) of Cartesian components (4 or 6, ...) or of principal stresses (3, ...).
-
-    Examples
-    --------
-    >>> mean, shear = mean_and_shear(np.array([[3.0], [1.0], [2.0]]))
-    >>> float(mean[0]), float(shear[0])
-    (2.0, 1.0)
-    """
+    """Return mean stress and sqrt(J2) of Cartesian components (4 or 6, ...) or principal stresses (3, ...)."""
     mean = stress[0] + stress[1] + stress[2]
     mean /= 3
     squares = np.square(stress[0] - mean)
@@ -109,7 +56,7 @@ def mean_and_shear(stress: Array) -> tuple[Array, Array]:
 
 
 def _mohr_circle(stress: Array) -> tuple[Array, Array, Array]:
-    """Centre, half the difference of the normal stresses, and radius of the in-plane Mohr circle."""
+    """Return centre, half difference of the normal stresses and radius of the in-plane Mohr circle."""
     centre = stress[0] + stress[1]
     centre *= 0.5
     half = stress[0] - stress[1]
@@ -120,7 +67,7 @@ def _mohr_circle(stress: Array) -> tuple[Array, Array, Array]:
 
 
 def _shear_modulus(trial: Array, values: Array, moduli: Array, shear: Parameter, i: int, j: int) -> Array:
-    """Modulus of the shear strain between the principal directions i and j.
+    """Return the modulus of the shear strain between the principal directions i and j.
 
     Rotating the trial directions turns the returned stress along, so that it is the elastic modulus times the
     divided difference of the returned over the trial stresses; where these coincide, its limit by the moduli.
@@ -135,9 +82,9 @@ def _shear_modulus(trial: Array, values: Array, moduli: Array, shear: Parameter,
 
 
 class _PlaneFrame(NamedTuple):
-    """4 components.
+    """Principal stresses (3, n) in descending order with their directions, of 4 components.
 
-    Cosine and sine are those of the double angle from x to the major in-plane direction; ``place`` is that of
+    Cosine and sine are those of the double angle from x to the major in-plane direction; ``place`` is the position of
     zz among the sorted principal stresses.
     """
 
@@ -147,9 +94,11 @@ class _PlaneFrame(NamedTuple):
     place: NDArray[np.int8]
 
     def take(self, points: NDArray[np.intp]) -> _PlaneFrame:
+        """Return the frame at some of the points."""
         return _PlaneFrame(self.values[:, points], self.cos[points], self.sin[points], self.place[points])
 
     def stress(self, values: Array) -> Array:
+        """Return the Cartesian components, (ncomp, n), of principal stresses (3, n) in these directions."""
         major = np.where(self.place == 0, values[1], values[0])
         minor = np.where(self.place == 2, values[1], values[2])
         centre, radius = (major + minor) / 2, (major - minor) / 2
@@ -158,6 +107,11 @@ class _PlaneFrame(NamedTuple):
         return np.stack((centre + normal, centre - normal, zz, tangential))
 
     def tangent(self, moduli: Array, values: Array, shear: Parameter) -> Array:
+        """Return the Cartesian tangent, (n, ncomp, ncomp), of a return mapping from this trial frame.
+
+        The arguments are d principal stress / d principal strain, (3, 3, n), the principal stresses after the
+        return, (3, n), and the elastic shear modulus.
+        """
         result = np.empty((self.cos.size, 4, 4))
         for place, (major, minor) in enumerate(((1, 2), (0, 2), (0, 1))):
             at = self.place == place
@@ -165,11 +119,8 @@ class _PlaneFrame(NamedTuple):
                 here = slice(None) if at.all() else np.flatnonzero(at)  # one place for all: nothing is picked out
                 local = moduli[:, :, here]
                 shear_here = shear[here] if isinstance(shear, np.ndarray) else shear
-                modulus = _shear_modulus(
-                    self.values[:, here], values[:, here], local, shear_here, major, minor
-                )
-                order = major, minor, place
-                result[here] = _rotate_plane(local, order, modulus, self.cos[here], self.sin[here])
+                modulus = _shear_modulus(self.values[:, here], values[:, here], local, shear_here, major, minor)
+                result[here] = _rotate_plane(local, (major, minor, place), modulus, self.cos[here], self.sin[here])
         return result
 
 
@@ -185,7 +136,7 @@ def _plane_frame(stress: Array) -> _PlaneFrame:
 
 
 def _rotate_plane(moduli: Array, order: tuple[int, int, int], shear: Array, cos: Array, sin: Array) -> Array:
-    """Tangent (n, 4, 4) from the moduli (3, 3, n), where ``order`` are the places of major, minor and zz."""
+    """Return the tangent (n, 4, 4) of moduli (3, 3, n); ``order`` are the positions of major, minor and zz."""
     i, j, k = order
     mean, half = (moduli[i] + moduli[j]) / 2, (moduli[i] - moduli[j]) / 2
     result = np.empty((4, 4, cos.size))
@@ -204,7 +155,7 @@ def _rotate_plane(moduli: Array, order: tuple[int, int, int], shear: Array, cos:
 
 
 class _SpaceFrame(NamedTuple):
-    """6 components: ``directions[:, :, i]`` is the unit vector of the i-th largest principal stress."""
+    """Principal stresses of 6 components; ``directions[:, :, i]`` is the unit vector of the i-th largest one."""
 
     values: Array
     directions: Array
@@ -224,7 +175,7 @@ class _SpaceFrame(NamedTuple):
         return dyads @ local @ dyads.transpose(0, 2, 1)
 
     def _dyads(self, i: NDArray[np.intp], j: NDArray[np.intp]) -> Array:
-        """Components (n, 6, len(i)) of the dyads n_i n_i, or n_i n_j + n_j n_i where i differs from j."""
+        """Return components (n, 6, len(i)) of the dyads n_i n_i, or n_i n_j + n_j n_i where i differs from j."""
         left, right = self.directions[:, :, i], self.directions[:, :, j]
         dyads = left[:, _ROW] * right[:, _COLUMN]
         return np.where(i == j, dyads, dyads + left[:, _COLUMN] * right[:, _ROW])
@@ -235,14 +186,21 @@ def _space_frame(stress: Array) -> _SpaceFrame:
     return _SpaceFrame(np.ascontiguousarray(values[:, ::-1].T), directions[:, :, ::-1])
 
 
-def largest_shear(strain: Array) -> Array:
-    """Largest shear strain of engineering strains (4 or 6, ...); of plane ones that in their plane.
+Frame = _PlaneFrame | _SpaceFrame
 
-    Examples
-    --------
-    >>> largest_shear(np.array([[3.0], [0.0], [9.0], [4.0]]))
-    array([5.])
-    """
+
+def principal(stress: Array) -> Frame:
+    """Return principal values and directions of stresses (4, n) or (6, n)."""
+    return _plane_frame(stress) if stress.shape[0] == 4 else _space_frame(stress)
+
+
+def principal_stresses(stress: Array) -> Array:
+    """Return principal stresses (3, ...) of stresses (4 or 6, ...) in descending order."""
+    return principal(stress.reshape(len(stress), -1)).values.reshape(3, *stress.shape[1:])
+
+
+def largest_shear(strain: Array) -> Array:
+    """Return the largest shear strain of engineering strains (4 or 6, ...); of plane ones in their plane."""
     if len(strain) == 4:
         return np.hypot(strain[0] - strain[1], strain[3])
     largest, smallest = extremes(np.concatenate((strain[:3], 0.5 * strain[3:])))

@@ -1,31 +1,21 @@
-"""Is a mesh fit for an analysis? A complaint names the elements and where they are."""
+"""Checks of meshes: the error names the elements and their coordinates."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
 import numpy as np
+import skfem
 from numpy.typing import NDArray
-from skfem import (
-    ElementHex2,
-    MappingIsoparametric,
-    Mesh,
-    MeshHex1,
-    MeshHex2,
-    MeshQuad1,
-    MeshQuad2,
-    MeshTet1,
-    MeshTet2,
-    MeshTri1,
-    MeshTri2,
-)
+from skfem import ElementHex2, MappingIsoparametric, Mesh
 from skfem.generic_utils import OrientedBoundary
 
-from ..errors import place
+from ..checks import place
 
 Indices = NDArray[np.integer]
 
-_MESH_TYPES = (MeshTri1, MeshTri2, MeshQuad1, MeshQuad2, MeshTet1, MeshTet2, MeshHex1, MeshHex2)
+_MESH_TYPES = (skfem.MeshTri1, skfem.MeshTri2, skfem.MeshQuad1, skfem.MeshQuad2,
+               skfem.MeshTet1, skfem.MeshTet2, skfem.MeshHex1, skfem.MeshHex2)
 # An element is flat if its Jacobian is below this part of its size squared (cubed in space): far below any shape of
 # use (a needle of aspect ratio 1e6 has 1e-6), and above the round-off of coordinates (1e-13 at a distance of 1000
 # element sizes).
@@ -34,27 +24,15 @@ _SHOWN = 5
 
 
 def check_mesh(mesh: Mesh) -> None:
-    """Raise an error if a mesh is not fit for an analysis.
+    """Raise a ValueError with the first wrong elements or nodes if a mesh is not fit for an analysis.
 
-    It is not if it has elements other than triangles, quadrilaterals, tetrahedra or hexahedra of first or second
-    order, elements on top of each other, flat, inverted or folded elements, coordinates that are not finite, nodes that
-    belong to no element, or tags that name elements or facets that do not exist.
+    A mesh is fit if it consists of triangles, quadrilaterals, tetrahedra or hexahedra of first or second order.  No
+    elements may be duplicate, flat, inverted or folded.  All coordinates are finite, all nodes belong to elements, and
+    tags name existing elements and facets.
 
-    An element is inverted if its Jacobian changes sign between its nodes; a hexahedron is asked at the 27 nodes of one
-    of second order. The sign itself means nothing, since scikit-fem's meshes run either way round. For other elements
-    of first order the test is sharp, else an inversion between these points remains unseen. An element is folded if a
-    neighbour lies on the same side of the facet between them, as that of a triangle whose corner has been moved across
-    the opposite side.
-
-    Parameters
-    ----------
-    mesh
-        The mesh to check.
-
-    Raises
-    ------
-    ValueError
-        With the first few elements or nodes that are wrong, and where they are.
+    An element is inverted if its Jacobian changes sign between its nodes; a hexahedron is checked at 27 nodes.  The
+    sign itself is arbitrary in scikit-fem.  The check is sharp for other elements of first order.  An element is folded
+    if a neighbour lies on the same side of the facet between the two.
 
     Examples
     --------
@@ -92,7 +70,7 @@ def check_mesh(mesh: Mesh) -> None:
 
 
 def check_topology(mesh: Mesh) -> None:
-    """The part of :func:`check_mesh` that a mesh must pass before its nodes can be renumbered."""
+    """Check what the renumbering of nodes relies on: element type, numbers of nodes, facets and tags."""
     if type(mesh) not in _MESH_TYPES:
         names = ", ".join(kind.__name__ for kind in _MESH_TYPES)
         raise ValueError(f"{type(mesh).__name__} is not supported; supported are {names}, one type in all")
@@ -100,10 +78,8 @@ def check_topology(mesh: Mesh) -> None:
         raise ValueError("the mesh has no elements")
     n_nodes = mesh.doflocs.shape[1]
     if mesh.t.min() < 0 or n_nodes < mesh.dofs.N:
-        raise ValueError(
-            f"the mesh has {n_nodes} nodes, but its elements need {mesh.dofs.N} "
-            f"and have the corners {mesh.t.min()} to {mesh.t.max()}"
-        )
+        raise ValueError(f"the mesh has {n_nodes} nodes, but its elements need {mesh.dofs.N} "
+                         f"and have the corners {mesh.t.min()} to {mesh.t.max()}")
     crowded = np.flatnonzero(np.bincount(mesh.t2f.ravel()) > 2)
     if len(crowded):
         elements = np.flatnonzero(np.isin(mesh.t2f, crowded).any(axis=0))
@@ -114,28 +90,28 @@ def check_topology(mesh: Mesh) -> None:
 
 
 def own_tags(tags: Mapping[str, Indices] | None) -> dict[str, Indices]:
-    """The user's tags, without Gmsh's bookkeeping that scikit-fem takes for a tag."""
+    """Return the tags without those of Gmsh's bookkeeping."""
     return {name: part for name, part in (tags or {}).items() if not name.startswith("gmsh:")}
 
 
 def _derivatives(mesh: Mesh, points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The derivatives dx_i/dX_j of the mapping at points of the reference element: (dim, dim, n_elements, n_points)."""
+    """Return dx_i/dX_j at points of the reference element: (dim, dim, n_elements, n_points)."""
     mapping, axes = MappingIsoparametric(mesh, mesh.elem()), range(mesh.dim())
     return np.array([[mapping.J(i, j, points) for j in axes] for i in axes])
 
 
 def _cofactors(J: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Derivatives of the determinant of J by its columns, which come first: (dim, dim, n_elements, n_points)."""
+    """Return the derivatives of det J by its columns, the first axis: (dim, dim, n_elements, n_points)."""
     if len(J) == 2:
         return np.array([[J[1, 1], -J[0, 1]], [-J[1, 0], J[0, 0]]])
     return np.array([np.cross(J[:, k - 2], J[:, k - 1], axis=0) for k in range(3)])
 
 
 def _folded(mesh: Mesh, sign: NDArray[np.float64]) -> Indices:
-    """Elements on the same side of a facet as their neighbour: in its middle both have the same outward normal.
+    """Return the elements that lie on the same side of a facet as their neighbour.
 
-    By Nanson's formula the normal is that of the reference element times the cofactors of the derivatives; `sign` is
-    that of the Jacobian of every element.
+    In the middle of such a facet both have the same outward normal, by Nanson's formula that of the reference element
+    times the cofactors.  `sign` is the sign of the Jacobian of every element.
     """
     refdom = mesh.elem.refdom
     J = _derivatives(mesh, np.column_stack([refdom.p[:, corners].mean(axis=1) for corners in refdom.facets]))
@@ -155,7 +131,7 @@ def _check_tags(tags: Mapping[str, Indices], kind: str, count: int) -> None:
 
 
 def _error(problem: str, kind: str, numbers: Indices, x: NDArray[np.float64]) -> ValueError:
-    """An error that shows the first few of the nodes or elements with a problem, and where they are."""
+    """Create the error with the first few of the wrong nodes or elements and their coordinates."""
     shown = [f"{kind} {n} at {place(x[:, n])}" for n in numbers[:_SHOWN]]
     dots = ", ..." if len(numbers) > _SHOWN else ""
     return ValueError(f"{problem}, {len(numbers)} in all: {', '.join(shown)}{dots}")

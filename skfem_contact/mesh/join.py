@@ -1,12 +1,11 @@
-"""Meshes of several bodies: set them side by side without welding, take welded ones apart, and name them.
+"""Meshes of several bodies, side by side without welding.
 
-A *body* is a group of elements that shares no node with the rest of the mesh, so that only contact can hold
-it. All bodies live in one scikit-fem mesh: one basis, one vector of unknowns.
+A *body* is a group of elements that shares no node with the rest of the mesh, so that contact alone connects it with
+other bodies.  All bodies belong to one scikit-fem mesh, with one basis and one vector of dofs.
 """
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
@@ -17,37 +16,31 @@ from scipy.sparse.csgraph import connected_components
 from skfem import Mesh
 from skfem.generic_utils import OrientedBoundary
 
-from ..errors import look_up
+from ..checks import look_up, names_of
 from .check import check_mesh, check_topology, own_tags
 
 Indices = NDArray[np.integer]
 Tags = dict[str, Indices]
 
 
-def join_bodies(
-    mesh: Mesh | Mapping[str, Mesh], bodies: Mapping[str, str | Collection[str]] | None = None
-) -> Mesh:
-    """One mesh whose bodies share no node, with all tags kept and both sides of every interface named.
+def join_bodies(mesh: Mesh | Mapping[str, Mesh], bodies: Mapping[str, str | Collection[str]] | None = None) -> Mesh:
+    """Join bodies in one mesh in which they share no node; keep all tags and name both sides of every interface.
 
-    **From one mesh** whose bodies are grown together along their interfaces, as Gmsh makes them: `bodies`
-    says which subdomains make up a body. The nodes on an interface become double, one for each body that
-    meets there.
+    **One mesh**, whose bodies share the nodes of their interfaces, as from Gmsh: `bodies` names the subdomains of every
+    body.  Nodes on an interface are doubled, and elements keep their numbers.
 
-    * Every body becomes a subdomain, beside the subdomains that are there.
-    * ``"a|b"`` is the side of body ``a`` that faces body ``b``, and ``"b|a"`` is the opposite one. Where body ``a``
-      consists of several subdomains, ``"clay|b"`` is the part of its side that belongs to ``"clay"``.
-    * A boundary that lies on an interface, wholly or in part, is split by body: ``"skin"`` becomes
-      ``"a:skin"`` and ``"b:skin"``. All other boundaries keep their names.
+    * Every body becomes a subdomain.
+    * ``"a|b"`` is the side of body ``a`` that faces body ``b``, and ``"b|a"`` is the opposite one.  Where body ``a``
+      consists of several subdomains, ``"clay|b"`` is the part that belongs to ``"clay"``.
+    * A boundary on an interface is split by body: ``"skin"`` becomes ``"a:skin"`` and ``"b:skin"``.  Other boundaries
+      keep their names.
 
-    Bodies that are meshed apart already, with matching nodes or without, stay as they are: coordinates are
-    never compared, nothing is welded, boundaries keep their names. Elements keep their numbers.
+    Bodies that share no nodes remain unchanged: coordinates are never compared.
 
-    **From several meshes** of the same type: a mesh becomes a subdomain of its name, and its own tags are
-    prefixed with it. The boundary ``"top"`` of mesh ``a`` is then ``"a:top"``, its subdomain ``"clay"`` is
-    ``"a:clay"``.
+    **Several meshes** of one type: each becomes a subdomain of its name, which is the prefix of its own tags.  The
+    boundary ``"top"`` of mesh ``a`` is then ``"a:top"``, its subdomain ``"clay"`` is ``"a:clay"``.
 
-    Nodes that belong to no element, such as centres of circles in a Gmsh file, are dropped, and so are tags
-    that begin with ``"gmsh:"``, Gmsh's bookkeeping that scikit-fem takes for a tag.
+    Nodes without elements, such as centres of circles in a Gmsh file, and tags that begin with ``"gmsh:"`` are dropped.
 
     Parameters
     ----------
@@ -55,21 +48,21 @@ def join_bodies(
         A mesh, or meshes by the names of their bodies: triangles, quadrilaterals, tetrahedra or hexahedra of first or
         second order.
     bodies
-        For a single mesh: the name of every body, and the name or names of its subdomains. Without it the
-        bodies are the connected parts of the mesh, named as by :func:`bodies`; there must be more than one.
+        For a single mesh: the name of every body, with the name or names of its subdomains.  By default the bodies are
+        the connected parts of the mesh, named as by :func:`bodies`.
 
     Returns
     -------
     Mesh
-        A new mesh, its nodes numbered body by body. Of scikit-fem's functions only those that weld coincident
-        nodes must not be used on it: ``mesh1 + mesh2``, ``mesh1 @ mesh2`` and ``remove_duplicate_nodes``.
-        Keep it with ``save_npz``: names that went through ``save`` and ``load`` end at their first colon.
+        New mesh, with its nodes numbered body by body.  ``mesh1 + mesh2``, ``mesh1 @ mesh2`` and
+        ``remove_duplicate_nodes`` would weld coincident nodes.  Store the mesh with ``save_npz``: ``save`` and ``load``
+        cut names at their first colon.
 
     Raises
     ------
     ValueError
-        If the mesh is not fit for an analysis (see :func:`check_mesh`), a subdomain does not exist, an
-        element belongs to no body or to two, or a name would stand for two things.
+        If the mesh is not fit for an analysis (see :func:`check_mesh`), a subdomain does not exist, an element belongs
+        to no body or to two, or a name is not unique.
 
     See Also
     --------
@@ -77,7 +70,7 @@ def join_bodies(
 
     Examples
     --------
-    A plate of two layers, taken apart along its middle:
+    A plate of two layers, separated along its middle:
 
     >>> import numpy as np
     >>> from skfem import MeshQuad
@@ -111,21 +104,11 @@ def join_bodies(
 
 
 def bodies(mesh: Mesh) -> Tags:
-    """The connected parts of a mesh: elements that share nodes, directly or through others, are one body.
+    """Return name and element numbers of the bodies of a mesh, in the order of their first elements.
 
-    A body is named after the subdomain that consists of exactly its elements (the last, if there are
-    several), else after all subdomains that it has elements of, joined by "+", else "body". If several bodies
-    would get the same name, they are numbered: "pile 1", "pile 2".
-
-    Parameters
-    ----------
-    mesh
-        Any scikit-fem mesh.
-
-    Returns
-    -------
-    dict
-        Name and element numbers of every body, in the order of their first elements.
+    A body has the name of the subdomain that consists of exactly its elements (the last of several), else the names
+    of all subdomains with elements of the body, joined by "+", else "body".  Bodies of one name are numbered: "pile 1",
+    "pile 2".
 
     Examples
     --------
@@ -136,16 +119,13 @@ def bodies(mesh: Mesh) -> Tags:
     """
     parts = _connected_elements(mesh)
     names = [_name_of(part, own_tags(mesh.subdomains)) for part in parts]
-    count, seen = Counter(names), Counter[str]()
-    result: Tags = {}
-    for name, part in zip(names, parts):
-        seen[name] += 1
-        result[name if count[name] == 1 else f"{name} {seen[name]}"] = part
-    return result
+    numbered = [name if names.count(name) == 1 else f"{name} {names[:k].count(name) + 1}"
+                for k, name in enumerate(names)]
+    return dict(zip(numbered, parts, strict=True))
 
 
 def _connected_elements(mesh: Mesh) -> list[Indices]:
-    """The elements of every connected part."""
+    """Return the elements of every connected part."""
     n_corners, n_elements = mesh.t.shape
     element = np.tile(np.arange(n_elements), n_corners)
     size = n_elements + mesh.nvertices
@@ -155,14 +135,14 @@ def _connected_elements(mesh: Mesh) -> list[Indices]:
 
 
 def _name_of(elements: Indices, subdomains: Tags) -> str:
-    """A name for some elements, from the subdomains that they are part of."""
+    """Return the name of a body from the subdomains of its elements."""
     touched = {name: part for name, part in subdomains.items() if np.isin(part, elements).any()}
     exact = [name for name, part in touched.items() if np.array_equal(np.unique(part), elements)]
     return exact[-1] if exact else "+".join(touched) or "body"
 
 
 def _side_by_side(meshes: Mapping[str, Mesh]) -> Mesh:
-    """Several meshes in one, their tags prefixed with their names."""
+    """Join several meshes and prefix their tags with their names."""
     if not meshes:
         raise ValueError("there is no mesh to join")
     for part in meshes.values():
@@ -173,9 +153,7 @@ def _side_by_side(meshes: Mapping[str, Mesh]) -> Mesh:
 
     counts = [part.nelements for part in meshes.values()]
     mesh = _renumbered(list(meshes.values()), np.repeat(np.arange(len(counts)), counts))
-    subdomains: Tags = {}
-    boundaries: Tags = {}
-    first = 0
+    subdomains, boundaries, first = Tags(), Tags(), 0
     for name, part in meshes.items():
         _add(subdomains, name, np.arange(first, first + part.nelements))
         for tag, elements in own_tags(part.subdomains).items():
@@ -187,7 +165,7 @@ def _side_by_side(meshes: Mapping[str, Mesh]) -> Mesh:
 
 
 def _taken_apart(mesh: Mesh, groups: Mapping[str, str | Collection[str]] | None) -> Mesh:
-    """A mesh whose bodies have nodes of their own."""
+    """Separate the bodies of a mesh."""
     check_topology(mesh)
     parts = _separate_parts(mesh) if groups is None else _grouped(mesh, groups)
     body = _body_of_elements(mesh, parts)
@@ -202,23 +180,20 @@ def _taken_apart(mesh: Mesh, groups: Mapping[str, str | Collection[str]] | None)
 
 
 def _separate_parts(mesh: Mesh) -> Tags:
-    """The connected parts as bodies, if there is more than one."""
+    """Return the connected parts, of which there must be more than one."""
     parts = bodies(mesh)
     if len(parts) == 1:
-        raise ValueError(
-            "the mesh is one connected body; name the subdomains of every body, bodies={'name': [...]}; "
-            f"existing: {', '.join(own_tags(mesh.subdomains)) or 'none at all'}"
-        )
+        raise ValueError("the mesh is one connected body; name the subdomains of every body, bodies={'name': [...]}; "
+                         f"existing: {', '.join(own_tags(mesh.subdomains)) or 'none at all'}")
     return parts
 
 
 def _grouped(mesh: Mesh, groups: Mapping[str, str | Collection[str]]) -> Tags:
-    """The elements of every body from the names of its subdomains."""
+    """Return the elements of every body from the names of its subdomains."""
     subdomains = own_tags(mesh.subdomains)
     parts = {}
     for name, members in groups.items():
-        members = [members] if isinstance(members, str) else members
-        elements = [look_up(member, subdomains, "subdomain") for member in members]
+        elements = [look_up(member, subdomains, "subdomain") for member in names_of(members)]
         if sum(map(len, elements)) == 0:
             raise ValueError(f"body '{name}' has no elements")
         parts[name] = np.unique(np.concatenate(elements))
@@ -226,55 +201,42 @@ def _grouped(mesh: Mesh, groups: Mapping[str, str | Collection[str]]) -> Tags:
 
 
 def _body_of_elements(mesh: Mesh, parts: Tags) -> Indices:
-    """The number of every element's body; it must have exactly one."""
+    """Return the number of the one body of every element."""
     names = list(parts)
     body = np.full(mesh.nelements, -1)
     for k, elements in enumerate(parts.values()):
         twice = elements[body[elements] >= 0]
         if len(twice):
-            raise ValueError(
-                f"{len(twice)} elements belong both to '{names[body[twice[0]]]}' and to '{names[k]}' "
-                f"(element {twice[0]} is the first)"
-            )
+            raise ValueError(f"{len(twice)} elements belong both to '{names[body[twice[0]]]}' and to '{names[k]}' "
+                             f"(element {twice[0]} is the first)")
         body[elements] = k
     left = np.flatnonzero(body < 0)
     if len(left):
-        tags = own_tags(mesh.subdomains)
-        among = [name for name, elements in tags.items() if np.isin(elements, left).any()]
-        raise ValueError(
-            f"{len(left)} elements belong to no body (element {left[0]} is the first); add to bodies= the "
-            f"subdomains they are in: {', '.join(among) or 'none, name them first'}"
-        )
+        touched = [name for name, elements in own_tags(mesh.subdomains).items() if np.isin(elements, left).any()]
+        raise ValueError(f"{len(left)} elements belong to no body (element {left[0]} is the first); add their "
+                         f"subdomains to bodies=: {', '.join(touched) or 'none, name them first'}")
     return body
 
 
 def _renumbered(parts: Sequence[Mesh], body: Indices) -> Mesh:
-    """All elements of meshes of one type in one mesh, every body with nodes of its own, without tags.
+    """Join the elements of meshes of one type, without tags; every body gets its own nodes.
 
-    Nodes are sorted by body and keep their order within, so the corners of an element remain in the same
-    order even in meshes where scikit-fem sorts them, and side `k` of an element remains its side `k`.
+    Nodes are sorted by body and keep their order within.  The corners of an element therefore keep their order, also
+    where scikit-fem sorts them, and side `k` of an element remains its side `k`.
     """
     offset = np.cumsum([0] + [part.nvertices for part in parts])
     corners = np.hstack([part.t + start for part, start in zip(parts, offset)])
     t = np.unique(body * offset[-1] + corners, return_inverse=True)[1].reshape(corners.shape)
-    mesh = replace(
-        parts[0],
-        doflocs=np.zeros((parts[0].dim(), t.max() + 1)),
-        t=t,
-        sort_t=all(part.sort_t for part in parts),
-        validate=False,  # scikit-fem's validation takes double nodes for a mistake
-        _boundaries=None,
-        _subdomains=None,
-    )
+    # scikit-fem's validation refuses double nodes
+    mesh = replace(parts[0], doflocs=np.zeros((parts[0].dim(), t.max() + 1)), t=t, validate=False,
+                   sort_t=all(part.sort_t for part in parts), _boundaries=None, _subdomains=None)
     doflocs = np.zeros((mesh.dim(), mesh.dofs.N))
-    doflocs[:, mesh.dofs.element_dofs] = np.concatenate(
-        [part.doflocs[:, part.dofs.element_dofs] for part in parts], axis=2
-    )
+    doflocs[:, mesh.dofs.element_dofs] = np.dstack([part.doflocs[:, part.dofs.element_dofs] for part in parts])
     return replace(mesh, doflocs=doflocs)
 
 
 def _split_boundaries(mesh: Mesh, apart: Mesh, body: Indices, names: Sequence[str]) -> Tags:
-    """The boundaries of a mesh that was taken apart, and both sides of every interface."""
+    """Return the boundaries of a mesh with separated bodies, and both sides of every interface."""
     sides = np.append(body, -1)[mesh.f2t]  # the bodies on both sides of a facet; -1 is the outside
     between = np.flatnonzero((sides[0] != sides[1]) & (sides[1] >= 0))
     result: Tags = {}
@@ -304,14 +266,14 @@ def _split_boundaries(mesh: Mesh, apart: Mesh, body: Indices, names: Sequence[st
 
 
 def _owners(mesh: Mesh, facets: Indices) -> Indices:
-    """The elements that a boundary's facets are seen from: on the outer boundary, the only ones there are."""
+    """Return the elements from which the facets of a boundary are seen."""
     side = facets.ori if isinstance(facets, OrientedBoundary) else 0
     facets = np.asarray(facets)
     return np.where(mesh.f2t[1, facets] < 0, mesh.f2t[0, facets], mesh.f2t[side, facets])
 
 
 def _moved(old: Mesh, new: Mesh, facets: Indices, owners: Indices, first: int = 0) -> Indices:
-    """A boundary in the new mesh, whose element `first + n` has the corners of the old element `n`."""
+    """Return a boundary of the new mesh, whose element `first + n` has the corners of the old element `n`."""
     side = np.argmax(old.t2f[:, owners] == np.asarray(facets), axis=0)
     moved = new.t2f[side, owners + first]
     if isinstance(facets, OrientedBoundary):
@@ -320,7 +282,7 @@ def _moved(old: Mesh, new: Mesh, facets: Indices, owners: Indices, first: int = 
 
 
 def _add(tags: Tags, name: str, part: Indices) -> None:
-    """Put a tag under a name that must be new."""
+    """Add a tag under a new name."""
     if name in tags:
-        raise ValueError(f"the name '{name}' would stand for two things; rename a body or a tag")
+        raise ValueError(f"the name '{name}' is not unique; rename a body or a tag")
     tags[name] = part

@@ -1,4 +1,4 @@
-"""Read a Gmsh file with everything that is named in it."""
+"""Gmsh files with all their physical groups."""
 
 from __future__ import annotations
 
@@ -10,45 +10,37 @@ from numpy.typing import NDArray
 from skfem import Mesh
 from skfem.io.meshio import from_meshio
 
-# The supported elements by meshio's names: number of corners, and what the lines along their sides are
-# called.
+# Supported elements by meshio's names: number of corners, name of the lines along their sides.
 _ELEMENTS = {"triangle": (3, "line"), "triangle6": (3, "line3"), "quad": (4, "line"), "quad9": (4, "line3")}
 _LOWER = {"vertex", "line", "line3"}
 
 Integers = NDArray[np.integer]
-
-
 #: A plane mesh has heights below this share of its size.
 _FLAT = 1e-9
 
 
 def load_mesh(path: str | PathLike[str]) -> Mesh:
-    """The plane mesh of a Gmsh file, with physical surfaces as subdomains and physical curves as boundaries.
+    """Load the plane mesh of a Gmsh file, with physical surfaces as subdomains and physical curves as boundaries.
 
-    For first-order meshes in format 4.1, ``skfem.Mesh.load`` does the same. Of second-order meshes it loses
-    all curves, in format 2.2 the curves between two surfaces, and of a mesh of triangles and quadrilaterals
-    the quadrilaterals, mostly without a word.
+    ``skfem.Mesh.load`` loses the curves of second-order meshes, the curves between two surfaces in format 2.2, and the
+    quadrilaterals of meshes that have triangles as well.
 
     Parameters
     ----------
     path
-        A Gmsh file (MSH 2.2 or 4.1, text or binary) with triangles or quadrilaterals of first or second
-        order. A curve must not have the name of a surface.
+        Gmsh file (MSH 2.2 or 4.1, text or binary) with triangles or quadrilaterals of first or second order.  Curves
+        and surfaces must have different names.
 
     Returns
     -------
     Mesh
-        A ``MeshTri``, ``MeshTri2``, ``MeshQuad`` or ``MeshQuad2``. Nodes without an element are left out.
+        ``MeshTri``, ``MeshTri2``, ``MeshQuad`` or ``MeshQuad2`` without the nodes that belong to no element.
 
     Raises
     ------
     ValueError
-        If the file is not a Gmsh mesh, if its elements are of several types or of one that is not supported,
-        or if a physical curve does not run along the sides of elements.
-
-    See Also
-    --------
-    join_bodies : Separate the bodies of the mesh.
+        If the file is not a Gmsh mesh, has elements of several or unsupported types, or has a physical curve that does
+        not follow the sides of elements.
 
     Examples
     --------
@@ -65,17 +57,17 @@ def load_mesh(path: str | PathLike[str]) -> Mesh:
         raise
     except meshio.ReadError as error:
         raise ValueError(f"{fspath(path)} is not a Gmsh mesh{f': {error}' if str(error) else ''}") from error
-    except (ValueError, KeyError, IndexError) as error:  # the last two: what is left of a file that was cut
+    except (ValueError, KeyError, IndexError) as error:  # the last two: a truncated file
         raise ValueError(f"{fspath(path)}: {error}") from error
 
 
 def _plane_mesh(file: meshio.Mesh) -> Mesh:
-    """The mesh of a file that has been read."""
+    """Return the mesh of a file."""
     kind = _element_type(file)
     if not np.isfinite(file.points).all():
-        raise ValueError("it has coordinates that are not finite")
+        raise ValueError("the mesh has coordinates that are not finite")
     if np.ptp(file.points[:, 2:]) > _FLAT * np.ptp(file.points[:, :2]):
-        raise ValueError("it does not lie in the x-y plane: turn it there, or export the coordinates x and y")
+        raise ValueError("the mesh does not lie in the x-y plane: rotate it, or export the coordinates x and y")
     n_corners, line = _ELEMENTS[kind]
     elements = file.cells_dict[kind]
     if elements.max(initial=0) >= len(file.points):
@@ -90,17 +82,12 @@ def _plane_mesh(file: meshio.Mesh) -> Mesh:
     number[kept] = np.arange(len(kept))
     named_lines = {name: [members, None] for name, members in curves.items()}
     named_elements = {name: [None, members] for name, members in _physical_groups(file, 2, kind).items()}
-    return from_meshio(
-        meshio.Mesh(
-            file.points[kept],
-            [("line", number[lines]), (kind, number[elements])],
-            cell_sets={**named_lines, **named_elements},
-        )
-    )
+    return from_meshio(meshio.Mesh(file.points[kept], [("line", number[lines]), (kind, number[elements])],
+                                   cell_sets={**named_lines, **named_elements}))
 
 
 def _element_type(file: meshio.Mesh) -> str:
-    """The one type of elements in the file."""
+    """Return the only type of elements in the file."""
     counts = {kind: len(cells) for kind, cells in file.cells_dict.items() if kind not in _LOWER}
     if len(counts) == 1 and set(counts) <= set(_ELEMENTS):
         return next(iter(counts))
@@ -114,7 +101,7 @@ def _element_type(file: meshio.Mesh) -> str:
 
 
 def _physical_groups(file: meshio.Mesh, dimension: int, cell_type: str) -> dict[str, Integers]:
-    """The cells of every named physical group of a dimension."""
+    """Return the cells of every named physical group of a dimension."""
     names = {name: tag for name, (tag, dim) in file.field_data.items() if dim == dimension}
     if file.cell_sets:  # format 4.1
         groups = {name: file.cell_sets_dict[name].get(cell_type, []) for name in names}
@@ -125,7 +112,7 @@ def _physical_groups(file: meshio.Mesh, dimension: int, cell_type: str) -> dict[
 
 
 def _check_curves(curves: dict[str, Integers], lines: Integers, corners: Integers) -> None:
-    """Every line of a named curve must be a side of an element."""
+    """Check that every line of a named curve is a side of an element."""
     size = 1 + max(corners.max(), lines.max(initial=0))
 
     def keys(pairs: Integers) -> Integers:

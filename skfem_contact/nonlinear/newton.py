@@ -95,7 +95,7 @@ def iterate(now: Evaluation, evaluate: Callable[[ndarray], Evaluation],
                 bisect_work(now, step, evaluate, 1.0 if search == "step" else np.inf)
         except SingularSystem as error:
             raise NotConverged(str(error), now.z, norms,
-                               int(error.unknowns[0])) from error
+                               int(error.dofs[0])) from error
         except NotConverged as error:  # no answer there: say where the last one was
             raise NotConverged(str(error), now.z, norms, now.worst) from error
         if not np.isfinite(new.norm):

@@ -13,7 +13,7 @@ from numpy import ndarray
 from scipy.sparse import csr_matrix
 
 from ..errors import NoEquilibrium, NotConverged
-from ..forms.base import Form, Response, answers
+from ..forms.base import Form, Response, responses_of
 from ..layout import Layout
 from ..solvers.direct import LinearSolver, SingularSystem, Solve
 from ..sparse import Total, with_data
@@ -49,11 +49,11 @@ class Equilibrium:
 class System:
     """Forms, all unknowns, those that are fixed, and a linear solver."""
 
-    def __init__(self, forms: Mapping[str, Form], unknowns: Layout, fixed: ndarray, solver: LinearSolver) -> None:
-        self.forms, self.unknowns, self.fixed = dict(forms), unknowns, fixed
-        self.free = np.setdiff1d(np.arange(unknowns.size), fixed)
+    def __init__(self, forms: Mapping[str, Form], layout: Layout, fixed: ndarray, solver: LinearSolver) -> None:
+        self.forms, self.layout, self.fixed = dict(forms), layout, fixed
+        self.free = np.setdiff1d(np.arange(layout.size), fixed)
         self._solver, self._total = solver, Total()
-        self._scale = unknowns.scale
+        self._scale = layout.scale
 
     def with_forms(self, forms: Mapping[str, Form]) -> System:
         """The system with other forms on the same unknowns; itself where they are the same."""
@@ -76,7 +76,7 @@ class System:
     @property
     def size(self) -> int:
         """Number of unknowns."""
-        return self.unknowns.size
+        return self.layout.size
 
     def factor(self, K: csr_matrix) -> Solve:
         """Solution of K[free, free] x[free] = b[free] for any b; with several fields in scaled unknowns."""
@@ -95,10 +95,10 @@ class System:
         """Answers of all forms at some displacements, unless these have run away."""
         if not np.abs(x).max(initial=0.0) < _ENDLESS:
             raise NotConverged("the iterations run away: the displacements are no numbers any more")
-        responses = answers(self.forms, x, states)
+        responses = responses_of(self.forms, x, states)
         residual = load - sum(r.force for r in responses.values())
         residual[self.fixed] = 0.0
-        norm, hidden = max(self._relative(part, residual, load, responses) for part in self.unknowns.parts)
+        norm, hidden = max(self._relative(part, residual, load, responses) for part in self.layout.parts)
         return Evaluation(x, responses, residual, norm, hidden=hidden, scale=self._scale)
 
     def _relative(self, part: slice, residual: ndarray, load: ndarray, responses: Mapping[str, Response]
@@ -149,7 +149,7 @@ class System:
         """
         first: list[float] = [elastic] if elastic > 0.0 else []
         regular: list[csr_matrix] = []
-        moves = self.unknowns.parts[0]
+        moves = self.layout.parts[0]
 
         def evaluate(z: ndarray) -> Evaluation:
             new = self.evaluate(z, states, load)

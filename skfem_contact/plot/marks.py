@@ -1,7 +1,7 @@
-"""What is drawn on top of the bodies where it is asked for: water, supports, loads, arrows, points, contact."""
+"""Marks on plane bodies: water, supports, loads, arrows, points, contact."""
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,14 +11,14 @@ from scipy.spatial import cKDTree
 
 from ..contact.laws import Status
 from ..forms.solid import SolidForm
-from ..results.fields import Water, solids_there
+from ..results.fields import Water, solids
+from ..results.result import StageResult
 from ..results.strength import PointStatus, point_status
 from ..results.tractions import interfaces
-from ..stages.result import StageResult
 from ..water import Seepage
 from .scene import MARK, Scene
 
-WATER, _LOAD, _MOVED = "#1468b3", "#b3007d", "#222222"
+WATER, _LOAD, _MOVED, _TRACTION = "#1468b3", "#b3007d", "#222222", "#5b2c83"
 _POINTS = {PointStatus.YIELDS: ("yields", "#c8102e"), PointStatus.TENSION: ("at tensile strength", "#ffffff")}
 _STATUS = {Status.OPEN: ("open", "#ffffff"), Status.STICK: ("sticks", "#1a7f37"), Status.SLIP: ("slips", "#f28e00")}
 #: Lengths in pixels: longest arrows of loads, displacements and tractions, triangles of supports, and their distance.
@@ -31,10 +31,9 @@ _SMALL = 0.02
 
 @dataclass(frozen=True)
 class Marks:
-    """What is asked for on the picture of a stage; the arguments are those of :func:`contour`."""
+    """Marks on the picture of a stage; the arguments are those of :func:`contour`."""
 
-    forms: Mapping[str, Any]
-    step: StageResult
+    stage: StageResult
     water: Water | None = None
     supports: ndarray | None = None
     loads: ndarray | None = None
@@ -45,10 +44,10 @@ class Marks:
     @property
     def room(self) -> float:
         """Margin that the marks need, as a share of the bodies' size."""
-        return 0.08 if self.loads is not None else 0.045 if self.supports is not None else 0.025
+        return 0.08 if self.loads is not None else 0.045 if self.supports is not None else 0.0
 
     def draw(self, plotter: Any, scene: Scene) -> None:
-        """Draw all that is asked for."""
+        """Draw all marks."""
         if self.water is not None:
             _draw_water(plotter, scene, self.water)
         if self.supports is not None:
@@ -62,25 +61,25 @@ class Marks:
             places = np.asarray(form.basis.global_coordinates()) + np.asarray(form.basis.interpolate(u))
             _dots(plotter, scene, places[:, at].T, _POINTS[status][1], 7.0)
         if self.contact:
-            _draw_contact(plotter, scene, self.forms, self.step)
+            _draw_contact(plotter, scene, self.stage)
 
     def legend(self) -> list[tuple[str, dict[str, Any]]]:
-        """Labels and matplotlib's line styles of the marks that need an explanation."""
+        """Return labels and matplotlib's line styles of the marks that need an explanation."""
         found = []
         if self.water is not None:
             found.append(("water table", {"color": WATER, "linewidth": 3, "linestyle": "--"}))
         marked = {status for status, _, _ in self._points()}
         found += [(label, _square(color)) for status, (label, color) in _POINTS.items() if status in marked]
         if self.contact:
-            pairs = interfaces(self.forms, self.step).values()
+            pairs = interfaces(self.stage).values()
             present = {int(s) for pair in pairs for s in np.unique(pair.tractions.status)}
             found += [(f"contact {label}", _square(color)) for s, (label, color) in _STATUS.items() if s in present]
         return found
 
     def _points(self) -> Iterator[tuple[PointStatus, SolidForm, ndarray]]:
-        """Where points are asked for: those of a status that is marked, (n_elements, n_points), solid by solid."""
-        for name, form in solids_there(self.forms, self.step).items() if self.points else ():
-            found = point_status(form, self.step.states[name])
+        """Return the points of each status that is marked, (n_elements, n_points), solid by solid."""
+        for name, form in solids(self.stage).items() if self.points else ():
+            found = point_status(form, self.stage.states[name])
             for status in _POINTS:
                 if (at := found == status).any():
                     yield status, form, at
@@ -91,28 +90,24 @@ def _square(color: str) -> dict[str, Any]:
 
 
 def _dots(plotter: Any, scene: Scene, places: ndarray, color: str, size: float) -> None:
-    """Points with a dark edge."""
+    """Draw points with a dark edge."""
     for level, grown, shade in ((MARK, 3.0, "black"), (MARK + 1, 0.0, color)):
         plotter.add_points(scene.in_space(places, level), color=shade, point_size=size + grown, lighting=False)
 
 
 def _draw_water(plotter: Any, scene: Scene, water: Water) -> None:
-    """Water tables as dashed lines, the longest with a triangle on it."""
+    """Draw water tables as dashed lines, the longest with a triangle on it."""
     lines = _water_tables(scene, water)
     for line in lines:
-        for dash in (line[i:i + 5] for i in range(0, len(line) - 1, 8)):
-            sides = np.column_stack((np.arange(len(dash) - 1), np.arange(1, len(dash))))
-            if len(sides):
-                plotter.add_mesh(scene.lines(sides, dash, MARK), color=WATER, line_width=5)
+        dashes = np.arange(len(line) - 1) % 8 < 4
+        _segments(plotter, scene, line[:-1][dashes], line[1:][dashes], WATER, 5)
     if lines:
-        at = lines[0][len(lines[0]) // 20]
-        size = 14.0 * scene.pixel
-        triangle = at + size * np.array([[-0.6, 1.0], [0.6, 1.0], [0.0, 0.0]])
-        _polygons(plotter, scene, triangle[None], WATER)
+        triangle = 14.0 * scene.pixel * np.array([[-0.6, 1.0], [0.6, 1.0], [0.0, 0.0]])
+        _polygons(plotter, scene, (lines[0][len(lines[0]) // 20] + triangle)[None], WATER)
 
 
 def _water_tables(scene: Scene, water: Water) -> list[ndarray]:
-    """Free surfaces of seepage; of another pressure the line at which it falls to zero, where there is ground."""
+    """Return free surfaces of seepage; of another pressure, the line at which it falls to zero."""
     low, high = scene.places[scene.nodes].min(axis=0), scene.places[scene.nodes].max(axis=0)
     seepage = getattr(water, "__self__", water)  # also that of its pressure_at
     if isinstance(seepage, Seepage):
@@ -124,14 +119,14 @@ def _water_tables(scene: Scene, water: Water) -> list[ndarray]:
 
 
 def _evenly(line: ndarray, step: float) -> ndarray:
-    """Points (n, 2) along a polyline, about `step` from each other."""
-    way = np.append(0.0, np.linalg.norm(np.diff(line, axis=0), axis=1).cumsum())
-    at = np.linspace(0.0, way[-1], max(2, round(way[-1] / step)))
-    return np.column_stack([np.interp(at, way, values) for values in line.T])
+    """Return points (n, 2) along a polyline, about `step` from each other."""
+    arc = np.append(0.0, np.linalg.norm(np.diff(line, axis=0), axis=1).cumsum())
+    even = np.linspace(0.0, arc[-1], max(2, round(arc[-1] / step)))
+    return np.column_stack([np.interp(even, arc, values) for values in line.T])
 
 
 def _table(water: Any, x: ndarray, low: float, high: float) -> ndarray:
-    """Height at which the pressure becomes zero, (n,), by bisection; NaN where the bottom is dry."""
+    """Return heights at which the pressure becomes zero, (n,), by bisection; NaN where the bottom is dry."""
     below, above = np.full(len(x), low), np.full(len(x), high)
     wet = water(np.stack((x, below))) > 0.0
     for _ in range(40):
@@ -142,10 +137,10 @@ def _table(water: Any, x: ndarray, low: float, high: float) -> ndarray:
 
 
 def _draw_supports(plotter: Any, scene: Scene, fixed: ndarray) -> None:
-    """Triangles that point at the nodes that are held: along the axis of one unknown, from below for both."""
+    """Draw triangles that point at the nodes that are held: along the axis of one dof, from below for both."""
     fixed = np.flatnonzero(fixed) if fixed.dtype == bool else fixed
     x, y = np.isin(np.arange(scene.displacement.size), fixed).reshape(-1, 2).T
-    used, size = np.unique(scene.sides), _SUPPORT * scene.pixel
+    used, size = np.unique(scene.sides.mesh), _SUPPORT * scene.pixel
     middle = scene.places[used].mean(axis=0)
     for axis, held, color in ((1, x & y, "#444444"), (0, x & ~y, "#b0b0b0"), (1, y & ~x, "#b0b0b0")):
         if not held[used].any():
@@ -159,7 +154,7 @@ def _draw_supports(plotter: Any, scene: Scene, fixed: ndarray) -> None:
 
 
 def _thinned(scene: Scene, nodes: ndarray) -> ndarray:
-    """Some of the nodes, no two closer to each other than a few pixels."""
+    """Return some of the nodes, no two closer to each other than a few pixels."""
     order = nodes[np.lexsort(scene.moved[nodes].T)]
     tree = cKDTree(scene.moved[order])
     kept = np.ones(len(order), bool)
@@ -170,28 +165,27 @@ def _thinned(scene: Scene, nodes: ndarray) -> ndarray:
 
 
 def _draw_loads(plotter: Any, scene: Scene, load: ndarray) -> None:
-    """Nodal forces as arrows that end at their nodes."""
-    force = load[:scene.displacement.size].reshape(-1, 2)
+    """Draw nodal forces as arrows that end at their nodes."""
+    force, moved = load[:scene.displacement.size].reshape(-1, 2), scene.moved
     size = np.linalg.norm(force, axis=1)
-    nodes = np.flatnonzero(size > _SMALL * size.max(initial=0.0))
-    if len(nodes):
-        vectors = force[nodes] / size.max() * _LONG_LOAD * scene.pixel
-        _arrows(plotter, scene, scene.moved[nodes] - vectors, vectors, _LOAD)
+    seen = size > _SMALL * size.max(initial=0.0)
+    vectors = force[seen] / size.max(initial=0.0) * _LONG_LOAD * scene.pixel
+    _arrows(plotter, scene, moved[seen] - vectors, moved[seen], _LOAD)
 
 
 def _draw_vectors(plotter: Any, scene: Scene) -> None:
-    """Displacements at nodes that are some way apart."""
-    nodes = _thinned(scene, np.unique(scene.sides))
-    u = scene.displacement[nodes]
+    """Draw displacements at nodes that are some pixels apart."""
+    nodes = _thinned(scene, np.unique(scene.sides.mesh))
+    u, moved = scene.displacement[nodes], scene.moved[nodes]
     size = np.linalg.norm(u, axis=1)
     seen = size > _SMALL * size.max(initial=0.0)
-    if seen.any():
-        _arrows(plotter, scene, scene.moved[nodes][seen], u[seen] / size.max() * _LONG_ARROW * scene.pixel, _MOVED)
+    vectors = u[seen] / size.max(initial=0.0) * _LONG_ARROW * scene.pixel
+    _arrows(plotter, scene, moved[seen], moved[seen] + vectors, _MOVED)
 
 
-def _draw_contact(plotter: Any, scene: Scene, forms: Mapping[str, Any], step: StageResult) -> None:
-    """Status of contact points, and what the slave exerts on the master there as lines that end at them."""
-    found = interfaces(forms, step).values()
+def _draw_contact(plotter: Any, scene: Scene, stage: StageResult) -> None:
+    """Draw the status of contact points, and the tractions of the slave on the master as lines that end there."""
+    found = interfaces(stage).values()
     sizes = [np.hypot(i.tractions.pressure, i.tractions.shear).max(initial=0.0) for i in found]
     largest = float(max(sizes, default=0.0))
     for interface in found:
@@ -201,34 +195,37 @@ def _draw_contact(plotter: Any, scene: Scene, forms: Mapping[str, Any], step: St
             # shear of the slave on the master is positive along the master's chain, which runs against the slave's
             along = np.column_stack((interface.normal[:, 1], -interface.normal[:, 0]))
             drawn = (t.pressure[:, None] * interface.normal + t.shear[:, None] * -along) / largest
-            tails = at - _LONG_TRACTION * scene.pixel * drawn
-            sides = np.arange(2 * len(at)).reshape(2, -1).T
-            plotter.add_mesh(scene.lines(sides, np.concatenate((tails, at)), MARK), color="#5b2c83", line_width=2.5)
+            _segments(plotter, scene, at - _LONG_TRACTION * scene.pixel * drawn, at, _TRACTION, 2.5)
         for status, (_, color) in _STATUS.items():
             chosen = t.status == status
             if chosen.any():
                 _dots(plotter, scene, at[chosen], color, 9.0)
 
 
-def _arrows(plotter: Any, scene: Scene, tails: ndarray, vectors: ndarray, color: str) -> None:
-    """Flat arrows with heads of one size."""
-    length = np.linalg.norm(vectors, axis=1)
+def _arrows(plotter: Any, scene: Scene, tails: ndarray, tips: ndarray, color: str) -> None:
+    """Draw flat arrows with heads of one size."""
+    length = np.linalg.norm(tips - tails, axis=1)
     head = np.minimum(12.0 * scene.pixel, 0.5 * length)[:, None]
-    along = vectors / length[:, None]
-    across = np.column_stack((-along[:, 1], along[:, 0]))
-    tips, necks = tails + vectors, tails + vectors - head * along
-    n = len(tails)
-    sides = np.column_stack((np.arange(n), n + np.arange(n)))
-    plotter.add_mesh(scene.lines(sides, np.concatenate((tails, necks)), MARK), color=color, line_width=3)
-    half = 0.45 * head * across
+    along = (tips - tails) / length[:, None]
+    half = 0.45 * head * np.column_stack((-along[:, 1], along[:, 0]))
+    necks = tips - head * along
+    _segments(plotter, scene, tails, necks, color, 3)
     _polygons(plotter, scene, np.stack((tips, necks + half, necks - half), axis=1), color)
 
 
+def _segments(plotter: Any, scene: Scene, starts: ndarray, ends: ndarray, color: str, width: float) -> None:
+    """Draw straight lines between points (n, 2)."""
+    if len(starts):
+        sides = np.arange(2 * len(starts)).reshape(2, -1).T
+        plotter.add_mesh(scene.lines(sides, np.concatenate((starts, ends)), MARK), color=color, line_width=width)
+
+
 def _polygons(plotter: Any, scene: Scene, corners: ndarray, color: str) -> None:
-    """Filled polygons (n, k, 2)."""
+    """Draw filled polygons (n, k, 2)."""
     import pyvista
 
-    n, k = corners.shape[:2]
-    faces = np.column_stack((np.full(n, k), np.arange(n * k).reshape(n, k)))
-    mesh = pyvista.PolyData(scene.in_space(corners.reshape(-1, 2), MARK), faces=faces.ravel())
-    plotter.add_mesh(mesh, color=color, lighting=False, show_edges=False)
+    if len(corners):
+        points = scene.in_space(corners.reshape(-1, 2), MARK)
+        faces: ndarray = np.arange(len(points)).reshape(corners.shape[:2])
+        mesh = pyvista.PolyData.from_regular_faces(points, faces)
+        plotter.add_mesh(mesh, color=color, lighting=False, show_edges=False)

@@ -1,4 +1,4 @@
-"""The unit system that all pictures label their figures with: set once."""
+"""Units of the labels in all pictures."""
 from __future__ import annotations
 
 _STRESSES = {("kN", "m"): "kPa", ("N", "m"): "Pa", ("MN", "m"): "MPa", ("N", "mm"): "MPa", ("kN", "mm"): "GPa"}
@@ -11,10 +11,9 @@ def set_units(force: str | None = None, length: str | None = None, stress: str |
     Parameters
     ----------
     force, length
-        Names of the units in which the analysis was made, such as ``"kN"`` and ``"m"``; without them pictures show no
-        units.
+        Units of the analysis, such as ``"kN"`` and ``"m"``; without them pictures show no units.
     stress
-        Name of their unit of stress; by default kPa for kN and m, MPa for N and mm, and so on.
+        Unit of stress; by default kPa for kN and m, MPa for N and mm, and so on.
 
     Examples
     --------
@@ -38,12 +37,12 @@ def set_units(force: str | None = None, length: str | None = None, stress: str |
 
 
 def labelled(title: str, kind: str) -> str:
-    """A title with its unit, if units were set.
+    """Return a title with its unit, if units were set.
 
     Parameters
     ----------
     title
-        What the figures are.
+        Name of the quantity.
     kind
         ``"length"``, ``"force"``, ``"stress"``, ``"line"`` (force per length), ``"moment"`` (per length), or nothing.
     """

@@ -1,225 +1,239 @@
-"""Results for other programs: VTU files and their series, pyvista's grids, data frames."""
+"""Files of results: one compressed archive, or records that are appended while an analysis runs."""
 from __future__ import annotations
 
-from collections.abc import Mapping
+import io
+import json
+import os
+import struct
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import partial
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Any
-from xml.sax.saxutils import quoteattr
+from tempfile import NamedTemporaryFile
+from typing import Any, BinaryIO, TypeVar
+from zipfile import BadZipFile
+from zlib import crc32
 
-import meshio
 import numpy as np
 from numpy import ndarray
-from skfem.io.meshio import HEX_MAPPING
+from typing_extensions import Self
 
-from ..forms.solid import SolidForm
-from ..mesh.join import bodies
-from ..stages.result import Result, StageResult
-from .fields import has_excess, nodal_field, quantities, solids, solids_there
-from .recovery import recovered, region_mesh
-from .strength import plastic_strain
-from .tractions import interfaces
+from ..contact.penalty import choose_penalties
+from ..forms.base import Form
+from ..forms.states import arrays_of, with_arrays
+from ..layout import Layout
 
-#: meshio's names of cells by the numbers of dimensions and of nodes.
-_CELLS = {(2, 3): "triangle", (2, 4): "quad", (2, 6): "triangle6", (2, 8): "quad8", (2, 9): "quad9",
-          (3, 4): "tetra", (3, 10): "tetra10", (3, 8): "hexahedron", (3, 20): "hexahedron20", (3, 27): "hexahedron27",
-          (1, 2): "line", (1, 3): "line3"}
+#: Layout of saved arrays: another number for other states.
+_LAYOUT = 1
+#: First bytes of a file of records, and the length and checksum before each of them.
+_MAGIC, _PREFIX = b"skfem-contact records\n", struct.Struct("<QI")
 
 
-def export_vtu(file: str | Path, forms: Mapping[str, Any], step: StageResult) -> None:
-    """Write the solids and the contact of a stage to a ``.vtu`` file.
+@dataclass(frozen=True)
+class StageData:
+    """Data at the end of a stage or of an increment; :class:`~skfem_contact.results.StageResult` documents them."""
 
-    Points carry the ``displacement``, the recovered ``stress`` and ``strain`` (xx, yy, zz, xy, yz, xz; engineering
-    shear) and the equivalent ``plastic_strain``; regions share no points, so that nothing is averaged between them.
-    Cells carry means of ``stress`` and ``plastic_strain``, the number of the ``body``, in the order of
-    :func:`bodies`, and of the ``region``, counted through the materials of all solids. The slave's facets of every
-    contact pair are cells with ``pressure``, ``shear``, ``gap``, ``slip`` and ``status``. Quadratic elements
-    stay quadratic.
+    name: str
+    x: ndarray
+    load: ndarray
+    states: Mapping[str, Any]
+    iterations: tuple[int, ...]
+    residual: float
+    fraction: float = 1.0
+    summary: Mapping[str, str] = field(default_factory=dict)
+    forms: Mapping[str, Form] = field(default_factory=dict, repr=False)
+    time: float = 0.0
+    increments: tuple[Self, ...] = field(default=(), repr=False)
+    unreleased: ndarray | None = field(default=None, repr=False)
+    layout: Layout | None = field(default=None, repr=False)
+
+
+_Stage = TypeVar("_Stage", bound=StageData)
+
+
+class Append:
+    """Observer of an analysis that appends every accepted increment to a file.
+
+    :func:`~skfem_contact.load_result` reads the file at any time, also after the analysis was killed: a record that
+    was not completed is ignored. Records of a stage that is run again replace the older ones.
 
     Parameters
     ----------
     file
-        Name of the file.
-    forms
-        Forms by name; those that are there in the stage are written.
-    step
-        A stage of the result of these forms.
-
-    Raises
-    ------
-    ValueError
-        No solid among the forms is there in the stage.
+        Name of the file; records are appended to those that it holds.
 
     Examples
     --------
-    >>> import tempfile, meshio
-    >>> import numpy as np
+    >>> import os, tempfile
     >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
     >>> import skfem_contact as sc
     >>> basis = Basis(MeshQuad().with_defaults(), ElementVector(ElementQuad1()), intorder=2)
     >>> forms = {"block": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.))}
-    >>> fixed = np.hstack((basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1")))
-    >>> result = sc.run(forms, [sc.Stage("weight", sc.weight(basis, 20.))], fixed=fixed)
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     sc.export_vtu(folder + "/weight.vtu", forms, result["weight"])
-    ...     mesh = meshio.read(folder + "/weight.vtu")
-    >>> sorted(mesh.point_data), mesh.cell_data["stress"][0].round(6)[0, 1].item()
-    (['displacement', 'plastic_strain', 'strain', 'stress'], -10.0)
+    >>> result = sc.Model(forms, basis.get_dofs("bottom").all()).run([sc.Stage("weight", sc.weight(basis, 20.))])
+    >>> append = sc.results.Append(os.path.join(tempfile.mkdtemp(), "run.records"))
+    >>> append(result["weight"])
+    >>> len(sc.load_result(append.file, forms)["weight"].increments)
+    1
     """
-    _grid(forms, step).write(file, file_format="vtu")
+
+    def __init__(self, file: str | Path) -> None:
+        self.file = Path(file)
+        if self.file.exists() and self.file.stat().st_size > len(_MAGIC):
+            with self.file.open("rb+") as stream:
+                stream.truncate(_records(stream)[1])  # without a record that was not completed
+        else:
+            self.file.write_bytes(_MAGIC)
+
+    def __call__(self, stage: StageData) -> None:
+        """Append an increment; it is on the disk when the call returns."""
+        payload = io.BytesIO()
+        _write_arrays(payload, [replace(stage, increments=())])
+        record = payload.getvalue()
+        with self.file.open("ab") as stream:
+            stream.write(_PREFIX.pack(len(record), crc32(record)) + record)
+            stream.flush()
+            os.fsync(stream.fileno())
 
 
-def export_pvd(file: str | Path, forms: Mapping[str, Any], result: Result) -> list[Path]:
-    """Write all stages as a series that ParaView plays: a ``.pvd`` file and a ``.vtu`` file for each stage beside it.
-
-    Parameters
-    ----------
-    file
-        Name of the series, ``"dig.pvd"``; the stages are ``dig_0.vtu``, ``dig_1.vtu``, ...
-    forms, result
-        Forms by name and the result of their analysis.
-
-    Returns
-    -------
-    list of Path
-        The files that were written, the series first.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from skfem_contact.demo import culvert
-    >>> import skfem_contact as sc
-    >>> model = culvert()
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     [path.name for path in sc.export_pvd(folder + "/culvert.pvd", model.forms, model.result)]
-    ['culvert.pvd', 'culvert_0.vtu', 'culvert_1.vtu']
-    """
-    file = Path(file)
-    parts = [file.with_name(f"{file.stem}_{number}.vtu") for number in range(len(result))]
-    for part, stage in zip(parts, result, strict=True):
-        export_vtu(part, forms, stage)
-    lines = [f'    <DataSet timestep="{number}" name={quoteattr(stage.name)} file={quoteattr(part.name)}/>'
-             for number, (part, stage) in enumerate(zip(parts, result, strict=True))]
-    file.write_text("\n".join(['<?xml version="1.0"?>', '<VTKFile type="Collection" version="0.1">', "  <Collection>",
-                               *lines, "  </Collection>", "</VTKFile>", ""]), encoding="utf-8")
-    return [file, *parts]
+def write(file: str | Path, stages: Iterable[StageData]) -> None:
+    """Write stages to one compressed archive, which replaces an older one once it is complete."""
+    path = Path(_with_end(file))
+    with NamedTemporaryFile(dir=path.parent, suffix=".npz", delete=False) as part:
+        try:
+            _write_arrays(part, stages)
+        except BaseException:
+            os.unlink(part.name)
+            raise
+    os.replace(part.name, path)
 
 
-def to_pyvista(forms: Mapping[str, Any], step: StageResult) -> Any:
-    """A stage as pyvista's ``UnstructuredGrid``, with the data of :func:`export_vtu`, for all that pyvista can do.
-
-    Parameters
-    ----------
-    forms
-        Forms by name, or one form of them: ``{"ground": forms["ground"]}``.
-    step
-        A stage of the result of these forms.
-
-    Examples
-    --------
-    >>> from skfem_contact.demo import culvert
-    >>> import skfem_contact as sc
-    >>> model = culvert()
-    >>> grid = sc.to_pyvista(model.forms, model.result["surcharge"])
-    >>> moved = grid.warp_by_vector("displacement", factor=100.)
-    >>> grid.point_data["stress"].shape[1], grid.n_cells == len(grid.cell_data["pressure"])
-    (6, True)
-    """
-    import pyvista
-
-    return pyvista.from_meshio(_grid(forms, step))
+def read(file: str | Path, forms: Any, make: Callable[..., _Stage]) -> tuple[_Stage, ...]:
+    """Read the stages of a file, made by a class of stages."""
+    path = str(file) if Path(file).is_file() else _with_end(file)
+    given, layout = choose_penalties(getattr(forms, "forms", forms)), getattr(forms, "layout", None)
+    make = partial(make, layout=layout)
+    try:
+        with open(path, "rb") as stream:
+            appended = stream.read(len(_MAGIC)) == _MAGIC
+            records = _records(stream)[0] if appended else []
+        if appended:
+            return _grouped([stage for record in records for stage in _read_arrays(io.BytesIO(record), given, make)])
+        return tuple(_read_arrays(path, given, make))
+    except FileNotFoundError:
+        raise
+    except (ValueError, OSError, EOFError, BadZipFile, KeyError, TypeError) as error:
+        raise ValueError(f"{path} cannot be read as a result of these forms: {error}") from error
 
 
-def to_frame(forms: Mapping[str, Any], step: StageResult) -> Any:
-    """All nodal fields of a stage as a pandas data frame: a row for each node that a solid uses.
-
-    Columns are the place, ``x``, ``y`` (and ``z``), and the quantities of :func:`nodal_field`. Tractions, section
-    forces and other dataclasses of arrays become one by ``pandas.DataFrame(vars(tractions))``.
-
-    Raises
-    ------
-    ImportError
-        pandas is not installed.
-
-    Examples
-    --------
-    >>> from skfem_contact.demo import culvert
-    >>> import skfem_contact as sc
-    >>> model = culvert()
-    >>> frame = sc.to_frame(model.forms, model.result["surcharge"])
-    >>> list(frame.columns[:5]), len(frame)
-    (['x', 'y', 'ux', 'uy', 'u'], 2195)
-    """
-    import pandas
-
-    found = solids_there(forms, step)
-    basis = next(iter(found.values())).basis
-    dim = basis.mesh.dim()
-    places = dict(zip("xyz", basis.doflocs[:, 0::dim]))
-    names = [name for name in quantities(found) if name != "pore" or has_excess(forms, found)]
-    fields = {name: nodal_field(forms, step, name) for name in names}
-    frame = pandas.DataFrame(places | fields, index=pandas.RangeIndex(basis.N // dim, name="node"))
-    return frame[np.isfinite(frame["u"])]
+def _records(stream: BinaryIO) -> tuple[list[bytes], int]:
+    """Return the complete records of a file, and the position behind the last one."""
+    stream.seek(0)
+    if stream.read(len(_MAGIC)) != _MAGIC:
+        raise ValueError(f"{stream.name} is no file of appended increments: give it another name")
+    records: list[bytes] = []
+    end = len(_MAGIC)
+    size = os.fstat(stream.fileno()).st_size
+    while len(prefix := stream.read(_PREFIX.size)) == _PREFIX.size:
+        length, checksum = _PREFIX.unpack(prefix)
+        record = stream.read(min(length, size))
+        if len(record) < length or (crc32(record) != checksum and stream.tell() == size):
+            break
+        if crc32(record) != checksum:
+            raise ValueError(f"record {len(records)} is not what was written")
+        records.append(record)
+        end = stream.tell()
+    return records, end
 
 
-def _grid(forms: Mapping[str, Any], step: StageResult) -> meshio.Mesh:
-    """The solids of a stage, region by region, and the facets of its contact pairs."""
-    found = solids_there(forms, step)
-    basis, mesh = next(iter(found.values())).basis, region_mesh(*found.values())
-    dim = basis.mesh.dim()
-    data = [(form, step.states[name]) for name, form in found.items()]
-    point_data = {
-        "displacement": _in_space(step.x[:basis.N].reshape(-1, dim)[mesh.nodes], 3),
-        "stress": np.concatenate([_in_space(recovered(f, s.stress, balanced=True).T, 6) for f, s in data]),
-        "strain": np.concatenate([_in_space(recovered(f, s.strain).T, 6) for f, s in data]),
-        "plastic_strain": np.concatenate([recovered(f, plastic_strain(f, s)[None], limited=True)[0] for f, s in data]),
-    }
-    blocks = [vtk_cells(mesh.cells, dim)]
-    parts = [_of_elements(data) | {"region": _numbers_of_regions(forms, found)[mesh.region]}]
-    point = np.full(mesh.nodes.max() + 1, -1)
-    point[mesh.nodes] = np.arange(len(mesh.nodes))
-    for interface in interfaces(forms, step).values():
-        blocks.append(vtk_cells(point[interface.facets], dim - 1))
-        parts.append(interface.on_facets())
-    kinds = {key: values for part in parts for key, values in part.items()}
-    cell_data = {key: [part.get(key, _nothing(like, len(cells))) for part, (_, cells) in zip(parts, blocks)]
-                 for key, like in kinds.items()}
-    return meshio.Mesh(_in_space(basis.doflocs[:, dim * mesh.nodes].T, 3), blocks, point_data, cell_data)
+def _grouped(increments: list[_Stage]) -> tuple[_Stage, ...]:
+    """Return the last increment of every stage, with all of them as its increments."""
+    stages: dict[str, list[_Stage]] = {}
+    for increment in increments:
+        name = increment.name
+        if name in stages and (name != next(reversed(stages)) or increment.fraction <= stages[name][-1].fraction):
+            names = list(stages)  # the stage was run again: the older one and those behind it do not count
+            stages = {key: stages[key] for key in names[:names.index(name)]}
+        stages.setdefault(name, []).append(increment)
+    return tuple(replace(parts[-1], increments=tuple(parts)) for parts in stages.values())
 
 
-def vtk_cells(cells: ndarray, dim: int) -> tuple[str, ndarray]:
-    """Elements of so many dimensions as meshio and VTK know them: the name of their kind, and their nodes in order."""
-    kind = _CELLS[dim, cells.shape[1]]
-    # of all others the nodes come in the same order
-    return kind, cells[:, HEX_MAPPING[:cells.shape[1]]] if kind.startswith("hexahedron") else cells
+def _write_arrays(stream: Any, stages: Iterable[StageData]) -> None:
+    """Write stages as a compressed archive with checksums."""
+    arrays: dict[str, ndarray] = {}
+    heads = [_described(stage, str(i), arrays) for i, stage in enumerate(stages)]
+    head = {"layout": _LAYOUT, "version": _version(), "stages": heads,
+            "sums": {key: _checksum(values) for key, values in arrays.items()}}
+    np.savez_compressed(stream, head=np.array(json.dumps(head)), **arrays)  # type: ignore[arg-type]
 
 
-def _in_space(values: ndarray, n: int) -> ndarray:
-    """Plane vectors or tensors with all n components: xx, yy, zz, xy, yz, xz."""
-    return np.pad(values, ((0, 0), (0, n - values.shape[1])))
+def _described(stage: StageData, key: str, arrays: dict[str, ndarray]) -> dict[str, Any]:
+    """Return what describes a stage, and add its arrays and those of its increments."""
+    arrays[f"{key}/x"], arrays[f"{key}/load"] = stage.x, stage.load
+    if stage.unreleased is not None:
+        arrays[f"{key}/unreleased"] = stage.unreleased
+    for name, state in stage.states.items():
+        arrays |= {f"{key}/{name}/{part}": np.asarray(values) for part, values in arrays_of(state).items()}
+    return {"name": stage.name, "iterations": stage.iterations, "residual": stage.residual, "fraction": stage.fraction,
+            "time": stage.time, "summary": dict(stage.summary), "forms": list(stage.states),
+            "meshes": {name: _fingerprint(form) for name, form in stage.forms.items()},
+            "increments": [_described(part, f"{key}.{k}", arrays) for k, part in enumerate(stage.increments)]}
 
 
-def _of_elements(data: list[tuple[SolidForm, Any]]) -> dict[str, ndarray]:
-    """Means over the elements of solids in their states, and the numbers of their bodies."""
-    stress, plastic = [], []
-    for form, state in data:
-        share = form.weight / form.weight.sum(axis=1)[:, None]
-        stress.append(_in_space(np.einsum("ceq,eq->ec", state.stress, share), 6))
-        plastic.append(np.einsum("eq,eq->e", plastic_strain(form, state), share))
-    mesh = data[0][0].basis.mesh
-    body = np.empty(mesh.nelements, dtype=int)
-    for number, members in enumerate(bodies(mesh).values()):
-        body[members] = number
-    elements = np.concatenate([form.elements for form, _ in data])
-    return {"stress": np.concatenate(stress), "plastic_strain": np.concatenate(plastic), "body": body[elements]}
+def _read_arrays(source: Any, given: Mapping[str, Form], make: Callable[..., _Stage]) -> list[_Stage]:
+    """Read the stages of an archive."""
+    with np.load(source, allow_pickle=False) as data:
+        head = json.loads(str(data["head"]))
+        layout, writer = (head["layout"], head["version"]) if "layout" in head else (0, "0.1.0")
+        if layout != _LAYOUT:
+            raise ValueError(f"version {writer} of this library wrote it, with another layout than that of "
+                             f"{_version()}: read it there, or compute it anew")
+        arrays = {key: data[key] for key in head["sums"]}
+    if damaged := [key for key, values in arrays.items() if _checksum(values) != head["sums"][key]]:
+        raise ValueError(f"{damaged} are not what was written")
+    return [_stage(arrays, str(i), stage, given, make) for i, stage in enumerate(head["stages"])]
 
 
-def _numbers_of_regions(forms: Mapping[str, Any], there: Mapping[str, SolidForm]) -> ndarray:
-    """Numbers of the regions that are there among those of all solids: they are the same in all stages."""
-    given = solids(forms)
-    first = dict(zip(given, np.cumsum([0] + [len(form.regions) for form in given.values()])))
-    return np.concatenate([first[name] + np.arange(len(form.regions)) for name, form in there.items()])
+def _stage(arrays: Mapping[str, ndarray], key: str, head: Mapping[str, Any], given: Mapping[str, Form],
+           make: Callable[..., _Stage]) -> _Stage:
+    """Make a stage of its description and arrays."""
+    if not set(head["forms"]) <= set(given):
+        raise ValueError(f"it holds the forms {head['forms']}, not {list(given)}")
+    forms = {name: given[name] for name in head["forms"]}
+    states: dict[str, Any] = {}
+    for name, form in forms.items():
+        if not np.allclose(head["meshes"].get(name, _fingerprint(form)), _fingerprint(form), rtol=1e-9, atol=0.0):
+            raise ValueError(f"'{name}' has another mesh")
+        initial = form.initial_state()
+        keys = {part: f"{key}/{name}/{part}" for part in arrays_of(initial)}
+        parts = {part: arrays[path] for part, path in keys.items() if path in arrays}
+        if set(parts) != set(arrays_of(initial)) or not form.fits(states.setdefault(name, with_arrays(initial, parts))):
+            raise ValueError(f"'{name}' is another form there: its mesh, its element or its settings differ")
+    increments = tuple(_stage(arrays, f"{key}.{k}", part, given, make)
+                       for k, part in enumerate(head.get("increments", ())))
+    return make(head["name"], arrays[f"{key}/x"], arrays[f"{key}/load"], states, tuple(head["iterations"]),
+                head["residual"], head["fraction"], head["summary"], forms, head.get("time", 0.0), increments,
+                arrays.get(f"{key}/unreleased"))
 
 
-def _nothing(like: ndarray, n: int) -> ndarray:
-    """Values of cells that have none of a kind."""
-    return np.full((n, *like.shape[1:]), -1 if like.dtype.kind == "i" else np.nan)
+def _version() -> str:
+    try:
+        return version("skfem-contact")
+    except PackageNotFoundError:  # not installed, but found in a folder
+        return "unknown"
+
+
+def _with_end(file: str | Path) -> str:
+    return str(file) if str(file).endswith(".npz") else f"{file}.npz"
+
+
+def _checksum(values: Any) -> int:
+    return crc32(np.ascontiguousarray(values).tobytes())
+
+
+def _fingerprint(form: Form) -> list[float]:
+    """Return numbers that identify a mesh: its nodes, and means of their coordinates with uneven weights."""
+    coordinates = np.zeros((1, 0)) if form.basis is None else form.basis.doflocs
+    coordinates = coordinates if form.nodes is None else form.nodes[1]
+    weights = 1.0 + np.arange(coordinates.shape[1]) % 7
+    return [float(coordinates.shape[1]), *(float(mean) for mean in coordinates @ weights / max(weights.sum(), 1.0))]

@@ -1,11 +1,13 @@
-"""Thrust, shear and moment of rings, walls and piles from the nodal forces of their elements.
+"""Section forces of rings, walls and piles from the nodal forces of their elements.
 
-The resultant of a cut follows from equilibrium, not from sampled stresses: for a virtual motion that is zero
-behind the cut and a rigid motion in front of it, the internal forces of the elements between do the work of
-the forces that the front exerts on the back.  The share ``phi`` of the motion rises linearly over the length
-of one layer of elements about the cut.  On a line of nodes this is the mean of the nodal forces on both
-sides; between two lines it interpolates.  The resultants are in equilibrium with all loads and contact forces
-beyond, however coarse the mesh.
+The resultant of a cut follows from equilibrium, not from sampled stresses. For a virtual motion that is zero behind the
+cut and a rigid motion in front of it, the internal forces of the elements between do the work of the forces that the
+front exerts on the back. The share ``phi`` of the motion rises linearly over the length of one layer of elements about
+the cut. On a line of nodes the resultant is the mean of the nodal forces on both sides; between two lines it
+interpolates. The resultants are in equilibrium with all loads and contact forces beyond, however coarse the mesh. Where
+the body is joined to more on one side, at the face of a wall or at the corner of a frame, elements beside the sections
+would do work in that motion. There the share jumps, from the nodes of the cut to those in front of it or behind it: the
+resultant is that of the nodal forces of the elements on the free side.
 """
 from __future__ import annotations
 
@@ -20,28 +22,92 @@ from ..errors import place
 from ..forms.solid import SolidForm, SolidState
 from ..layout import nodes as nodes_of
 from ..surfaces.vectors import dot
-from .resultants import SectionForces, SpaceSectionForces
 
 #: Round-off of a position, as a share of the element: a cut through the end of a body meets its elements.
 _ROUND_OFF = 1e-9
 
 
 @dataclass(frozen=True)
-class Sections:
-    """Cuts across a slender body.
+class SectionForces:
+    """Section forces along a body, exerted by the front on the back: arrays, shape (n,), vectors in space (n, 3).
 
     Attributes
     ----------
     position
-        Coordinate of every cut for tables and diagrams, (n,): central angle or arc position.
-    center
-        Its point on the axis of the body, (n, dim); moments refer to it.
+        Position of the sections, as in :class:`~skfem_contact.Sections`.
+    x, y, z
+        Coordinates of the sections; z is None in the plane.
+    N
+        Normal force, tension positive (a thrust is negative).
+    V
+        Shear force, in the plane to the left of the axis; ``V = dM/ds`` where no friction on a side of the body acts as
+        a couple. In space a vector across the axis.
+    M
+        Moment, in the plane positive where the fibres to the left of the axis, the outer ones of a ring, are in
+        tension. In space a vector across the axis.
+    T
+        Torque about the axis; None in the plane.
     axis
-        Unit tangent of the axis, (n, dim), in the sense of rising position.
-    half_depth
-        Half the depth of the body there, (n,): elements farther from the axis do not belong to it.
-    curvature
-        Curvature of the axis, (n,); positive where it turns to the right.
+        Direction of the axis, shape (n, 3); None in the plane.
+    """
+
+    position: ndarray
+    x: ndarray
+    y: ndarray
+    N: ndarray
+    V: ndarray
+    M: ndarray
+    z: ndarray | None = None
+    T: ndarray | None = None
+    axis: ndarray | None = None
+
+    def towards(self, left: ArrayLike) -> SectionForces:
+        """Return the section forces of bending in a plane, with the height for y, from those in space.
+
+        Parameters
+        ----------
+        left
+            Direction across the axis, (3,): the shear force is positive to the left, the moment where the fibres there
+            are in tension.
+
+        Raises
+        ------
+        ValueError
+            A direction along the axis, or section forces in the plane.
+        """
+        if self.axis is None or self.z is None:
+            raise ValueError("section forces in the plane have one direction of bending only")
+        side = np.asarray(left, float) - (self.axis @ np.asarray(left, float))[:, None] * self.axis
+        length = np.linalg.norm(side, axis=1)
+        if not (length > 1e-9 * np.linalg.norm(left)).all():
+            raise ValueError(f"the side of a bent body lies across its axis, not at {left!r}")
+        side = side / length[:, None]
+        about = np.cross(self.axis, side)
+        V, M = dot(self.V, side), -dot(self.M, about)
+        return SectionForces(self.position, self.x, self.z, self.N, V, M)
+
+
+@dataclass(frozen=True)
+class Sections:
+    """Cuts across a slender body, made by :meth:`line` or :meth:`ring`.
+
+    Attributes
+    ----------
+    position : ndarray, shape (n,)
+        Coordinate of every cut for tables and diagrams: central angle or arc position.
+    center, axis : ndarray, shape (n, dim)
+        Points on the axis of the body, to which moments refer, and unit tangents in the sense of rising position.
+    half_depth, curvature : ndarray, shape (n,)
+        Half the depth of the body: elements farther from the axis do not belong to it. Curvature of the axis, positive
+        where it turns to the right.
+
+    Examples
+    --------
+    >>> import skfem_contact as sc
+    >>> sc.Sections.line((0., 0.), (0., -15.), depth=.2, n=4).position.tolist()
+    [0.0, 5.0, 10.0, 15.0]
+    >>> sc.Sections.ring(center=(0., 0.), inner=.72, outer=.9, n=4).center[1].round(12).tolist()
+    [0.81, 0.0]
     """
 
     position: ndarray
@@ -50,13 +116,58 @@ class Sections:
     half_depth: ndarray
     curvature: ndarray
 
+    @classmethod
+    def ring(cls, center: ArrayLike, inner: float, outer: float, n: int = 72) -> Sections:
+        """Return radial cuts through a ring at equal central angles, from the crown clockwise.
+
+        Parameters
+        ----------
+        center, inner, outer
+            Centre of the ring and its radii.
+        n
+            Number of cuts; their positions are ``360 / n`` degrees apart.
+        """
+        if not 0.0 < inner < outer:
+            raise ValueError(f"a ring needs 0 < inner < outer, not inner={inner!r}, outer={outer!r}")
+        center = _point(center, "the center")
+        _check_number(n, 1)
+        middle = 0.5 * (inner + outer)
+        position = np.arange(n) * 360.0 / n
+        sin, cos = np.sin(np.radians(position)), np.cos(np.radians(position))
+        return cls(position, center + middle * np.column_stack((sin, cos)),
+                   np.column_stack((cos, -sin)), np.full(n, 0.5 * (outer - inner)), np.full(n, 1.0 / middle))
+
+    @classmethod
+    def line(cls, start: ArrayLike, end: ArrayLike, depth: float, n: int = 51) -> Sections:
+        """Return cuts across a straight wall, pile or beam, from one end of its axis to the other.
+
+        Parameters
+        ----------
+        start, end
+            Ends of the axis, in the plane or in space; the position is the distance from the start.
+        depth
+            Depth of the body across its axis; in space the diameter of a cylinder that holds it.
+        n
+            Number of cuts, both ends included.
+        """
+        dim = 3 if np.size(start) == 3 else 2
+        start, end = _point(start, "the start", dim), _point(end, "the end", dim)
+        _check_number(n, 2)
+        length = float(np.linalg.norm(end - start))
+        if not (length > 0.0 and depth > 0.0):
+            raise ValueError(f"a line of sections needs two different ends and a positive depth, not {depth!r}")
+        position = np.linspace(0.0, length, n)
+        axis = (end - start) / length
+        return cls(position, start + position[:, None] * axis, np.tile(axis, (n, 1)),
+                   np.full(n, 0.5 * depth), np.zeros(n))
+
     @property
     def left(self) -> ndarray:
-        """Unit normal to the left of the axis, (n, 2): outward on a ring."""
+        """Unit normals to the left of the axis, (n, 2): outward on a ring."""
         return np.column_stack((-self.axis[:, 1], self.axis[:, 0]))
 
     def moved(self, distance: ndarray) -> Sections:
-        """Cuts farther along the curved axis by a distance each, (n,), at the positions of these."""
+        """Return cuts that are moved along the curved axis, each by a distance, (n,)."""
         half = 0.5 * self.curvature * distance
         chord = (distance * np.sinc(half / np.pi))[:, None]
         center = self.center + chord * (np.cos(half)[:, None] * self.axis - np.sin(half)[:, None] * self.left)
@@ -64,7 +175,7 @@ class Sections:
         return replace(self, center=center, axis=axis)
 
     def local(self, section: ndarray, points: ndarray) -> tuple[ndarray, ndarray]:
-        """Position along the curved axis and distance to its left, of points (m, dim) from sections (m,)."""
+        """Return positions along the curved axis and distances to its left, of points (m, dim) from sections (m,)."""
         offset = points - self.center[section]
         s = np.einsum("mc,mc->m", offset, self.axis[section])
         if points.shape[1] == 3:
@@ -79,78 +190,8 @@ class Sections:
         return s, y
 
 
-def ring_sections(center: ArrayLike, inner: float, outer: float, n: int = 72) -> Sections:
-    """Radial cuts through a ring at equal central angles, from the crown clockwise.
-
-    Parameters
-    ----------
-    center
-        Centre of the ring.
-    inner, outer
-        Its radii.
-    n
-        Number of cuts; their positions are ``360 / n`` degrees apart.
-
-    Raises
-    ------
-    ValueError
-        Radii that are no ring, a centre that is no finite (x, y), or no cut at all.
-
-    Examples
-    --------
-    >>> import skfem_contact as sc
-    >>> cuts = sc.ring_sections(center=(0., 0.), inner=.72, outer=.9, n=4)
-    >>> cuts.position.tolist(), cuts.center[1].round(12).tolist()
-    ([0.0, 90.0, 180.0, 270.0], [0.81, 0.0])
-    """
-    if not 0.0 < inner < outer:
-        raise ValueError(f"a ring needs 0 < inner < outer, not inner={inner!r}, outer={outer!r}")
-    center = _point(center, "the center")
-    _check_number(n, 1)
-    middle = 0.5 * (inner + outer)
-    position = np.arange(n) * 360.0 / n
-    sin, cos = np.sin(np.radians(position)), np.cos(np.radians(position))
-    return Sections(position, center + middle * np.column_stack((sin, cos)),
-                    np.column_stack((cos, -sin)), np.full(n, 0.5 * (outer - inner)), np.full(n, 1.0 / middle))
-
-
-def line_sections(start: ArrayLike, end: ArrayLike, depth: float, n: int = 51) -> Sections:
-    """Cuts across a straight wall, pile or beam, from one end of its axis to the other.
-
-    Parameters
-    ----------
-    start, end
-        Ends of the axis, in the plane or in space; the position is the distance from the start.
-    depth
-        Depth of the body across its axis; in space the diameter of a cylinder that holds it.
-    n
-        Number of cuts, both ends included.
-
-    Raises
-    ------
-    ValueError
-        Ends that coincide or are no finite places, a depth that is not positive, or fewer than two cuts.
-
-    Examples
-    --------
-    >>> import skfem_contact as sc
-    >>> sc.line_sections((0., 0.), (0., -15.), depth=.2, n=4).position.tolist()
-    [0.0, 5.0, 10.0, 15.0]
-    """
-    dim = 3 if np.size(start) == 3 else 2
-    start, end = _point(start, "the start", dim), _point(end, "the end", dim)
-    _check_number(n, 2)
-    length = float(np.linalg.norm(end - start))
-    if not (length > 0.0 and depth > 0.0):
-        raise ValueError(f"a line of sections needs two different ends and a positive depth, not {depth!r}")
-    position = np.linspace(0.0, length, n)
-    axis = (end - start) / length
-    return Sections(position, start + position[:, None] * axis, np.tile(axis, (n, 1)),
-                    np.full(n, 0.5 * depth), np.zeros(n))
-
-
 def _point(point: ArrayLike, what: str, dim: int = 2) -> ndarray:
-    """Coordinates of a point."""
+    """Check the coordinates of a point."""
     found = np.asarray(point, float)
     if found.shape != (dim,) or not np.isfinite(found).all():
         raise ValueError(f"{what} of the sections must be a finite {('(x, y)', '(x, y, z)')[dim - 2]}, not {point!r}")
@@ -163,53 +204,7 @@ def _check_number(n: int, least: int) -> None:
 
 
 def section_forces(form: SolidForm, state: SolidState, sections: Sections) -> SectionForces:
-    """Normal force, shear force and moment at sections of a body.
-
-    Parameters
-    ----------
-    form
-        The solid that holds the body; it may hold others.
-    state
-        Its state, ``result["gravity"].states["culvert"]``.
-    sections
-        Where to cut, :func:`ring_sections` or :func:`line_sections`.
-
-    Raises
-    ------
-    ValueError
-        No solid or no state of one, a section that cuts no element, or sections of another dimension than the body.
-
-    Returns
-    -------
-    SectionForces
-        In space :class:`SpaceSectionForces`.
-
-    Notes
-    -----
-    Between two lines of nodes the forces are interpolated linearly.  At the very end of a body, where there
-    is no second layer of elements, they are those of the last layer.  A curved body whose elements form no layers
-    has chords for its arcs: with elements of length h its moment is uncertain by ``N h**2 / 8 R``.
-
-    Examples
-    --------
-    A bar under tension:
-
-    >>> import numpy as np
-    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
-    >>> import skfem_contact as sc
-    >>> mesh = MeshQuad.init_tensor(np.linspace(0., 4., 9), np.linspace(-.5, .5, 3))
-    >>> basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
-    >>> form = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.))
-    >>> x = basis.zeros()
-    >>> x[basis.nodal_dofs[0]] = 1e-3 * mesh.p[0]
-    >>> state = form.assemble(x, form.initial_state()).state
-    >>> forces = sc.section_forces(form, state, sc.line_sections((0., 0.), (4., 0.), depth=1., n=3))
-    >>> forces.N.round(12).tolist(), bool(abs(forces.M).max() < 1e-12)
-    ([1.0, 1.0, 1.0], True)
-    """
-    if not (isinstance(form, SolidForm) and isinstance(state, SolidState)):
-        raise ValueError(f"section forces are those of a solid and its state, result[stage].states[name of the solid], "
-                         f"not of {type(form).__name__} and {type(state).__name__}")
+    """Return normal force, shear force and moment at sections of a body."""
     if (dim := form.basis.mesh.dim()) != sections.center.shape[1]:
         raise ValueError(f"these sections have {sections.center.shape[1]} coordinates, the body has {dim}")
     back, front = _lines(form, sections) if sections.curvature.any() else np.zeros((2, len(sections.position)))
@@ -223,11 +218,12 @@ def section_forces(form: SolidForm, state: SolidState, sections: Sections) -> Se
 
 
 def _lines(form: SolidForm, sections: Sections) -> tuple[ndarray, ndarray]:
-    """Distances to the lines of nodes behind and in front of each cut, (n,); zero for one on a line.
+    """Return distances to the lines of nodes behind and in front of each cut, (n,); zero for a cut on a line.
 
-    Between them the axis is a chord, and a moment about the arc would miss the thrust times its distance.
+    Between lines the axis is a chord: a moment about the arc would miss the thrust times the distance of both.
     """
-    section, _, _, s = _layers(form, sections)
+    section, _, _, s, inside = _layers(form, sections)
+    section, s = section[inside], s[inside]
     ends = np.array((s.min(axis=1), s.max(axis=1)))
     between = (np.abs(ends).min(axis=0) > _ROUND_OFF * np.ptp(ends, axis=0)) & (ends[0] < 0.0) & (ends[1] > 0.0)
     count = np.maximum(np.bincount(section[between], minlength=len(sections.position)), 1)
@@ -235,35 +231,41 @@ def _lines(form: SolidForm, sections: Sections) -> tuple[ndarray, ndarray]:
     return back, front
 
 
-def _layers(form: SolidForm, sections: Sections) -> tuple[ndarray, ndarray, ndarray, ndarray]:
-    """Pairs of a section and an element near it; nodes (pairs, nodes, dim), and their positions along the axis."""
-    nodes, section, element = _near(form, sections)
-    dim = len(form.basis.doflocs)
-    points = form.basis.doflocs[:, dim * nodes[element]].transpose(1, 2, 0)
-    flat = np.repeat(section, points.shape[1])
-    s = sections.local(flat, points.reshape(-1, dim))[0].reshape(points.shape[:2])
-    return section, element, points, s
+def _layers(form: SolidForm, sections: Sections) -> tuple[ndarray, ndarray, ndarray, ndarray, ndarray]:
+    """Return sections, near elements, nodes (pairs, nodes), positions of nodes along the axis, and masks.
+
+    Masks are True for elements of the body that the sections cut.
+    """
+    nodes, dim = nodes_of(form.basis), len(form.basis.doflocs)
+    points = form.basis.doflocs[:, dim * nodes]
+    centroid = points.mean(axis=2).T
+    largest = float(np.ptp(points, axis=2).max()) * np.sqrt(dim)
+    hits = cKDTree(centroid).query_ball_point(sections.center, sections.half_depth + 1.5 * largest)
+    section = np.repeat(np.arange(len(hits)), [len(h) for h in hits])
+    element = np.concatenate([np.asarray(h, dtype=int) for h in hits])
+    flat = np.repeat(section, nodes.shape[1])
+    s = sections.local(flat, points[:, element].reshape(dim, -1).T)[0].reshape(len(element), -1)
+    inside = np.abs(sections.local(section, centroid[element])[1]) <= sections.half_depth[section]
+    return section, element, nodes[element], s, inside
 
 
 def _cut(form: SolidForm, state: SolidState, sections: Sections) -> tuple[ndarray, ndarray, ndarray]:
-    """Pairs of a section and an element, their nodes (pairs, nodes, dim), and forces on these.
-
-    They follow from the virtual motion of what is in front of each section.
-    """
-    n = len(sections.position)
-    section, element, points, s = _layers(form, sections)
+    """Return sections and nodes, (pairs, nodes, dim), of cut elements, and forces on the nodes by virtual motions."""
+    n, dim = len(sections.position), len(form.basis.doflocs)
+    section, element, nodes, s, inside = _layers(form, sections)
     length = np.ptp(s, axis=1)
-    crossing = (s.min(axis=1) <= _ROUND_OFF * length) & (s.max(axis=1) >= -_ROUND_OFF * length)
+    crossing = inside & (s.min(axis=1) <= _ROUND_OFF * length) & (s.max(axis=1) >= -_ROUND_OFF * length)
     count = np.bincount(section[crossing], minlength=n)
     if not count.all():
         at = sections.center[np.flatnonzero(count == 0)[0]]
         raise ValueError(f"{(count == 0).sum()} of {n} sections cut no element of the solid; the first is at "
                          f"{place(at)}")
     layer = np.bincount(section[crossing], length[crossing], minlength=n) / count
-    phi = np.clip(s / layer[section, None] + 0.5, 0.0, 1.0)
+    phi = _shares(section, nodes, s / layer[section, None], inside)
 
-    active = np.ptp(phi, axis=1) > 0.0
-    section, element, points, phi = section[active], element[active], points[active], phi[active]
+    active = inside & (np.ptp(phi, axis=1) > 0.0)
+    section, element, phi = section[active], element[active], phi[active]
+    points = form.basis.doflocs[:, dim * nodes[active]].transpose(1, 2, 0)
     lowest, highest = np.full(n, 1.0), np.zeros(n)  # 0 and 1, but for the ends of the body
     np.minimum.at(lowest, section, phi.min(axis=1))
     np.maximum.at(highest, section, phi.max(axis=1))
@@ -272,22 +274,28 @@ def _cut(form: SolidForm, state: SolidState, sections: Sections) -> tuple[ndarra
     return section, points, np.einsum("pn,ncp->pnc", phi / (highest - lowest)[section, None], forces)
 
 
-def _near(form: SolidForm, sections: Sections) -> tuple[ndarray, ndarray, ndarray]:
-    """Nodes of all elements, and the pairs of a section and an element that may touch its layer."""
-    nodes, dim = nodes_of(form.basis), len(form.basis.doflocs)
-    points = form.basis.doflocs[:, dim * nodes]
-    centroid = points.mean(axis=2).T
-    largest = float(np.ptp(points, axis=2).max()) * np.sqrt(dim)
-    hits = cKDTree(centroid).query_ball_point(sections.center, sections.half_depth + 1.5 * largest)
-    section = np.repeat(np.arange(len(hits)), [len(h) for h in hits])
-    element = np.concatenate([np.asarray(h, dtype=int) for h in hits])
-    y = sections.local(section, centroid[element])[1]
-    inside = np.abs(y) <= sections.half_depth[section]
-    return nodes, section[inside], element[inside]
+def _shares(section: ndarray, nodes: ndarray, s: ndarray, inside: ndarray) -> ndarray:
+    """Return the share of the virtual motion at nodes, (pairs, nodes), with which no other element does work."""
+    linear, *jumps = np.clip(s + 0.5, 0.0, 1.0), np.where(s > _ROUND_OFF, 1.0, 0.0), np.where(s < -_ROUND_OFF, 0.0, 1.0)
+    shares, key = linear, section[:, None] * (nodes.max() + 1) + nodes
+    left = _do_work(section, key, linear, inside)
+    for jump in jumps:
+        free = left & ~_do_work(section, key, jump, inside)
+        shares = np.where(free[section, None], jump, shares)
+        left = left & ~free
+    return shares
+
+
+def _do_work(section: ndarray, key: ndarray, phi: ndarray, inside: ndarray) -> ndarray:
+    """Return True for sections where elements beside the body, joined to its deformed ones, are deformed."""
+    deformed = np.ptp(phi, axis=1) > 0.0
+    beside = deformed & ~inside
+    joined = np.isin(key[beside], key[deformed & inside]).any(axis=1)
+    return np.bincount(section[beside][joined], minlength=int(section.max()) + 1) > 0
 
 
 def _resultants(sections: Sections, section: ndarray, points: ndarray, forces: ndarray) -> SectionForces:
-    """Sums of nodal forces (pairs, nodes, dim) section by section, moments about the sections' centres."""
+    """Return sums of nodal forces (pairs, nodes, dim) by section, with moments about the centres."""
     axis, arm = sections.axis, points - sections.center[section][:, None]
     force = _by_section(section, forces.sum(axis=1), len(axis))
     N, (x, y, *z) = dot(force, axis), sections.center.T
@@ -298,11 +306,11 @@ def _resultants(sections: Sections, section: ndarray, points: ndarray, forces: n
     moment = _by_section(section, np.cross(arm, forces).sum(axis=1), len(axis))
     T = dot(moment, axis)
     V, M = force - N[:, None] * axis, moment - T[:, None] * axis
-    return SpaceSectionForces(sections.position, x, y, N, V, M, z[0], T, axis)
+    return SectionForces(sections.position, x, y, N, V, M, z[0], T, axis)
 
 
 def _by_section(section: ndarray, values: ndarray, n: int) -> ndarray:
-    """Sums of values (pairs, ...) in each of n sections."""
+    """Return sums of values (pairs, ...) in each of n sections."""
     total = np.zeros((n, *values.shape[1:]))
     np.add.at(total, section, values)
     return total

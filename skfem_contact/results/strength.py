@@ -1,213 +1,81 @@
-"""Strength of the ground: what of it is used, what points do, pore pressure and strength without drainage."""
+"""Strength of the ground: mobilised share, status of points, excess pore pressure, undrained strength."""
 from __future__ import annotations
 
 from enum import IntEnum
-from typing import Any
 
 import numpy as np
 from numpy import ndarray
 
 from ..forms.solid import SolidForm, SolidState
-from ..materials import Undrained, spectral
+from ..materials import spectral
+from ..materials.base import EXCESS_PRESSURE, PLASTIC_STRAIN
 
 #: Points this close to their strength count as yielding: stresses return to it up to round-off.
 _AT_YIELD = 1e-6
 
 
 class PointStatus(IntEnum):
-    """What an integration point does."""
+    """Status of an integration point."""
 
     ELASTIC = 0
     YIELDS = 1
     TENSION = 2
 
 
-def principal(stress: ndarray) -> ndarray:
-    """Principal stresses (3, ...) of (4 or 6, ...) in descending order."""
-    return spectral.principal(stress.reshape(len(stress), -1)).values.reshape(3, *stress.shape[1:])
-
-
 def mises(stress: ndarray) -> ndarray:
-    """Von Mises' equivalent of stresses (4 or 6, ...)."""
+    """Return von Mises' equivalent of stresses (4 or 6, ...)."""
     return np.sqrt(3.0) * spectral.mean_and_shear(stress)[1]
 
 
-def plastic_strain(form: SolidForm, state: Any) -> ndarray:
-    """Equivalent plastic strain of a solid's points, (n_elements, n_points)."""
-    return state.internal[0] if len(state.internal) else np.zeros(state.stress.shape[1:])
+def plastic_strain(form: SolidForm, state: SolidState) -> ndarray:
+    """Return the equivalent plastic strain of a solid's points, (n_elements, n_points)."""
+    return form.variable(PLASTIC_STRAIN, state)
 
 
-def mobilised(form: SolidForm, state: Any) -> ndarray:
-    """Share of the shear strength that is used at the points of a solid, 0 to 1, (n_elements, n_points).
+def mobilised(form: SolidForm, state: SolidState) -> ndarray:
+    """Return the mobilised share of the strength at the points of a solid, 0 to 1, (n_elements, n_points).
 
-    With Mohr's circle it is the radius over the distance of its centre from the yield line; zero where a material has
-    no strength.
+    For cohesion and friction it is the radius of Mohr's circle over the distance of its centre from the yield line.
+    The share is zero where a material cannot fail, and NaN where the law does not define it.
     """
-    shear, strength = _shear_and_strength(form, state)
-    ratio = np.divide(shear, strength, out=np.ones_like(shear), where=strength > 0.0)
-    return np.where(np.isfinite(strength), np.clip(ratio, 0.0, 1.0), 0.0)
+    share = np.full(form.weight.shape, np.nan)
+    for region, stress, internal in form.at_regions(state):
+        if (found := region.material.mobilised(stress, internal)) is not None:
+            measure, limit = np.broadcast_arrays(*found)
+            ratio = np.divide(measure, limit, out=np.ones(measure.shape), where=limit > 0.0)
+            share[region.elements] = np.where(np.isfinite(limit), np.clip(ratio, 0.0, 1.0), 0.0)
+    return share
 
 
-def point_status(form: SolidForm, state: Any) -> ndarray:
-    """:class:`PointStatus` of the points of a solid, (n_elements, n_points)."""
+def point_status(form: SolidForm, state: SolidState) -> ndarray:
+    """Return the :class:`PointStatus` of the points of a solid, (n_elements, n_points)."""
     status = np.where(mobilised(form, state) > 1.0 - _AT_YIELD, PointStatus.YIELDS, PointStatus.ELASTIC)
-    stress = _effective(form, state)
-    for region in form.regions:
-        if (limit := _tension_limit(soil_of(region.material))) is not None:
-            largest = principal(stress[:, region.elements])[0]
-            scale = np.abs(stress[:3, region.elements]).max(initial=0.0)
-            torn = largest >= _by_element(limit) - _AT_YIELD * (scale + _by_element(limit))
+    for region, stress, internal in form.at_regions(state):
+        if (limit := region.material.tensile_strength) is not None:
+            limit = limit[:, None] if isinstance(limit, ndarray) else limit
+            effective, _ = region.material.drained(stress, internal)
+            scale = np.abs(effective[:3]).max(initial=0.0)
+            torn = spectral.principal_stresses(effective)[0] >= limit - _AT_YIELD * (scale + limit)
             status[region.elements][torn] = PointStatus.TENSION
     return status
 
 
-def _shear_and_strength(form: SolidForm, state: Any) -> tuple[ndarray, ndarray]:
-    """Shear measure of the laws and its limit at every point; the limit is infinite where there is none."""
-    shear = np.zeros(state.stress.shape[1:])
-    strength, effective = np.full_like(shear, np.inf), _effective(form, state)
-    for region in form.regions:
-        law = soil_of(region.material)
-        part = region.elements
-        stress = effective[:, part]
-        if hasattr(law, "c"):  # Mohr and Coulomb, or Tresca: there is no friction
-            largest, _, smallest = principal(stress)
-            c, phi = _cohesion_and_friction(law, state.internal[:1, part])
-            shear[part] = 0.5 * (largest - smallest)
-            strength[part] = c * np.cos(phi) - 0.5 * (largest + smallest) * np.sin(phi)
-        elif hasattr(law, "alpha"):  # Drucker and Prager
-            shear[part] = mises(stress) / np.sqrt(3.0)
-            strength[part] = _by_element(law.k) - _by_element(law.alpha) * stress[:3].sum(axis=0)
-        elif hasattr(law, "strength"):
-            shear[part], strength[part] = mises(stress), _by_element(law.strength)
-    return shear, strength
-
-
-def _effective(form: SolidForm, state: Any) -> ndarray:
-    """Stresses without the excess pore pressure."""
-    pressure = pore_pressure(form, state)
-    return np.concatenate((state.stress[:3] + pressure, state.stress[3:]))
-
-
-def _cohesion_and_friction(law: Any, internal: ndarray) -> tuple[Any, Any]:
-    """Cohesion and friction angle (radians) at points, which may have hardened or softened."""
-    c, phi = _by_element(law.c), np.radians(_by_element(getattr(law, "phi", 0.0)))
-    if hasattr(law, "strain_end") and len(internal):
-        way = np.minimum(internal[0] / _by_element(law.strain_end), 1.0)
-        c = c + way * (_by_element(law.c_end) - c)
-        phi = phi + way * (np.radians(_by_element(law.phi_end)) - phi)
-    return c, phi
-
-
-def _tension_limit(law: Any) -> Any:
-    """Tensile strength: the cut-off, or the apex of Mohr and Coulomb's pyramid; None if there is neither."""
-    cut_off = getattr(law, "tension", None)
-    if cut_off is not None:
-        return cut_off
-    if not hasattr(law, "phi"):
-        return None
-    with np.errstate(divide="ignore"):
-        return law.c / np.tan(np.radians(law.phi)) if np.all(np.asarray(law.phi) > 0.0) else None
-
-
-def _by_element(value: Any) -> Any:
-    """A parameter beside arrays (n_elements, n_points)."""
-    return value[:, None] if np.ndim(value) else value
-
-
 def pore_pressure(form: SolidForm, state: SolidState) -> ndarray:
-    """Excess pore pressure in the regions of :class:`Undrained` soil, zero in others.
-
-    It adds to the pressure of :func:`water_load`, which is part of the load.
-
-    Parameters
-    ----------
-    form
-        A solid.
-    state
-        Its state.
-
-    Returns
-    -------
-    ndarray
-        Positive in compression, (n_elements, n_points) in the order of ``form.basis``.
-
-    Examples
-    --------
-    A quick load is carried by the water alone:
-
-    >>> import numpy as np
-    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
-    >>> import skfem_contact as sc
-    >>> basis = Basis(MeshQuad().with_defaults(), ElementVector(ElementQuad1()), intorder=2)
-    >>> clay = sc.Undrained(sc.MohrCoulomb(E=1e4, nu=.3, c=5., phi=25., psi=0.), Kw=1e8)
-    >>> forms = {"clay": sc.SolidForm(basis, clay)}
-    >>> fixed = np.append(basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1"))
-    >>> load = basis.zeros()
-    >>> load[basis.get_dofs("top").all("u^2")] = -50.
-    >>> loaded = sc.run(forms, [sc.Stage("load", load)], fixed, progress=False)["load"]
-    >>> sc.pore_pressure(forms["clay"], loaded.states["clay"]).round(1).tolist()
-    [[100.0, 100.0, 100.0, 100.0]]
-    """
-    pressure = np.zeros(form.weight.shape)
-    for region in form.regions:
-        if isinstance(region.material, Undrained) and len(state.internal) >= region.material.n_internal:
-            pressure[region.elements] = state.internal[region.material.n_internal - 1, region.elements]
-    return pressure
-
-
-def soil_of(material: Any) -> Any:
-    """The law in effective stresses of a material: that of the soil where the ground is :class:`Undrained`."""
-    return material.soil if isinstance(material, Undrained) else material
+    """Return the excess pore pressure in regions of :class:`Undrained` soil, (n_elements, n_points), zero elsewhere."""
+    return form.variable(EXCESS_PRESSURE, state)
 
 
 def undrained_strength(form: SolidForm, state: SolidState) -> dict[str, ndarray]:
-    r"""Undrained shear strength in plane strain that follows from the stresses in the ground.
-
-    Without drainage and dilation the mean effective stress in the plane, :math:`s' = -(\sigma_1' + \sigma_3') / 2`,
-    stays as it is if the soil is elastic and isotropic before it yields. So the strength is that of the stresses now,
-
-    .. math:: s_u = c \cos\varphi + s' \sin\varphi .
-
-    Parameters
-    ----------
-    form
-        A plane solid.
-    state
-        Its state; stresses are effective where :func:`water_load` acts.
-
-    Returns
-    -------
-    dict
-        By region with `c` and `phi`: one value for each of its elements, the mean of its points and at least zero,
-        (n_elements,), to be the `c` of :class:`Tresca` in that region.
-
-    Raises
-    ------
-    ValueError
-        A solid in space, or no region with `c` and `phi`.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
-    >>> import skfem_contact as sc
-    >>> basis = Basis(MeshQuad().with_defaults(), ElementVector(ElementQuad1()), intorder=2)
-    >>> form = sc.SolidForm(basis, sc.MohrCoulomb(E=1e4, nu=.3, c=0., phi=30.))
-    >>> state = form.initial_state()
-    >>> state.stress[:3] = -100.
-    >>> sc.undrained_strength(form, state)["all"].round(6)
-    array([50.])
-    """
+    """Return the undrained shear strength of a plane solid by region that defines it, (n_elements,) each."""
     if len(state.stress) != 4:
         raise ValueError("the undrained strength is that of plane strain; this solid is in space")
     mean = -0.5 * (state.stress[0] + state.stress[1]) + pore_pressure(form, state)
     mean = (mean * form.weight).sum(axis=1) / form.weight.sum(axis=1)
     strength = {}
-    for region in form.regions:
-        soil = soil_of(region.material)
-        if hasattr(soil, "c") and hasattr(soil, "phi"):
-            phi = np.radians(soil.phi)
-            strength[region.name] = np.maximum(soil.c * np.cos(phi) + mean[region.elements] * np.sin(phi), 0.0)
+    for region, _, internal in form.at_regions(state):
+        found = region.material.undrained_strength(mean[region.elements], internal.mean(axis=2))
+        if found is not None:
+            strength[region.name] = found
     if not strength:
-        raise ValueError(f"no region has c and phi; the regions are {list(form.materials)}")
+        raise ValueError(f"no region has an undrained strength; the regions are {list(form.materials)}")
     return strength

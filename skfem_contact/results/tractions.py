@@ -1,53 +1,52 @@
-"""Contact tractions as arrays along the interface, and as means over facets."""
+"""Contact tractions along the interface, their means over facets, and their resultants."""
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy import ndarray
 from numpy.typing import ArrayLike
 
 from ..contact import ContactPair, ContactState
-from ..stages.result import StageResult
+from ..contact.laws import Status
 from ..surfaces.material_points import along_chain
 from ..surfaces.vectors import frame
+from .files import StageData
 
-#: Eigenvalues of a facet's mass below this share of the largest one are those of points that are too few.
+#: Eigenvalues of a facet's mass below this share of the largest one count as zero: the points are too few.
 _SINGULAR = 1e-10
 
 
 @dataclass(frozen=True)
 class Tractions:
-    """What a contact pair transmits, arrays (n_points,), in the plane in the order of the slave's chain.
+    """Tractions of a contact pair, arrays, shape (n_points,), in the plane in the order of the slave's chain.
 
     Attributes
     ----------
     arc
-        Position along the slave's chain in the plane, none in space; it has its body to the right: clockwise around a
-        body, anticlockwise around a hole.
+        Position along the slave's chain in the plane, empty in space. The chain has its body to the right: it runs
+        clockwise around a body, anticlockwise around a hole.
     x, y, z
-        Place of the point in the undeformed slave; z is zero in the plane.
+        Coordinates of the points in the undeformed slave; z is zero in the plane.
     pressure
-        Normal traction, compression positive, as the slave's elements see it: projected onto their shape functions
-        where all points of a facet have one status, which leaves the nodal forces as they are.
+        Normal traction, compression positive. Where all points of a facet have one status, it is projected onto the
+        shape functions of the slave, with the same nodal forces.
     shear
-        Friction that the slave exerts on the master, likewise: in the plane positive along the master's chain,
-        clockwise around a pipe; in space vectors, (n_points, 3), on the undeformed slave.
+        Friction of the slave on the master, likewise projected: in the plane positive along the master's chain,
+        clockwise around a pipe; in space vectors, shape (n_points, 3), on the undeformed slave.
     gap
-        Normal gap from what counts as touching; negative where the penalty lets the point penetrate,
-        infinite where no master is near.
+        Normal gap beyond the clearance: negative where the penalty lets the point penetrate, infinite where no master
+        is near.
     slip
-        Distance along the master's chain that the point has slid; in space vectors, (n_points, 3).
+        Slip along the master's chain; in space vectors, shape (n_points, 3).
     status
-        :class:`~skfem_contact.Status` of the point.
+        :class:`~skfem_contact.Status` of the points.
     weight
-        Length of surface that belongs to it, times the pair's share: ``(weight * pressure).sum()`` is a
-        force.
+        Length or area of surface times the pair's share: ``(weight * pressure).sum()`` is a force.
     raw_pressure, raw_shear
-        What acts at the points themselves.  It makes the same nodal forces, but ripples within facets, by 10 % and
-        more on curved masters: elements do not follow these, and the penalty answers to what gapes.
+        Tractions at the points themselves. They have the same nodal forces, but ripple within facets, by 10 % and more
+        on curved masters.
     """
 
     arc: ndarray
@@ -64,42 +63,13 @@ class Tractions:
     raw_shear: ndarray
 
     def central_angle(self, center: ArrayLike = (0.0, 0.0)) -> ndarray:
-        """Angle about a centre in degrees, from the crown clockwise, 0 to 360."""
+        """Return the angle about a centre in degrees, from the crown clockwise, 0 to 360."""
         x, y = np.asarray(center, float)
         return np.degrees(np.arctan2(self.x - x, self.y - y)) % 360.0
 
 
 def tractions(pair: ContactPair, state: ContactState) -> Tractions:
-    """Contact tractions, gaps and slips of a state.
-
-    Parameters
-    ----------
-    pair
-        The pair; it needs no penalty.
-    state
-        Its state, ``result["gravity"].states["skin"]`` for a pair that is named ``"skin"`` among the forms.
-
-    Raises
-    ------
-    ValueError
-        No contact pair, or the state of another form.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
-    >>> import skfem_contact as sc
-    >>> block = MeshQuad().refined(1).with_defaults()
-    >>> mesh = sc.join_bodies({"lower": block, "upper": block.translated((0., 1.))})
-    >>> basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
-    >>> pair = sc.ContactPair(basis, "upper:bottom", "lower:top", sc.Coulomb(mu=.3), "nodal", penalty=1e4)
-    >>> x = basis.zeros()
-    >>> x[basis.nodal_dofs[1, mesh.t[:, mesh.subdomains["upper"]]]] = -1e-3     # press the upper block down
-    >>> joint = sc.tractions(pair, pair.assemble(x, pair.initial_state()).state)
-    >>> joint.pressure.round(9).tolist(), float((joint.weight * joint.pressure).sum().round(9))
-    ([10.0, 10.0, 10.0], 10.0)
-    """
-    check_state(pair, state)
+    """Return tractions, gaps and slips of a state."""
     points = pair.points(state)
     places, shear, slip = points.positions(pair.slave.nodes), state.traction[1], state.slip[0]
     if pair.slave.dim == 2:
@@ -111,16 +81,13 @@ def tractions(pair: ContactPair, state: ContactState) -> Tractions:
         shear, slip = (np.einsum("in,nic->nc", part, tangents) for part in (state.traction[1:], state.slip))
     x, y, z = places.T
     return Tractions(arc, x, y, z, pressure=_consistent(pair, state, -state.traction[0]),
-                     shear=_consistent(pair, state, shear), gap=state.gap - state.offset, slip=slip,
+                     shear=_consistent(pair, state, shear), gap=state.gap - state.clearance, slip=slip,
                      status=state.status, weight=pair.share * points.weight, raw_pressure=-state.traction[0],
                      raw_shear=shear)
 
 
 def _consistent(pair: ContactPair, state: ContactState, values: ndarray) -> ndarray:
-    """Values at points, (n, ...), projected onto the slave's shape functions facet by facet: nodal forces stay.
-
-    Facets with points of more than one status keep their values: there tractions have kinks.
-    """
+    """Return values at points projected onto the slave's shape functions, but on facets with kinks: mixed status."""
     points, m = pair.points(state), len(pair.slave.facets)
     N, k = points.values, points.nodes.shape[1]
     if k == 1:
@@ -138,48 +105,22 @@ def _consistent(pair: ContactPair, state: ContactState, values: ndarray) -> ndar
     return np.asarray(np.where(smooth.reshape(-1, *[1] * (values.ndim - 1)), projected, values))
 
 
-def check_state(pair: ContactPair, state: ContactState) -> None:
-    """Refuse what is no contact pair, and the state of another form."""
-    if not isinstance(pair, ContactPair):
-        raise ValueError(f"{type(pair).__name__} is no contact pair")
-    if not isinstance(state, ContactState):
-        raise ValueError(f"{type(state).__name__} is not the state of a contact pair; "
-                         "pass result[stage].states[name of the pair]")
-    if len(state.gap) != (n := len(pair.points(state).weight)):
-        raise ValueError(f"the state holds {len(state.gap)} points and the pair {n}: "
-                         "it belongs to another pair")
-
-
 class Interface(NamedTuple):
-    """A contact pair in a stage.
-
-    Attributes
-    ----------
-    tractions
-        At the points of the slave.
-    normal
-        Outward normals of the slave there, undeformed, (n, dim).
-    nodes, shares
-        Nodes that move each of them, and their shape functions, (n, k).
-    facets
-        Nodes of the slave's facets, (n_facets, k): ends, middle.
-    members
-        Facet and point of every pair of both, (2, m).
-    """
+    """Contact pair in a stage: points with their normals, nodes and shape functions, and facets with their nodes."""
 
     tractions: Tractions
     normal: ndarray
     nodes: ndarray
     shares: ndarray
     facets: ndarray
-    members: ndarray
+    members: ndarray  # facet and point of every pair of both, (2, m)
 
     def moved_by(self, u: ndarray) -> ndarray:
-        """Displacements of the points, (n, dim), from those of all nodes, (n_nodes, dim)."""
+        """Return displacements of the points, (n, dim), from those of all nodes, (n_nodes, dim)."""
         return np.einsum("nk,nkc->nc", self.shares, u[self.nodes])
 
     def on_facets(self) -> dict[str, ndarray]:
-        """Means over the facets; the status is that of the point that carries most."""
+        """Return means over the facets, and the highest status of their points."""
         facet, point = self.members
         t = self.tractions
         weight = np.bincount(facet, t.weight[point])
@@ -194,14 +135,13 @@ class Interface(NamedTuple):
         return data | {"status": status}
 
 
-def interfaces(forms: Mapping[str, Any], step: StageResult) -> dict[str, Interface]:
-    """The contact pairs that are there in a stage."""
-    return {name: _interface(form, step, name) for name, form in forms.items()
-            if isinstance(form, ContactPair) and name in step.states}
+def interfaces(stage: StageData) -> dict[str, Interface]:
+    """Return the contact pairs of a stage."""
+    return {name: _interface(form, stage.states[name]) for name, form in stage.forms.items()
+            if isinstance(form, ContactPair) and name in stage.states}
 
 
-def _interface(pair: ContactPair, step: StageResult, name: str) -> Interface:
-    state = step.states[name]
+def _interface(pair: ContactPair, state: ContactState) -> Interface:
     points, slave = pair.points(state), pair.slave
     at = tractions(pair, state)
     node, normal = slave.dofs[:, 0] // slave.dim, slave.at(points.facet, points.xi, slave.nodes).normal
@@ -212,3 +152,71 @@ def _interface(pair: ContactPair, step: StageResult, name: str) -> Interface:
         facet = np.repeat(np.arange(len(slave.facets)), slave.facets.shape[1])
         members = np.stack((facet, number[slave.facets.ravel()]))[:, number[slave.facets.ravel()] >= 0]
     return Interface(at, normal, node[points.nodes], points.values, node[slave.facets], members)
+
+
+@dataclass(frozen=True)
+class ContactReport:
+    """Resultants and status of a contact pair; ``print`` shows them as text.
+
+    Attributes
+    ----------
+    name
+        Slave and master.
+    normal, tangential : ndarray, shape (dim,)
+        Resultants of the contact pressure and of the friction on the slave.
+    pressure, friction
+        Integrals of the pressure and of the magnitude of the friction over the surface.
+    mobilised, penetration
+        Largest ratio of friction to pressure of a point, and largest penetration as a share of the slave's segment.
+    open, stick, slip
+        Number of points of each status.
+    """
+
+    name: str
+    normal: ndarray
+    tangential: ndarray
+    pressure: float
+    friction: float
+    mobilised: float
+    penetration: float
+    open: int
+    stick: int
+    slip: int
+
+    @property
+    def force(self) -> ndarray:
+        """Resultant of all contact tractions on the slave, shape (dim,)."""
+        return self.normal + self.tangential
+
+    def __str__(self) -> str:
+        lines = [f"contact of {self.name}: {self.stick} stick, {self.slip} slip, {self.open} open"]
+        for what, total, vector in (("pressure", self.pressure, self.normal),
+                                    ("friction", self.friction, self.tangential)):
+            resultant = ", ".join(f"{part:.5g}" for part in vector)
+            lines.append(f"  {what:8} {total:12.5g}   resultant on the slave ({resultant})")
+        lines.append(f"  friction over pressure at most {self.mobilised:.3f}, "
+                     f"penetration at most {self.penetration:.2%} of a segment")
+        return "\n".join(lines)
+
+
+def contact_report(pair: ContactPair, x: ndarray, state: ContactState) -> ContactReport:
+    """Return resultants, status and penetration of a contact pair."""
+    closed = state.status != Status.OPEN
+    weight = pair.share * pair.points(state).weight[closed]
+    normal, friction = state.traction[0, closed], np.linalg.norm(state.traction[1:, closed], axis=0)
+    resultants = _resultants(pair, x, state)
+    counts = np.bincount(state.status, minlength=3)
+    ratio = np.divide(friction, -normal, out=np.zeros(len(normal)), where=normal < 0)
+    return ContactReport(
+        name=f"{pair.slave.name} on {pair.master.name}",
+        normal=resultants[0], tangential=resultants[1],
+        pressure=-float(weight @ normal), friction=float(weight @ friction),
+        mobilised=float(ratio.max(initial=0.0)), penetration=pair.penetration(state),
+        open=int(counts[Status.OPEN]), stick=int(counts[Status.STICK]), slip=int(counts[Status.SLIP]))
+
+
+def _resultants(pair: ContactPair, x: ndarray, state: ContactState) -> list[ndarray]:
+    """Return the sums of the nodal forces on the slave from pressure and from friction."""
+    forces, normal = pair.tractions_at(x, state).forces, np.zeros_like(state.traction)
+    normal[0] = state.traction[0]
+    return [-(forces @ part.ravel())[pair.slave.dofs].sum(axis=0) + 0.0 for part in (normal, state.traction - normal)]

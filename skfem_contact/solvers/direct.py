@@ -1,4 +1,4 @@
-"""Direct solution of K x = b for the free unknowns, made for many tangents on one mesh."""
+"""Direct solution of K x = b for the free dofs, for many tangents on one mesh."""
 
 from __future__ import annotations
 
@@ -21,69 +21,64 @@ Solve = Callable[[ndarray], ndarray]
 
 SOFT = 1e-11  # a probe that grows by more than 1/SOFT is looked at more closely
 SINGULAR = 1e-15  # relative stiffness of a free motion, by round-off alone
-MOVES = 1e-2  # part of the largest entry from which an unknown takes part in a motion
+MOVES = 1e-2  # part of the largest entry from which a dof takes part in a motion
 REFINE = 1e-10  # relative residual from which the solution is refined
 WRONG = 1e-5  # relative residual that is refused
-HOLD = 1e-13  # relative stiffness that is added to find the unknowns that move
+HOLD = 1e-13  # relative stiffness that is added to find the dofs that move
 
 
 class SingularSystem(ValueError):
-    """The free unknowns can move without force: a body floats; `unknowns` take part in the motion."""
+    """Error of a body that floats: the free `dofs` of its motion move without force."""
 
-    def __init__(self, message: str, unknowns: ndarray) -> None:
+    def __init__(self, message: str, dofs: ndarray) -> None:
         super().__init__(message)
-        self.unknowns = unknowns
+        self.dofs = dofs
 
 
 class LinearSolver(Protocol):
-    """What an analysis asks of a linear solver."""
+    """Interface of a linear solver."""
 
     @property
     def name(self) -> str:
-        """What solves, for the log."""
+        """Name for the log."""
 
     def factor(self, K: csr_matrix, symmetric: bool = False) -> Solve:
         """Prepare the solution of K[free, free] x[free] = b[free] for any b (N,)."""
 
 
 class Engine(Protocol):
-    """Sparse factors without checks: what :class:`DirectSolver` asks of SuperLU and PARDISO."""
+    """Interface of SuperLU and PARDISO: sparse factors without checks."""
 
     name: str
 
     def order(self, graph: csr_matrix, locations: ndarray) -> ndarray:
-        """Order of the unknowns in the matrices to come."""
+        """Return the order of the dofs in the matrices to come."""
 
     def outdated(self) -> bool:
-        """Whether they should be ordered anew."""
+        """Return True if a new order pays."""
 
     def factor(self, A: csr_matrix, symmetric: bool, careful: bool = False) -> Solve:
-        """Solution of A x = b; RuntimeError for an exact zero among the pivots."""
+        """Factor A and return its solution; RuntimeError for an exact zero among the pivots."""
 
 
 ENGINES: dict[str, Callable[[], Engine]] = {"pardiso": Pardiso, "superlu": SuperLU}  # the fastest first
 
 
 class DirectSolver:
-    """Sparse factors of the free block of K, made for many tangents on one mesh.
+    """Sparse factors of the free block of K, for many tangents on one mesh.
 
-    The order of elimination is kept as long as it keeps the factors sparse, the map that gathers the
-    block as long as the pattern of K stays, and the factor as long as the free block of K stays.
+    The order of elimination is kept as long as the factors stay sparse.  The map that gathers the block is kept as long
+    as the pattern of K stays, and the factor as long as the free block of K stays.
 
     Parameters
     ----------
     locations
-        (dim, N), the place of each unknown (`basis.doflocs`), in any unit of length.
+        Coordinates of each dof (`basis.doflocs`), (dim, N), in any unit of length.
     free
-        Indices of the unknowns to solve for; the others are zero in every solution.
+        Dofs to solve for; the others are zero in every solution.
     engine
         "superlu" (scipy) or "pardiso" (Intel MKL, needs the extra ``fast``); by default PARDISO where it
         is installed.
-
-    Raises
-    ------
-    ValueError, ImportError
-        There is no such engine; "pardiso" is asked for and not installed.
 
     Examples
     --------
@@ -92,7 +87,7 @@ class DirectSolver:
     >>> K = diags([-1.0, 2.0, -1.0], [-1, 0, 1], shape=(4, 4)).tocsr()
     >>> solver = DirectSolver(np.arange(4.0)[None], free=np.array([1, 2, 3]), engine="superlu")
     >>> solver
-    DirectSolver(SuperLU with nested dissection, 3 of 4 unknowns)
+    DirectSolver(SuperLU with nested dissection, 3 of 4 dofs)
     >>> solver.factor(K)(np.ones(4)).round(12)
     array([0. , 1.5, 2. , 1.5])
     """
@@ -106,28 +101,21 @@ class DirectSolver:
 
     @property
     def name(self) -> str:
-        """The engine that was chosen."""
+        """Name of the engine."""
         return self._engine.name
 
     def __repr__(self) -> str:
-        return f"DirectSolver({self.name}, {len(self._free)} of {self._locations.shape[1]} unknowns)"
+        return f"DirectSolver({self.name}, {len(self._free)} of {self._locations.shape[1]} dofs)"
 
     def factor(self, K: csr_matrix, symmetric: bool = False) -> Solve:
-        """Factor the free block of K, (N, N): b (N,) -> x (N,) with K[free, free] x[free] = b[free], zeros elsewhere.
+        """Factor the free block of K, (N, N), for solutions b (N,) -> x (N,) with zeros at the prescribed dofs.
 
-        K is nonsymmetric in slip and in non-associated flow; where it is `symmetric` PARDISO makes use of that.
-
-        Raises
-        ------
-        SingularSystem
-            A motion of the free unknowns meets no stiffness. The callable raises it as well, when its
-            solution leaves a residual.
-        ValueError
-            K has entries that are not finite, or another size than `locations`.
+        PARDISO makes use of the symmetry of K; K is nonsymmetric in slip and in non-associated flow.  A motion of
+        the free dofs without stiffness raises :class:`SingularSystem`, here or in the callable.
         """
         n = self._locations.shape[1]
         if K.shape != (n, n):
-            raise ValueError(f"the stiffness has the shape {K.shape}, but {n} unknowns have a location")
+            raise ValueError(f"the stiffness has the shape {K.shape}, but {n} dofs have coordinates")
         if len(self._free) == 0:
             return np.zeros_like
         block = self._block = self._block or self._ordered(K)
@@ -149,7 +137,7 @@ class DirectSolver:
 
 
 def fastest_engine() -> str:
-    """Name of the fastest engine that is installed."""
+    """Return the name of the fastest installed engine."""
     try:
         Pardiso()
     except ImportError:
@@ -158,7 +146,7 @@ def fastest_engine() -> str:
 
 
 def as_engine(name: str | None = None) -> Engine:
-    """The engine of that name, or the fastest that is installed."""
+    """Return the engine of a name, or the fastest installed one."""
     name = name or fastest_engine()
     if name not in ENGINES:
         raise ValueError(f"there is no engine {name!r}; there are {', '.join(ENGINES)}")
@@ -166,7 +154,7 @@ def as_engine(name: str | None = None) -> Engine:
 
 
 class _Factor:
-    """Factor of one free block, with the checks that the engines leave to their caller."""
+    """Factor of one free block, with checks of its solutions."""
 
     def __init__(self, A: csr_matrix, engine: Engine, symmetric: bool, order: ndarray, size: int) -> None:
         self.A, self.symmetric = A, symmetric
@@ -193,7 +181,7 @@ class _Factor:
 
     @property
     def usable(self) -> bool:
-        """Whether there are factors; not once they have turned out to be singular."""
+        """True unless the factors have turned out to be singular."""
         return "_solve" in vars(self)
 
     def _factor(self, careful: bool) -> None:
@@ -201,11 +189,11 @@ class _Factor:
         self._solve = self._engine.factor(self.A, self.symmetric, careful)
 
     def _forget(self) -> None:
-        """Free the memory of the factors for the next ones."""
+        """Drop the factors, whose memory the next ones need."""
         vars(self).pop("_solve", None)
 
     def _checked(self, rhs: ndarray, size: float) -> ndarray:
-        """Solution of small residual."""
+        """Solve to a small residual."""
         x, error = self._refined(rhs, size)
         if error > WRONG:
             self._factor(careful=True)
@@ -215,7 +203,7 @@ class _Factor:
         return x
 
     def _refined(self, rhs: ndarray, size: float) -> tuple[ndarray, float]:
-        """Solution and its relative residual, improved once where it is not small."""
+        """Solve, refine once where the residual is not small, and return the relative residual as well."""
         x = self._solve(rhs)
         residual = rhs - self.A @ x
         if np.linalg.norm(residual) > REFINE * size:
@@ -225,7 +213,7 @@ class _Factor:
         return x, error if np.isfinite(error) else np.inf
 
     def _row_norms(self) -> ndarray:
-        """Largest entry of each row, the measure of what is small: penalties may be millions of times E."""
+        """Return the largest entry of each row, the measure of stiffness: penalties may be millions of times E."""
         A = self.A
         filled = np.flatnonzero(np.diff(A.indptr))
         norms = np.zeros(A.shape[0])
@@ -237,9 +225,9 @@ class _Factor:
         return norms
 
     def _stiffness(self) -> float:
-        """Stiffness of the softest motion relative to the rows, by one or two steps of inverse iteration.
+        """Estimate the stiffness of the softest motion relative to the rows by one or two inverse iterations.
 
-        It stands in for the ratio of the pivots, which SuperLU cannot tell without a copy of its factors.
+        SuperLU needs a copy of its factors for the ratio of the pivots.
         """
         motion = _any_motion(len(self._scale))
         for _ in range(2):
@@ -251,7 +239,7 @@ class _Factor:
         return stiffness
 
     def _singular(self) -> SingularSystem:
-        """The error that names the unknowns of the softest motion, found with a little stiffness added."""
+        """Create the error with the dofs of the softest motion, found with a little stiffness added."""
         self._forget()
         for careful in (False, True):  # scaled as an earlier matrix the first factors may give no numbers
             solve = self._engine.factor((self.A + diags(HOLD * self._scale)).tocsr(), self.symmetric, careful)
@@ -266,16 +254,13 @@ class _Factor:
 
 @lru_cache(1)
 def _any_motion(n: int) -> ndarray:
-    """A start of the iteration that takes part in every motion, and is the same in every run."""
+    """Return the start of the inverse iteration: random numbers, the same in every run."""
     motion = np.random.default_rng(0).standard_normal(n)
     motion.flags.writeable = False
     return motion
 
 
-def _floating(unknowns: ndarray, n: int) -> SingularSystem:
-    unknowns = np.sort(unknowns)
+def _floating(dofs: ndarray, n: int) -> SingularSystem:
+    dofs = np.sort(dofs)
     return SingularSystem(
-        f"the system is singular: {len(unknowns)} of {n} free unknowns can move without force, "
-        f"the first is {unknowns[0]}",
-        unknowns,
-    )
+        f"the system is singular: {len(dofs)} of {n} free dofs can move without force, the first is {dofs[0]}", dofs)

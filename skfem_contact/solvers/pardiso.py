@@ -21,17 +21,11 @@ SPARE = 1.1  # entries of an analysed pattern to those of the matrix, at most
 
 
 class Pardiso:
-    """Engine of MKL, through the library that pypardiso finds.
+    """Engine of MKL, through the library that pypardiso finds; ImportError where it is not installed.
 
-    An analysis costs as much as a factor. It is kept for all matrices whose
-    pattern lies within the analysed one, so that contacts may open and close.
-    Scaling and matching are on: without them PARDISO returns wrong solutions of
-    indefinite systems and reports no error.
-
-    Raises
-    ------
-    ImportError
-        pypardiso or MKL is not installed.
+    An analysis costs as much as a factor and is kept for all matrices whose pattern lies within the analysed one, so
+    that contacts may open and close.  Without scaling and matching PARDISO returns wrong solutions of indefinite
+    systems and reports no error.
     """
 
     name = "MKL PARDISO"
@@ -42,20 +36,20 @@ class Pardiso:
         self._factored: csr_matrix | None = None
 
     def order(self, graph: csr_matrix, locations: ndarray) -> ndarray:
-        """The given order: PARDISO has one of its own."""
+        """Return the given order: PARDISO computes its own."""
         return np.arange(graph.shape[0])
 
     def outdated(self) -> bool:
-        """Never: PARDISO orders each new pattern itself."""
+        """Return False: PARDISO orders each new pattern itself."""
         return False
 
     def factor(self, A: csr_matrix, symmetric: bool, careful: bool = False) -> Callable[[ndarray], ndarray]:
-        """Solution of A x = b; `careful` scales and matches by these values and makes no use of symmetry."""
+        """Factor A and return its solution; `careful` scales and matches by its values, without use of symmetry."""
         symmetric = symmetric and not careful
         self._prepare(A, symmetric, careful)
 
         def solve(b: ndarray) -> ndarray:
-            if self._factored is not A:  # another matrix has taken its place since
+            if self._factored is not A:  # another matrix was factored since
                 self._prepare(A, symmetric, careful)
             assert self._analysis is not None
             return self._analysis.solve(b)
@@ -91,7 +85,7 @@ class _Analysis:
         weakref.finalize(self, self._call, RELEASE, np.zeros(1), self._rows, self._columns).atexit = False
 
     def admits(self, A: csr_matrix) -> bool:
-        """Whether the pattern of `A` lies within the analysed one; if so, `A` may be factored."""
+        """Return True if the pattern of `A` lies within the analysed one, so that `A` can be factored."""
         if self._last is not None and same_pattern(A, self._last):
             return True
         numbers = csr_matrix(
@@ -104,11 +98,11 @@ class _Analysis:
         return True
 
     def factor(self, A: csr_matrix) -> None:
-        """Factor `A`, which the analysis admits."""
+        """Factor an admitted matrix."""
         self._run(FACTOR, A)
 
     def solve(self, b: ndarray) -> ndarray:
-        """Solution for the matrix factored last."""
+        """Solve with the matrix factored last."""
         x = np.empty_like(b)
         self._call(SOLVE, self._values, self._rows, self._columns, b, x)
         return x
@@ -121,7 +115,7 @@ class _Analysis:
 
 
 def _ones(A: csr_matrix) -> csr_matrix:
-    """The pattern of A with entries one, so that sums keep it."""
+    """Return the pattern of A with entries one, so that sums keep the pattern."""
     return csr_matrix((np.ones(A.nnz), A.indices, A.indptr), shape=A.shape)
 
 
@@ -135,9 +129,7 @@ class _Call:
         for number, value in OPTIONS.items():
             self._options[number - 1] = value
 
-    def __call__(
-        self, phase: int, values: ndarray, rows: ndarray, columns: ndarray, *vectors: ndarray
-    ) -> None:
+    def __call__(self, phase: int, values: ndarray, rows: ndarray, columns: ndarray, *vectors: ndarray) -> None:
         one, zero, error, kind, phases, size = (
             np.array([value], dtype=np.int32) for value in (1, 0, 0, self._kind, phase, len(rows) - 1)
         )
@@ -153,7 +145,7 @@ class _Call:
 
 
 def _library() -> Any:
-    """PARDISO's entry point, with argument types of our own."""
+    """Load PARDISO's entry point, with own argument types."""
     from pypardiso import ps
 
     function = ps.libmkl["pardiso"]  # the subscript leaves pypardiso's own prototype alone

@@ -1,13 +1,13 @@
-"""Tangents that differ on an interface only: elastic bodies in contact are factored once.
+"""Schur complement of an interface: elastic bodies in contact are factored once.
 
-The unknowns of the contact surfaces are eliminated last.  The trailing blocks of the factors are then those of the
-Schur complement S, the stiffness that the interface feels, and a tangent ``K + P dK P^T`` whose change dK lies on the
+The dofs of the contact surfaces are eliminated last.  The trailing blocks of the factors are then those of the Schur
+complement S, the condensed stiffness of the interface.  A tangent ``K + P dK P^T`` whose change dK lies on the
 interface costs two solutions with the old factors and a small dense system
 
     z = K^-1 b,    (S + dK) x_S = S z_S,    x = K^-1 (b - P dK x_S).
 
-Once elastic bodies are in equilibrium inside, all that is left to balance acts on the interface: then S z_S = b_S, and
-one solution will do.
+Once elastic bodies are in equilibrium inside, the residual acts on the interface alone: then S z_S = b_S, and one
+solution is enough.
 """
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from scipy.sparse.linalg import SuperLU, splu
 
 from ..sparse import FreeBlock, same_pattern
 from .direct import LinearSolver, Solve
-from .ordering import nested_dissection
+from .superlu import nested_dissection
 
 logger = logging.getLogger("skfem_contact")
 
@@ -35,7 +35,7 @@ _SINGULAR = 1e-13  # ratio of the pivots to their row's stiffness that is left t
 
 
 class SchurSolver:
-    """A linear solver that keeps its factors while the tangent changes on an interface only; `solver` has the rest."""
+    """Linear solver that keeps its factors while the tangent changes on an interface only; else `solver` is used."""
 
     def __init__(self, solver: LinearSolver, locations: ndarray, free: ndarray, interface: ndarray) -> None:
         self._solver, self._locations = solver, locations
@@ -48,7 +48,7 @@ class SchurSolver:
 
     @property
     def name(self) -> str:
-        """What solves, for the log."""
+        """Name for the log."""
         return self._solver.name
 
     def factor(self, K: csr_matrix, symmetric: bool = False) -> Solve:
@@ -65,7 +65,7 @@ class SchurSolver:
         return self._solver.factor(K, symmetric)
 
     def _change(self, K: csr_matrix, old: csr_matrix) -> csr_matrix | None:
-        """K - old if it lies on the interface (as far as the unknowns are free)."""
+        """Return the change of the free block if the change lies on the interface, else None."""
         if same_pattern(K, old):
             at = np.flatnonzero(K.data != old.data)
             row, col, data = np.searchsorted(K.indptr, at, side="right") - 1, K.indices[at], K.data[at] - old.data[at]
@@ -89,7 +89,7 @@ class _Base:
 
     @classmethod
     def of(cls, K: csr_matrix, locations: ndarray, free: ndarray, on_interface: ndarray) -> _Base | None:
-        """The factors, or None where the interface is too large or the pivots are not to be trusted."""
+        """Factor K; None where the interface is too large or pivots are too small."""
         inner, last = free[~on_interface[free]], free[on_interface[free]]
         m = len(last)
         if m == 0 or len(inner) == 0:
@@ -107,11 +107,11 @@ class _Base:
                 or m**3 > 3.0 * _SHARE * (columns**2).sum():
             return None
         schur = (lu.L.tocsc()[-m:, -m:] @ lu.U.tocsc()[-m:, -m:]).toarray()
-        logger.info("elastic bodies in contact: factored once, %d unknowns on the interface", m)
+        logger.info("elastic bodies in contact: factored once, %d dofs on the interface", m)
         return cls(K, order, m, lu, schur)
 
     def updated(self, K: csr_matrix, change: csr_matrix, other: Callable[[], Solve]) -> Solve:
-        """Solution with a tangent that differs from the factored one by `change`; `other` is called if it is bad."""
+        """Prepare solutions with the factored tangent plus `change`; `other` solves where their residual is large."""
         order, m = self._order, self._m
         delta = change[order[-m:]][:, order[-m:]].toarray()
         dense = lu_factor(self._schur + delta, overwrite_a=True, check_finite=False)

@@ -1,23 +1,26 @@
-"""SuperLU as an engine of the direct solver: scipy's factors in an order of our own."""
+"""SuperLU as engine of the direct solver: scipy's factors in the order of a nested dissection."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
+import numpy as np
 from numpy import ndarray
-from scipy.sparse import csc_matrix, csr_matrix
+from scipy.sparse import csc_matrix, csr_array, csr_matrix
+from scipy.sparse.csgraph import breadth_first_order, maximum_flow
 from scipy.sparse.linalg import splu
 
-from .ordering import nested_dissection
-
-DRIFT = 1.15  # growth of the factors from which the unknowns are ordered anew
+DRIFT = 1.15  # growth of the factors from which the dofs are ordered anew
+COINCIDENT = 1e-9  # points closer than this part of the model's extent are one point
+LEAF = 8  # points in a part that is not cut any further
+SLACK = 0.1  # part of the points on either side of the median that may change sides
+HOPS = 3  # edges from the median's cut within which a separator is searched,
+SMALL = 200  # in parts of more points than this; smaller ones are separated at the median's cut
+WALL = 2**28  # capacity that no separator reaches
 
 
 class SuperLU:
-    """Engine of scipy: `splu` in the order of a nested dissection.
-
-    The rows are handed over as columns, since a csr_matrix is the transposed csc_matrix without a copy.
-    """
+    """Engine of scipy, :func:`~scipy.sparse.linalg.splu` of the transposed matrix, which needs no copy."""
 
     name = "SuperLU with nested dissection"
 
@@ -26,19 +29,16 @@ class SuperLU:
         self._fill = 0
 
     def order(self, graph: csr_matrix, locations: ndarray) -> ndarray:
-        """Order of elimination of the unknowns of `graph`."""
+        """Return the order of elimination of the dofs of `graph`."""
         self._first_fill = None
         return nested_dissection(graph, locations)
 
     def outdated(self) -> bool:
-        """Whether contacts have moved so far that the order has lost its quality."""
+        """Return True if contacts have moved so far that the factors have grown."""
         return self._first_fill is not None and self._fill > DRIFT * self._first_fill
 
     def factor(self, A: csr_matrix, symmetric: bool, careful: bool = False) -> Callable[[ndarray], ndarray]:
-        """Solution of A x = b; `careful` pivots for accuracy rather than for sparsity.
-
-        `symmetric` is PARDISO's concern: SuperLU has no factor for it.
-        """
+        """Factor A and return its solution; `careful` pivots for accuracy; SuperLU makes no use of symmetry."""
         transposed = csc_matrix((A.data, A.indices, A.indptr), shape=A.shape)
         transposed.has_canonical_format = True
         threshold, options = (1.0, {}) if careful else (0.01, {"SymmetricMode": True})
@@ -47,3 +47,140 @@ class SuperLU:
             self._fill = lu.nnz
             self._first_fill = self._first_fill or lu.nnz
         return lambda b: lu.solve(b, trans="T")  # type: ignore[call-overload]  # missing in the stubs
+
+
+def nested_dissection(graph: csr_matrix, locations: ndarray) -> ndarray:
+    """Return the order of elimination, (N,), that keeps the factors of a mesh's matrix sparse.
+
+    The points of the dofs are bisected at the median of the longest side, again and again; the two halves are
+    eliminated before the points that separate them.  The separator is the lightest one near the median, the minimum
+    cut of a network whose points have the number of their dofs as capacity.  On graded meshes such a separator is much
+    smaller than a straight one.  Dofs of one point stay together.
+
+    The nonzero pattern of `graph`, (N, N), couples the dofs and need not be symmetric; `locations`, (dim, N), are the
+    coordinates.
+
+    References
+    ----------
+    A. George, Nested dissection of a regular finite element mesh, SIAM J. Numer. Anal. 10 (1973) 345-363.
+    C. Ashcraft, J. W. H. Liu, Applications of the Dulmage-Mendelsohn decomposition and network flow to graph bisection
+    improvement, SIAM J. Matrix Anal. Appl. 19 (1998) 325-354.
+    """
+    group, points = _points(locations)
+    key = _dissect(_edges(graph, group), points, np.bincount(group))
+    rank = np.empty(len(key), dtype=np.int64)
+    rank[np.lexsort((*points, key))] = np.arange(len(key))
+    return np.argsort(rank[group], kind="stable")
+
+
+def _points(locations: ndarray) -> tuple[ndarray, ndarray]:
+    """Return the number of the point of each dof, and the integer coordinates of the points, (dim, n)."""
+    low = locations.min(axis=1, keepdims=True)
+    extent = np.ptp(locations, axis=1).max() or 1.0
+    steps = np.round((locations - low) / (COINCIDENT * extent)).astype(np.int64)
+    order = np.lexsort(steps)
+    steps = steps[:, order]
+    new = np.ones(len(order), dtype=bool)
+    new[1:] = np.any(steps[:, 1:] != steps[:, :-1], axis=0)
+    group = np.empty(len(order), dtype=np.int64)
+    group[order] = np.cumsum(new) - 1
+    return group, steps[:, new]
+
+
+def _edges(graph: csr_matrix, group: ndarray) -> tuple[ndarray, ndarray]:
+    """Return each pair of coupled points once in each direction."""
+    coo = graph.tocoo()
+    n = group.max() + 1
+    row, col = group[coo.row], group[coo.col]
+    between = csr_matrix((np.ones(len(row), dtype=bool), (row, col)), shape=(n, n))
+    both = (between + between.T).tocoo()
+    off = both.row != both.col
+    return both.row[off], both.col[off]
+
+
+def _dissect(edges: tuple[ndarray, ndarray], points: ndarray, weight: ndarray) -> ndarray:
+    """Return the sorting key of each point: base-3 digits left 0, right 1, separator 2, level by level."""
+    n = points.shape[1]
+    along = np.array([np.unique(axis, return_inverse=True)[1] for axis in points])
+    key = np.zeros(n, dtype=np.int64)
+    part = np.zeros(n, dtype=np.int64)
+    inner = np.ones(n, dtype=bool)  # not yet in a separator
+    row, col = edges
+    size = n
+    while size > LEAF:
+        active = np.flatnonzero(inner)
+        right, near = np.zeros(n, dtype=bool), np.zeros(n, dtype=bool)
+        right[active], near[active] = _bisect(along[:, active], points[:, active], part[active])
+        separator = _separator(row, col, right, near, weight, HOPS if size > SMALL else 0)
+        key[active] = 3 * key[active] + right[active]
+        key[~inner] *= 3
+        key[separator] += 2 - right[separator]
+        inner[separator] = False
+        part = 2 * part + right
+        kept = inner[row] & inner[col] & (part[row] == part[col])
+        row, col = row[kept], col[kept]
+        size //= 2
+    return key
+
+
+def _bisect(along: ndarray, points: ndarray, part: ndarray) -> tuple[ndarray, ndarray]:
+    """Return the points beyond the median of the longest side of their part, and the points near the median.
+
+    Points of one coordinate stay together: the separators of a structured mesh are straight.
+    """
+    part = np.unique(part, return_inverse=True)[1]
+    count = np.bincount(part)
+    start = np.cumsum(count) - count
+    in_parts = points[:, np.argsort(part, kind="stable")]
+    extent = np.maximum.reduceat(in_parts, start, axis=1) - np.minimum.reduceat(in_parts, start, axis=1)
+    along = along[extent.argmax(axis=0)[part], np.arange(len(part))]
+    order = np.argsort(part * (along.max() + 1) + along)
+    median, lowest = along[order][start + count // 2], along[order][start]
+    right = np.where((median > lowest)[part], along >= median[part], along > lowest[part])
+    rank = np.empty(len(part))
+    rank[order] = np.arange(len(part)) + 0.5
+    return right, np.abs((rank - start[part]) / count[part] - 0.5) < SLACK
+
+
+def _separator(row: ndarray, col: ndarray, right: ndarray, near: ndarray, weight: ndarray, hops: int) -> ndarray:
+    """Find the points of least weight that separate left from right; update `right` where points change sides.
+
+    A point v of the band about the cut is an arc (v, v + m) of its weight in a network whose other arcs cannot be cut.
+    Points with neighbours outside the band and points far from the median are tied to the source or the sink: they
+    stay on their side or join the separator.
+    """
+    band = np.zeros(len(right), dtype=bool)
+    band[row[right[row] != right[col]]] = True
+    inside = near[row] & near[col]
+    near_row, near_col = row[inside], col[inside]
+    for _ in range(hops):
+        band[near_col[band[near_row]]] = True
+    points = np.flatnonzero(band)
+    m = len(points)
+    number = np.zeros(len(right), dtype=np.int64)
+    number[points] = np.arange(m)
+    from_band = band[row]
+    row, col = row[from_band], col[from_band]
+    tied = ~near
+    tied[row[~band[col]]] = True
+    sources, sinks = (number[points[tied[points] & (right[points] == side)]] for side in (False, True))
+    within = band[col]
+    tails = np.concatenate([np.arange(m), m + number[row[within]], np.full(len(sources), 2 * m), m + sinks])
+    heads = np.concatenate([m + np.arange(m), number[col[within]], sources, np.full(len(sinks), 2 * m + 1)])
+    capacity = np.full(len(tails), WALL, dtype=np.int32)
+    capacity[:m] = weight[points]
+    network = csr_array((capacity, (tails, heads)), shape=(2 * m + 2, 2 * m + 2))
+    entered, left = _source_side(network)[: 2 * m].reshape(2, m)
+    right[points] = ~left
+    return points[entered & ~left]
+
+
+def _source_side(network: csr_array) -> ndarray:
+    """Return the nodes on the source's side of the minimum cut; source and sink are the last two nodes."""
+    n = network.shape[0]
+    residual = network - maximum_flow(network, n - 2, n - 1).flow
+    residual.data = np.maximum(residual.data, 0)
+    residual.eliminate_zeros()
+    side = np.zeros(n, dtype=bool)
+    side[breadth_first_order(residual, n - 2, return_predecessors=False)] = True
+    return side

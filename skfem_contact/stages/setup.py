@@ -1,65 +1,206 @@
-"""From forms and supports to a system that can be solved."""
+"""Setup of an analysis: forms that are completed and numbered once, supports, gravity and the solver."""
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from copy import copy
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy import ndarray
+from typing_extensions import Self
 
-from ..contact.penalty import choose_penalties
-from ..errors import look_up
+from ..errors import is_number
 from ..forms.base import Form, as_forms, solids_of
-from ..layout import Layout
+from ..layout import Field, Layout
+from ..mesh.check import check_mesh
+from ..nonlinear.newton import Newton
 from ..nonlinear.system import System
 from ..solvers.choice import linear_solver
-from .result import StageResult
-from .supports import all_unknowns, as_unknowns, check_supports
+from .supports import check_supports
 
 
-def build_system(forms: Mapping[str, Any], fixed: ndarray, unknowns: Layout | None = None, solver: Any = None
-                 ) -> System:
-    """The system of some forms, completed, once their supports are checked; by default among their own unknowns."""
-    given, fixed = as_forms(forms), as_unknowns(fixed)
-    unknowns = unknowns or all_unknowns(given)
-    check_supports(given, fixed, unknowns)
-    return system_of(given, fixed, unknowns, solver)
+class Setup:
+    """Forms, supports and settings that all analyses of a model share; see :class:`~skfem_contact.Model`."""
+
+    def __init__(self, forms: Mapping[str, Any], fixed: Any = (), *, solver: Any = None,
+                 newton: Newton | None = None, gravity: Sequence[float] | None = None,
+                 seismic: float | Sequence[float] = 0.0, water_unit_weight: float | None = None) -> None:
+        if not isinstance(newton, Newton | None):
+            raise ValueError(f"newton must be settings Newton(...), not {newton!r}")
+        given = as_forms(forms)
+        self.solver, self.newton = solver, newton
+        self.coordinates = _coordinates_of(given)
+        self._completed = {name: _completed(name, form, given) for name, form in given.items()}
+        _check_fields(self._completed)
+        self.layout = _layout_of(self._completed)
+        self.forms = {name: self._numbered(form) for name, form in self._completed.items()}
+        self.fixed = self.layout.dofs(fixed)
+        self.water_unit_weight = water_unit_weight
+        if water_unit_weight is not None and not is_number(water_unit_weight, 0.0, np.inf):
+            raise ValueError(f"water_unit_weight must be positive, not {water_unit_weight!r}")
+        self.gravity = self._acceleration(gravity, seismic)
+
+    def _acceleration(self, gravity: Sequence[float] | None, seismic: float | Sequence[float]) -> ndarray:
+        """Return the acceleration of all weights over that of gravity, (dim,)."""
+        dim = len(self.layout.coordinates)
+        down = -np.eye(dim)[-1] if gravity is None else np.asarray(gravity, float)
+        horizontal = np.zeros(dim)
+        horizontal[:np.size(seismic)] = seismic
+        if down.shape != (dim,) or not np.isfinite(down + horizontal).all():
+            raise ValueError(f"gravity and seismic must be finite, with {dim} components, not {gravity!r} and "
+                             f"{seismic!r}")
+        return down + horizontal
+
+    def _numbered(self, form: Form) -> Form:
+        return form.numbered(self.layout.numbers((*form.fields, *form.borrowed)))
+
+    def restricted(self, names: Sequence[str]) -> tuple[Self, ndarray]:
+        """Return the set-up of some of the forms, numbered anew, and its dofs among those of this one."""
+        new = copy(self)
+        vars(new).pop("solids", None)
+        new._completed = {name: self._completed[name] for name in names}
+        fields = [field for form in new._completed.values() for field in form.fields]
+        kept = np.concatenate((np.arange(self.layout.n_displacements), *self.layout.numbers(fields).values()))
+        away = np.setdiff1d(kept, dofs_of({name: self.forms[name] for name in names}, self.layout))
+        new.fixed = np.flatnonzero(np.isin(kept, np.union1d(self.fixed, away)))
+        if len(kept) < self.layout.size:
+            new.layout = _layout_of(new._completed)
+            new.forms = {name: new._numbered(form) for name, form in new._completed.items()}
+        return new, kept
+
+    def adopted(self, new: Mapping[str, Any], now: Mapping[str, Form]) -> dict[str, Form]:
+        """Return forms that replace present ones, completed and numbered like these."""
+        found = {}
+        for name, form in as_forms(new).items():
+            old, form = now[name], form.continues(now[name])
+            if form is not old and (form.fields or form.borrowed):
+                its = self.layout.numbers(old.fields)
+                own = {mine: its[other] for mine, other in zip(form.fields, old.fields, strict=True)}
+                form = form.numbered({**self.layout.numbers(form.borrowed), **own})
+                form.fields = old.fields
+            found[name] = form
+        return found
+
+    @cached_property
+    def solids(self) -> dict[str, Any]:
+        """Forms that give stiffness to elements; a ``ValueError`` where there is none."""
+        if not (found := solids_of(self.forms)):
+            raise ValueError("there is no SolidForm among the forms: nothing carries load")
+        return found
+
+    def weights(self, forms: Mapping[str, Form]) -> ndarray:
+        """Return the load vector of the weight of some forms, (N,)."""
+        total = np.zeros(self.layout.size)
+        for form in forms.values():
+            if (weight := form.own_weight(self.gravity)) is not None:
+                total[:len(weight)] += weight
+        return total
+
+    def vector(self, values: Any, what: str) -> ndarray:
+        """Return values of all dofs, given for all or for the displacements; a ``ValueError`` for others, or NaN."""
+        n, n_first = self.layout.size, self.layout.n_displacements
+        given = getattr(values, "coordinates", None)
+        if given is not None and (given == "axisymmetric") != (self.coordinates == "axisymmetric"):
+            raise ValueError(f"{what} was integrated in {given} coordinates, but the model is {self.coordinates}: make "
+                             "loads by the model, or from a solid form in place of a basis")
+        if np.ma.isMaskedArray(values) or np.iscomplexobj(values):
+            raise ValueError(f"{what} must be an array of real numbers, not masked and not complex")
+        values = np.array(values, dtype=float, subok=False)
+        if values.shape not in ((n,), (n_first,)):
+            either = f"({n_first},)" if n == n_first else f"({n_first},) or ({n},)"
+            raise ValueError(f"{what} has shape {values.shape}, not {either}")
+        if not np.isfinite(values).all():
+            raise ValueError(f"{what} holds NaN or infinite values")
+        return values if len(values) == n else np.pad(values, (0, n - len(values)))
+
+    def load(self, given: Any, what: str = "the load") -> ndarray:
+        """Return a load vector, or the sum of several, (N,); zero for None."""
+        if given is None:
+            return np.zeros(self.layout.size)
+        several = isinstance(given, list | tuple) and len(given) > 0 and np.ndim(given[0]) == 1
+        return sum((self.vector(one, what) for one in given), start=np.zeros(self.layout.size)) if several \
+            else self.vector(given, what)
+
+    def inactive(self, active: Mapping[str, Form]) -> ndarray:
+        """Return the dofs that forms or fields have, but no active form."""
+        brought = np.arange(self.layout.n_displacements, self.layout.size)
+        return np.setdiff1d(np.union1d(dofs_of(self.forms, self.layout), brought), dofs_of(active, self.layout))
+
+    def system(self, forms: Mapping[str, Form], fixed: ndarray) -> System:
+        """Return the system of some forms whose supports have been checked."""
+        free = np.setdiff1d(np.arange(self.layout.size), fixed)
+        return System(forms, self.layout, fixed, linear_solver(forms, self.solver, self.layout.coordinates, free))
+
+    def checked_system(self, forms: Mapping[str, Form], fixed: ndarray) -> System:
+        """Return the system of some forms, once their supports are checked."""
+        check_supports(forms, fixed)
+        return self.system(forms, fixed)
 
 
-def system_of(forms: Mapping[str, Form], fixed: ndarray, unknowns: Layout, solver: Any) -> System:
-    """The system of forms and supports that have been checked."""
-    there = choose_penalties(forms)
-    free = np.setdiff1d(np.arange(unknowns.size), fixed)
-    return System(there, unknowns, fixed, linear_solver(there, solver, unknowns.places, free))
-
-
-def forms_there(stage: StageResult, forms: Mapping[str, Form], what: str = "stage") -> dict[str, Form]:
-    """The forms that a stage holds, with penalties chosen from all; a ``ValueError`` where one is not given."""
-    for name in stage.states:
-        look_up(name, forms, f"form, though the {what} holds it,")
-    return {name: form for name, form in choose_penalties(forms).items() if name in stage.states}
-
-
-def unknowns_of(forms: Mapping[str, Form]) -> ndarray:
-    """Layout of the solids, and those that other forms bring."""
+def dofs_of(forms: Mapping[str, Form], layout: Layout) -> ndarray:
+    """Return the dofs of the solids, and those that other forms bring."""
     found = [np.unique(form.basis.element_dofs) for form in solids_of(forms).values()]
-    found += [form.carries for form in forms.values() if form.carries is not None]
-    found += [field.numbers for form in forms.values() if form.carries is None for field in form.fields]
+    for form in forms.values():
+        found += layout.numbers(form.fields).values() if form.carries is None else [form.carries]
     return np.unique(np.concatenate(found)) if found else np.zeros(0, int)
 
 
-def not_there(forms: Mapping[str, Form], there: Mapping[str, Form], unknowns: Layout) -> ndarray:
-    """Layout that some of the forms would carry, or that fields have, but nothing carries that is there."""
-    return np.setdiff1d(np.union1d(unknowns_of(forms), unknowns.brought), unknowns_of(there))
+def _completed(name: str, form: Form, forms: Mapping[str, Form]) -> Form:
+    """Return a form with what it takes from the others; errors name it."""
+    try:
+        return form.completed(forms)
+    except ValueError as error:
+        raise ValueError(f"'{name}': {error}") from None
 
 
-def on_all(values: Any, unknowns: Layout, what: str) -> ndarray:
-    """Values of all unknowns, or of the displacements and zeros behind them; a ``ValueError`` for others, or NaN."""
-    if np.ma.isMaskedArray(values) or np.iscomplexobj(values):
-        raise ValueError(f"{what} must be an array of real numbers, not masked and not complex")
-    values = np.asarray(values, dtype=float)
-    if values.shape not in ((unknowns.size,), (unknowns.fields[0].end,)):
-        raise ValueError(f"{what} has shape {values.shape}, not ({unknowns.fields[0].end},)")
-    if not np.isfinite(values).all():
-        raise ValueError(f"{what} holds NaN or infinite values")
-    return values if len(values) == unknowns.size else np.pad(values, (0, unknowns.size - len(values)))
+def _coordinates_of(forms: Mapping[str, Form]) -> str | None:
+    """Return the coordinate system of the forms, which must be the same."""
+    told = {name: form.coordinates for name, form in forms.items() if form.coordinates is not None}
+    if len(set(told.values())) > 1:
+        raise ValueError(f"the forms have different coordinate systems, {told}: give all the same `coordinates`")
+    return next(iter(told.values()), None)
+
+
+def _check_fields(forms: Mapping[str, Form]) -> None:
+    """Refuse a field that two forms bring without sharing it, and one that is borrowed of no form."""
+    owner: dict[Field, str] = {}
+    for name, form in forms.items():
+        for field in form.fields:
+            if not field.shared and owner.setdefault(field, name) != name:
+                raise ValueError(f"'{owner[field]}' and '{name}' bring the same field '{field.name}': build two forms, "
+                                 "or share it by Field(..., shared=...)")
+    for name, form in forms.items():
+        for field in form.borrowed:
+            if field not in owner and not any(field == f for other in forms.values() for f in other.fields):
+                raise ValueError(f"'{name}' acts on the field '{field.name}', which no form of the model brings")
+
+
+def _layout_of(forms: Mapping[str, Form]) -> Layout:
+    """Number the dofs of all forms of an analysis, also of inactive ones.
+
+    Raises
+    ------
+    ValueError
+        Bad mesh, forms of different bases, or no form that knows how many dofs there are.
+    """
+    bases = {name: form.basis for name, form in solids_of(forms).items()}
+    fields = [field for form in forms.values() for field in form.fields]
+    sizes = {name: form.size for name, form in forms.items() if form.size is not None}
+    if len(set(sizes.values())) > 1:
+        raise ValueError(f"the forms belong to different bases; their numbers of dofs are {sizes}")
+    if not sizes and not fields:
+        raise ValueError("no form knows how many dofs there are: give one of them a `size`")
+    n = next(iter(sizes.values()), 0)
+    if not bases:
+        dim = len(fields[0].coordinates) if fields else 1
+        return Layout.of(np.tile(np.arange(n, dtype=float), (dim, 1)), fields)
+    owner, basis = next(iter(bases.items()))
+    check_mesh(basis.mesh)
+    layout = Layout.of(np.asarray(basis.doflocs), fields)
+    known = {name: (np.arange(other.N), other.doflocs) for name, other in bases.items()}
+    known |= {name: form.nodes for name, form in forms.items() if form.nodes is not None}
+    for name, (numbers, coordinates) in known.items():  # different meshes may have as many dofs as each other
+        if not np.array_equal(coordinates, layout.coordinates[:, numbers]):
+            raise ValueError(f"'{name}' belongs to another mesh or another element than '{owner}'")
+    return layout

@@ -1,8 +1,7 @@
-"""Is every body held?  Asked before the analysis starts."""
+"""Checks of supports: every body is held before the analysis starts."""
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 from numpy import ndarray
@@ -10,33 +9,22 @@ from skfem import CellBasis
 
 from ..errors import place
 from ..forms.base import Form, solids_of
-from ..layout import Layout, rigid_modes
-from ..mesh.check import check_mesh
+from ..layout import rigid_modes
 from ..mesh.join import bodies
 
 
-def as_unknowns(fixed: Any) -> ndarray:
-    """Numbers of unknowns, sorted and each once, or a ``ValueError`` where they are no integers."""
-    numbers = np.unique(np.asarray(fixed))
-    if len(numbers) and numbers.dtype.kind not in "iu":
-        raise ValueError("fixed must be numbers of unknowns, integers such as basis.get_dofs('bottom').all()")
-    return numbers.astype(int)
-
-
-def check_supports(forms: Mapping[str, Form], fixed: ndarray, unknowns: Layout) -> None:
+def check_supports(forms: Mapping[str, Form], fixed: ndarray) -> None:
     """Refuse bodies that nothing holds.
 
-    Bodies are held when their fixed unknowns leave them no rigid motion.  Bodies that contact pairs join
-    count as one, and those that meet a rigid obstacle pass: contact may hold them. Other forms may hold what they like.
+    Bodies are held when their fixed dofs leave them no rigid motion. Bodies that contact pairs join count as one, and
+    those that meet a rigid obstacle pass: contact may hold them. Other forms may hold any body.
 
     Raises
     ------
     ValueError
-        No solid, fixed unknowns that do not exist, or a loose body.
+        No solid, or a loose body.
     """
     solids = solids_of(forms)
-    if len(fixed) and (fixed.min() < 0 or fixed.max() >= unknowns.size):
-        raise ValueError(f"fixed unknowns must lie between 0 and {unknowns.size - 1}")
     if not solids and all(form.joins is not None for form in forms.values()):
         raise ValueError("there is no SolidForm among the forms: nothing carries load")
     if not solids:
@@ -50,57 +38,24 @@ def check_supports(forms: Mapping[str, Form], fixed: ndarray, unknowns: Layout) 
     carried = np.unique(np.concatenate([form.basis.element_dofs.ravel() for form in solids.values()]))
     loose = np.setdiff1d(np.arange(basis.N), np.concatenate((carried, fixed, *linked)))
     if len(loose) and len(linked) == len(others):
-        raise ValueError(f"{len(loose)} unknowns belong to no solid among the forms and are not fixed; the "
+        raise ValueError(f"{len(loose)} dofs belong to no solid among the forms and are not fixed; the "
                          f"first is at {place(basis.doflocs[:, loose[0]])}{_without(basis, count)}. Give every body a "
                          "form, also one that is activated later, or leave it out of the mesh")
     if not others:
         elements = np.sort(np.concatenate([form.elements for form in solids.values()]))
-        axial = all(form.axisymmetric for form in solids.values())
+        axial = all(form.coordinates == "axisymmetric" for form in solids.values())
         _check_bodies(basis, elements, [form.joins for form in forms.values() if form.joins is not None], fixed, axial)
 
 
-def all_unknowns(forms: Mapping[str, Form], size: int | None = None) -> Layout:
-    """The unknowns of all forms of an analysis, also of those that are not there yet.
-
-    Where no form knows the number of displacements it is `size`; without a solid nobody knows where they are.
-
-    Raises
-    ------
-    ValueError
-        Bad mesh, forms of different bases, or no form that knows how many unknowns there are.
-    """
-    bases = {name: form.basis for name, form in solids_of(forms).items()}
-    first = min((field.first for form in forms.values() for field in form.fields), default=None)
-    sizes = {name: form.size for name, form in forms.items() if form.size is not None and not form.fields}
-    if len(set(sizes.values())) > 1:
-        raise ValueError(f"the forms belong to different bases; their numbers of unknowns are {sizes}")
-    n = next(iter(sizes.values()), first if first is not None else size)
-    if n is None:
-        raise ValueError("no form knows how many unknowns there are: give one of them a `size`")
-    if bases:
-        check_mesh(next(iter(bases.values())).mesh)
-    brought = [field for form in forms.values() if form.fields for field in form.completed(forms).fields]
-    if not bases:
-        return Layout.of(np.arange(n, dtype=float)[None], brought)
-    owner, basis = next(iter(bases.items()))
-    unknowns = Layout.of(np.asarray(basis.doflocs), brought)
-    known = {name: (np.arange(basis.N), basis.doflocs) for name, basis in bases.items()}
-    known |= {name: form.nodes for name, form in forms.items() if form.nodes is not None}
-    for name, (numbers, places) in known.items():  # different meshes may have as many unknowns as each other
-        if not np.array_equal(places, unknowns.places[:, numbers]):
-            raise ValueError(f"'{name}' belongs to another mesh or another element than '{owner}'")
-    return unknowns
-
-
 def _without(basis: CellBasis, count: ndarray) -> str:
-    """Subdomains of which no element belongs to a solid, for a message."""
+    """Return the subdomains without a solid, for a message."""
     covered = np.flatnonzero(count)
     names = [name for name, part in (basis.mesh.subdomains or {}).items() if not np.isin(part, covered).any()]
     return f", in the subdomains {names}" if names else ""
 
 
 def _check_bodies(basis: CellBasis, elements: ndarray, joined: list[ndarray], fixed: ndarray, axial: bool) -> None:
-    """Bodies that contact joins stand or fall together: a common rigid motion of theirs meets no force.
+    """Check groups of bodies that contact joins: a common rigid motion of a group meets no force.
 
     What the elements of the solids leave of a body may fall apart into several. In axial symmetry the one rigid
     motion is that along the axis.
@@ -123,5 +78,5 @@ def _check_bodies(basis: CellBasis, elements: ndarray, joined: list[ndarray], fi
             listed = " and ".join(f"'{name}'" for name in sorted(group))
             alone = len(group) == 1
             who = f"body {listed} is not held" if alone else f"the bodies {listed} hold only each other"
-            raise ValueError(f"{who}: {len(held)} of the unknowns are fixed, which leaves {free} of "
+            raise ValueError(f"{who}: {len(held)} of the dofs are fixed, which leaves {free} of "
                              f"{modes.shape[1]} rigid motions free")

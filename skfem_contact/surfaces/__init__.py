@@ -1,1 +1,1 @@
-"""Surfaces of bodies and rigid obstacles: facets, their shape functions, chains, material points."""
+"""Surfaces of bodies and rigid obstacles: facets, shape functions, chains, material points."""

@@ -1,4 +1,4 @@
-"""Material points of a surface: the stick points of contact, and how far points are from each other on it."""
+"""Material points of a surface, such as the stick points of contact, and distances between them."""
 from __future__ import annotations
 
 from typing import NamedTuple
@@ -6,7 +6,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy import ndarray
 
-from .surface import Surface, gauss_points
+from .shape import gauss_points
+from .surface import Surface
 from .vectors import products, solve
 
 _NEWTON_STEPS = 10
@@ -14,42 +15,34 @@ _EXACT = 1e-14
 
 
 class MaterialPoints(NamedTuple):
-    """Material points of a surface: facets, (n,), -1 for none, and local coordinates, (n, dim - 1)."""
+    """Material points of a surface: facets, shape (n,), -1 for none, and local coordinates, shape (n, dim - 1)."""
 
     facet: ndarray
     xi: ndarray
 
     @property
     def exist(self) -> ndarray:
-        """Which of them are on the surface at all, (n,)."""
+        """True for points on the surface, shape (n,)."""
         return np.asarray(self.facet >= 0)
 
     @property
     def known(self) -> ndarray:
-        """Local coordinates, zero of those that are none."""
+        """Local coordinates, zero where there is no point."""
         return np.where(self.exist[:, None], self.xi, 0.0)
 
     def take(self, chosen: ndarray) -> MaterialPoints:
-        """Some of the points."""
+        """Return some of the points."""
         return MaterialPoints(self.facet[chosen], self.xi[chosen])
 
     def places(self, surface: Surface, nodes: ndarray) -> ndarray:
-        """Where they are, (n, dim); of no meaning for those that are none."""
+        """Return coordinates, shape (n, dim); without meaning where there is no point."""
         return surface.at(self.facet, self.known, nodes, 0).x[0]
 
 
 def along_chain(surface: Surface, facet: ndarray, xi: ndarray) -> ndarray:
-    """Arc positions of points of a surface in the plane, (n,), in the reference configuration.
+    """Return arc positions of points of a surface in the plane, shape (n,), in the reference configuration.
 
-    Its facets follow each other, with the body to the right; a closed one ends where it begins.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> import skfem_contact as sc
-    >>> floor = sc.rigid_polyline([(0., 0.), (1., 0.), (4., 0.)])
-    >>> along_chain(floor, np.array([1]), np.array([[0.0]])).tolist()
-    [2.5]
+    The facets follow each other, with the body to the right; a closed chain ends where it begins.
     """
     first = np.concatenate(([0.0], np.cumsum(surface.area)[:-1]))[facet]
     half = 0.5 * (xi[:, 0] + 1.0)
@@ -62,26 +55,27 @@ def along_chain(surface: Surface, facet: ndarray, xi: ndarray) -> ndarray:
     return np.asarray(first + half * (np.linalg.norm(tangent, axis=1).reshape(-1, len(t)) @ w))
 
 
-def way(surface: Surface, point: MaterialPoints, origin: MaterialPoints) -> ndarray:
-    """Way from one material point to another along a chain, (n,), the short way round a closed one; zero for none."""
+def arc_distance(surface: Surface, point: MaterialPoints, origin: MaterialPoints) -> ndarray:
+    """Return the distance of points from others along a chain, the short way round a closed one; zero for none."""
     length = np.where(point.exist & origin.exist, along_chain(surface, *point) - along_chain(surface, *origin), 0.0)
     total = float(surface.area.sum())
     return (length + 0.5 * total) % total - 0.5 * total if surface.closed else length
 
 
-def apart(surface: Surface, nodes: ndarray, tangents: ndarray, point: MaterialPoints, origin: MaterialPoints
-          ) -> ndarray:
-    """Way from one material point to another along unit tangents, (n, dim - 1); zero where one of them is none."""
-    way = point.places(surface, nodes) - origin.places(surface, nodes)
-    return np.where((point.exist & origin.exist)[:, None], np.einsum("nic,nc->ni", tangents, way), 0.0)
+def distance(surface: Surface, nodes: ndarray, tangents: ndarray, point: MaterialPoints, origin: MaterialPoints
+             ) -> ndarray:
+    """Return the distance of points from others along unit tangents, shape (n, dim - 1); zero for none."""
+    between = point.places(surface, nodes) - origin.places(surface, nodes)
+    return np.where((point.exist & origin.exist)[:, None], np.einsum("nic,nc->ni", tangents, between), 0.0)
 
 
-def behind(surface: Surface, nodes: ndarray, tangents: ndarray, point: MaterialPoints, way: ndarray) -> MaterialPoints:
-    """Material points of the same facets from which it is a given way, (n, dim - 1), to these along unit tangents."""
+def offset_back(surface: Surface, nodes: ndarray, tangents: ndarray, point: MaterialPoints, slip: ndarray
+                ) -> MaterialPoints:
+    """Return material points of the same facets from which these have a slip, shape (n, dim - 1), along tangents."""
     xi, start = point.known, point.places(surface, nodes)
     for _ in range(_NEWTON_STEPS):
         place = surface.at(point.facet, xi, nodes)
-        missing = np.einsum("nic,nc->ni", tangents, start - place.x[0]) - way
+        missing = np.einsum("nic,nc->ni", tangents, start - place.x[0]) - slip
         step = solve(products(tangents, place.x[1]), missing)
         xi = xi + step
         if surface.shape.affine or np.abs(step).max(initial=0.0) < _EXACT:
@@ -89,7 +83,7 @@ def behind(surface: Surface, nodes: ndarray, tangents: ndarray, point: MaterialP
     return MaterialPoints(point.facet, np.where(point.exist[:, None], xi, np.nan))
 
 
-def shifted(surface: Surface, nodes: ndarray, points: MaterialPoints, motion: ndarray) -> MaterialPoints:
-    """The points moved on along the surface, (n, dim), to the first order."""
+def moved_along(surface: Surface, nodes: ndarray, points: MaterialPoints, motion: ndarray) -> MaterialPoints:
+    """Return the points moved by a motion, shape (n, dim), along the surface, to the first order."""
     a = surface.at(points.facet, points.known, nodes).x[1]
     return MaterialPoints(points.facet, points.xi + solve(products(a, a), np.einsum("nac,nc->na", a, motion)))

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import product
 
 import numpy as np
@@ -23,6 +23,8 @@ from skfem import (
     ElementTriP1,
     ElementTriP2,
 )
+from skfem.quadrature import get_quadrature
+from skfem.refdom import RefTri
 
 _BILINEAR = ((0, 0), (1, 0), (0, 1), (1, 1))
 #: scikit-fem's element of the facets of an element, and the exponents of its monomials.
@@ -46,22 +48,14 @@ class Shape:
 
     Attributes
     ----------
-    exponents
-        Of the monomials, (p, dim - 1).
-    coefficients
-        Of the shape functions in the monomials, (1, k, p), or (n_facets, k, p) where facets differ.
-    corners
-        Local coordinates of the corners, anticlockwise where there are more than two, (n_corners, dim - 1).
-    nodes
-        Local coordinates of the nodes, (k, dim - 1); of smoothed facets, whose nodes lie elsewhere, those before.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from skfem import ElementQuad1
-    >>> line = Shape.of_facets(ElementQuad1())
-    >>> line.at(np.array([0]), np.array([[0.5]]), 1)[0].tolist()      # (1 - xi) / 2, (1 + xi) / 2
-    [[0.25, 0.75]]
+    exponents : ndarray, shape (p, dim - 1)
+        Exponents of the monomials.
+    coefficients : ndarray, shape (1, k, p) or (n_facets, k, p)
+        Coefficients of the shape functions, the latter where facets differ.
+    corners : ndarray, shape (n_corners, dim - 1)
+        Local coordinates of the corners, anticlockwise where there are more than two.
+    nodes : ndarray, shape (k, dim - 1)
+        Local coordinates of the nodes, before smoothing.
     """
 
     exponents: ndarray
@@ -71,7 +65,7 @@ class Shape:
 
     @classmethod
     def of_facets(cls, element: Element) -> Shape:
-        """Those of the facets of an element: scikit-fem's, interpolated at its nodes."""
+        """Return the shape functions of an element's facets."""
         facet, exponents = _FACETS[type(element)]
         powers, nodes = np.array(exponents), facet.doflocs
         corners = nodes[: facet.refdom.nnodes]
@@ -81,8 +75,14 @@ class Shape:
         coefficients = np.round(np.linalg.inv(monomials).T, 12)  # halves and quarters
         return cls(powers, coefficients[None], corners, nodes)
 
+    @classmethod
+    def of_cells(cls, dim: int, k: int) -> Shape:
+        """Return the shape functions of facets with k nodes in so many dimensions; a KeyError if there are none."""
+        kinds = {facet.doflocs.shape: element for element, (facet, _) in _FACETS.items()}
+        return cls.of_facets(kinds[k, dim - 1]())
+
     def of(self, coefficients: ndarray, exponents: ndarray) -> Shape:
-        """Other polynomials on the same domain."""
+        """Return other polynomials on the same domain."""
         return replace(self, coefficients=coefficients, exponents=exponents)
 
     @property
@@ -92,12 +92,12 @@ class Shape:
 
     @property
     def triangular(self) -> bool:
-        """Whether facets are triangles."""
+        """True if facets are triangles."""
         return len(self.corners) == 3
 
     @cached_property
     def affine(self) -> bool:
-        """Whether the map from local coordinates is affine."""
+        """True if the map from local coordinates is affine."""
         return not self.coefficients[:, :, self.exponents.sum(axis=1) > 1].any()
 
     @cached_property
@@ -107,57 +107,47 @@ class Shape:
 
     @cached_property
     def at_centre(self) -> list[ndarray]:
-        """Values, (1 or n_facets, k), and first derivatives, (1 or n_facets, dim - 1, k), there."""
+        """Values, (1 or n_facets, k), and first derivatives, (1 or n_facets, dim - 1, k), at the centre."""
         facet = np.arange(len(self.coefficients))
         return self.at(facet, np.tile(self.centre, (len(facet), 1)), 1)
 
-    # -- sides: the two ends of a line, the edges of a facet in space ---------------------------------------
-
     @cached_property
     def side_corners(self) -> ndarray:
-        """Corners of every side, in the order in which the facet goes around, (n_sides, 1 or 2)."""
+        """Corners of every side, in the order round the facet, shape (n_sides, 1 or 2)."""
         n = np.arange(len(self.corners))
         return n[:, None] if self.dim == 1 else np.column_stack((n, np.roll(n, -1)))
 
     @cached_property
     def along(self) -> ndarray:
-        """Way along every side, from its first to its second corner, (n_sides, dim - 1); nothing on a line."""
+        """Vectors along every side, from its first corner, shape (n_sides, dim - 1); zero on a line."""
         start, end = self.corners[self.side_corners[:, 0]], self.corners[self.side_corners[:, -1]]
         return np.asarray(end - start)
 
     @cached_property
     def side_middles(self) -> ndarray:
-        """Local coordinates of the middles of the sides, (n_sides, dim - 1)."""
+        """Local coordinates of the middles of the sides, shape (n_sides, dim - 1)."""
         return np.asarray(self.corners[self.side_corners[:, 0]] + 0.5 * self.along)
 
     @cached_property
     def outward(self) -> ndarray:
-        """Normals c of the sides with c . (xi - corner) = 2 a full width beyond the side, (n_sides, dim - 1)."""
+        """Normals c of the sides with c . (xi - corner) = 2 at a full width beyond the side."""
         normal = self.corners - self.centre if self.dim == 1 else np.column_stack((self.along[:, 1], -self.along[:, 0]))
         start = self.corners[self.side_corners[:, 0]]
         width = -np.einsum("sc,sjc->sj", normal, self.corners - start[:, None]).min(axis=1)
         return np.asarray(2.0 * normal / width[:, None])
 
     def beyond(self, xi: ndarray) -> ndarray:
-        """How far points lie beyond the sides, (n, n_sides): from -2 at the far end to 0 at the side."""
+        """Return distances beyond the sides, shape (n, n_sides): -2 at the far end, 0 at the side."""
         return np.asarray(xi @ self.outward.T - self._level)
 
     @cached_property
     def _level(self) -> ndarray:
-        """Product of the sides' normals with places on them, (n_sides,)."""
         return np.einsum("sc,sc->s", self.outward, self.corners[self.side_corners[:, 0]])
 
-    # -- values -------------------------------------------------------------------------------------------
-
     def at(self, facet: ndarray, xi: ndarray, derivatives: int = 3) -> list[ndarray]:
-        """Values (n, k), first (n, dim - 1, k), second (n, dim - 1, dim - 1, k), ... derivatives.
+        """Return values (n, k), first (n, dim - 1, k), second (n, dim - 1, dim - 1, k), ... derivatives.
 
-        Parameters
-        ----------
-        facet, xi
-            Facets, (n,), and local coordinates on them, (n, dim - 1), which may be complex.
-        derivatives
-            Highest derivative that is asked for.
+        The facets have the shape (n,), local coordinates (n, dim - 1); these may be complex.
         """
         monomials = np.ones((len(xi), len(self.exponents)), xi.dtype)
         for monomial, lower, axis in self._factors:
@@ -173,7 +163,6 @@ class Shape:
 
     @cached_property
     def _factors(self) -> list[tuple[int, int, int]]:
-        """Monomials, but for 1, each with the lower one and the local coordinate that it is the product of."""
         number = {tuple(powers): n for n, powers in enumerate(self.exponents.tolist())}
         result = []
         for powers in sorted(number, key=sum)[1:]:
@@ -183,7 +172,7 @@ class Shape:
 
     @cached_property
     def _derivatives(self) -> list[ndarray]:
-        """Coefficients of the derivatives to the third in the same monomials, (1 or n_facets, dim - 1, ..., k, p)."""
+        """Coefficients of the derivatives to the third, shape (1 or n_facets, dim - 1, ..., k, p)."""
         steps = np.zeros((self.dim, len(self.exponents), len(self.exponents)))
         for axis, j in product(range(self.dim), range(len(self.exponents))):
             if self.exponents[j, axis]:
@@ -193,3 +182,25 @@ class Shape:
         for _ in range(3):
             result.append(np.stack([result[-1] @ step for step in steps], axis=1))
         return result
+
+
+@lru_cache
+def gauss_points(n: int) -> tuple[ndarray, ndarray]:
+    """Return Gauss points from -1 to 1 and their weights."""
+    t, w = np.polynomial.legendre.leggauss(n)
+    t.flags.writeable = w.flags.writeable = False
+    return t, w
+
+
+def rule(shape: Shape, n: int) -> tuple[ndarray, ndarray]:
+    """Return points, shape (q, dim - 1), and positive weights of a rule with n Gauss points a direction.
+
+    The rule is exact to the degree 2n - 1; on triangles to 2n - 2, that of two shape functions' product.
+    """
+    t, w = gauss_points(n)
+    if shape.dim == 1:
+        return t[:, None], w
+    if shape.triangular:
+        points, weights = get_quadrature(RefTri, max(1, 2 * n - 2))
+        return points.T, weights
+    return np.stack(np.meshgrid(t, t, indexing="ij"), axis=-1).reshape(-1, 2), np.outer(w, w).ravel()

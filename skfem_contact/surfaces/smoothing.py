@@ -1,12 +1,8 @@
 """Hermite smoothing of a faceted master surface (eqs 23 and 24 of the paper, mended).
 
-At the joint x3 of the facets x2-x3 and x3-x4 a cubic runs from ``x_a`` to ``x_b``, both at the share alpha of
-their facet's length from the joint, with the end tangents (eq. 23)
-
-    dx/dxi|_a = x3 - x_a,     dx/dxi|_b = x_b - x3.
-
-The curve is linear in the three nodes, so that smoothed segments are segments like all others; collinear facets
-are reproduced exactly and all joints are C1.
+At the joint x3 of the facets x2-x3 and x3-x4 a cubic runs from ``x_a`` to ``x_b``, both at the share alpha of their
+facet's length from the joint, with the end tangents ``x3 - x_a`` and ``x_b - x3`` (eq. 23).  The curve is linear in the
+three nodes; collinear facets are reproduced exactly and all joints are C1.
 """
 from __future__ import annotations
 
@@ -22,30 +18,16 @@ _HERMITE = np.array([[2, -3, 0, 1], [2, 3, 0, -1], [1, -1, -1, 1], [-1, -1, 1, 1
 
 
 def smoothed(surface: Surface, alpha: float = 0.5, corner: float = 45.0) -> Surface:
-    """The surface with its joints rounded by Hermite cubics.
+    """Return a chain of straight facets with its joints rounded by Hermite cubics.
 
     Parameters
     ----------
-    surface
-        A chain of straight facets.
-    alpha
+    surface : Surface
+        Chain of straight facets.
+    alpha : float
         Share of each facet that the curve takes at its end, 0 < alpha <= 1/2.
-    corner
-        Joints that turn by more than this angle (degrees) are real corners and stay sharp.
-
-    Raises
-    ------
-    ValueError
-        Alpha out of its range, a surface in space, or facets that are curved themselves.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from skfem_contact.surfaces.rigid import rigid_polyline
-    >>> from skfem_contact.surfaces.smoothing import smoothed
-    >>> roof = rigid_polyline(np.array([[0., 0.], [1., .1], [2., 0.]]))
-    >>> len(smoothed(roof).facets), len(smoothed(roof, corner=5.).facets)
-    (3, 2)
+    corner : float
+        Angle in degrees; joints that turn by more stay sharp.
     """
     if surface.dim != 2:
         raise ValueError(f"smoothing: '{surface.name}' is a surface in space; use elements of second order there")
@@ -72,12 +54,10 @@ def smoothed(surface: Surface, alpha: float = 0.5, corner: float = 45.0) -> Surf
                                    np.broadcast_to(_rounded(alpha), (len(before), 3, 4))))
     order = np.argsort(np.concatenate((straight, before + 0.5)), kind="stable")
     shape = surface.shape.of(coefficients[order], np.arange(4)[:, None])
-    return Surface.of(surface.name, surface.dofs, surface.nodes, nodes[order], shape,
-                      following(len(order), surface.closed))
+    return surface.with_facets(nodes[order], shape, following(len(order), surface.closed))
 
 
 def _straight(start: ndarray, end: ndarray) -> ndarray:
-    """Shape functions of the middle parts of facets: from the share ``start`` to the share ``end``."""
     middle, half = 0.5 * (start + end), 0.5 * (end - start)
     coefficients = np.zeros((len(start), 3, 4))
     coefficients[:, 0, 0], coefficients[:, 0, 1] = 1.0 - middle, -half
@@ -86,7 +66,6 @@ def _straight(start: ndarray, end: ndarray) -> ndarray:
 
 
 def _rounded(alpha: float) -> ndarray:
-    """Shape functions of the three nodes of a rounded joint, (3, 4)."""
     ends = np.array([[alpha, 1 - alpha, 0], [0, 1 - alpha, alpha],  # x_a, x_b
                      [-alpha, alpha, 0], [0, -alpha, alpha]])  # tangents, eq. 23
     return np.asarray(ends.T @ _HERMITE)

@@ -1,22 +1,23 @@
-"""Surfaces of bodies: named boundaries as facets that know their outward side, in the plane and in space.
+"""Surfaces of bodies: facets with an outward side, in the plane and in space.
 
-A facet is ``rho(xi) = sum_b M_b(xi) x_b`` with polynomials ``M_b`` of dim - 1 local coordinates (eq. 18 of the paper,
-with the orientation of eq. 17: in the plane ``xi = -1`` at the first node).  Its nodes are ordered so that the outward
-normal is the tangent turned by +90 degrees in the plane, and the cross product of the two tangents in space.
+A facet is ``rho(xi) = sum_b M_b(xi) x_b`` with polynomials ``M_b`` of dim - 1 local coordinates (eq. 18 of the paper).
+The outward normal is the tangent turned by +90 degrees in the plane (eq. 17), and the cross product of the two
+tangents in space.
 """
 from __future__ import annotations
 
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
-from typing import NamedTuple
+from functools import cached_property
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy import ndarray
+from numpy.typing import ArrayLike
 from skfem import CellBasis
 
-from ..errors import check_basis, facets_of
-from .shape import Shape
-from .topology import adjacent, following, ordered
+from .shape import Shape, rule
+from .topology import Numbers, arms_of, boundary, joined_cells, numbers_of
 from .vectors import across, unit
 
 #: A surface goes on beyond its rim for this share of its last facet: a slave corner that starts flush with
@@ -26,16 +27,9 @@ EXTENSION = 0.05
 _NORMAL = 0.8
 
 
-class Place(NamedTuple):
-    """Points of a surface.
 
-    Attributes
-    ----------
-    shapes
-        Shape functions of the facets' nodes and their derivatives: (n, k), (n, dim - 1, k), ...
-    x
-        Places and their derivatives: (n, dim), (n, dim - 1, dim), ...
-    """
+class Place(NamedTuple):
+    """Points of a surface: shape functions of the facets' nodes, coordinates, and derivatives of both."""
 
     shapes: list[ndarray]
     x: list[ndarray]
@@ -48,28 +42,34 @@ class Place(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """Facets on the boundary of a body.
+    """Facets of a boundary, of a beam or shell, or of a rigid obstacle.
+
+    The displacement of a node is ``x[dofs] + arms @ x[rotations]``.
 
     Attributes
     ----------
-    name
+    name : str
         Name of the boundary, for messages.
-    dofs
-        Displacement unknowns of its nodes, (n_nodes, dim); -1 where they are rigid.
-    nodes
-        Reference coordinates of its nodes, (n_nodes, dim).
-    facets
-        Node numbers of every facet, (n_facets, k); in the plane in the order of the chain.
-    shape
-        Their shape functions.
-    neighbours
-        Facets beyond the sides of every facet, -1 beyond the rim, (n_facets, n_sides).
-    area
-        Area of the facets, or length in the plane, in the reference configuration, (n_facets,).
-    extension
+    dofs : ndarray, shape (n_nodes, dim)
+        Displacement dofs of the nodes; -1 where they are rigid.
+    nodes : ndarray, shape (n_nodes, dim)
+        Reference coordinates of the nodes.
+    facets : ndarray, shape (n_facets, k)
+        Node numbers of every facet; in the plane in the order of the chain.
+    neighbours : ndarray, shape (n_facets, n_sides)
+        Facets beyond the sides of every facet, -1 beyond the rim.
+    area : ndarray, shape (n_facets,)
+        Area of the facets, or length in the plane, in the reference configuration.
+    extension : float
         Share of a facet by which the surface goes on beyond its rim.
-    axisymmetric
-        Whether what it carries counts per radian about the axis x = 0.
+    meshed : bool
+        True if elements adjoin the facets, from whose stiffness a penalty can be chosen.
+    stiffness : float, optional
+        Traction per displacement of a surface without elements.
+    rotations, arms : ndarray, shapes (n_nodes, q) and (n_nodes, dim, q), optional
+        Dofs of rotations, -1 where they are held, and displacements of the nodes by unit rotations.
+    unnumbered : tuple
+        Pairs of ``"dofs"`` or ``"rotations"`` and the field in which these are numbers so far.
 
     Examples
     --------
@@ -90,46 +90,73 @@ class Surface:
     area: ndarray
     extension: float = EXTENSION
     axisymmetric: bool = False
+    meshed: bool = True
+    stiffness: float | None = None
+    rotations: ndarray | None = None
+    arms: ndarray | None = None
+    unnumbered: tuple[tuple[str, Hashable], ...] = ()
 
     @classmethod
     def from_boundary(cls, basis: CellBasis, name: str) -> Surface:
-        """The facets of a named boundary of the basis' mesh.
+        """Return the facets of a named boundary of the basis' mesh, in the plane a single chain."""
+        dofs, nodes, facets, neighbours = boundary(basis, name)
+        return cls.of(name, dofs, nodes, facets, Shape.of_facets(basis.elem.elem), neighbours)
 
-        Raises
-        ------
-        ValueError
-            Unknown or empty boundary, facets inside the mesh; a boundary that is no single chain in the plane, and in
-            space one with edges that belong to more than two facets.
+    @classmethod
+    def from_cells(cls, coordinates: ArrayLike, dofs: Numbers, cells: ArrayLike, name: str = "surface", *,
+                   rotations: Numbers | None = None, thickness: float = 0.0, about: ArrayLike | None = None,
+                   stiffness: float | None = None) -> Surface:
+        """Return a surface whose nodes have dofs of their own: of a beam, a shell or a rigid body.
+
+        Parameters
+        ----------
+        coordinates : ndarray, shape (n_nodes, dim)
+            Coordinates of the nodes, for beams and shells on the axis or middle surface.
+        dofs : ndarray or (Field, ndarray), shape (n_nodes, dim)
+            Global dofs of the displacements, or their numbers in a field that the model numbers; -1: held.
+        cells : ndarray, shape (n_cells, k)
+            Nodes of the facets, corners first.  The free side lies to the left of the way from the first to the second
+            node in the plane, and where the corners go round anticlockwise in space.
+        name : str
+            Name for messages.
+        rotations : ndarray or (Field, ndarray), shape (n_nodes,) or (n_nodes, 3), optional
+            Dofs of small rotations, given like `dofs`.
+        thickness : float
+            Thickness of the beam or shell: the surface lies half of it off the nodes.
+        about : array_like, shape (dim,) or (n_nodes, dim), optional
+            Points about which the rotations turn: the centre of a rigid body; by default the nodes themselves.
+        stiffness : float, optional
+            Traction per displacement of the surface, for the default penalty; by default the other surface decides.
+
+        Examples
+        --------
+        A beam of two elements above ground, with dofs 100 to 108:
+
+        >>> import numpy as np
+        >>> from skfem_contact import Surface
+        >>> numbers = 100 + np.arange(9).reshape(3, 3)
+        >>> beam = Surface.from_cells([[0., 1.], [1., 1.], [2., 1.]], numbers[:, :2], [[2, 1], [1, 0]], "beam",
+        ...                           rotations=numbers[:, 2], thickness=.2)
+        >>> beam.nodes[:, 1].tolist(), beam.arms[0, :, 0].round(12).tolist()      # its lower side
+        ([0.9, 0.9, 0.9], [0.1, 0.0])
         """
-        check_basis(basis)
-        mesh = basis.mesh
-        facets = np.unique(facets_of(mesh, name))
-        if (mesh.f2t[1, facets] >= 0).any():
-            raise ValueError(f"boundary '{name}' lies inside the mesh: its facets have elements on both sides; "
-                             "separate the bodies with join_bodies")
-        corners = _outward(mesh.p, mesh.t, mesh.facets[:, facets], mesh.f2t[0, facets])
-        if mesh.dim() == 2:
-            order = ordered(corners, name)
-            facets, corners = facets[order], corners[:, order]
-            neighbours = following(len(facets), bool(corners[0, 0] == corners[1, -1]))
-        else:
-            neighbours = adjacent(corners.T, name)
-        dofs = _unknowns(basis, facets, corners)
-        unique, numbers = np.unique(dofs[..., 0], return_inverse=True)
-        at_nodes = unique[:, None] + np.arange(mesh.dim())
-        return cls.of(name, at_nodes, basis.doflocs[:, unique].T.copy(), numbers.reshape(len(facets), -1),
-                      Shape.of_facets(basis.elem.elem), neighbours)
+        nodes, facets, neighbours, shape = joined_cells(coordinates, cells, name)
+        n, dim = nodes.shape
+        parts = {"dofs": (dofs, (n, dim)), "rotations": (rotations, (n, 1 if dim == 2 else 3))}
+        given = {part: numbers_of(value, size, f"'{name}': {part}") for part, (value, size) in parts.items()
+                 if value is not None}
+        surface = cls.of(name, given["dofs"][0], nodes, facets, shape, neighbours)
+        if thickness:
+            surface = cls.of(name, surface.dofs, nodes + 0.5 * thickness * surface.normals, facets, shape, neighbours)
+        arms = None if rotations is None else arms_of(surface.nodes - (nodes if about is None else np.asarray(about)))
+        return replace(surface, meshed=False, stiffness=stiffness, arms=arms,
+                       rotations=None if rotations is None else given["rotations"][0],
+                       unnumbered=tuple((part, field) for part, (_, field) in given.items() if field is not None))
 
     @classmethod
     def of(cls, name: str, dofs: ndarray, nodes: ndarray, facets: ndarray, shape: Shape, neighbours: ndarray
            ) -> Surface:
-        """A surface from its facets; their areas are computed.
-
-        Raises
-        ------
-        ValueError
-            Facets without area.
-        """
+        """Return a surface from its facets, with their areas; facets without area are refused."""
         surface = cls(name, dofs, nodes - nodes[0], facets, shape, neighbours, np.ones(len(facets)))
         xi, weight = rule(shape, 5)
         everywhere = np.repeat(np.arange(len(facets)), len(weight)), np.tile(xi, (len(facets), 1))
@@ -139,6 +166,53 @@ class Surface:
             raise ValueError(f"'{name}': facets without area at {places}")
         return replace(surface, nodes=nodes, area=area)
 
+    def with_facets(self, facets: ndarray, shape: Shape, neighbours: ndarray) -> Surface:
+        """Return other facets between the same nodes."""
+        new = Surface.of(self.name, self.dofs, self.nodes, facets, shape, neighbours)
+        return replace(self, facets=facets, shape=shape, neighbours=neighbours, area=new.area)
+
+    @property
+    def fields(self) -> tuple[Hashable, ...]:
+        """Fields that have not been numbered yet."""
+        return tuple(field for _, field in self.unnumbered)
+
+    def numbered(self, numbers: Mapping[Any, ndarray]) -> Surface:
+        """Return the surface with global dofs, numbers[field] : ndarray, shape (n,)."""
+        new: dict[str, Any] = {}
+        for part, field in self.unnumbered:
+            local = getattr(self, part)
+            new[part] = np.where(local < 0, -1, np.asarray(numbers[field])[local.clip(0)])
+        return replace(self, unnumbered=(), **new) if new else self
+
+    @cached_property
+    def all_dofs(self) -> ndarray:
+        """Dofs of the surface, ascending, rotations included; -1 among them for rigid nodes."""
+        if self.fields:
+            return np.zeros(0, int)
+        return np.unique(self.dofs if self.rotations is None else np.hstack((self.dofs, self.rotations)))
+
+    @property
+    def end(self) -> int:
+        """Number after the last dof."""
+        return int(self.all_dofs.max(initial=-1)) + 1
+
+    def dofs_of(self, nodes: ndarray) -> ndarray:
+        """Return the displacement dofs of nodes, shape (n, k, dim), -1 where a node is -1."""
+        if nodes.min(initial=0) < 0:
+            return np.where((nodes < 0)[:, :, None], -1, self.dofs[nodes])
+        return self.dofs[nodes]
+
+    def levers(self, nodes: ndarray) -> tuple[ndarray, ndarray]:
+        """Return the rotations that move nodes, shape (n, q), and how they do, shape (n, k dim, q)."""
+        n, k = nodes.shape
+        if self.arms is None or self.rotations is None:
+            return np.zeros((n, 0), int), np.zeros((n, k * self.dim, 0))
+        q = self.arms.shape[2]
+        lever = np.zeros((n, k, self.dim, k, q))
+        lever[:, np.arange(k), :, np.arange(k)] = self.arms[nodes].transpose(1, 0, 2, 3)
+        dofs = np.where((nodes < 0)[:, :, None], -1, self.rotations[nodes])
+        return dofs.reshape(n, k * q), lever.reshape(n, k * self.dim, k * q)
+
     @property
     def dim(self) -> int:
         """Number of dimensions, 2 or 3."""
@@ -146,13 +220,13 @@ class Surface:
 
     @property
     def closed(self) -> bool:
-        """Whether it has no rim."""
+        """True if the surface has no rim."""
         return bool((self.neighbours >= 0).all())
 
     @property
     def rigid(self) -> bool:
-        """Whether no unknown moves it."""
-        return bool((self.dofs < 0).all())
+        """True if no dof moves the surface."""
+        return bool((self.dofs < 0).all() and (self.rotations is None or (self.rotations < 0).all()))
 
     @cached_property
     def size(self) -> ndarray:
@@ -178,108 +252,64 @@ class Surface:
         return self.at(np.arange(m), np.tile(self.shape.centre, (m, 1)), self.nodes)
 
     @cached_property
-    def directions(self) -> ndarray:
-        """Axes from which the facets' tangents are counted in space, (n_facets, dim).
+    def normals(self) -> ndarray:
+        """Unit normals at the nodes, means of those of the facets there by area, shape (n_nodes, dim)."""
+        m, k = self.facets.shape
+        normal = self.at(np.repeat(np.arange(m), k), np.tile(self.shape.nodes, (m, 1)), self.nodes).normal
+        total = np.zeros(self.nodes.shape)
+        np.add.at(total, self.facets.ravel(), normal * np.repeat(self.area, k)[:, None])
+        return unit(total)
 
-        It is the one that lies most nearly along the surface; facets that it is normal to have another one.
-        """
+    @cached_property
+    def directions(self) -> ndarray:
+        """Axes most nearly along the surface, for the facets' tangents in space; another one where this is normal."""
         squares = self.centres.normal**2
         axis = np.argmin(np.round(self.area @ squares / self.area.sum(), 6))
         return np.eye(self.dim)[np.where(squares[:, axis] > _NORMAL, np.argmin(np.round(squares, 6), axis=1), axis)]
 
     @cached_property
     def at_rim(self) -> ndarray:
-        """Sides of the facets without a neighbour, (n_facets, n_sides)."""
+        """Sides of the facets without a neighbour, shape (n_facets, n_sides)."""
         return self.neighbours < 0
 
     @cached_property
     def reach(self) -> ndarray:
-        """How far the facets go on beyond their sides in local coordinates, (n_facets, n_sides): only at the rim."""
+        """Extension of the facets beyond the rim in local coordinates, shape (n_facets, n_sides)."""
         return 2.0 * self.extension * self.at_rim
 
     @cached_property
     def rank(self) -> ndarray:
-        """Which of the facets at a side a point there belongs to, (n_facets, n_sides): the one of the largest.
-
-        In the plane it is the one before, in space the one of the lowest number.
-        """
+        """Ranks of the facets at a side, shape (n_facets, n_sides): a point at a joint belongs to the larger one."""
         if self.dim == 2:
             return np.tile([0.0, 1.0], (len(self.facets), 1))
         m, sides = self.neighbours.shape
         return np.repeat(1.0 - np.arange(m)[:, None] / m, sides, axis=1)
 
     def facing(self, slave: Surface) -> Surface:
-        """The surface as a slave meets it: off its rim it goes on for a share of the slave's facets, if smaller.
-
-        The table of a single facet does not reach farther beyond its edge than one of many facets.
-        """
+        """Return the surface extended off its rim by a share of the slave's facets, or of its own if smaller."""
         if self.closed:
             return self
         last = float(self.size[self.at_rim.any(axis=1)].max())
         return replace(self, extension=EXTENSION * min(1.0, slave.spacing / last))
 
     def positions(self, x: ndarray | None, origin: ndarray | float = 0.0) -> ndarray:
-        """Coordinates of the nodes at the displacements x, None for none, seen from an origin, (n_nodes, dim)."""
-        moved = 0.0 if x is None else np.where(self.dofs >= 0, x.take(self.dofs), 0.0)
+        """Return the coordinates of the nodes at displacements x or None, from an origin, shape (n_nodes, dim)."""
+        if x is None:
+            return np.asarray(self.nodes - origin + 0.0)
+        if self.fields:
+            raise ValueError(f"the dofs of '{self.name}' are not numbered yet: use the pair that the model holds")
+        moved = np.where(self.dofs >= 0, x.take(self.dofs), 0.0)
+        if self.arms is not None and self.rotations is not None:
+            turns = np.where(self.rotations >= 0, x.take(self.rotations), 0.0)
+            moved += np.einsum("ncq,nq->nc", self.arms, turns)
         return np.asarray(self.nodes - origin + moved)
 
     def at(self, facet: ndarray, xi: ndarray, nodes: ndarray, derivatives: int = 1) -> Place:
-        """Points given by facet, (n,), and local coordinates, (n, dim - 1), where the nodes are now."""
+        """Return points given by facet, shape (n,), and local coordinates, shape (n, dim - 1), at present nodes."""
         shapes = self.shape.at(facet, xi, derivatives)
         places = nodes[self.facets[facet]]
         return Place(shapes, [np.einsum("n...k,nkc->n...c", M, places) for M in shapes])
 
     def density(self, facet: ndarray, xi: ndarray) -> ndarray:
-        """Area of a unit of the local coordinates in the reference configuration, (n,)."""
+        """Return the area of a unit of the local coordinates in the reference configuration, shape (n,)."""
         return np.asarray(np.linalg.norm(across(self.at(facet, xi, self.nodes).x[1]), axis=1))
-
-
-@lru_cache
-def gauss_points(n: int) -> tuple[ndarray, ndarray]:
-    """Gauss points from -1 to 1 and their weights; pieces of facets ask for them in every iteration."""
-    t, w = np.polynomial.legendre.leggauss(n)
-    t.flags.writeable = w.flags.writeable = False
-    return t, w
-
-
-def rule(shape: Shape, n: int) -> tuple[ndarray, ndarray]:
-    """Points (q, dim - 1) and weights, all positive, of a rule with n Gauss points a direction.
-
-    It is exact to the degree 2n - 1; on triangles to 2n - 2, that of two shape functions' product: rules of the degrees
-    3 and 7 have points of negative area.
-    """
-    t, w = gauss_points(n)
-    if shape.dim == 1:
-        return t[:, None], w
-    if shape.triangular:
-        from skfem.quadrature import get_quadrature
-        from skfem.refdom import RefTri
-
-        points, weights = get_quadrature(RefTri, max(1, 2 * n - 2))
-        return points.T, weights
-    return np.stack(np.meshgrid(t, t, indexing="ij"), axis=-1).reshape(-1, 2), np.outer(w, w).ravel()
-
-
-def _outward(p: ndarray, t: ndarray, corners: ndarray, element: ndarray) -> ndarray:
-    """Turn every facet so that its element's centroid lies inside (nothing else tells its side)."""
-    x = p[:, corners].transpose(2, 1, 0)  # (n, corners, dim)
-    inward = p[:, t[:, element]].mean(axis=1).T - x[:, 0]
-    tangents = x[:, [1]] - x[:, [0]] if len(p) == 2 else np.stack((x[:, 1] - x[:, 0], x[:, -1] - x[:, 0]), axis=1)
-    inside_out = np.einsum("nc,nc->n", across(tangents), inward) > 0
-    return np.where(inside_out, corners[::-1], corners)
-
-
-def _unknowns(basis: CellBasis, facets: ndarray, corners: ndarray) -> ndarray:
-    """Displacement unknowns of the facets' nodes, (n_facets, k, dim): corners, edges in space, the facet itself."""
-    mesh, dim = basis.mesh, basis.mesh.dim()
-    dofs = [basis.nodal_dofs[:, corners]]
-    if dim == 3 and len(basis.edge_dofs):
-        n = np.int64(mesh.p.shape[1])
-        ends = np.sort(np.stack((corners, np.roll(corners, -1, axis=0))), axis=0)
-        key = mesh.edges.min(axis=0) * n + mesh.edges.max(axis=0)
-        order = np.argsort(key)
-        edge = order[np.searchsorted(key[order], ends[0] * n + ends[1])]
-        dofs.append(basis.edge_dofs[:dim, edge])
-    if basis.facet_dofs is not None and len(basis.facet_dofs):
-        dofs.append(basis.facet_dofs[:dim, facets][:, None])
-    return np.asarray(np.concatenate(dofs, axis=1).transpose(2, 1, 0))

@@ -9,29 +9,29 @@ _NORMAL = 1e-3
 
 
 def unit(vectors: ndarray) -> ndarray:
-    """Vectors, (..., dim), of length one."""
+    """Return vectors, shape (..., dim), of length one."""
     return np.asarray(vectors / np.sqrt(np.einsum("...c,...c->...", vectors, vectors))[..., None])
 
 
 def dot(u: ndarray, v: ndarray) -> ndarray:
-    """Products of vectors, (n, dim), point by point."""
+    """Return products of vectors, shape (n, dim), point by point."""
     return np.asarray(np.einsum("nc,nc->n", u, v))
 
 
 def outer(u: ndarray, v: ndarray) -> ndarray:
-    """Dyads, (n, i, j), of vectors (n, i) and (n, j)."""
+    """Return dyads, shape (n, i, j), of vectors (n, i) and (n, j)."""
     return np.asarray(u[:, :, None] * v[:, None, :])
 
 
 def across(tangents: ndarray) -> ndarray:
-    """Normals of tangents, (n, dim - 1, dim): the one turned by +90 degrees, or the product of two."""
+    """Return normals of tangents: one turned by +90 degrees, or the cross product of two."""
     if tangents.shape[1] == 1:
         return np.asarray(tangents[:, 0, ::-1] * (-1.0, 1.0))
     return np.cross(tangents[:, 0], tangents[:, 1])
 
 
 def askew(direction: ndarray, normal: ndarray) -> ndarray:
-    """Directions, (n, 3); where they are normal, as of a side on a floor, the axis that is least so."""
+    """Return directions, shape (n, 3), replaced where they are normal by the axis that is least so."""
     aside = np.real(direction - dot(direction, normal)[:, None] * normal)
     lost = np.einsum("nc,nc->n", aside, aside) <= _NORMAL**2 * np.einsum("nc,nc->n", direction.real, direction.real)
     if not lost.any():
@@ -40,7 +40,7 @@ def askew(direction: ndarray, normal: ndarray) -> ndarray:
 
 
 def frame(normal: ndarray, direction: ndarray) -> ndarray:
-    """Orthonormal tangents, (n, dim - 1, dim): in space one along a direction, (n, 3), and the one across it."""
+    """Return orthonormal tangents, shape (n, dim - 1, dim): in space the first along a direction, shape (n, 3)."""
     if normal.shape[1] == 2:
         return np.asarray((normal[:, ::-1] * (1.0, -1.0))[:, None])
     direction = askew(direction, normal)
@@ -49,19 +49,19 @@ def frame(normal: ndarray, direction: ndarray) -> ndarray:
 
 
 def products(a: ndarray, b: ndarray) -> ndarray:
-    """Products of vectors with vectors, (n, i, j), of (n, i, dim) and (n, j, dim)."""
+    """Return products of vectors, shape (n, i, j), of (n, i, dim) and (n, j, dim)."""
     return np.asarray(a @ b.transpose(0, 2, 1))
 
 
 def determinant(A: ndarray) -> ndarray:
-    """Determinants of matrices of one or two rows."""
+    """Return determinants of matrices of one or two rows."""
     if A.shape[1] == 1:
         return np.asarray(A[:, 0, 0])
     return np.asarray(A[:, 0, 0] * A[:, 1, 1] - A[:, 0, 1] * A[:, 1, 0])
 
 
 def inverse(A: ndarray) -> ndarray:
-    """Inverses of matrices of one or two rows."""
+    """Return inverses of matrices of one or two rows."""
     if A.shape[1] == 1:
         return np.asarray(1.0 / A)
     adjugate = np.stack((A[:, 1, 1], -A[:, 0, 1], -A[:, 1, 0], A[:, 0, 0]), axis=1).reshape(A.shape)
@@ -69,17 +69,17 @@ def inverse(A: ndarray) -> ndarray:
 
 
 def solve(A: ndarray, b: ndarray) -> ndarray:
-    """Solutions, (n, i), of systems of one or two equations."""
+    """Return solutions, shape (n, i), of systems of one or two equations."""
     return np.asarray((inverse(A) @ b[:, :, None])[:, :, 0])
 
 
 def lift(factors: ndarray, vectors: ndarray) -> ndarray:
-    """``A^T v`` for operators that act node by node: (n, i, nodes) or (n, 1, nodes) and (n, i, dim) or (n, 1, dim)."""
+    """Return ``A^T v`` for operators (n, i, nodes) or (n, 1, nodes) that act node by node, v likewise."""
     product = factors[:, :, :, None] * vectors[:, :, None, :]
     return np.asarray(product.reshape(*product.shape[:2], product.shape[2] * product.shape[3]))
 
 
 def spread(factors: ndarray, operator: ndarray) -> ndarray:
-    """``A^T B`` for an operator A that acts node by node: (n, nodes) and (n, dim, m) give (n, dim nodes, m)."""
+    """Return ``A^T B`` for A that acts node by node: (n, nodes) and (n, dim, m) give (n, dim nodes, m)."""
     product = factors[:, :, None, None] * operator[:, None]
     return np.asarray(product.reshape(len(factors), factors.shape[1] * operator.shape[1], operator.shape[2]))

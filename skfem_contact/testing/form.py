@@ -1,4 +1,5 @@
 """Check of a form."""
+
 from __future__ import annotations
 
 from itertools import combinations
@@ -11,47 +12,40 @@ from scipy.sparse import csr_matrix
 from ..errors import Remark
 from ..forms.base import Form, Response, as_forms
 from ..forms.states import arrays_of
-from .tools import EXACT, STEP, differences, largest_error, require, same_twice
+from .laws import EXACT, STEP, differences, largest_error, require, same_twice
 
 
 def check_form(form: Any, x: ndarray, state: Any, locations: ndarray | None = None, tolerance: float = 1e-6,
                directions: int = 5, seed: int = 0) -> float:
     """Check a form at some displacements from an accepted state.
 
-    Its answer is the same twice and leaves the arguments alone; state and tangent are not computed before they are
-    asked for; the tangent is that of central differences, and symmetric if the form has an attribute `symmetric` that
-    says so; the candidate state at the same displacements gives the same force; ``outer``, ``summary`` and
-    ``remarks`` answer as they should. For forms between bodies that stand on nothing else, forces and moments
-    balance and rigid motions meet no resistance.
+    A second call returns the same, and arguments do not change.  State and tangent are evaluated lazily.  The tangent
+    agrees with central differences, and is symmetric if `form.symmetric` is True.  The candidate state gives the same
+    force at the same displacements.  ``outer``, ``summary`` and ``remarks`` return the right types.  With `locations`,
+    forces and moments balance and rigid motions meet no resistance.
 
     Parameters
     ----------
     form
         The form.
     x
-        Displacements, (N,), best random ones: the check shows nothing where nothing happens.
+        Displacements, (N,), best random ones.
     state
         An accepted state, such as ``form.initial_state()``.
     locations
-        Places of the unknowns, ``basis.doflocs``, if action and reaction are both forces of this form: not for
-        rigid obstacles and other supports. Forms of small strains balance in the undeformed configuration,
-        others in the displaced one: either will do.
+        Coordinates of the dofs, ``basis.doflocs``, if action and reaction are both forces of this form: not for rigid
+        obstacles and other supports.  Balance in either the undeformed or the displaced configuration is enough.
     tolerance
         Error of the tangent, relative to the largest difference.
     directions
-        Number of random directions in which the tangent is tried.
+        Number of random directions of the differences.
     seed
-        Of the random numbers.
+        Seed of the random numbers.
 
     Returns
     -------
     float
         Largest error of the tangent.
-
-    Raises
-    ------
-    CheckFailed
-        With what is violated.
 
     Examples
     --------
@@ -61,7 +55,7 @@ def check_form(form: Any, x: ndarray, state: Any, locations: ndarray | None = No
     >>> basis = Basis(MeshQuad().refined(2), ElementVector(ElementQuad1()), intorder=2)
     >>> form = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=.3))
     >>> x = 1e-3 * np.random.default_rng(0).standard_normal(basis.N)
-    >>> sc.check_form(form, x, form.initial_state(), basis.doflocs) < 1e-8
+    >>> sc.testing.check_form(form, x, form.initial_state(), basis.doflocs) < 1e-8
     True
     """
     rng = np.random.default_rng(seed)
@@ -69,14 +63,14 @@ def check_form(form: Any, x: ndarray, state: Any, locations: ndarray | None = No
     first = form.assemble(x, state)
     for name in ("state", "stiffness"):
         eager = isinstance(first, Response) and name in vars(first)
-        require(not eager, f"the {name} is computed before it is asked for")
-    out = same_twice(lambda: _answers(form.assemble(x, state)), (x, *arrays_of(state).values()), "form.assemble")
+        require(not eager, f"the {name} is computed before its first access")
+    out = same_twice(lambda: _arrays(form.assemble(x, state)), (x, *arrays_of(state).values()), "form.assemble")
     force, K = np.asarray(out[0]), cast(Any, first.stiffness)
     require(isinstance(K, csr_matrix) and K.shape == (len(x), len(x)), "the stiffness is no csr_matrix (N, N)")
     require(force.shape == x.shape and np.isfinite(force).all() and np.isfinite(K.data).all(),
              "the force is no (N,), or not finite")
     if form.symmetric:
-        require(abs(K - K.T).max() <= EXACT * abs(K).max(), "the form says `symmetric`, and its tangent is not")
+        require(abs(K - K.T).max() <= EXACT * abs(K).max(), "`symmetric` is True, but the tangent is not symmetric")
     scale = max(float(np.abs(force).max()), 1e-300)
     accepted = form.assemble(x, first.state)
     require(np.abs(accepted.force - force).max() <= 1e-7 * scale, "the accepted candidate gives another force")
@@ -91,22 +85,22 @@ def check_form(form: Any, x: ndarray, state: Any, locations: ndarray | None = No
     return error
 
 
-def _answers(response: Response) -> tuple[ndarray, ...]:
+def _arrays(response: Response) -> tuple[ndarray, ...]:
     return (response.force, response.stiffness.data, *arrays_of(response.state).values())
 
 
 def _check_balance(force: ndarray, K: Any, x: ndarray, locations: ndarray) -> None:
-    """No resultant, no moment, and no resistance to rigid motions."""
+    """Check that resultant, moment and stiffness of rigid motions vanish."""
     dim = len(locations)
-    f, places = force.reshape(-1, dim), locations[:, ::dim].T
-    arms = max(float(np.ptp(places)), 1e-300)
+    f, points = force.reshape(-1, dim), locations[:, ::dim].T
+    arms = max(float(np.ptp(points)), 1e-300)
     require(np.abs(f.sum(axis=0)).max() <= 1e-8 * np.abs(f).sum(), "the forces do not balance")
     shift = np.tile(np.eye(dim), len(f))
     stiffness = max(float(abs(K).max()), 1e-300)
     require(np.abs(K @ shift.T).max() <= 1e-8 * stiffness, "a rigid shift meets resistance")
     moments, resistances = [], []
     turns = [np.outer(b, a) - np.outer(a, b) for a, b in combinations(np.eye(dim), 2)]
-    for configuration, follows in ((places, 0.0), (places + x.reshape(-1, dim), 1.0)):
+    for configuration, follows in ((points, 0.0), (points + x.reshape(-1, dim), 1.0)):
         p = configuration - configuration.mean(axis=0)
         spins = [p @ turn.T for turn in turns]
         moments.append(max(abs((spin * f).sum()) for spin in spins) / (np.abs(f).sum() * arms + 1e-300))

@@ -1,16 +1,18 @@
 """Where water leaves the ground: faces that none enters, and whether a mesh and a stage can show what leaves."""
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from copy import copy
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix
+from typing_extensions import override
 
 from ..errors import Remark, names_of
 from ..forms.base import Form, Response
+from ..layout import Field
 from .conditions import Given
 
 if TYPE_CHECKING:
@@ -32,7 +34,7 @@ class SeepageFace(Form):
 
     The condition of contact, with the pressure for the gap: at the nodes flows
     :math:`c \langle p_0 + p \rangle`, with the pressure :math:`p_0` at the beginning and the excess p of
-    :class:`PoreWater`. Where unknowns are held, those under a level for instance, it says nothing.
+    :class:`PoreWater`. Where dofs are held, those under a level for instance, it has no effect.
 
     Parameters
     ----------
@@ -46,7 +48,7 @@ class SeepageFace(Form):
     Raises
     ------
     ValueError
-        As :meth:`PoreWater.unknowns`; pressures that are not finite.
+        As :meth:`PoreWater.dofs`; pressures that are not finite.
 
     Examples
     --------
@@ -59,26 +61,49 @@ class SeepageFace(Form):
     >>> basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
     >>> pores = sc.PoreWater(basis, permeability=1e-4, unit_weight=10.)
     >>> forms = {"clay": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.)), "water": pores,
-    ...          "face": sc.SeepageFace(pores, "top", 0.)}
+    ...          "face": sc.water.SeepageFace(pores, "top", 0.)}
     >>> load = sc.traction(basis, "top", (0., -100.))
     >>> stages = [sc.Stage("load", load, duration=100.), sc.Stage("unload", 0 * load, duration=100.)]
-    >>> result = sc.run(forms, stages, sc.box_supports(basis, base="rollers"))
+    >>> result = sc.Model(forms, sc.box_supports(basis, base="rollers")).run(stages)
     >>> top = basis.get_dofs("top").all("u^2")
     >>> [round(float(stage.x[top].mean()), 4) for stage in result]
     [-0.01, -0.01]
     """
 
     symmetric, second_order, unilateral = True, True, True
+    _at: ndarray
 
     def __init__(self, water: PoreWater, boundaries: str | Collection[str], pressure: Given = 0.0) -> None:
-        names = names_of(boundaries)
-        self.joins = self._at = water.unknowns(*names) if names else np.zeros(0, int)
-        self._limit = -water.prescribed(dict.fromkeys(names, pressure))[self._at]
-        self._conductance = _OPEN * water.porous.conductance[self._at - water.first]
-        self._duration = 0.0
+        self._water, names = water, names_of(boundaries)
+        self.size, self.borrowed = water.porous.basis.N, water.fields
+        self._vertices = water.dofs(*names).indices if names else np.zeros(0, int)
+        self._limit = -water.at_boundaries(dict.fromkeys(names, pressure))[self._vertices]
+        self._conductance, self._duration = np.zeros(0), 0.0
 
     def __repr__(self) -> str:
-        return f"<SeepageFace {len(self._at)} nodes>"
+        return f"<SeepageFace {len(self._vertices)} nodes>"
+
+    @override
+    def completed(self, forms: Mapping[str, Form]) -> SeepageFace:
+        return self._in(self._water.completed(forms))
+
+    @override
+    def continues(self, old: Form) -> SeepageFace:
+        super().continues(old)
+        return self._in(old._water)  # type: ignore[attr-defined]
+
+    def _in(self, water: PoreWater) -> SeepageFace:
+        """Return the face with the conductance of its ground."""
+        new = copy(self)
+        new._water, new._conductance = water, _OPEN * water.porous.conductance[self._vertices]
+        return new
+
+    @override
+    def numbered(self, numbers: Mapping[Field, ndarray]) -> SeepageFace:
+        new = copy(self)
+        new.joins = new._at = numbers[self.borrowed[0]][self._vertices]
+        new.size = None
+        return new
 
     def over(self, duration: float) -> SeepageFace:
         """The form of a step in time."""
@@ -158,7 +183,7 @@ def _check_determined(water: PoreWater, fixed: ndarray, drained: ndarray) -> Non
     thrust[fixed[fixed < basis.N]] = 0.0
     if thrust.max() <= _RIGID * max(whole, by_element):
         raise ValueError("the pore pressure is not determined: nothing is drained, the water cannot be compressed, and "
-                         "the ground can neither grow nor shrink; hold a pressure, `fixed` with water.unknowns(...), "
+                         "the ground can neither grow nor shrink; hold a pressure, `fixed` with water.dofs(...), "
                          "or give a storage")
 
 

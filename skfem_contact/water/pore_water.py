@@ -1,7 +1,7 @@
 """Consolidation: ground that deforms with the water in its pores (M. A. Biot 1941)."""
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import replace
 from functools import cached_property
@@ -10,16 +10,16 @@ import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix, diags_array
 from skfem import CellBasis
+from typing_extensions import override
 
 from ..errors import Remark, check_basis, check_quadrature
 from ..forms.base import Form, Response
-from ..forms.strain import StrainOperator, plane_strain
-from ..layout import Field, elements_of, first_behind, nodes
+from ..layout import Field, FieldDofs, elements_of, nodes
 from ..sparse import with_data
 from .conditions import Given, nodes_on, values_at
 from .darcy import Permeability, permeability_tensors, regions
 from .drainage import drainage_remarks
-from .porous import PoreState, Porous, Surroundings
+from .porous import PRESSURE, PoreState, Porous, Surroundings
 
 #: Water out of balance is measured by what nodes store in a step, or by this share of what flows in and out of them: at
 #: the usual tolerance that is 1e-14, its round-off in ground a small part of which is 1e8 times as permeable.
@@ -35,9 +35,9 @@ class PoreWater(Form):
               \operatorname{div} \dot u + S\, \dot p = \operatorname{div}\left(\frac{k}{\gamma_w} \nabla p\right) .
 
     The pressure counts from that of the water at the beginning, which is part of the load (:func:`water_load`): from
-    hydrostatic pressure or steady seepage. It is a field of unknowns behind the displacements, linear between the
-    vertices of the mesh, and held like a displacement: :meth:`unknowns` among the fixed ones is drained, and
-    :meth:`prescribed` changes a level with a stage. Every stage needs a ``duration``; its steps are of second order in
+    hydrostatic pressure or steady seepage. It is a field of dofs besides the displacements, linear between the
+    vertices of the mesh, and held like a displacement: fixed :meth:`dofs` are drained, and :meth:`prescribed` changes
+    a level with a stage. Every stage needs a ``duration``; its steps are of second order in
     time, and as short as `time_error` asks for. In a search for a collapse the pressures stay as they are.
 
     Parameters
@@ -52,8 +52,6 @@ class PoreWater(Form):
     storage
         Compressibility of the water, its porosity over its bulk modulus (1 / stress), not negative; one for all ground
         or by subdomain.
-    strain
-        As of the solids: :func:`plane_strain`, :func:`b_bar`, :func:`axisymmetric` or :func:`three_dimensional`.
     time_error
         Error of a step in time that is allowed, estimated by a method of first order, as a share of the water that the
         pressures can press out. Of Terzaghi's settlement 0.13 % is then wrong at most.
@@ -61,8 +59,6 @@ class PoreWater(Form):
         Pairs of boundaries of bodies that share no nodes, closed or open, through which water passes freely, as in
         :func:`seepage`. It presses on both sides, so that contact there carries the effective stress. Other joints are
         tight, and contact there carries the water's pressure as well.
-    after
-        A form whose unknowns come before these.
 
     Raises
     ------
@@ -73,6 +69,9 @@ class PoreWater(Form):
 
     Notes
     -----
+    Strain measure and coordinates are those of the solids. Methods that read a vector of all dofs belong to the form of
+    a model or a stage, ``stage.forms["water"]``, which knows its numbers.
+
     Quadratic displacements with these pressures are stable (Taylor and Hood). Linear ones are stabilised: changes of
     pressure that differ from their mean over an element store water, 1 / 2G a unit (P. B. Bochev and C. R. Dohrmann
     2006).
@@ -88,25 +87,23 @@ class PoreWater(Form):
     >>> basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
     >>> forms = {"clay": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.)),
     ...          "water": sc.PoreWater(basis, permeability=1e-4, unit_weight=10.)}      # c_v = 0.1
-    >>> fixed = np.hstack((sc.box_supports(basis, base="rollers"), forms["water"].unknowns("top")))
+    >>> fixed = [sc.box_supports(basis, base="rollers"), forms["water"].dofs("top")]
     >>> load = sc.traction(basis, "top", (0., -100.))
     >>> stages = [sc.Stage("load", load, duration=.02), sc.Stage("wait", load, duration=1.96)]
-    >>> result = sc.run(forms, stages, fixed)
+    >>> result = sc.Model(forms, fixed).run(stages)
     >>> settlement = -result["wait"].x[basis.get_dofs("top").all("u^2")] / .01
     >>> bool(abs(settlement - .5).max() < .003)
     True
     """
 
     symmetric, second_order = True, True
-    size: int
-    carries: ndarray
+    _numbers: ndarray | None = None
     capacity: ndarray
     _step: csr_matrix
 
     def __init__(self, basis: CellBasis, permeability: Permeability | Mapping[str, Permeability], *,
                  unit_weight: float, storage: float | Mapping[str, float] = 0.0,
-                 strain: Callable[[CellBasis], StrainOperator] = plane_strain, time_error: float = 0.01,
-                 connected: Sequence[tuple[str, str]] = (), after: Form | None = None) -> None:
+                 time_error: float = 0.01, connected: Sequence[tuple[str, str]] = ()) -> None:
         check_basis(basis)
         check_quadrature(basis)
         for what, value in (("unit weight of water", unit_weight), ("error in time", time_error)):
@@ -118,29 +115,35 @@ class PoreWater(Form):
             if not 0.0 <= value < np.inf:
                 raise ValueError(f"the storage must be finite and not negative, not {value!r}")
             self.storage[part] = value
-        self.porous = Porous.of(basis, strain, self.mobility, connected)
+        self._connected, usual = tuple(connected), ("full", "plane" if basis.mesh.dim() == 2 else "space")
+        self.porous = Porous.of(basis, usual, self.mobility, connected)
         self.unit_weight, self._time_error = unit_weight, time_error
         self.nodes, self.joins = (np.arange(basis.N), basis.doflocs), np.zeros(0, int)
-        self.first = first_behind(basis, after)
-        self._places = np.asarray(basis.mesh.p)[:, :self.porous.pressures.N]
-        self.size = self.first + self._places.shape[1]
-        self.carries = self.first + np.unique(self.porous.pressures.element_dofs)
-        self.fields = (Field("pore pressure", self._places, self.first, moves=False),)
+        self._vertices = np.unique(self.porous.pressures.element_dofs)
+        coordinates = np.asarray(basis.mesh.p)[:, :self.porous.pressures.N]
+        self.size, self.fields = int(basis.N), (Field(PRESSURE, coordinates, "pressure", shared=PRESSURE),)
         self.around: Surroundings | None = None
         self._duration: float | None = None
 
     def __repr__(self) -> str:
-        return f"<PoreWater {self.porous.basis.nelems} elements, {len(self.carries)} pressures>"
+        return f"<PoreWater {self.porous.basis.nelems} elements, {len(self._vertices)} pressures>"
 
     @property
     def elements(self) -> ndarray:
         """Numbers of the porous elements in the mesh, (n_elements,)."""
         return elements_of(self.porous.basis)
 
-    # -- what a user asks ------------------------------------------------------------------------------------
+    @property
+    def first(self) -> int:
+        """First dof of the pressures."""
+        if self._numbers is None:
+            raise ValueError("the model numbers the pressures: take the water from model.forms or stage.forms")
+        return int(self._numbers[0])
 
-    def unknowns(self, *boundaries: str) -> ndarray:
-        """Layout of the pressures at the nodes of some boundaries, to be held; without any, all of them.
+    # -- questions of a user ---------------------------------------------------------------------------------
+
+    def dofs(self, *boundaries: str) -> FieldDofs:
+        """Return the pressures at the nodes of some boundaries, to be held; without any, all of them.
 
         A boundary may be drains inside of the ground, facets of the mesh by any name.
 
@@ -149,33 +152,40 @@ class PoreWater(Form):
         ValueError
             A boundary that does not exist, or without porous ground.
         """
-        if not boundaries:
-            return self.carries
-        return np.unique(np.concatenate([self._at(name) for name in boundaries]))
+        at = [self._at(name) for name in boundaries] or [self._vertices]
+        return FieldDofs(self.fields[0], np.unique(np.concatenate(at)))
 
     def prescribed(self, pressures: Mapping[str, Given]) -> ndarray:
-        """Excess pressures on boundaries, for :attr:`Stage.prescribed`, (N,), with zeros for all other unknowns.
+        """Return excess pressures on boundaries, for ``Stage.prescribed``, (N,), with zeros for all other dofs.
 
         Parameters
         ----------
         pressures
-            By boundary, a number or a function of places (dim, ...): where a level changes by dh, unit_weight * dh.
+            By boundary, a number or a function of coordinates (dim, ...): where a level changes by dh,
+            unit_weight * dh.
 
         Raises
         ------
         ValueError
-            As :meth:`unknowns`; values that are not finite.
+            As :meth:`dofs`; values that are not finite; water that no model has numbered.
         """
         values = np.zeros(self.size)
+        values[self.first:] = self.at_boundaries(pressures)
+        return values
+
+    def at_boundaries(self, pressures: Mapping[str, Given]) -> ndarray:
+        """Return pressures on boundaries at the vertices, (n_vertices,), zero elsewhere."""
+        coordinates = self.fields[0].coordinates
+        values = np.zeros(coordinates.shape[1])
         for name, given in pressures.items():
             at = self._at(name)
-            values[at] = values_at(given, self._places[:, at - self.first], f"pressure of boundary '{name}'")
+            values[at] = values_at(given, coordinates[:, at], f"pressure of boundary '{name}'")
         return values
 
     def pressure(self, x: ndarray) -> ndarray:
-        """Excess pore pressure at the vertices of the mesh, (n_vertices,); NaN where there is no porous ground."""
-        values = np.full(self._places.shape[1], np.nan)
-        values[self.carries - self.first] = x[self.carries]
+        """Return the excess pore pressure at the vertices of the mesh, (n_vertices,); NaN without porous ground."""
+        values = np.full(self.fields[0].n, np.nan)
+        values[self._vertices] = x[self.first + self._vertices]
         return values
 
     def pressure_at_nodes(self, x: ndarray) -> ndarray:
@@ -197,34 +207,40 @@ class PoreWater(Form):
         boundary
             Where; by default everywhere.
         """
-        return float((state.entered if boundary is None else state.entered[self._at(boundary) - self.first]).sum())
+        return float((state.entered if boundary is None else state.entered[self._at(boundary)]).sum())
 
     def volume(self, state: PoreState) -> float:
         """Water that the ground has more than when it became active: the growth of its pores, if water is rigid."""
         return float((state.stored - state.first).sum())
 
     def _at(self, boundary: str) -> ndarray:
-        return self.first + nodes_on(self.porous.pressures, boundary)
+        return nodes_on(self.porous.pressures, boundary)
 
-    # -- what an analysis asks -------------------------------------------------------------------------------
+    # -- questions of an analysis ----------------------------------------------------------------------------
 
     def completed(self, forms: Mapping[str, Form]) -> PoreWater:
-        """The form with the stiffness of the ground, by which pressures are scaled and stabilised."""
-        if self.around is not None:
-            return self
-        return self._among(Surroundings.of(self.porous.basis, self.carries, forms))
+        """Return the form with the stiffness of the ground, by which pressures are scaled and stabilised."""
+        return self if self.around is not None else self._among(Surroundings.of(self.porous.basis, forms))
+
+    @override
+    def numbered(self, numbers: Mapping[Field, ndarray]) -> PoreWater:
+        new = copy(self)
+        new._numbers = numbers[self.fields[0]]
+        new.size, new.carries = int(new._numbers[-1]) + 1, new._numbers[self._vertices]
+        return new
 
     def continues(self, old: Form) -> PoreWater:
         """The form in the place of one of the same ground, from whose pressures it goes on."""
-        if not isinstance(old, PoreWater) or not np.array_equal(old.carries, self.carries):
+        if not isinstance(old, PoreWater) or not np.array_equal(old._vertices, self._vertices):
             raise ValueError("its elements are others")
         return self if old.around is None else self._among(old.around)
 
     def _among(self, around: Surroundings) -> PoreWater:
         """The form, complete."""
         new, basis = copy(self), self.porous.basis
-        new.around = around
-        new.capacity = self.porous.at_nodes(1.0 / around.modulus + self.storage)
+        new.around, new.coordinates = around, around.measure[1]  # type: ignore[assignment]
+        new.porous = Porous.of(basis, around.measure, self.mobility, self._connected)
+        new.capacity = new.porous.at_nodes(1.0 / around.modulus + self.storage)
         size = basis.dx.sum(axis=1) ** (1.0 / basis.mesh.dim())
         new.fields = (replace(self.fields[0], scale=float(around.modulus.mean() / size.mean())),)
         return new
@@ -264,7 +280,7 @@ class PoreWater(Form):
 
     def initial_state(self, x: ndarray | None = None) -> PoreState:
         """Undeformed ground without excess pressure, or ground that becomes active at some displacements."""
-        zero = np.zeros(len(self._places.T))
+        zero = np.zeros(self.fields[0].n)
         if x is None:
             return PoreState(zero, zero, zero, zero)
         stored = -(self._kept @ x)[self.first:]
@@ -319,5 +335,5 @@ class PoreWater(Form):
 
     def summary(self, state: PoreState) -> str:
         """Range of the pressures, and water that has left the ground, for the table of a result."""
-        p = state.pressure[self.carries - self.first]
+        p = state.pressure[self._vertices]
         return f"excess pressure {p.min():.4g} to {p.max():.4g}, {-self.volume(state):.4g} of water pressed out"

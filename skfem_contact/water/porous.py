@@ -1,7 +1,7 @@
 """Ground with water in its pores: what pressures do to its elements, what these store, and what flows through them."""
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -13,10 +13,12 @@ from skfem import CellBasis
 from ..errors import place
 from ..forms.base import Form
 from ..forms.solid import SolidForm
-from ..forms.strain import StrainOperator, axisymmetric
+from ..forms.strain import strain_operator
 from ..layout import elements_of, linear_element
-from ..materials import Undrained
 from .conditions import open_joints, pressed
+
+#: Name under which all ground shares the field of its pore pressures.
+PRESSURE = "pore pressure"
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,14 +58,14 @@ class Porous:
     open: ndarray
 
     @classmethod
-    def of(cls, basis: CellBasis, strain: Callable[[CellBasis], StrainOperator], mobility: ndarray,
-           joints: Sequence[tuple[str, str]] = ()) -> Porous:
-        """Matrices from a measure of strain and the permeability over the unit weight of water, (n_elements, d, d).
+    def of(cls, basis: CellBasis, measure: tuple[str, str], mobility: ndarray, joints: Sequence[tuple[str, str]] = ()
+           ) -> Porous:
+        """Integrate the matrices: strain measure and coordinates, permeability over unit weight of water (n_elements, d, d).
 
         Water in joints presses on their sides, and what they open by it fills.
         """
         pressures = basis.with_element(linear_element(basis.mesh))
-        B, weight = strain(basis)
+        B, weight = strain_operator(basis, *measure)
         shapes = [pressures.basis[j][0] for j in range(pressures.Nbfun)]
         N = np.stack([np.broadcast_to(np.asarray(shape), weight.shape) for shape in shapes])
         gradients = np.stack([np.asarray(shape.grad) for shape in shapes])
@@ -74,7 +76,7 @@ class Porous:
         flow = np.einsum("ikeq,ekl,jleq,eq->eij", gradients, mobility, gradients, weight, optimize=True)
         conductance = _at_nodes(pressures, np.einsum("eii->ei", flow))
         across, sides = open_joints(pressures, joints, conductance)
-        coupling = coupling - pressed(basis, pressures, sides, strain is axisymmetric)
+        coupling = coupling - pressed(basis, pressures, sides, measure[1] == "axisymmetric")
         return cls(basis, pressures, coupling, mass, spread, flow, conductance, across,
                    np.unique(basis.mesh.facets[:, sides]))
 
@@ -117,34 +119,44 @@ class Surroundings(NamedTuple):
         Whether water leaves through another form.
     touching
         Displacements that contact acts on, by its name.
+    measure
+        Strain measure and coordinates of the solids.
     """
 
     modulus: ndarray
     shear: ndarray
     leaks: bool
     touching: Mapping[str, ndarray]
+    measure: tuple[str, str]
 
     @classmethod
-    def of(cls, basis: CellBasis, carries: ndarray, forms: Mapping[str, Form]) -> Surroundings:
-        """From the forms around the ground of a basis and its unknown pressures; all of it must belong to solids."""
+    def of(cls, basis: CellBasis, forms: Mapping[str, Form]) -> Surroundings:
+        """Collect the forms around the ground of a basis, all of which must belong to solids."""
         mesh, here = basis.mesh, elements_of(basis)
         modulus, shear = np.full((2, mesh.nelements), np.nan)
+        measures = set()
         for name, form in forms.items():
             for region in form.regions if isinstance(form, SolidForm) else ():
                 elements = form.elements[region.elements]
+                if np.isin(elements, here).any():
+                    measures.add((form.strain, form.coordinates))
                 D = region.material.elasticity(4 if mesh.dim() == 2 else 6)
                 modulus[elements], shear[elements] = D[..., 0, 0], D[..., 3, 3]
-                if isinstance(region.material, Undrained) and np.isin(elements, here).any():
+                if region.material.undrained and np.isin(elements, here).any():
                     raise ValueError(f"region '{region.name}' of '{name}' is Undrained and has PoreWater too: its "
-                                     f"water would count twice; give its soil alone, {region.material.soil!r}")
+                                     "water would count twice; give its soil alone")
         lost = here[np.isnan(modulus[here])]
         if len(lost):
             raise ValueError(f"there is PoreWater in {len(lost)} elements of no SolidForm, the first at "
                              f"{place(mesh.p[:, mesh.t[:, lost[0]]].mean(axis=1))}")
+        if len(measures) > 1:
+            raise ValueError(f"the solids of the porous ground have different strains, {sorted(measures)}: give all of "
+                             "them the same `strain`")
         joins = {name: form.joins for name, form in forms.items() if form.joins is not None}
         touching = {name: at for name, at in joins.items()
                     if forms[name].unilateral and np.isin(at, basis.element_dofs).any()}
-        return cls(modulus[here], shear[here], any(np.isin(at, carries).any() for at in joins.values()), touching)
+        leaks = any(field.shared == PRESSURE for form in forms.values() for field in form.borrowed)
+        return cls(modulus[here], shear[here], leaks, touching, measures.pop())
 
 
 @dataclass(frozen=True)

@@ -55,7 +55,7 @@ class Ramp:
     --------
     >>> import numpy as np
     >>> import skfem_contact as sc
-    >>> sc.Ramp(width=1., least=.1).relative(np.array([-.5, 0., .5]), np.ones(3))[0]
+    >>> sc.water.Ramp(width=1., least=.1).relative(np.array([-.5, 0., .5]), np.ones(3))[0]
     array([1.  , 0.55, 0.1 ])
     """
 
@@ -106,7 +106,7 @@ class VanGenuchten:
     --------
     >>> import numpy as np
     >>> import skfem_contact as sc
-    >>> sand = sc.VanGenuchten(alpha=2., n=3.)
+    >>> sand = sc.water.VanGenuchten(alpha=2., n=3.)
     >>> sand.relative(np.array([-1., 0., .5]), np.ones(3))[0].round(4)
     array([1.    , 1.    , 0.1087])
     """

@@ -11,6 +11,8 @@ from pathlib import Path
 import numpy as np
 
 import skfem_contact as sc
+from skfem_contact.contact.interface import ContactState
+from skfem_contact.results import Result, StageResult
 
 from .frames import Frame, in_units, mirrored, shifted, turned
 from .model import HEIGHT, Model, build
@@ -32,7 +34,7 @@ def tolerance(scene: Scene) -> float:
 
 
 def of_result(
-    scene: Scene, model: Model, result: sc.Result, name: str, remarks: Sequence[str] = ()
+    scene: Scene, model: Model, result: Result, name: str, remarks: Sequence[str] = ()
 ) -> Iterator[Finding]:
     """The findings of one comparison; none where it says nothing, or the other analysis gives up and says so.
 
@@ -54,18 +56,18 @@ def of_result(
         yield Finding(name, stage.name, float(np.abs(x - stage.x).max() / size), tolerance(scene))
 
 
-def _broken(stage: sc.StageResult) -> bool:
+def _broken(stage: StageResult) -> bool:
     """Whether a point has lost its bond, of a law that has one."""
-    states = {name: state for name, state in stage.states.items() if isinstance(state, sc.ContactState)}
+    states = {name: state for name, state in stage.states.items() if isinstance(state, ContactState)}
     pairs = [(stage.forms[name].law, state) for name, state in states.items()]
     return any(isinstance(law, sc.Coulomb) and (law.adhesion > 0.0 or law.tension > 0.0) and bool(state.internal.any())
                for law, state in pairs)  # fmt: skip
 
 
-Pairs = list[tuple[sc.StageResult, np.ndarray]]
+Pairs = list[tuple[StageResult, np.ndarray]]
 
 
-def _same_increments(one: sc.Result, other: sc.Result) -> Iterator[tuple[sc.StageResult, sc.StageResult]]:
+def _same_increments(one: Result, other: Result) -> Iterator[tuple[StageResult, StageResult]]:
     """Stages up to the first one of which one analysis took other increments: friction follows another path there."""
     for a, b in zip(one, other):
         if len(a.iterations) != len(b.iterations):
@@ -73,15 +75,15 @@ def _same_increments(one: sc.Result, other: sc.Result) -> Iterator[tuple[sc.Stag
         yield a, b
 
 
-def _in_frame(frame: Frame) -> Callable[[Scene, Model, sc.Result], Pairs]:
-    def seen(scene: Scene, model: Model, result: sc.Result) -> Pairs:
+def _in_frame(frame: Frame) -> Callable[[Scene, Model, Result], Pairs]:
+    def seen(scene: Scene, model: Model, result: Result) -> Pairs:
         other = build(scene, frame).run()
         return [(a, frame.back(b.x)) for a, b in _same_increments(result, other)]
 
     return seen
 
 
-def _mirror(scene: Scene, model: Model, result: sc.Result) -> Pairs:
+def _mirror(scene: Scene, model: Model, result: Result) -> Pairs:
     if any(_at_joints(pair) for pair in model.forms.values() if isinstance(pair, sc.ContactPair)):
         return []
     if scene.quadrature == "segments" and scene.dim == 3:
@@ -94,26 +96,26 @@ def _at_joints(pair: sc.ContactPair) -> bool:
     return pair.master.shape.dim == 1 and bool((np.abs(pair.initial_state().position) > 0.99).any())
 
 
-def _rotation(scene: Scene, model: Model, result: sc.Result) -> Pairs:
+def _rotation(scene: Scene, model: Model, result: Result) -> Pairs:
     if scene.kind == "axisymmetric":
         return []
     return _in_frame(turned(scene.dim, 0.7))(scene, model, result)
 
 
-def _shift(scene: Scene, model: Model, result: sc.Result) -> Pairs:
+def _shift(scene: Scene, model: Model, result: Result) -> Pairs:
     shift = 30.0 * np.ones(scene.dim)
     if scene.kind == "axisymmetric":
         shift[0] = 0.0
     return _in_frame(shifted(scene.dim, shift))(scene, model, result)
 
 
-def _units(scene: Scene, model: Model, result: sc.Result) -> Pairs:
+def _units(scene: Scene, model: Model, result: Result) -> Pairs:
     return _in_frame(in_units(scene.dim, 1e3, 1e-3))(scene, model, result)
 
 
-def _saved(scene: Scene, model: Model, result: sc.Result) -> Pairs:
+def _saved(scene: Scene, model: Model, result: Result) -> Pairs:
     """Saved after the first stage, loaded, and continued."""
-    half = sc.Result(result.stages[:1])
+    half = Result(result.stages[:1])
     with tempfile.TemporaryDirectory() as folder:
         half.save(Path(folder, "half"))
         loaded = sc.load_result(Path(folder, "half"), model.forms)
@@ -121,7 +123,7 @@ def _saved(scene: Scene, model: Model, result: sc.Result) -> Pairs:
     return [(a, b.x) for a, b in _same_increments(result, other)]
 
 
-def _split(scene: Scene, model: Model, result: sc.Result) -> Pairs:
+def _split(scene: Scene, model: Model, result: Result) -> Pairs:
     """The first stage in two increments, or as two stages."""
     first = model.stages[0]
     x = None if first.prescribed is None else 0.5 * first.prescribed
@@ -133,7 +135,7 @@ def _split(scene: Scene, model: Model, result: sc.Result) -> Pairs:
     return [(once, both[-1].x)]
 
 
-def _path(scene: Scene, model: Model, result: sc.Result) -> Pairs:
+def _path(scene: Scene, model: Model, result: Result) -> Pairs:
     """Without friction and yielding the way does not matter: the first stage in three increments, or in one."""
     if not (scene.frictionless and scene.elastic and not scene.bonded and scene.built != "cap"):
         return []
@@ -142,7 +144,7 @@ def _path(scene: Scene, model: Model, result: sc.Result) -> Pairs:
     return [(one, three.x)]
 
 
-def _nothing(scene: Scene, model: Model, result: sc.Result) -> Pairs:
+def _nothing(scene: Scene, model: Model, result: Result) -> Pairs:
     """A stage that changes nothing."""
     other = model.run([sc.Stage("nothing", result[-1].load, result[-1].x)], start=result)
     return [(result[-1], other[-1].x)]

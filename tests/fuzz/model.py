@@ -25,6 +25,7 @@ from skfem import (
 )
 
 import skfem_contact as sc
+from skfem_contact.results import Result
 
 from .frames import Frame
 from .scenes import STRAIN, Scene
@@ -47,10 +48,10 @@ class Model:
     fixed: ndarray
     frame: Frame
 
-    def run(self, stages: Sequence[sc.Stage] | None = None, start: sc.Result | None = None) -> sc.Result:
+    def run(self, stages: Sequence[sc.Stage] | None = None, start: Result | None = None) -> Result:
         """The analysis, to a residual that the comparisons do not see."""
         newton = sc.Newton(tolerance=1e-10, max_iterations=25)
-        return sc.run(self.forms, list(stages or self.stages), self.fixed, start=start, newton=newton, progress=False)
+        return sc.Model(self.forms, self.fixed, newton=newton).run(list(stages or self.stages), start=start, progress=False)
 
 
 def build(scene: Scene, frame: Frame) -> Model:
@@ -125,8 +126,7 @@ def _basis(scene: Scene, mesh: Mesh) -> Basis:
 
 
 def _solids(scene: Scene, basis: Basis, frame: Frame) -> dict[str, sc.Form]:
-    strain = {"axisymmetric": sc.axisymmetric, "space": sc.three_dimensional, "plane": sc.plane_strain}[scene.kind]
-    solid = partial(sc.SolidForm, strain=sc.b_bar if scene.b_bar else strain)
+    solid = partial(sc.SolidForm, strain="b_bar" if scene.b_bar else "full", coordinates=scene.kind)
     stiff = sc.LinearElastic(E=scene.stiffer * MODULUS * frame.stress, nu=0.25)
     soil = _soil(scene, frame)
     parts = {"base": soil, "block": stiff, "cap": stiff, "pit": soil, "rest": soil}
@@ -158,7 +158,7 @@ def _contact(scene: Scene, basis: Basis, frame: Frame) -> dict[str, sc.Form]:
         options["axisymmetric"] = True
     names = ("base:top", "block:bottom") if scene.swapped else ("block:bottom", "base:top")
     if scene.both_ways:
-        forms = dict(sc.two_pass(basis, *names, law, **options))
+        forms = dict(sc.ContactPair.two_pass(basis, *names, law, **options))
     else:
         master = _floor(scene, frame) if scene.rigid else names[1]
         forms = {"joint": sc.ContactPair(basis, names[0], master, law, **options)}
@@ -172,7 +172,7 @@ def _floor(scene: Scene, frame: Frame):
     x = np.linspace(-0.5, 1.5, 6)
     points = frame.places(np.stack((x, interface(scene, x[None]))))
     mirror = np.linalg.det(frame.matrix) < 0.0
-    return sc.rigid_polyline((points[:, ::-1] if mirror else points).T)
+    return sc.rigid.polyline((points[:, ::-1] if mirror else points).T)
 
 
 # -- stages -------------------------------------------------------------------------------------------------------

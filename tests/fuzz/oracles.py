@@ -9,6 +9,8 @@ import numpy as np
 from numpy import ndarray
 
 import skfem_contact as sc
+from skfem_contact.contact.laws import Status
+from skfem_contact.results import Result, StageResult
 
 from .model import HEIGHT, Model
 from .scenes import Scene
@@ -40,7 +42,7 @@ _BEYOND = 0.06
 BALANCE = 1e-9
 
 
-def of_stage(scene: Scene, model: Model, result: sc.Result, k: int) -> Iterator[Finding]:
+def of_stage(scene: Scene, model: Model, result: Result, k: int) -> Iterator[Finding]:
     """Everything that must hold in a stage of a result by itself."""
     stage = result[k]
     for oracle in ORACLES:
@@ -51,7 +53,7 @@ def of_stage(scene: Scene, model: Model, result: sc.Result, k: int) -> Iterator[
 Errors = Iterator[tuple[float, float]]
 
 
-def equilibrium(scene: Scene, model: Model, stage: sc.StageResult, before: sc.StageResult | None) -> Errors:
+def equilibrium(scene: Scene, model: Model, stage: StageResult, before: StageResult | None) -> Errors:
     """Forces that are assembled again from the accepted states balance."""
     forces = [form.assemble(stage.x, stage.states[name]) for name, form in stage.forms.items()]
     left = stage.load - sum(answer.force for answer in forces)
@@ -63,7 +65,7 @@ def equilibrium(scene: Scene, model: Model, stage: sc.StageResult, before: sc.St
     yield np.linalg.norm(left) / largest, BALANCE + sum(answer.round_off for answer in forces) / largest
 
 
-def stresses(scene: Scene, model: Model, stage: sc.StageResult, before: sc.StageResult | None) -> Errors:
+def stresses(scene: Scene, model: Model, stage: StageResult, before: StageResult | None) -> Errors:
     """Internal forces are the integral of the stresses over the gradients of scikit-fem's shape functions."""
     for name, form in stage.forms.items():
         if isinstance(form, sc.SolidForm) and not scene.b_bar:
@@ -90,7 +92,7 @@ def _internal(scene: Scene, form: sc.SolidForm, stress: ndarray) -> ndarray:
     return force
 
 
-def action(scene: Scene, model: Model, stage: sc.StageResult, before: sc.StageResult | None) -> Errors:
+def action(scene: Scene, model: Model, stage: StageResult, before: StageResult | None) -> Errors:
     """Forces of contact between two bodies have no resultant, and no moment where the bodies are."""
     for name, pair in _pairs(stage):
         if (pair.facets.dofs < 0).any():
@@ -113,7 +115,7 @@ def _places(n: int, pair: sc.ContactPair, x: ndarray, dim: int) -> ndarray:
     return places
 
 
-def friction(scene: Scene, model: Model, stage: sc.StageResult, before: sc.StageResult | None) -> Errors:
+def friction(scene: Scene, model: Model, stage: StageResult, before: StageResult | None) -> Errors:
     """Shear lies within Coulomb's cone, and points that slip lie on it."""
     for name, pair in _pairs(stage):
         if not isinstance(pair.law, sc.Coulomb):
@@ -122,28 +124,28 @@ def friction(scene: Scene, model: Model, stage: sc.StageResult, before: sc.Stage
         shear = np.linalg.norm(state.traction[1:], axis=0)
         broken = (state.internal[0] if len(state.internal) else 0.0) != 0.0
         bears = np.where(broken, 0.0, pair.law.adhesion) + pair.law.mu * np.maximum(-state.traction[0], 0.0)
-        closed, largest = state.status != sc.Status.OPEN, np.abs(state.traction).max(initial=0.0) or 1.0
+        closed, largest = state.status != Status.OPEN, np.abs(state.traction).max(initial=0.0) or 1.0
         yield (shear - bears)[closed].max(initial=0.0) / largest, SAME
-        sliding = state.status == sc.Status.SLIP
+        sliding = state.status == Status.SLIP
         yield np.abs(shear - bears)[sliding].max(initial=0.0) / largest, SAME
 
 
-def complementarity(scene: Scene, model: Model, stage: sc.StageResult, before: sc.StageResult | None) -> Errors:
+def complementarity(scene: Scene, model: Model, stage: StageResult, before: StageResult | None) -> Errors:
     """Open points carry nothing; closed ones carry no more tension than they may; nothing is deep inside."""
     for name, pair in _pairs(stage):
         state = stage.states[name]
-        is_open = state.status == sc.Status.OPEN
+        is_open = state.status == Status.OPEN
         largest = np.abs(state.traction).max(initial=0.0) or 1.0
         yield np.abs(state.traction[:, is_open]).max(initial=0.0) / largest, 0.0
         if isinstance(pair.law, sc.Coulomb):
             yield (state.traction[0] - pair.law.tension)[~is_open].max(initial=0.0) / largest, SAME
             near = is_open & np.isfinite(state.gap) & (state.gap > -pair.interface.depth(pair.points(state)))
             closing = pair.points(state).at(state.multiplier[0]) / pair.penalties(state)[0]
-            inside = (state.offset - closing - state.gap)[near].max(initial=0.0)
+            inside = (state.clearance - closing - state.gap)[near].max(initial=0.0)
             yield inside / (HEIGHT * model.frame.length), 1e-9  # beyond the coordinates' round-off
 
 
-def closest(scene: Scene, model: Model, stage: sc.StageResult, before: sc.StageResult | None) -> Errors:
+def closest(scene: Scene, model: Model, stage: StageResult, before: StageResult | None) -> Errors:
     """Gaps of closed points are distances from the displaced master, by trying every facet."""
     for name, pair in _pairs(stage):
         if scene.smoothing is not None or scene.element in ("Q2", "P2"):
@@ -155,7 +157,7 @@ def closest(scene: Scene, model: Model, stage: sc.StageResult, before: sc.StageR
         corners = pair.facets.positions(x)[pair.facets.facets]
         distance = _distance if scene.dim == 2 else _distance_in_space
         nearest, beyond = (distance(points, corners, by) for by in (0.0, _BEYOND))
-        gap, closed = np.abs(state.gap), state.status != sc.Status.OPEN
+        gap, closed = np.abs(state.gap), state.status != Status.OPEN
         error = np.maximum(gap - nearest, beyond - gap)[closed].max(initial=0.0)
         # at joints that turn by less than a degree it keeps its facet though the next one is nearer, by this
         yield error / pair.facets.size.max(), 0.01 * np.sin(np.radians(1.0))
@@ -189,7 +191,7 @@ def _distance_in_space(points: ndarray, corners: ndarray, beyond: float) -> ndar
     return distance.min(axis=(1, 2))
 
 
-def yielding(scene: Scene, model: Model, stage: sc.StageResult, before: sc.StageResult | None) -> Errors:
+def yielding(scene: Scene, model: Model, stage: StageResult, before: StageResult | None) -> Errors:
     """Stresses do not lie beyond the yield function."""
     for name, form in stage.forms.items():
         if not isinstance(form, sc.SolidForm):
@@ -221,7 +223,7 @@ def _beyond(material: object) -> Callable[[ndarray], ndarray] | None:
     return None
 
 
-def dissipation(scene: Scene, model: Model, stage: sc.StageResult, before: sc.StageResult | None) -> Errors:
+def dissipation(scene: Scene, model: Model, stage: StageResult, before: StageResult | None) -> Errors:
     """Plastic strain does work on the stress; a step of one increment tells."""
     if before is None or len(stage.iterations) != 1 or stage.fraction < 1.0:
         return
@@ -244,7 +246,7 @@ def _unit(stress: ndarray) -> ndarray:
     return np.array([1.0, 1.0, 1.0, *[0.0] * (len(stress) - 3)])[:, None, None]
 
 
-def _pairs(stage: sc.StageResult) -> Iterator[tuple[str, sc.ContactPair]]:
+def _pairs(stage: StageResult) -> Iterator[tuple[str, sc.ContactPair]]:
     for name, form in stage.forms.items():
         if isinstance(form, sc.ContactPair):
             yield name, form

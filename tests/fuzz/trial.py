@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 import skfem_contact as sc
+from skfem_contact.results import Result
 
 from .comparisons import COMPARISONS, of_result
 from .frames import as_drawn
@@ -66,7 +67,7 @@ def trial(seed: int, comparisons: int = DRAWN) -> Trial:
             except sc.NotConverged as error:
                 result, failure = error.result, str(error)
         remarks = tuple(str(warning.message) for warning in caught if warning.category is sc.AnalysisWarning)
-        reached = sc.Result(tuple(stage for stage in result if stage.fraction > 0.0))
+        reached = Result(tuple(stage for stage in result if stage.fraction > 0.0))
         findings = [finding for k in range(len(reached)) for finding in of_stage(scene, model, reached, k)]
         chosen = np.random.default_rng(seed).permutation(list(COMPARISONS))[:comparisons] if not failure else ()
         findings += [finding for name in chosen for finding in of_result(scene, model, result, name, remarks)]

@@ -8,6 +8,7 @@ from helpers import grid, traction, unknowns_of, vector_basis
 from skfem import Basis
 
 import skfem_contact as sc
+from skfem_contact.contact.penalty import choose_penalties
 
 #: The order of the residual that is left: far below the tolerances of the tests.
 EXACT = sc.Newton(tolerance=1e-11, max_iterations=40)
@@ -36,9 +37,8 @@ def in_contact(basis: Basis, law=None, quadrature="nodal", E=(1e3, 1e3), nu: flo
     """The forms of two blocks."""
     materials = {"lower": sc.LinearElastic(E=E[0], nu=nu), "upper": sc.LinearElastic(E=E[1], nu=nu)}
     law = sc.Coulomb(0.3) if law is None else law
-    strain = sc.plane_strain if basis.mesh.dim() == 2 else sc.three_dimensional
     return {
-        "blocks": sc.SolidForm(basis, materials, strain),
+        "blocks": sc.SolidForm(basis, materials, "full"),
         "joint": sc.ContactPair(basis, "upper:bottom", "lower:top", law, quadrature, **options),
     }
 
@@ -76,7 +76,7 @@ def guided(basis: Basis, *boundaries: str) -> np.ndarray:
 
 def force_on(forms: dict, stage, body: str = "upper") -> np.ndarray:
     """Resultant of the contact forces on a body, (dim,)."""
-    forms = sc.choose_penalties(forms)
+    forms = choose_penalties(forms)
     basis = forms["blocks"].basis
     force = forms["joint"].assemble(stage.x, stage.states["joint"]).force
     return -force[unknowns_of(basis, body)].sum(axis=0)
@@ -91,7 +91,7 @@ def along_and_up(forms: dict, stage) -> tuple[float, float]:
 def run(forms: dict, stages, fixed, **options):
     """An analysis without a progress bar, to small residuals."""
     options = {"newton": EXACT, **options}
-    result = sc.run(forms, stages, fixed, **options, progress=False)
+    result = sc.Model(forms, fixed).run(stages, progress=False, **options)
     for look in afterwards:
         look(forms, stages, fixed, options, result)
     return result

@@ -32,7 +32,7 @@ def test_sizes_across_the_interface(dim, sizes, quadrature):
         warnings.simplefilter("ignore", sc.AnalysisWarning)  # the small segments are shorter than the penetration
         stage = run(forms, [sc.Stage("press", load)], held(basis, "lower:bottom"))["press"]
     np.testing.assert_allclose(force_on(forms, stage), vector(basis, [-0.5, 5.0]), atol=1e-8)
-    joint = sc.tractions(forms["joint"], stage.states["joint"])
+    joint = stage.tractions("joint")
     force = joint.weight * joint.pressure
     # T acts at the height 1 above the interface; the settlement shifts the levers by some per cent
     assert (force @ joint.x) / force.sum() == pytest.approx(0.5 + 0.5 / 5.0, abs=0.02)
@@ -224,7 +224,7 @@ def test_search_in_space(n):
     line = np.linspace(0, 10, n + 1)
     mesh = MeshHex.init_tensor(line, line, np.array([-1.0, 0.0])).with_boundaries({"top": lambda x: x[2] > -0.1})
     x, y, z = mesh.p
-    surface = sc.rigid_surface(replace(mesh, doflocs=np.stack((x, y, z + 0.1 * np.sin(x) * np.cos(y)))), "top")
+    surface = sc.rigid.mesh(replace(mesh, doflocs=np.stack((x, y, z + 0.1 * np.sin(x) * np.cos(y)))), "top")
     at = np.stack(np.meshgrid(line[:-1], line[:-1]), axis=-1).reshape(-1, 2) + 5.0 / n
     points = np.column_stack((at, 0.1 * np.sin(at[:, 0]) * np.cos(at[:, 1]) + 0.1 / n))
     near, _ = neighbours(surface, surface.nodes, points)
@@ -238,7 +238,7 @@ def test_search_grows_like_the_number_of_segments():
     """[X] Case S20: a point is projected on a few segments, however many there are."""
     for n in (200, 20000):
         t = np.linspace(0, 10, n + 1)
-        surface = sc.rigid_polyline(np.stack((t, 0.1 * np.sin(t)), axis=1))
+        surface = sc.rigid.polyline(np.stack((t, 0.1 * np.sin(t)), axis=1))
         points = np.stack((t[:-1] + 5.0 / n, 0.1 * np.sin(t[:-1]) + 0.1 / n), axis=1)
         near, _ = neighbours(surface, surface.nodes, points)
         assert len(near.point) <= 8 * n  # a sphere about the nearest sample meets a few segments

@@ -27,9 +27,9 @@ def pit(scale: float = 1.0, stiff: float = 1.0, force: float = 1.0, soil: dict |
     weak = sc.MohrCoulomb(**given)
     base = sc.MohrCoulomb(**{**given, "E": given["E"] * stiff})
     forms = {
-        "low": sc.SolidForm(basis.with_elements("low"), base, sc.b_bar),
-        "high": sc.SolidForm(basis.with_elements("high"), weak, sc.b_bar),
-        "pit": sc.SolidForm(basis.with_elements("pit"), weak, sc.b_bar),
+        "low": sc.SolidForm(basis.with_elements("low"), base, "b_bar"),
+        "high": sc.SolidForm(basis.with_elements("high"), weak, "b_bar"),
+        "pit": sc.SolidForm(basis.with_elements("pit"), weak, "b_bar"),
     }
     fixed = np.concatenate([basis.get_dofs(side).all() for side in ("bottom", "left", "right")])
     down = tuple(turned @ [0.0, -1.0])
@@ -84,7 +84,7 @@ def test_contrasts_and_parameters(stiff, soil):
     whatever the stiffness (safe theorem): it must be found.
     """
     _, forms, fixed, loads = pit(stiff=stiff, soil=soil)
-    assert_equilibria(forms, sc.run(forms, dig(loads), fixed, **QUIET), fixed)
+    assert_equilibria(forms, sc.Model(forms, fixed).run(dig(loads), **QUIET), fixed)
 
 
 @pytest.mark.parametrize("stiff", [1.0, 1e4])
@@ -92,7 +92,7 @@ def test_contrasts_and_parameters(stiff, soil):
 def test_contrasts_without_dilatancy(stiff, soil):
     """[X] Cases S4, S5: the same with psi = 0."""
     _, forms, fixed, loads = pit(stiff=stiff, soil=soil)
-    assert_equilibria(forms, sc.run(forms, dig(loads), fixed, **QUIET), fixed)
+    assert_equilibria(forms, sc.Model(forms, fixed).run(dig(loads), **QUIET), fixed)
 
 
 @pytest.mark.parametrize("soil", [{"nu": 0.499}, {"phi": 50.0, "c": 5.0}])
@@ -104,7 +104,7 @@ def test_crust_without_dilatancy_on_soft_ground(soil):
     """
     _, forms, fixed, loads = pit(stiff=1e-4, soil=soil)
     try:
-        result = sc.run(forms, dig(loads), fixed, **QUIET)
+        result = sc.Model(forms, fixed).run(dig(loads), **QUIET)
     except sc.NotConverged as error:
         assert "of its load" in str(error)
         result = error.result
@@ -127,7 +127,7 @@ def test_contrast_of_cohesion(strength):
     _, forms, fixed, loads = pit(soil={"psi": 25.0})
     weak = forms["low"].materials["all"]
     forms["low"] = forms["low"].with_materials({"all": replace(weak, c=strength * weak.c)})
-    assert_equilibria(forms, sc.run(forms, dig(loads), fixed, **QUIET), fixed)
+    assert_equilibria(forms, sc.Model(forms, fixed).run(dig(loads), **QUIET), fixed)
 
 
 @pytest.mark.parametrize("scale", [1e-6, 1e3, 1e6])
@@ -137,7 +137,7 @@ def test_units(scale, force):
     reference = None
     for unit, newton in ((1.0, 1.0), (scale, force)):
         _, forms, fixed, loads = pit(unit, force=newton)
-        result = sc.run(forms, dig(loads), fixed, **QUIET)
+        result = sc.Model(forms, fixed).run(dig(loads), **QUIET)
         x = np.array([stage.x / unit for stage in result])
         assert [len(stage.iterations) for stage in result] == [1, 4, 4]
         reference = x if reference is None else reference
@@ -149,7 +149,7 @@ def test_turned_axes():
     moved = []
     for degrees in (0.0, 37.0):
         _, forms, fixed, loads = pit(degrees=degrees)
-        result = sc.run(forms, dig(loads), fixed, **QUIET)
+        result = sc.Model(forms, fixed).run(dig(loads), **QUIET)
         moved.append(result[-1].x.reshape(-1, 2) @ rotation(degrees))
     np.testing.assert_allclose(moved[1], moved[0], atol=1e-7 * np.abs(moved[0]).max())
 
@@ -158,11 +158,11 @@ def test_digging_and_filling_again_and_again():
     """[X] In elastic ground cycles leave nothing behind; in soil that yields every cycle ends in equilibrium."""
     _, forms, fixed, loads = pit()
     elastic = {name: sc.SolidForm(form.basis, sc.LinearElastic(E=2e4, nu=0.3)) for name, form in forms.items()}
-    result = sc.run(elastic, dig(loads, 1, 5), fixed, **QUIET)
+    result = sc.Model(elastic, fixed).run(dig(loads, 1, 5), **QUIET)
     ground = np.unique(elastic["low"].basis.element_dofs)
     for k in range(1, 5):
         np.testing.assert_allclose(result[f"dug {k}"].x[ground], result["dug 0"].x[ground], atol=1e-12)
-    soil = sc.run(forms, dig(loads, 2, 4), fixed, **QUIET)
+    soil = sc.Model(forms, fixed).run(dig(loads, 2, 4), **QUIET)
     assert max(out_of_balance(forms, stage, fixed) for stage in soil) < 1e-7
 
 
@@ -170,7 +170,7 @@ def test_digging_and_filling_again_and_again():
 def test_sizes_of_steps(increments):
     """[X] One step or fifty: the same pit within what the path may change."""
     _, forms, fixed, loads = pit()
-    one, many = (sc.run(forms, dig(loads, n), fixed, **QUIET)["dug 0"].x for n in (4, increments))
+    one, many = (sc.Model(forms, fixed).run(dig(loads, n), **QUIET)["dug 0"].x for n in (4, increments))
     np.testing.assert_allclose(many, one, atol=0.02 * np.abs(one).max())
 
 
@@ -178,7 +178,7 @@ def test_pit_that_cannot_stand():
     """[X] Without strength the side of the pit fails while it is dug: an error with the share that was reached."""
     _, forms, fixed, loads = pit(soil={"c": 2.0, "phi": 10.0})
     with pytest.raises(sc.NotConverged, match=r"stage 'dug 0' stopped at \d+\.\d+% of its load") as error:
-        sc.run(forms, dig(loads), fixed, **QUIET)
+        sc.Model(forms, fixed).run(dig(loads), **QUIET)
     partial = error.value.result
     last = partial["dug 0"]
     assert 0.0 < last.fraction < 1.0 and "pit" not in last.states
@@ -193,10 +193,10 @@ def test_slivers():
     mesh = grid("Q1", np.linspace(0, 6, 13), heights).with_subdomains(tags)
     basis = vector_basis(mesh, "Q1", intorder=2)
     soil = sc.MohrCoulomb(E=2e4, nu=0.3, c=10.0, phi=25.0)
-    forms = {name: sc.SolidForm(basis.with_elements(name), soil, sc.b_bar) for name in tags}
+    forms = {name: sc.SolidForm(basis.with_elements(name), soil, "b_bar") for name in tags}
     fixed = np.concatenate((basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1")))
     loads = [sc.weight(basis, dict.fromkeys(names, 20.0)) for names in (tags, ("low", "thin"), ("low",))]
     stages = [sc.Stage("all", loads[0]), sc.Stage("1", loads[1], deactivate="high"),
               sc.Stage("2", loads[2], deactivate="thin")]  # fmt: skip
-    result = sc.run(forms, stages, fixed, **QUIET)
+    result = sc.Model(forms, fixed).run(stages, **QUIET)
     assert max(out_of_balance(forms, stage, fixed) for stage in result) < 1e-7

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers import grid, rotation, traction, vector_basis
+from helpers import analysis, grid, rotation, traction, vector_basis
 from infinite_slope import BETA, DEPTH, GAMMA, infinite_slope
 from oracles import slopes
 from scipy.sparse.linalg import spsolve
@@ -14,11 +14,13 @@ from skfem import Basis, ElementTriP2, ElementVector
 from slope_meshes import held, reduced_slope, slope_mesh
 
 import skfem_contact as sc
+from skfem_contact.collapse.result import CollapseResult
+from skfem_contact.results import Result
 
 SOIL = {"E": 1e5, "nu": 0.3, "c": 10.0, "phi": 20.0}
 
 
-def on_a_slope(psi: float, **settings) -> sc.CollapseResult:
+def on_a_slope(psi: float, **settings) -> CollapseResult:
     """A coarse slope on a foundation."""
     return reduced_slope(slope_mesh(20.0, 12.0, 5.0, 15.0, 3), sc.MohrCoulomb(**SOIL, psi=psi), **settings)
 
@@ -49,7 +51,7 @@ def test_extreme_soils_on_an_infinite_slope(phi, psi, c, nu):
     if psi == 0.0:
         exact = slopes.without_dilatancy(exact, phi)
     _, forms, fixed, load = infinite_slope(sc.MohrCoulomb(E=1e4, nu=nu, c=c, phi=phi, psi=psi))
-    result = sc.strength_reduction(forms, fixed, load, progress=False, tol=0.002)
+    result = sc.Model(forms, fixed).strength_reduction(load, progress=False, tolerance=0.002)
     assert result.factor == pytest.approx(exact, rel=0.005)
 
 
@@ -63,11 +65,11 @@ def test_sand_just_below_and_above_its_limit(psi):
         _, forms, fixed, load = infinite_slope(sand)
         stages = [sc.Stage("weight", load)]
         if share < 1.0:
-            result = sc.run(forms, stages, fixed, progress=False)
+            result = sc.Model(forms, fixed).run(stages, progress=False)
             assert result["weight"].fraction == 1.0 and result["weight"].residual < 1e-8
         else:  # all loads are alike without cohesion: not even the smallest increment stands
             with pytest.raises(sc.NotConverged, match=r"'weight' stopped at 0.00% of its load: collapse"):
-                sc.run(forms, stages, fixed, progress=False)
+                sc.Model(forms, fixed).run(stages, progress=False)
 
 
 @pytest.mark.parametrize("step", [1e-6, 1e3])
@@ -109,7 +111,7 @@ def test_turned_axes():
         turned = Basis(replace(mesh, doflocs=rotation(degrees) @ mesh.doflocs), basis.elem, intorder=2)
         load = sc.weight(turned, 20.0, tuple(rotation(degrees) @ [0.0, -1.0]))
         forms = {"soil": sc.SolidForm(turned, sc.MohrCoulomb(**SOIL, psi=20.0))}
-        found.append(sc.strength_reduction(forms, fixed, load, progress=False).factor)
+        found.append(sc.Model(forms, fixed).strength_reduction(load, progress=False).factor)
     assert found[1] == pytest.approx(found[0], abs=1e-6)
 
 
@@ -131,11 +133,11 @@ def test_soil_torn_from_all_sides():
     forms = {"soil": sc.SolidForm(basis, sc.MohrCoulomb(E=1e4, nu=0.3, c=1.0, phi=30.0, psi=30.0))}
     x = 1e-2 * basis.doflocs[np.arange(basis.N) % 2, np.arange(basis.N)]
     edge = basis.get_dofs().all()
-    step = sc.run(forms, [sc.Stage("torn", basis.zeros(), x)], edge, progress=False)["torn"]
+    step = sc.Model(forms, edge).run([sc.Stage("torn", basis.zeros(), x)], progress=False)["torn"]
     apex = 1.0 / np.tan(np.radians(30.0))
     np.testing.assert_allclose(step.states["soil"].stress[:3], apex, rtol=1e-9)
     np.testing.assert_allclose(step.states["soil"].stress[3], 0.0, atol=1e-9)
-    back = sc.run(forms, [sc.Stage("back", basis.zeros(), 0.999 * x)], edge, sc.Result((step,)), progress=False)["back"]
+    back = sc.Model(forms, edge).run([sc.Stage("back", basis.zeros(), 0.999 * x)], start=Result((step,)), progress=False)["back"]
     assert (back.states["soil"].stress[:3] < apex - 1e-3).all()  # unloading is elastic
 
 
@@ -146,7 +148,7 @@ def test_slivers():
     """
     heights = [0.0, 0.3, 0.5, 0.502, 0.7, 1.0]
     for element in ("P2", "Q1"):
-        result = sc.limit_load(*block(element, heights, 0.0), progress=False)
+        result = analysis("limit_load", *block(element, heights, 0.0), progress=False)
         assert result.multiplier == pytest.approx(20.0, rel=1e-3)
 
 
@@ -172,7 +174,7 @@ def block(element: str, heights, phi: float):
     """Forms, fixed unknowns and a unit pressure on a block (c = 10) that spreads between smooth plates."""
     basis = vector_basis(grid(element, np.linspace(0, 1, 11), np.asarray(heights)), element, intorder=2)
     soil = sc.MohrCoulomb(E=1e3, nu=0.3, c=10.0, phi=phi, psi=phi)
-    forms = {"soil": sc.SolidForm(basis, soil, sc.b_bar if element == "Q1" else sc.plane_strain)}
+    forms = {"soil": sc.SolidForm(basis, soil, "b_bar" if element == "Q1" else "full")}
     fixed = np.hstack([basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1")])
     return forms, fixed, traction(basis, "top", (0.0, -1.0))
 
@@ -182,7 +184,7 @@ def block(element: str, heights, phi: float):
 def test_all_points_flow_at_once(method, share):
     """[X] A block under 2 c, or half of that: beyond its factor the stiffness is singular: collapse."""
     forms, fixed, load = block("Q1", np.linspace(0, 1, 11), 0.0)
-    result = sc.strength_reduction(forms, fixed, 20.0 * share * load, method=method, progress=False)
+    result = sc.Model(forms, fixed).strength_reduction(20.0 * share * load, method=method, progress=False)
     low, high = result.bracket
     assert result.stop.kind == "collapse" and high - low <= 0.01  # tol
     assert low - 1e-4 <= 1.0 / share <= high  # equilibrium within 0.03 of tol
@@ -193,8 +195,8 @@ def test_all_points_flow_at_once(method, share):
 def test_limit_load_by_bad_steps(step, begun):
     """[X] A column that bears 2 c tan(45 + phi/2) = 20 sqrt(3), also from half of that; 0.03 * 0.005 of it is left."""
     forms, fixed, load = block("Q1", np.linspace(0, 1, 4), 30.0)
-    start = sc.run(forms, [sc.Stage("half", 10 * np.sqrt(3) * load)], fixed, progress=False) if begun else None
-    result = sc.limit_load(forms, fixed, load, start=start, step=step, progress=False)
+    start = sc.Model(forms, fixed).run([sc.Stage("half", 10 * np.sqrt(3) * load)], progress=False) if begun else None
+    result = sc.Model(forms, fixed).limit_load(load, start=start, step=step, progress=False)
     # where all flows at once the load is bracketed by `tol` = .005
     assert result.multiplier == pytest.approx((10 if begun else 20) * np.sqrt(3), rel=5e-3)
 
@@ -203,8 +205,8 @@ def test_unsymmetric_stiffness_of_soil_and_friction():
     """[X] Case S22: sand with psi = 0 that slides on a rough base: the solver gets the whole, unsymmetric matrix."""
     basis = vector_basis(grid("Q1", np.linspace(0, 2, 7), np.linspace(0, 1, 4)), "Q1", intorder=2)
     sand = sc.MohrCoulomb(E=1e4, nu=0.3, c=4.0, phi=30.0, psi=0.0)
-    base = sc.rigid_line((-1.0, 0.0), (3.0, 0.0))
-    forms = {"sand": sc.SolidForm(basis, sand, sc.b_bar),
+    base = sc.rigid.line((-1.0, 0.0), (3.0, 0.0))
+    forms = {"sand": sc.SolidForm(basis, sand, "b_bar"),
              "base": sc.ContactPair(basis, "bottom", base, sc.Coulomb(mu=0.3), "nodal", penalty=1e6)}  # fmt: skip
     fixed = basis.get_dofs("left").all("u^1")
     x = basis.zeros()
@@ -216,9 +218,9 @@ def test_unsymmetric_stiffness_of_soil_and_friction():
         skew.append(abs(A - A.T).max() / abs(A).max())
         return spsolve(A.tocsc(), b)
 
-    own = sc.run(forms, stages, fixed, solver=direct, progress=False)["pushed"]
-    usual = sc.run(forms, stages, fixed, progress=False)["pushed"]
+    own = sc.Model(forms, fixed, solver=direct).run(stages, progress=False)["pushed"]
+    usual = sc.Model(forms, fixed).run(stages, progress=False)["pushed"]
     assert max(skew) > 0.01 and "yielded" in usual.summary["sand"]
     np.testing.assert_allclose(own.x, usual.x, atol=1e-6 * np.abs(usual.x).max())  # Newton's 1e-8 of the force
-    slid = sc.tractions(forms["base"], usual.states["base"])
+    slid = usual.tractions("base")
     assert abs((slid.weight * slid.shear).sum()) == pytest.approx(0.3 * 40.0, rel=1e-6)

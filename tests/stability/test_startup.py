@@ -11,6 +11,8 @@ from helpers import body_along, grid, traction, unknowns_of, vector_basis
 from setups import along_and_up, blocks, displaced, force_on, held, in_contact, loaded, run, vector
 
 import skfem_contact as sc
+from skfem_contact.contact.laws import Status
+from skfem_contact.contact.penalty import choose_penalties
 
 H = 0.2  # size of the upper block's elements
 
@@ -48,7 +50,7 @@ def test_no_trace_of_the_springs(gap, mu):
     forms = {
         "column": sc.SolidForm(basis, sc.LinearElastic(E=modulus, nu=0.0)),
         "stop": sc.ContactPair(
-            basis, "bottom", sc.rigid_line((-1, -gap), (2, -gap)), sc.Coulomb(mu), "nodal", penalty=eps
+            basis, "bottom", sc.rigid.line((-1, -gap), (2, -gap)), sc.Coulomb(mu), "nodal", penalty=eps
         ),
     }
     guided = basis.get_dofs({"left", "right"}).all("u^1")
@@ -64,22 +66,22 @@ def test_ring_falls_into_a_groove():
     angle = -2 * np.pi / n * (np.arange(n) + 0.5)
     ring = body_along(np.stack((np.cos(angle), np.sin(angle)), axis=1), "Q1", 0.2, closed=True)
     basis = vector_basis(ring, "Q1", intorder=2)
-    groove = sc.rigid_polyline([(-4.0, 4.0), (0.0, 0.0), (4.0, 4.0)], name="groove").nodes
+    groove = sc.rigid.polyline([(-4.0, 4.0), (0.0, 0.0), (4.0, 4.0)], name="groove").nodes
     groove = groove - [0.0, np.sqrt(2) + 0.05]
     forms = {
         "ring": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.2)),
-        "skin": sc.ContactPair(basis, "face", sc.rigid_polyline(groove), sc.Coulomb(0.1), 2),
+        "skin": sc.ContactPair(basis, "face", sc.rigid.polyline(groove), sc.Coulomb(0.1), 2),
     }
     weight = sc.weight(basis, 1.0)
     result = run(forms, [sc.Stage("weight", weight)], np.zeros(0, int))["weight"]
-    joint = sc.tractions(forms["skin"], result.states["skin"])
+    joint = result.tractions("skin")
     for side in (-1, 1):
         at = np.sign(joint.x) == side
         normal, along = (joint.weight * joint.pressure)[at].sum(), (joint.weight * joint.shear)[at].sum()
         # the force on either side leans against the normal by friction, at most 0.1 of it
         assert abs(along) <= 0.1 * normal * (1 + 1e-9)
         assert normal / np.sqrt(2) == pytest.approx(-weight.sum() / 2, rel=0.11)
-    total = -sc.choose_penalties(forms)["skin"].assemble(result.x, result.states["skin"]).force.reshape(-1, 2).sum(0)
+    total = -choose_penalties(forms)["skin"].assemble(result.x, result.states["skin"]).force.reshape(-1, 2).sum(0)
     np.testing.assert_allclose(total, [0.0, -weight.sum()], atol=1e-8 * abs(weight.sum()))
 
 
@@ -135,7 +137,8 @@ def test_gap_closed_by_displacement(quadrature, elements):
             result = run(forms, stages, fixed)
         if gap > 0:
             assert np.abs(result["almost"].states["blocks"].stress).max() < 1e-9
-            assert result["almost"].iterations == (1,)
+            # a second one removes forces that round-off of the linear solver leaves, more than those of the assembly
+            assert result["almost"].iterations in ((1,), (2,))
         forces.append(force_on(forms, result["press"])[1])
     assert forces[0] == pytest.approx(forces[1], rel=1e-3)  # sides of joints, as above
 
@@ -150,7 +153,7 @@ def test_bodies_do_not_fly_through_each_other():
     with pytest.warns(sc.AnalysisWarning, match="penetrates by"):
         result = run(forms, [sc.Stage("press", side, target)], fixed)["press"]
     assert len(result.iterations) > 1
-    assert (result.states["joint"].status != sc.Status.OPEN).all()
+    assert (result.states["joint"].status != Status.OPEN).all()
     # two columns of unequal width and the penalty in series yield by 0.6; E = 1000
     assert 150 < force_on(forms, result)[1] < 600
 
@@ -163,7 +166,7 @@ def test_slave_that_is_deep_in_the_master_is_warned_of(dim, n):
     fixed = basis.get_dofs({"lower:bottom", "upper:top"}).all()
     with pytest.warns(sc.AnalysisWarning, match=rf"{n} of {n} points of 'upper:bottom' lie deeper .* up to 0.6"):
         result = run(forms, [sc.Stage("rest", loaded(basis, "upper:left", (1.0, 0.0)))], fixed)["rest"]
-    assert (result.states["joint"].status == sc.Status.OPEN).all()
+    assert (result.states["joint"].status == Status.OPEN).all()
 
 
 @pytest.mark.parametrize("dim", [2, 3])
@@ -214,7 +217,7 @@ def test_opens_completely_and_closes_again(quadrature, dim):
     # set down without sliding: as at the beginning, but for the place
     assert abs(forces[4, 0]) < 0.01 * forces[4, 1]
     assert forces[4, 1] == pytest.approx(forces[0, 1], rel=2e-2)
-    assert (result[4].states["joint"].status == sc.Status.STICK).mean() >= 0.4
+    assert (result[4].states["joint"].status == Status.STICK).mean() >= 0.4
 
 
 def test_pressure_that_comes_and_goes():

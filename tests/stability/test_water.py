@@ -21,11 +21,12 @@ def dam(kind=MeshTri, n: int = 20, size: float = 10.0, up: float = 0.0):
                                  "shell": lambda x: abs(x[0] / size - 0.5) > 0.1})  # fmt: skip
 
 
-def flow(mesh, heads, k=1.0, face="right", **options) -> sc.Seepage:
+def flow(mesh, heads, k=1.0, face="right", **options) -> sc.water.Seepage:
     """Seepage without any warning."""
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        return sc.seepage(Basis(mesh, ELEMENTS[type(mesh)]()), k, heads, seepage_face=face, unit_weight=9.81, **options)
+        return sc.water.seepage(Basis(mesh, ELEMENTS[type(mesh)]()), k, heads, seepage_face=face,
+                                unit_weight=9.81, **options)
 
 
 @pytest.mark.parametrize("kind", [MeshTri, MeshQuad])
@@ -43,11 +44,11 @@ def test_tight_core(core):
     """[X] Drained ground behind a tight core is as good as dry: with it the user is warned, without it all is well."""
     mesh, k = dam(), {"core": core, "shell": 1.0}
     with pytest.warns(sc.AnalysisWarning, match=r"flows off through dry ground at .*; leave drained ground out"):
-        sc.seepage(Basis(mesh, ElementTriP1()), k, {"left": 10.0}, seepage_face="right", unit_weight=9.81)
+        sc.water.seepage(Basis(mesh, ElementTriP1()), k, {"left": 10.0}, seepage_face="right", unit_weight=9.81)
     mesh = mesh.with_subdomains({"wet": lambda x: x[0] < 6})
     mesh = mesh.with_boundaries({"drained": mesh.facets_satisfying(lambda x: np.isclose(x[0], 6))})
-    water = sc.seepage(Basis(mesh, ElementTriP1()).with_elements("wet"), k, {"left": 10.0}, seepage_face="drained",
-                       unit_weight=9.81)
+    water = sc.water.seepage(Basis(mesh, ElementTriP1()).with_elements("wet"), k, {"left": 10.0}, seepage_face="drained",
+                             unit_weight=9.81)
     assert water.discharge("left") == pytest.approx(50 / (4 + 2 / core), rel=5e-3)
     assert water.discharge("drained") == pytest.approx(-water.discharge("left"), rel=1e-8)
 
@@ -137,8 +138,8 @@ def test_distorted_meshes(kind, rng):
     assert flow(graded, {"left": 10.0, "right": 2.0}).discharge("left") == pytest.approx(4.8, rel=0.01)
 
 
-@pytest.mark.parametrize("law", [sc.Ramp(0.1), sc.Ramp(4.0), sc.Ramp(least=1e-7), sc.Ramp(least=0.1),
-                                 sc.VanGenuchten(0.5, 1.5), sc.VanGenuchten(10.0, 4.0)], ids=repr)
+@pytest.mark.parametrize("law", [sc.water.Ramp(0.1), sc.water.Ramp(4.0), sc.water.Ramp(least=1e-7), sc.water.Ramp(least=0.1),
+                                 sc.water.VanGenuchten(0.5, 1.5), sc.water.VanGenuchten(10.0, 4.0)], ids=repr)
 @pytest.mark.parametrize("kind", [MeshTri, MeshQuad])
 def test_retention(law, kind):
     """Sharp and blunt transitions between wet and dry: what water the blunt ones let pass above is within 7 %."""
@@ -161,8 +162,8 @@ def test_what_does_not_balance_is_warned_of(monkeypatch):
     monkeypatch.setattr(balance.WaterBalance, "_newton", stubborn)
     basis = Basis(dam(), ElementTriP1())
     with pytest.warns(sc.AnalysisWarning, match=r"wet and dry ground is 1\.2\d? times as wide as asked for"):
-        water = sc.seepage(basis, 1.0, {"left": 10.0, "right": 2.0}, seepage_face="right", unit_weight=9.81)
+        water = sc.water.seepage(basis, 1.0, {"left": 10.0, "right": 2.0}, seepage_face="right", unit_weight=9.81)
     assert water.discharge("left") == pytest.approx(4.8, rel=2e-3)
     limit = np.inf
     with pytest.raises(sc.NotConverged, match="the water does not balance: it does not want to"):
-        sc.seepage(basis, 1.0, {"left": 10.0, "right": 2.0}, seepage_face="right", unit_weight=9.81)
+        sc.water.seepage(basis, 1.0, {"left": 10.0, "right": 2.0}, seepage_face="right", unit_weight=9.81)

@@ -1,0 +1,122 @@
+"""Rigid boundaries: footings, caps and platens that are much stiffer than the ground."""
+from __future__ import annotations
+
+from collections.abc import Mapping
+from copy import copy
+from dataclasses import replace
+
+import numpy as np
+from numpy import ndarray
+from numpy.typing import ArrayLike
+from scipy.linalg import null_space
+from scipy.sparse import coo_matrix, csr_matrix
+from skfem import CellBasis
+from typing_extensions import override
+
+from ..errors import check_basis, facets_of, finite
+from ..layout import Field, rigid_modes
+from .base import Form, Response, solids_of
+from .links import MatrixForm
+
+
+class RigidBoundary(MatrixForm):
+    """A boundary that moves as a rigid body: below a footing, a cap or a platen that is much stiffer than the ground.
+
+    Small displacements: it may sink and turn, and the ground sticks to it. Multipliers, dofs besides the
+    displacements, keep all of its motions at zero but the rigid ones; to prescribe one of these, hold a single node.
+
+    Parameters
+    ----------
+    basis
+        ``Basis`` of the mesh.
+    boundary
+        Its name.
+    rotates
+        True if it may turn; else it is guided and moves parallel to itself.
+
+    Raises
+    ------
+    ValueError
+        There is no such boundary, or it is empty; where it is run: it belongs to no solid.
+
+    Examples
+    --------
+    A footing of one metre, loaded at a third of its width from its end, tilts so far that the other end stays:
+
+    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+    >>> import skfem_contact as sc
+    >>> basis = Basis(MeshQuad().refined(2).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+    >>> footing = sc.RigidBoundary(basis, "top")
+    >>> forms = {"soil": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.)), "footing": footing}
+    >>> stage = sc.Stage("load", footing.load((0., -10.), at=(1 / 3, 1.)))
+    >>> x = sc.Model(forms, basis.get_dofs("bottom").all()).run([stage])["load"].x
+    >>> [f"{footing.motion(x, at)[1]:.4f}" for at in ((0., 1.), (1., 1.))]
+    ['-0.0197', '-0.0003']
+    """
+
+    def __init__(self, basis: CellBasis, boundary: str, rotates: bool = True) -> None:
+        check_basis(basis)
+        self._dofs = np.unique(basis.get_dofs(facets_of(basis.mesh, boundary)).all())  # node by node
+        self._places, self._modes = basis.doflocs[:, self._dofs], None if rotates else basis.mesh.dim()
+        self._others = null_space(self._at(self._places[:, 0])[0].T)
+        self._displacements = int(basis.N)
+        self.fields = (Field("force of a rigid boundary", self._places[:, :self._others.shape[1]], "multiplier"),)
+        super().__init__(csr_matrix((self._displacements, self._displacements)))
+
+    def __repr__(self) -> str:
+        return f"<RigidBoundary {len(self._dofs)} displacements>"
+
+    @override
+    def numbered(self, numbers: Mapping[Field, ndarray]) -> RigidBoundary:
+        multipliers = numbers[self.fields[0]]
+        size = max(self._displacements, int(multipliers.max(initial=-1)) + 1)
+        rows, columns = np.broadcast_arrays(self._dofs[:, None], multipliers)
+        ties = coo_matrix((self._others.ravel(), (rows.ravel(), columns.ravel())), shape=(size, size)).tocsr()
+        new = copy(self)
+        MatrixForm.__init__(new, ties + ties.T)
+        new._multipliers = multipliers
+        return new
+
+    @override
+    def completed(self, forms: Mapping[str, Form]) -> RigidBoundary:
+        stiffness = [form.elastic_stiffness.diagonal()[self._dofs].max() for form in solids_of(forms).values()]
+        if not max(stiffness, default=0.0) > 0.0:
+            raise ValueError("a rigid boundary rests on nothing: its boundary belongs to no solid among the forms")
+        new = copy(self)
+        new.fields = (replace(self.fields[0], scale=float(max(stiffness))),)
+        return new
+
+    @override
+    def assemble(self, x: ndarray, state: ndarray) -> Response:
+        response, own = super().assemble(x, state), self._multipliers
+        response.measure = response.force.copy()  # motions that are not rigid are small beside those that add up
+        response.measure[own] = (abs(self.elastic_stiffness) @ abs(x - state))[own]
+        return response
+
+    @override
+    def rebased(self, x: ndarray, state: ndarray) -> ndarray:
+        moved = super().rebased(x, state)
+        moved[self._multipliers] = state[self._multipliers]
+        return moved
+
+    def load(self, force: ArrayLike, at: ArrayLike) -> ndarray:
+        """Return the load vector, (N,), of a force, (dim,), at coordinates (dim,), on the boundary or beside it."""
+        load = np.zeros(self._displacements)
+        load[self._dofs] = self._spread(at) @ finite(force, "force")
+        return load
+
+    def motion(self, x: ndarray, at: ArrayLike) -> ndarray:
+        """Return the displacement, (dim,), of the rigid body at coordinates (dim,) from all displacements x, (N,)."""
+        return self._spread(at).T @ x[self._dofs]
+
+    def _spread(self, at: ArrayLike) -> ndarray:
+        """Return forces on the dofs for unit forces at coordinates, (n, dim): the motion, too, by reciprocity."""
+        modes, there = self._at(finite(at, "at"))
+        return np.linalg.pinv(modes).T @ there.T
+
+    def _at(self, place: ndarray) -> tuple[ndarray, ndarray]:
+        """Return rigid motions of the dofs, and at given coordinates."""
+        dim, n = self._places.shape
+        places = np.column_stack((self._places, np.tile(place[:, None], dim)))
+        modes = rigid_modes(places, np.arange(n + dim))[:, :self._modes]
+        return modes[:n], modes[n:]

@@ -1,0 +1,412 @@
+"""Model: forms and supports of an analysis, and everything that can be asked of them."""
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from typing import Any, Literal
+
+import numpy as np
+from numpy import ndarray
+from numpy.typing import ArrayLike
+
+from . import loads
+from .collapse.limit_load import limit_load
+from .collapse.result import CollapseResult
+from .collapse.stability import is_stable
+from .collapse.strength import strength_reduction
+from .limit_analysis import Bounds, bounds
+from .materials.base import Flow
+from .results.result import Result, StageResult
+from .stages.initial import gravity_state, initial_state, k0_state
+from .stages.run import Observer, run
+from .stages.setup import Setup
+from .stages.stage import Stage
+
+
+class Model(Setup):
+    """Forms and supports of an analysis, with the settings that its runs and searches share.
+
+    The model completes the forms (contact takes its default penalty from the stiffness of the bodies), numbers all
+    dofs and checks that the forms fit together.
+
+    Parameters
+    ----------
+    forms
+        Solids, contact pairs and other forms by name, those included that are active in some stages only.
+    fixed
+        Dofs that are held (or moved by ``Stage.prescribed``): numbers, dofs of a field such as ``water.dofs("top")``,
+        or a list of both.
+    solver
+        A scikit-fem linear solver ``(A, b) -> x``, or ``"amg"``, algebraic multigrid by pyamg. By default a direct
+        solver with an ordering of its own; for large bodies in space multigrid where it is faster and installed.
+    newton
+        Settings of Newton's method; by default those of each method.
+    gravity
+        Direction of gravity, (dim,); by default against the last axis.
+    seismic
+        Horizontal acceleration over that of gravity, one number or a component for each horizontal axis.
+    water_unit_weight
+        Unit weight of water, for water levels.
+
+    Attributes
+    ----------
+    forms
+        The forms, completed and numbered.
+    layout
+        Numbers of all dofs.
+    coordinates
+        Coordinate system of the forms: ``"plane"``, ``"axisymmetric"`` or ``"space"``.
+
+    Raises
+    ------
+    ValueError
+        Objects that are no forms, forms of different meshes or coordinate systems, fields that two forms bring, dofs
+        that do not exist.
+
+    Examples
+    --------
+    A square under its own weight:
+
+    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+    >>> import skfem_contact as sc
+    >>> basis = Basis(MeshQuad().refined(2).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+    >>> square = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.), unit_weight=20.)
+    >>> model = sc.Model({"square": square}, basis.get_dofs("bottom").all())
+    >>> print(model.run([sc.Stage("gravity")]))
+    stage            increments  iterations  residual  load    what the bodies carry
+    gravity                   1           1   ...  100%
+    """
+
+    def __repr__(self) -> str:
+        return f"<Model {self.coordinates or ''} {self.layout.size} dofs, forms: {', '.join(self.forms)}>"
+
+    # -- loads -----------------------------------------------------------------------------------------------
+
+    def weight(self, unit_weights: float | Mapping[str, float], direction: Sequence[float] | None = None) -> ndarray:
+        """Return the load vector of the weight of all solids, see :func:`weight`."""
+        return sum((loads.weight(form, unit_weights, direction) for form in self.solids.values()),
+                   start=np.zeros(self.layout.n_displacements))
+
+    def traction(self, boundary: str, force: Sequence[float] | Callable[[ndarray], ArrayLike]) -> ndarray:
+        """Return the load vector of forces per area on a boundary, see :func:`traction`."""
+        return loads.traction(next(iter(self.solids.values())), boundary, force)
+
+    def water_load(self, pressure: loads.Pressure, boundaries: str | Sequence[str] = ()) -> ndarray:
+        """Return the load vector of water in the pores of all porous solids and on boundaries, see :func:`water_load`.
+
+        ``Stage(water=...)`` finds these boundaries by itself.
+        """
+        porous = [form for form in self.solids.values() if form.porous]
+        elements = np.concatenate([form.elements for form in porous])
+        ground = loads.Domain(porous[0].basis.with_elements(elements), self.coordinates)
+        return loads.water_load(ground, pressure, boundaries)
+
+    # -- initial states --------------------------------------------------------------------------------------
+
+    def initial_state(self, load: Any = None, *, stress: Callable[[ndarray], ndarray], water: Any = None,
+                      name: str = "initial") -> Result:
+        """Return a start with a given field of stresses; nothing has moved.
+
+        Where a material cannot bear a stress it is returned to the yield surface, and counted as yielded. Contact
+        pairs get the tractions that balance the stresses on both sides.
+
+        Parameters
+        ----------
+        load
+            External forces besides the weight of the forms, (N,): stresses, weight and these are in equilibrium.
+        stress
+            Stress (xx, yy, zz, xy), tension positive, at coordinates (2, n_elements, n_points): (4, n_elements,
+            n_points); in three dimensions 6 components at coordinates (3, n_elements, n_points).
+        water
+            Water at rest, as in :class:`Stage`.
+        name
+            Name of the state in the result.
+
+        Returns
+        -------
+        Result
+            A start for :meth:`run`; its residual tells how good the equilibrium is. A stage with the same load, a
+            *null step*, removes the rest.
+
+        Raises
+        ------
+        ValueError
+            A field of another shape or with NaN, and bad input as in :meth:`run`.
+
+        Warns
+        -----
+        AnalysisWarning
+            The forces out of balance exceed 1e-6 of the load.
+        """
+        return initial_state(self, load, stress, water, name)
+
+    def k0_state(self, load: Any = None, *, K0: float | Mapping[str, float],
+                 unit_weights: float | Mapping[str, float] | None = None, surcharge: float = 0.0, water: Any = None,
+                 name: str = "initial") -> Result:
+        """Return the K0 state of level ground: vertical stress from the weight above, horizontal stress K0 times it.
+
+        Where the surface or the layers are not level use :meth:`gravity_state`.
+
+        Parameters
+        ----------
+        load, name
+            As for :meth:`initial_state`.
+        K0
+            Ratio of the effective stresses: one number, or by subdomain.
+        unit_weights
+            Unit weights, one number or by subdomain; by default those of the forms. Subdomains that are not named are
+            weightless.
+        surcharge
+            Pressure on the surface, that of water above it included.
+        water
+            Water at rest: its level, points of it, or the pore pressure as a function of the coordinates. Stresses are
+            then effective, everywhere. A wall that is wished in place begins as the ground in its place. Where the
+            forms have unit weights the load of the water is added, otherwise `load` holds it.
+
+        Returns
+        -------
+        Result
+            As of :meth:`initial_state`.
+
+        Raises
+        ------
+        ValueError
+            Unknown subdomain, elements without K0, different unit weights at the same height (the ground is not level).
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+        >>> import skfem_contact as sc
+        >>> basis = Basis(MeshQuad().refined(1).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+        >>> ground = sc.SolidForm(basis, sc.MohrCoulomb(E=1e4, nu=.3, c=1., phi=30.), unit_weight=20.)
+        >>> start = sc.Model({"ground": ground}, sc.box_supports(basis)).k0_state(K0=.5)
+        >>> stress = start["initial"].states["ground"].stress
+        >>> bool(np.allclose(stress[0], .5 * stress[1])), bool(start["initial"].residual < 1e-12)
+        (True, True)
+        """
+        return k0_state(self, load, K0, unit_weights, surcharge, water, name)
+
+    def gravity_state(self, load: Any = None, *, K0: float | Mapping[str, float] | None = None, water: Any = None,
+                      name: str = "initial", increments: int = 1) -> Result:
+        """Turn gravity on in ground of any shape; the displacements are then set to zero.
+
+        Contact has followed the bodies: where it does not balance once it is back, equilibrium is found from there.
+
+        Parameters
+        ----------
+        load, water, name
+            As for :meth:`initial_state`. Excess pressures of :class:`PoreWater` are zero.
+        K0
+            Where it is given, for all regions or by the name of a region, gravity first acts on elastic ground with
+            Poisson's ratio K0 / (1 + K0), which gives this ratio under a level surface; then the ground's own
+            materials find their equilibrium.
+        increments
+            Number of increments to begin with.
+
+        Returns
+        -------
+        Result
+            A start for :meth:`run`.
+
+        Raises
+        ------
+        ValueError
+            K0 outside (0, 1), or of a region that does not exist.
+        """
+        return gravity_state(self, load, K0, water, name, increments)
+
+    # -- analyses --------------------------------------------------------------------------------------------
+
+    def run(self, stages: Sequence[Stage], *, start: Result | StageResult | None = None,
+            on_increment: Observer | None = None, progress: bool | None = None) -> Result:
+        """Run stages one after the other.
+
+        Parameters
+        ----------
+        stages
+            Stages in their order.
+        start
+            Result to go on from, whose last stage is where the first stage starts, or one stage of a result. Forms
+            that it does not hold are inactive.
+        on_increment
+            Function that is called with every accepted increment, a :class:`StageResult`, such as
+            ``sc.results.Append(file)``.
+        progress
+            Show a progress bar; by default where the output is a terminal.
+
+        Returns
+        -------
+        Result
+            The stages of ``start``, if any, and the new ones.
+
+        Raises
+        ------
+        ValueError
+            Bad input, before anything is computed: sizes, NaN, names that do not exist or that two stages would have,
+            and in any stage a body that nothing holds.
+        NotConverged
+            With the partial result, whose last entry is the last increment that was accepted; so has the
+            ``KeyboardInterrupt`` of a run that is stopped by hand, as its attribute ``result``.
+
+        Warns
+        -----
+        AnalysisWarning
+            Remarks of the forms on their states, each kind once; stages and supports that change nothing.
+        """
+        return run(self, stages, start, on_increment, progress)
+
+    def strength_reduction(self, load: Any = None, *, start: Result | StageResult | None = None,
+                           reduce: str | Collection[str] | None = None, exclude: str | Collection[str] = (),
+                           method: Literal["continuation", "bracket"] = "continuation", flow: Flow = "given",
+                           tolerance: float = 0.01, step: float = 0.1, max_value: float = 100.0,
+                           certify: bool | Mapping[str, Any] = False, progress: bool | None = None) -> CollapseResult:
+        """Reduce the strength until the structure collapses under its load.
+
+        Parameters
+        ----------
+        load
+            External forces besides the weight of the forms, (N,); by default those of ``start``.
+        start
+            Where to start: a result (its last stage) or a stage. By default the load is applied to the unstrained
+            bodies first.
+        reduce
+            Names of forms and of regions whose strength is reduced, or one; by default all that have a strength:
+            regions of solids, and friction and adhesion of contact pairs.
+        exclude
+            Names of forms and of regions that keep their strength, or one.
+        method
+            ``"continuation"``: the work of the load is prescribed and the factor follows, up to its plateau;
+            ``"bracket"``: fixed factors, each from the last stable state.
+        flow
+            Flow rule: ``"given"``, ``"associated"``, ``"davis_a"``, ``"davis_b"``, ``"davis_c"`` or ``"lagged"``, see
+            :doc:`theory </theory/plasticity>`.
+        tolerance
+            Width of the bracket; the curve is followed until a quarter of it is left.
+        step
+            First step of the factor, at least `tolerance`: over less than that no curve can be told from its plateau.
+        max_value
+            The search ends above this factor: what stands with so much less strength does not live on it.
+        certify
+            Prove bounds as well, :attr:`CollapseResult.proven`, before the search begins. The load must be the
+            sum of weights of subdomains and tractions that are linear along named boundaries. Arguments of
+            :meth:`bounds` may be given: ``{"gap": .02, "water": u, "submerged": "top"}``.
+        progress
+            Show a progress bar; by default where the output is a terminal.
+
+        Raises
+        ------
+        ValueError
+            Unknown names, method or flow, no load, nothing to reduce; with `certify` as :meth:`bounds`.
+        NotConverged
+            No equilibrium was found to start from.
+
+        Warns
+        -----
+        AnalysisWarning
+            The structure is unstable under its own load: the factor is less than 1. Or the search has shown no
+            collapse, and the factor may be higher: :attr:`CollapseResult.stop` says why. Or it lies outside of the
+            proven bounds by more than `tolerance`.
+
+        Examples
+        --------
+        A column of soil that can spread collapses at ``q = 2 c / F``:
+
+        >>> import numpy as np
+        >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+        >>> import skfem_contact as sc
+        >>> basis = Basis(MeshQuad().refined(1).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+        >>> column = sc.SolidForm(basis, sc.MohrCoulomb(E=1e3, nu=.3, c=10., phi=0.))
+        >>> fixed = np.hstack([basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1")])
+        >>> model = sc.Model({"soil": column}, fixed)
+        >>> print(f"{model.strength_reduction(model.traction('top', (0., -10.))).factor:.2f}")
+        2.00
+        """
+        return strength_reduction(self, load, start, reduce, exclude, method, flow, tolerance, step, max_value, certify,
+                                  progress)
+
+    def limit_load(self, load: Any, *, start: Result | StageResult | None = None, tolerance: float = 0.005,
+                   step: float = 1.0, max_value: float = np.inf, flow: Flow = "given", max_step: float = np.inf,
+                   min_displacement: float = 0.0, certify: bool | Mapping[str, Any] = False,
+                   progress: bool | None = None) -> CollapseResult:
+        """Multiply a load until the structure collapses.
+
+        The work of the reference load is prescribed and its multiplier follows, until the curve of the multiplier
+        over the work has levelled off. The curve goes on where a load-controlled analysis ends.
+
+        Parameters
+        ----------
+        load
+            Reference load, (N,).
+        start
+            Where to start: a result (its last stage) or a stage, whose load stays. By default the bodies are
+            unstrained, and the weight of the forms stays.
+        tolerance
+            The curve ends when its last slope lets the multiplier rise by no more than this share.
+        step
+            First multiplier; it is halved until there is an equilibrium.
+        max_value
+            The curve ends when the multiplier exceeds this.
+        flow
+            Flow rule. With psi < phi the law as given takes hundreds of iterations or stalls; one that is ``"lagged"``
+            (Krabbenhoft and others 2012) does not, but must start from equilibrium with its own friction, and in long
+            steps it carries more than the given law: `max_step` keeps them short.
+        max_step
+            Work of the longest step over that of the first one. Steps grow up to it.
+        min_displacement
+            The curve does not end at a peak or plateau before a displacement is as large as this.
+        certify, progress
+            As for :meth:`strength_reduction`; water is that of the start.
+
+        Raises
+        ------
+        ValueError
+            No load, or bad input.
+        NotConverged
+            No step was small enough to begin with.
+
+        Warns
+        -----
+        AnalysisWarning
+            The search has shown no limit, and it may be higher: :attr:`CollapseResult.stop` says why. Or the value
+            lies outside of the proven bounds by more than `tolerance`.
+
+        Examples
+        --------
+        A square of cohesive soil (c = 10) that can spread carries 2 c:
+
+        >>> import numpy as np
+        >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+        >>> import skfem_contact as sc
+        >>> basis = Basis(MeshQuad().refined(1).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+        >>> column = sc.SolidForm(basis, sc.MohrCoulomb(E=1e3, nu=.3, c=10., phi=0.))
+        >>> fixed = np.hstack([basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1")])
+        >>> model = sc.Model({"soil": column}, fixed)
+        >>> print(f"{model.limit_load(model.traction('top', (0., -1.))).multiplier:.3f}")
+        20.000
+        """
+        return limit_load(self, load, start, tolerance, step, max_value, flow, max_step, min_displacement, certify,
+                          progress)
+
+    def is_stable(self, load: Any = None, *, start: Result | StageResult | None = None) -> bool:
+        """Return True if the structure carries its load: a factor of safety above 1, asked in one step.
+
+        An equilibrium means True; displacements that run away along a mechanism, see :class:`NoEquilibrium`, mean
+        False. Iterations that end in neither raise an error.
+
+        Parameters
+        ----------
+        load, start
+            As for :meth:`strength_reduction`.
+
+        Raises
+        ------
+        ValueError
+            No load, or bad input.
+        NotConverged
+            Neither an equilibrium nor a collapse was found; :meth:`limit_load` goes there step by step.
+        """
+        return is_stable(self, load, start)
+
+    def bounds(self, **options: Any) -> Bounds:
+        """Return proven bounds of the factor of safety or of the limit load, see :func:`~.limit_analysis.bounds`."""
+        return bounds(self.forms, self.fixed, **options)

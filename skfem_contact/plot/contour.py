@@ -1,0 +1,298 @@
+"""Contour pictures by pyvista: of a stage, of several side by side, films, and bodies cut open."""
+from __future__ import annotations
+
+from collections.abc import Callable, Container, Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+from numpy import ndarray
+
+from ..errors import check_basis, check_plane, look_up, names_of
+from ..forms.solid import SolidForm
+from ..results.fields import Water, basis_of, quantities, region_field, solids
+from ..results.result import Result, StageResult
+from .marks import Marks
+from .scene import Cut, Cutaway, Scene
+from .sheet import Frame, Scale, Window, can_draw, finish, make_scale
+from .units import labelled
+
+_FRAMES_A_SECOND, _WIDTH = 12, 960  # of films
+
+
+def contour(stage: StageResult, quantity: str, *, since: StageResult | None = None,
+            deformed: float | Literal["auto"] = 0.0, limits: tuple[float, float] | None = None,
+            window: Window | None = None, levels: int = 10, colors: str | None = None, mesh: bool = True,
+            bodies: str | Iterable[str] | None = None, water: Water | None = None, supports: ndarray | None = None,
+            loads: ndarray | None = None, vectors: bool = False, points: bool = False, contact: bool = False,
+            file: str | Path | None = None, show: bool = False) -> Any:
+    """Draw contours of a field on plane bodies.
+
+    The scale has round levels and zero is one of them; fields of both signs have two colours. Where a few nodes would
+    make it much longer, at a singular corner, it ends before them with an arrow. Nothing is smeared over a contact or
+    a border between materials.
+
+    Parameters
+    ----------
+    stage
+        Stage of a result; its active solids are drawn.
+    quantity
+        Field of :meth:`~skfem_contact.results.StageResult.field`: ``"ux"``, ``"syy"``, ``"mises"``, ``"gamma"``, ...
+    since
+        Earlier stage: draw the change from there on.
+    deformed
+        Factor of the displacements, or ``"auto"``; the undeformed outline is drawn too.
+    limits
+        Values at the ends of the colour scale; by default those of the field, rounded.
+    window
+        Part to show, ``(xmin, xmax, ymin, ymax)``; by default everything.
+    levels
+        Number of bands, about.
+    colors
+        Name of a matplotlib colour map in place of the default ones.
+    mesh
+        Draw the elements.
+    bodies
+        Names of the solids to draw; by default all.
+    water
+        Draw the water table: the free surface of a :class:`~skfem_contact.Seepage`, or the line on which the pore
+        pressure, a function of coordinates such as :func:`~skfem_contact.hydrostatic`, falls to zero.
+    supports
+        Fixed dofs, drawn as triangles.
+    loads : ndarray, (N,)
+        Load vector, drawn as arrows.
+    vectors
+        Draw the displacements as arrows.
+    points
+        Mark the integration points that yield, and those at their tensile strength.
+    contact
+        Mark the contact points by their status and draw the tractions between the bodies.
+    file
+        Name of a picture to write, ``.png``.
+    show
+        Open a window in which the picture can be moved; the plotter's ``export_html`` writes a page that can do so.
+
+    Returns
+    -------
+    pyvista.Plotter or None
+        Plotter, which a notebook shows as a picture, or None with a warning where this machine cannot draw: VTK needs
+        OpenGL.
+
+    Raises
+    ------
+    ValueError
+        Unknown quantity, no active solid in the stage, or bodies in space.
+
+    Examples
+    --------
+    >>> from skfem_contact.demo import culvert
+    >>> import skfem_contact.plot as plot
+    >>> picture = plot.contour(culvert().result["surcharge"], "uy", deformed="auto", contact=True)
+    """
+    picture = _contours([stage], quantity, since=since, deformed=deformed, limits=limits, levels=levels, colors=colors,
+                        bodies=bodies, water=water, supports=supports, loads=loads, vectors=vectors, points=points,
+                        contact=contact)
+    return picture.draw(window, mesh, file, show)
+
+
+def stages(result: Result | Sequence[StageResult], quantity: str, *, window: Window | None = None, mesh: bool = False,
+           file: str | Path | None = None, show: bool = False, **style: Any) -> Any:
+    """Draw contours of several stages side by side on one scale.
+
+    Parameters
+    ----------
+    result
+        Result, or some stages of it: ``[result["dig"], result["filled"]]``.
+    quantity, window, mesh, file, show, style
+        As for :func:`contour`; an automatic factor of the displacements is that of the stage that has moved most.
+
+    Examples
+    --------
+    >>> from skfem_contact.demo import culvert
+    >>> import skfem_contact.plot as plot
+    >>> picture = plot.stages(culvert().result, "syy", window=(-3., 3., -3., 2.))
+    """
+    return _contours(list(result), quantity, **style).draw(window, mesh, file, show)
+
+
+def cutaway(stage: StageResult, quantity: str, *, cuts: Sequence[Cut] = (),
+            towards: Sequence[float] = (-1.0, 2.0, -1.0), mesh: bool = True, file: str | Path | None = None,
+            show: bool = False, **style: Any) -> Any:
+    """Draw contours of a field on bodies in space, of which parts are cut away.
+
+    Parameters
+    ----------
+    stage, quantity, file, show, style
+        As for :func:`contour`; style is ``since``, ``deformed``, ``limits``, ``levels``, ``colors``, ``bodies``.
+    cuts
+        Planes, each by its normal, which points to what is cut away, and a point on it, before anything has moved.
+    towards
+        Direction of view; the last axis is upright.
+    mesh
+        Draw the elements, also where the cuts go through them.
+
+    Examples
+    --------
+    >>> from skfem import Basis, ElementHex1, ElementVector, MeshHex
+    >>> import skfem_contact as sc
+    >>> import skfem_contact.plot as plot
+    >>> basis = Basis(MeshHex().refined(2), ElementVector(ElementHex1()), intorder=2)
+    >>> forms = {"block": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=.3), strain="full")}
+    >>> result = sc.Model(forms, sc.box_supports(basis)).run([sc.Stage("weight", sc.weight(basis, 20.))])
+    >>> picture = plot.cutaway(result["weight"], "szz", cuts=[((0, -1, 0), (0, .4, 0))])
+    """
+    picture = _contours([stage], quantity, scene=partial(Cutaway, cuts=cuts, towards=towards), **style)
+    return picture.draw(None, mesh, file, show)
+
+
+def animate(result: Result | Sequence[StageResult], quantity: str, file: str | Path, *, window: Window | None = None,
+            mesh: bool = False, frames: int = 16, **style: Any) -> Path | None:
+    """Write a film of the stages, ``.gif`` or ``.mp4``, all of them on one scale.
+
+    Between stages that hold the same bodies, displacements and the field are interpolated linearly.
+
+    Parameters
+    ----------
+    result, quantity, window, mesh, style
+        As for :func:`stages`.
+    file
+        Name of the film; MP4 needs ``imageio-ffmpeg``, GIF ``imageio``.
+    frames
+        Pictures for each stage, twelve a second; in the first half of them the bodies move.
+
+    Returns
+    -------
+    Path or None
+        File, or None with a warning where this machine cannot draw.
+    """
+    file = Path(file)
+    if file.suffix not in (".gif", ".mp4"):
+        raise ValueError(f"a film is a .gif or an .mp4 file, not '{file.name}'")
+    picture = _contours(list(result), quantity, **style)
+    if not can_draw(picture.title)[0]:
+        return None
+    frame = picture.frame(window, views=1, titled=True, width=_WIDTH)
+    frame.make_even()
+    plotter = frame.sheet(False)
+    if file.suffix == ".gif":
+        plotter.open_gif(str(file), fps=_FRAMES_A_SECOND)
+    else:
+        plotter.open_movie(str(file), framerate=_FRAMES_A_SECOND)
+    picture.put_foot(plotter, frame, note="")
+    for first, last in zip([picture.views[0], *picture.views], picture.views):
+        moving = _between(first, last, frames // 2)
+        for view in moving:
+            plotter.renderer.clear_actors()
+            view.paint(plotter, frame, 0, picture.scale, mesh)
+            plotter.write_frame()
+        for _ in range(frames - len(moving)):
+            plotter.write_frame()
+    plotter.close()
+    return file
+
+
+class View(NamedTuple):
+    """Bodies of a stage with a field, the title above them, and marks on them."""
+
+    scene: Scene
+    title: str
+    marks: Marks
+
+    def paint(self, plotter: Any, frame: Frame, number: int, scale: Scale, mesh: bool) -> None:
+        """Draw the bodies and their marks in one of the views of a frame."""
+        frame.aim(plotter, number, self.title, *self.scene.view)
+        self.scene.pixel = frame.pixel
+        self.scene.draw(plotter, scale, mesh)
+        self.marks.draw(plotter, self.scene)
+        plotter.renderer.ResetCameraClippingRange()
+
+
+@dataclass(frozen=True)
+class Contours:
+    """Views on one scale, and the texts above the colour bar: a title on the left, a note on the right."""
+
+    views: Sequence[View]
+    scale: Scale
+    title: str
+    note: str = ""
+
+    def frame(self, window: Window | None, views: int, **size: Any) -> Frame:
+        """Return a frame around the bodies of all stages."""
+        seen = np.concatenate([view.scene.seen for view in self.views])
+        margin = max(max(view.scene.room, view.marks.room) for view in self.views)
+        return Frame(seen, window, views, margin=margin, **size)
+
+    def put_foot(self, plotter: Any, frame: Frame, note: str) -> None:
+        """Put the colour bar and the legend of all marks below the views."""
+        legend = {label: style for view in self.views for label, style in view.marks.legend()}
+        frame.put_foot(plotter, self.scale, self.title, note, legend)
+
+    def draw(self, window: Window | None, mesh: bool, file: str | Path | None, show: bool) -> Any:
+        """Draw all views on one sheet."""
+        able, show = can_draw(self.title, show)
+        if not able:
+            return None
+        frame = self.frame(window, len(self.views), titled=len(self.views) > 1)
+        plotter = frame.sheet(show)
+        for number, view in enumerate(self.views):
+            view.paint(plotter, frame, number, self.scale, mesh)
+        self.put_foot(plotter, frame, self.note)
+        return finish(plotter, file, show)
+
+
+def _contours(steps: Sequence[StageResult], quantity: str, *, since: StageResult | None = None,
+              deformed: float | Literal["auto"] = 0.0, limits: tuple[float, float] | None = None, levels: int = 10,
+              colors: str | None = None, bodies: str | Iterable[str] | None = None, water: Water | None = None,
+              scene: Callable[..., Scene] = Scene, **marks: Any) -> Contours:
+    """Return views of all stages; an automatic factor is that of the stage that has moved most."""
+    if not steps:
+        raise ValueError("there is no stage to draw")
+    if bodies is not None:
+        existing = {name: form for stage in steps for name, form in solids(stage).items()}
+        chosen = {name: look_up(name, existing, "solid") for name in names_of(bodies)}
+        steps = [only(stage, chosen) for stage in steps]
+    _check_dimension(basis_of(steps[0]), scene is not Scene, {**marks, "water": water})
+    after = "" if since is None else f", since {since.name}"
+    views = [View(scene(stage, deformed, since, region_field(stage, quantity, since, water)),
+                   f"{stage.name}{after}", Marks(stage, water, **marks)) for stage in steps]
+    factors = [view.scene.factor for view in views if view.scene.displacement[view.scene.nodes].any()]
+    for view in views:
+        view.scene.factor = min(factors, default=view.scene.factor)
+    values, area = (np.concatenate(parts) for parts in zip(*(view.scene.samples for view in views)))
+    factor = views[0].scene.factor
+    texts = [views[0].title if len(views) == 1 else "", "" if factor in (0.0, 1.0) else f"displacements × {factor:g}"]
+    title, note = _headline(steps[0], quantity, since, water), ", ".join(text for text in texts if text)
+    return Contours(views, make_scale(values, area, limits, levels, colors), title, note)
+
+
+def _check_dimension(basis: Any, space: bool, marks: dict[str, Any]) -> None:
+    """Refuse bodies in space in plane pictures, and the reverse, where marks are not drawn."""
+    check_basis(basis)
+    if not space:
+        check_plane(basis, "plot.contour")
+    elif basis.mesh.dim() != 3:
+        raise ValueError("plot.cutaway is for bodies in space; plane ones are drawn by plot.contour")
+    elif given := [name for name, value in marks.items() if value is not None and value is not False]:
+        raise ValueError(f"plot.cutaway does not draw {', '.join(given)}: these are for plane bodies")
+
+
+def only(stage: StageResult, bodies: Container[str]) -> StageResult:
+    """Return a stage with some of its solids."""
+    return replace(stage, forms={name: form for name, form in stage.forms.items()
+                                 if name in bodies or not isinstance(form, SolidForm)})
+
+
+def _headline(stage: StageResult, quantity: str, since: StageResult | None, water: Water | None = None) -> str:
+    """Return the title of the colour bar, with its unit."""
+    field = quantities(stage, water)[quantity]
+    title = labelled(field.title, field.unit)
+    return f"Change of {title}" if since is not None else title[0].upper() + title[1:]
+
+
+def _between(first: View, last: View, n: int) -> list[View]:
+    """Return views on the way from one stage to the next; one where the bodies are others."""
+    if first is last or not np.array_equal(first.scene.nodes, last.scene.nodes):
+        return [last]
+    return [last._replace(scene=last.scene.between(first.scene, share)) for share in np.arange(1, n + 1) / n]

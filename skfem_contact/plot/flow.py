@@ -1,0 +1,101 @@
+"""Pictures of seepage by matplotlib."""
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Literal
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+from matplotlib.tri import Triangulation
+from numpy import ndarray
+
+from ..layout import elements_of
+from ..water import Seepage
+from ..water.places import simplices
+from .diagram import saved
+from .marks import WATER
+from .units import labelled
+
+_LEVELS, _ARROWS = 14, 24  # most bands of the head or pressure; arrows along the longer side of the picture
+_WIDTH, _HEIGHT = 9.0, 5.0  # inches of a picture at most
+_FLOW = {"head": ("hydraulic head", "length"), "pressure": ("pore pressure", "stress")}
+
+
+def flow_diagram(water: Seepage, quantity: Literal["head", "pressure"] = "head", arrows: bool = True,
+                 ax: Axes | None = None, file: str | Path | None = None) -> Figure:
+    """Draw contours of the head or of the pore pressure in wet ground, the free surface and directions of flow.
+
+    Parameters
+    ----------
+    water
+        Plane seepage.
+    quantity
+        ``"head"`` or ``"pressure"``.
+    arrows
+        Draw the velocities of the elements nearest to the points of a grid; but for the few strongest, the arrows are
+        as long as the flow is strong.
+    ax
+        Axes to draw in; by default those of a new figure.
+    file
+        Name of a picture to write.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import skfem_contact as sc
+    >>> import skfem_contact.plot as plot
+    >>> from skfem import Basis, ElementTriP1, MeshTri
+    >>> dam = MeshTri.init_tensor(np.linspace(0, 5, 6), np.linspace(0, 5, 6)).with_defaults()
+    >>> water = sc.seepage(Basis(dam, ElementTriP1()), permeability=1., head={"left": 5., "right": 1.},
+    ...                    seepage_face="right", unit_weight=10.)
+    >>> figure = plot.flow_diagram(water, "pressure")
+    """
+    if quantity not in _FLOW:
+        raise ValueError(f"quantity must be one of {', '.join(_FLOW)}, not {quantity!r}")
+    mesh, elements = water.basis.mesh, elements_of(water.basis)
+    if mesh.dim() != 2:
+        raise ValueError("plot.flow_diagram is for plane seepage")
+    x, y = mesh.p[:, :len(water.head)]
+    corners = simplices(mesh, elements).T
+    if ax is None:
+        width, height = np.ptp(mesh.p[:, corners.ravel()], axis=1)
+        scale = min((_WIDTH - 2.0) / width, _HEIGHT / height)
+        ax = plt.subplots(figsize=(scale * width + 2.0, scale * height + 0.5), layout="constrained")[1]
+    wet = (water.head >= y)[corners].any(axis=1)
+    triangles = Triangulation(x, y, corners[wet | ~wet.any()])
+    values = np.nan_to_num(water.head if quantity == "head" else water.pressure)
+    shown = values[triangles.triangles]
+    levels = MaxNLocator(_LEVELS).tick_values(shown.min(), shown.max())
+    filled = ax.tricontourf(triangles, values, levels, cmap="Blues")
+    ax.tricontour(triangles, values, levels, colors="white", linewidths=0.5)
+    outline = np.bincount(mesh.t2f[:, elements].ravel(), minlength=mesh.nfacets) == 1
+    ax.add_collection(LineCollection(mesh.p[:, mesh.facets[:, outline]].transpose(2, 1, 0), colors="black"))
+    for line in water.free_surface:
+        ax.plot(*line.T, color=WATER, linewidth=2.0)
+    if arrows:
+        _draw_arrows(ax, mesh.p[:, mesh.t[:, elements]].mean(axis=1), water.velocity)
+    ax.figure.colorbar(filled, ax=ax, label=labelled(*_FLOW[quantity]), shrink=0.8)
+    ax.set(aspect="equal")
+    figure = ax.get_figure()
+    assert isinstance(figure, Figure)
+    return saved(figure, file)
+
+
+def _draw_arrows(ax: Axes, centres: ndarray, velocity: ndarray) -> None:
+    """Draw velocities (2, n) of the elements nearest to the points of a regular grid."""
+    low, step = centres.min(axis=1, keepdims=True), float(np.ptp(centres, axis=1).max()) / _ARROWS
+    cell = np.floor((centres - low) / step).astype(int)
+    off = np.linalg.norm((centres - low) / step - cell - 0.5, axis=0)
+    order = np.lexsort((off, *cell))
+    first = order[np.append(True, (np.diff(cell[:, order]) != 0).any(axis=0))]
+    flow = velocity[:, first]
+    speed = np.linalg.norm(flow, axis=0)
+    longest = float(np.quantile(speed, 0.95)) or 1.0
+    flow = flow / np.maximum(speed, longest) * 0.9 * step
+    shown = np.linalg.norm(flow, axis=0) > 0.05 * step
+    ax.quiver(*centres[:, first[shown]], *flow[:, shown], angles="xy", scale_units="xy", scale=1.0, width=0.002,
+              color="#333333")

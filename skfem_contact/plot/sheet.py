@@ -1,0 +1,267 @@
+"""Sheets of pictures: colour scales, views side by side, a foot with the colour bar, files and windows."""
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import warnings
+from functools import cache
+from io import BytesIO
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import matplotlib
+import numpy as np
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import BoundaryNorm, LinearSegmentedColormap, ListedColormap
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
+from numpy import ndarray
+
+#: Share of the area that may lie below, and above, the limits where it would make the scale so much longer.
+_TAIL, _LONGER = 0.01, 3.0
+#: A field with both signs has them in both colours if the smaller side is at least this share of the larger one.
+_BOTH = 0.02
+#: Sizes of letters, in points at 100 dots per inch, and the width of a small one in pixels.
+_SMALL, _LARGE, _LETTER = 15, 17, 13
+#: Blue for negative, red for positive values, without the darkest ends: mesh lines are seen on every colour.
+_DIVERGING = LinearSegmentedColormap.from_list(
+    "signed", ["#3b78b4", "#8ab6d6", "#d6e6f0", "#f9f7f5", "#f8d9c6", "#ec9a79", "#cf4b41"])
+#: From pale yellow over green to blue, light enough for dark lines.
+_SEQUENTIAL = LinearSegmentedColormap.from_list(
+    "one sign", ["#fdf6c9", "#d5e8a4", "#9dd3a3", "#62b8b2", "#4796b8", "#4f6fae"])
+#: Pixels of all views together at most, and of the foot and the views' titles.
+_WIDTH, _FOOT, _HEAD = 1400, 150, 46
+#: Width over height of all views at least, and of a picture over the largest width.
+_ASPECT, _NARROWEST = 1.4, 0.65
+
+Window = tuple[float, float, float, float]  # xmin, xmax, ymin, ymax
+
+
+class Scale(NamedTuple):
+    """Ends of the bands, ascending, (n + 1,), a colour map of n colours, and matplotlib's ``extend`` of the bar."""
+
+    levels: ndarray
+    colors: ListedColormap
+    extend: str
+
+
+def make_scale(values: ndarray, area: ndarray, limits: tuple[float, float] | None, n: int, colors: str | None) -> Scale:
+    """Return a scale of about n bands for values (n,) and their areas: given limits stay, others become round."""
+    known = np.isfinite(values)
+    if not known.any():
+        raise ValueError("there is nothing to draw: no material of these bodies defines this field")
+    values, area = values[known], area[known]
+    if limits is not None:
+        low, high = float(limits[0]), float(limits[1])
+        if not -np.inf < low < high < np.inf:
+            raise ValueError(f"limits are two finite numbers, the smaller one first, not {limits!r}")
+        levels = _round_levels(low, high, n)
+        apart = 1e-9 * (high - low)
+        levels = np.concatenate(([low], levels[(levels > low + apart) & (levels < high - apart)], [high]))
+    else:
+        levels = _round_levels(*_robust(values, area), n)
+    slack = 1e-6 * (levels[-1] - levels[0])
+    below, above = values.min() < levels[0] - slack, values.max() > levels[-1] + slack
+    extend = ("both" if above else "min") if below else ("max" if above else "neither")
+    return Scale(levels, ListedColormap(_band_colors(levels, colors)), extend)
+
+
+def quantile(values: ndarray, area: ndarray, share: float) -> float:
+    """Return the value that a share of the area does not exceed."""
+    order = np.argsort(values)
+    return float(np.interp(share, np.cumsum(area[order]) / area.sum(), values[order]))
+
+
+def _robust(values: ndarray, area: ndarray) -> tuple[float, float]:
+    """Return the extremes, or where all but a little of the area lies if that little would spoil the scale."""
+    most = [quantile(values, area, part) for part in (_TAIL, 1.0 - _TAIL)]
+    low, high = float(values.min()), float(values.max())
+    if (room := 0.5 * (_LONGER - 1.0) * (most[1] - most[0])) > 0.0:
+        low = low if most[0] - low <= room else most[0]
+        high = high if high - most[1] <= room else most[1]
+    apart = 1e-9 * max(abs(low), abs(high)) or 1.0
+    return (low, high) if high - low > apart else (low - apart, high + apart)
+
+
+def _round_levels(low: float, high: float, n: int) -> ndarray:
+    """Return multiples of a round step from below the smallest to above the largest value."""
+    levels = np.asarray(MaxNLocator(nbins=n, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high))
+    step, slack = levels[1] - levels[0], 1e-6 * (high - low)
+    levels = levels[(levels > low - step + slack) & (levels < high + step - slack)]
+    return np.where(np.abs(levels) < 1e-9 * step, 0.0, levels)
+
+
+def _band_colors(levels: ndarray, colors: str | None) -> ndarray:
+    """Return colours of the bands, (n, 4): around zero where there are both signs, from light to dark for one."""
+    middle = 0.5 * (levels[1:] + levels[:-1])
+    low, high = float(levels[0]), float(levels[-1])
+    if colors is None and low < 0.0 < high and min(-low, high) > _BOTH * max(-low, high):
+        return np.asarray(_DIVERGING(0.5 + 0.5 * middle / float(np.abs(middle).max())))
+    place = (middle - low) / (high - low)
+    place = (place - place.min()) / max(float(np.ptp(place)), 1e-12)
+    if colors is not None:
+        return np.asarray(matplotlib.colormaps[colors](place))
+    return np.asarray(_SEQUENTIAL(1.0 - place if abs(low) > abs(high) else place))
+
+
+def bar_figure(scale: Scale, title: str, note: str, size: tuple[int, int], marks: dict[str, dict[str, Any]]) -> Figure:
+    """Return the foot of a picture: colour bar, title on the left, note on the right, legend of marks."""
+    figure = Figure(figsize=(size[0] / 100, size[1] / 100), dpi=100)
+    axes = figure.add_axes((0.06, 0.46 if marks else 0.38, 0.88, 0.17))
+    words = [_figures(value, scale.levels) for value in scale.levels]
+    every = int(np.ceil(len(words) * _LETTER * (1 + max(map(len, words))) / (0.88 * size[0])))
+    zero = int(np.argmin(np.abs(scale.levels))) % every  # if there is one, it is written
+    mapped = ScalarMappable(BoundaryNorm(scale.levels, len(scale.levels) - 1), scale.colors)
+    bar = figure.colorbar(mapped, cax=axes, orientation="horizontal", extend=scale.extend, extendfrac=0.03,
+                          ticks=scale.levels[zero::every], spacing="proportional")
+    bar.ax.tick_params(labelsize=_SMALL, length=4)
+    bar.ax.xaxis.set_major_formatter(lambda value, _: _figures(value, scale.levels))
+    figure.text(0.06, 0.74, title, fontsize=_LARGE)
+    figure.text(0.94, 0.74, note, fontsize=_SMALL, ha="right", color="#444444")
+    if marks:
+        handles = [Line2D([], [], label=label, **style) for label, style in marks.items()]
+        figure.legend(handles=handles, loc="lower center", ncol=len(handles), frameon=False, fontsize=_SMALL,
+                      bbox_to_anchor=(0.5, -0.07), handletextpad=0.4)
+    return figure
+
+
+def _figures(value: float, levels: ndarray) -> str:
+    """Return a level with as many digits as distinguish it from its neighbours, and a true minus sign."""
+    step, largest = float(np.diff(levels).min()), float(np.abs(levels).max())
+    if largest >= 1e5 or largest < 1e-3:
+        power = int(np.floor(np.log10(largest)))
+        digits = max(0, power - int(np.floor(np.log10(step) + 1e-9)))
+        text = "0" if value == 0 else f"{value / 10.0**power:.{digits}f}e{power}"
+    else:
+        digits = max(0, -int(np.floor(np.log10(step) + 1e-9)))
+        if abs(round(step * 10**digits) - step * 10**digits) > 1e-6:
+            digits += 1  # steps of 2.5
+        text = f"{value:.{digits}f}"
+    return text.replace("-", "−")
+
+
+class Frame:
+    """Views side by side that show points (n, 2) or a window, their size in pixels, and the foot below them."""
+
+    def __init__(self, points: ndarray, window: Window | None, views: int, titled: bool,
+                 margin: float, width: int = _WIDTH) -> None:
+        low, high = points.min(axis=0), points.max(axis=0)
+        if window is not None:
+            low, high = np.array(window[0::2], float), np.array(window[1::2], float)
+            if not (low < high).all():
+                raise ValueError(f"a window is (xmin, xmax, ymin, ymax), not {window!r}")
+        free = margin * (high - low).max()
+        low, high = low - free, high + free
+        self.focus = 0.5 * (low + high)
+        columns = 1 if views == 1 else 2 if views in (2, 4) else 3
+        self.rows, self.columns = -(-views // columns), columns
+        self.pixel = float(max((high - low) / (width / columns, width / _ASPECT / self.rows)))
+        wide, high = np.ceil((high - low) / self.pixel - 1e-6).astype(int)
+        self.view = (max(int(wide), int(_NARROWEST * width) // columns), int(high))
+        self.head = _HEAD if titled else 0
+
+    def make_even(self) -> None:
+        """Round sizes to whole multiples of 16, which the codecs of films take."""
+        self.view = (16 * -(-self.view[0] // 16), 16 * -(-(self.height + _FOOT) // 16) - _FOOT - self.head)
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height of the whole picture."""
+        return self.columns * self.view[0], self.rows * self.height + _FOOT
+
+    @property
+    def height(self) -> int:
+        """Height of a view with its title."""
+        return self.view[1] + self.head
+
+    def sheet(self, show: bool) -> Any:
+        """Return a plotter with the views and an empty foot."""
+        import pyvista
+
+        rows = [self.height] * self.rows + [_FOOT]
+        with pyvista.vtk_verbosity("off"):  # VTK complains of displays that it tries before it finds one
+            plotter = _picture()(off_screen=not show, window_size=list(self.size), lighting="none", border=False,
+                                 shape=(self.rows + 1, self.columns), row_weights=rows,
+                                 groups=[(self.rows, slice(None))])
+        plotter.set_background("white", all_renderers=True)
+        for renderer in list(plotter.renderers)[:-1]:  # in the foot it would shrink the figure
+            renderer.enable_anti_aliasing("ssaa")
+        return plotter
+
+    def aim(self, plotter: Any, number: int, title: str, axes: ndarray, depth: float, distance: float) -> None:
+        """Look in one of the views, tight, from a distance against the last of three axes, at a depth on it."""
+        plotter.subplot(number // self.columns, number % self.columns)
+        if self.head:
+            plotter.add_text(title, position="upper_edge", color="black", font="arial", font_size=8)
+        plotter.enable_parallel_projection()
+        shift = 0.5 * (self.height - self.view[1]) * self.pixel
+        focus = (self.focus + np.array([0.0, shift])) @ axes[:2] + depth * axes[2]
+        plotter.camera_position = [focus + distance * axes[2], focus, axes[1]]
+        plotter.camera.parallel_scale = 0.5 * self.height * self.pixel
+        plotter.renderer.ResetCameraClippingRange()
+
+    def put_foot(self, plotter: Any, scale: Scale, title: str, note: str, marks: dict[str, dict[str, Any]]) -> None:
+        """Put the colour bar into the foot, with its title on the left, a note on the right and a legend of marks."""
+        import pyvista
+
+        plotter.subplot(self.rows, 0)
+        figure = bar_figure(scale, title, note, (self.size[0], _FOOT), marks)
+        chart = pyvista.ChartMPL(figure, redraw_on_render=False)
+        chart.border_color, chart.background_color = "white", "white"
+        plotter.add_chart(chart)
+        plotter.subplot(0, 0)
+
+
+def finish(plotter: Any, file: str | Path | None, show: bool) -> Any:
+    """Write the file, open the window where it is asked for, and return the plotter."""
+    if file:
+        plotter.screenshot(file, return_img=False)
+    elif not show:
+        plotter.render()
+    if show:
+        plotter.show(auto_close=False)
+    return plotter
+
+
+def can_draw(title: str, show: bool = False) -> tuple[bool, bool]:
+    """Return whether VTK can draw here, and whether it can open a window; warn where it cannot as asked for."""
+    if not _can_render():
+        warnings.warn(f"no picture of '{title}': VTK cannot draw on this machine, it needs OpenGL "
+                      "(a display, or the libraries EGL or OSMesa)", stacklevel=4)
+        return False, False
+    if show and not _has_windows():
+        warnings.warn(f"no window for '{title}': this machine has no display; file= writes the picture", stacklevel=4)
+        return True, False
+    return True, show
+
+
+def _has_windows() -> bool:
+    import pyvista
+
+    if pyvista.OFF_SCREEN:
+        return False
+    return sys.platform in ("win32", "darwin") or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+
+
+@cache
+def _picture() -> Any:
+    """Return the class of plotters that a notebook shows; made at its first use, as pyvista is not needed before."""
+    import pyvista
+
+    class Picture(pyvista.Plotter):
+        def _repr_png_(self) -> bytes:
+            image = BytesIO()
+            self.screenshot(image, return_img=False)
+            return image.getvalue()
+
+    return Picture
+
+
+@cache
+def _can_render() -> bool:
+    """Return whether VTK can draw here; tried in a process of its own, because without OpenGL it crashes."""
+    code = ("import vtkmodules.vtkRenderingOpenGL2; from vtkmodules.vtkRenderingCore import vtkRenderWindow; "
+            "w = vtkRenderWindow(); w.SetOffScreenRendering(1); w.SetSize(8, 8); w.Render()")
+    return subprocess.run([sys.executable, "-c", code], capture_output=True).returncode == 0

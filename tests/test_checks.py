@@ -1,0 +1,59 @@
+"""Checks of input: what passes, and what is refused with the name of the argument."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from skfem_contact import checks
+
+
+@pytest.mark.parametrize("value", [True, "1", None, np.nan, np.inf, [1.0], 1j])
+def test_no_number(value):
+    assert not checks.is_number(value)
+    with pytest.raises(ValueError, match="width must be a finite number above 0, not"):
+        checks.positive(value, "width")
+
+
+def test_numbers():
+    assert checks.number(np.float32(0.5), "share", 0.0, 1.0) == 0.5
+    with pytest.raises(ValueError, match="share must be a finite number above 0 and below 1, not 1"):
+        checks.number(1, "share", 0.0, 1.0)
+    with pytest.raises(ValueError, match="factor must be a finite number, not nan"):
+        checks.number(np.nan, "factor")
+    np.testing.assert_array_equal(checks.finite([1, 2], "lengths"), [1.0, 2.0])
+
+
+@pytest.mark.parametrize("value", [[1.0], [1.0, np.nan], 7.0, [1j, 0], ["a", "b"], [[1.0], [1.0, 2.0]],
+                                   np.ma.masked_array([1.0, 2.0], [True, False])])
+def test_no_vector(value):
+    with pytest.raises(ValueError, match="center must"):
+        checks.vector(value, 2, "center")
+
+
+def test_directions():
+    np.testing.assert_allclose(checks.unit_vector((3, -4), 2, "axis"), [0.6, -0.8], rtol=1e-15)
+    with pytest.raises(ValueError, match="axis must not be zero"):
+        checks.unit_vector((0, 0), 2, "axis")
+
+
+def test_choices():
+    assert checks.one_of("gauss", ("nodal", "gauss"), "quadrature") == "gauss"
+    for value in ("no", 1, None, np.zeros(2)):
+        with pytest.raises(ValueError, match="axisymmetric must be one of True, False, not"):
+            checks.one_of(value, (True, False), "axisymmetric")
+
+
+def test_names():
+    assert checks.names("a", ("a", "b"), "form") == ("a",)
+    assert checks.names(["b", "a"], ("a", "b"), "form") == ("b", "a")
+    with pytest.raises(ValueError, match="there is no form 'c'; existing: a, b"):
+        checks.names(("a", "c"), ("a", "b"), "form")
+
+
+def test_dofs():
+    assert checks.dofs([3, 1, 1], 4, "fixed").tolist() == [1, 3]
+    assert checks.dofs([], 4, "fixed").tolist() == []
+    for value in ([-1], [4], [0.5], [True], ["a"]):
+        with pytest.raises(ValueError, match="fixed must be numbers of dofs from 0 to 3"):
+            checks.dofs(value, 4, "fixed")

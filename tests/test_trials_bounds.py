@@ -1,0 +1,90 @@
+"""Trials of bounds from outside: bad input, open joints, loads that nothing bears, soil without tension."""
+
+from __future__ import annotations
+
+import warnings
+
+import numpy as np
+import pytest
+from helpers import analysis
+from skfem import Basis, ElementTriP2, ElementVector, MeshTri
+
+import skfem_contact as sc
+
+SOIL = sc.MohrCoulomb(E=1e5, nu=0.3, c=10.0, phi=20.0, psi=20.0)
+
+
+def blocks(gap: float, lower, upper, law: sc.Coulomb | None) -> tuple[dict, np.ndarray]:
+    """A block of 4 m above a base that is held, with a joint or without."""
+    base = MeshTri.init_tensor(np.linspace(0, 8, 9), np.linspace(-1, 0, 2)).with_defaults()
+    block = MeshTri.init_tensor(np.linspace(2, 6, 6), np.linspace(gap, 1 + gap, 2)).with_defaults()
+    basis = Basis(sc.join_bodies({"base": base, "block": block}), ElementVector(ElementTriP2()), intorder=2)
+    forms = {"base": sc.SolidForm(basis.with_elements("base"), lower),
+             "block": sc.SolidForm(basis.with_elements("block"), upper)}  # fmt: skip
+    if law is not None:
+        forms["joint"] = sc.ContactPair(basis, "block:bottom", "base:top", law, "nodal")
+    return forms, basis.get_dofs("base:bottom").all()
+
+
+def column(material) -> tuple[dict, np.ndarray]:
+    """A square that can spread between its base and a smooth left side."""
+    basis = Basis(MeshTri().refined(2).with_defaults(), ElementVector(ElementTriP2()), intorder=2)
+    fixed = np.append(basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1"))
+    return {"ground": sc.SolidForm(basis, material)}, fixed
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"seismic": np.nan}, "seismic"),
+        ({"water": lambda x: np.nan * x[0]}, "water must be finite"),
+        ({"submerged": "right"}, "give `water`"),
+    ],
+)
+def test_bad_input_is_named(given: dict, message: str) -> None:
+    """Values that are not finite, and boundaries under water without water: one error that names the argument."""
+    with pytest.raises(ValueError, match=message):
+        analysis("bounds", *column(SOIL), weight=20.0, elements=100, progress=False, **given)
+
+
+def test_rigid_body_in_the_air() -> None:
+    """A rigid body that nothing holds is refused before the iteration."""
+    forms, fixed = blocks(1.0, SOIL, sc.LinearElastic(1e6, 0.2), None)
+    with pytest.raises(ValueError, match="can move freely"):
+        sc.Model(forms, fixed).bounds(weight=20.0, gap=0.2, elements=100, progress=False)
+
+
+def test_loads_that_nothing_bears_are_no_proof_of_safety() -> None:
+    """[X] A column pulled beyond its apex c cot(phi) collapses at every factor."""
+    soil = sc.MohrCoulomb(E=1e5, nu=0.3, c=1.0, phi=30.0, psi=30.0)
+    with pytest.raises(ValueError, match="at any strength the loads exceed"):
+        analysis("bounds", *column(soil), tractions={"top": (0.0, 10.0)}, elements=200, progress=False)
+
+
+@pytest.mark.parametrize("gap", [0.0, 1e-4, 1e-3, 4e-3])
+def test_a_joint_is_closed_or_refused(gap: float) -> None:
+    """[X] A block slides at .5 * 100 + 2.5 * 4 = 60; sides that do not coincide after matching are refused."""
+    strong = sc.MohrCoulomb(1e5, 0.3, c=1000.0, phi=20.0, psi=20.0)
+    forms, fixed = blocks(gap, strong, strong, sc.Coulomb(mu=0.5, adhesion=2.5))
+    given = {"weight": {"block": 25.0}, "tractions": {"block:left": (1.0, 0.0)}, "live": "block:left", "gap": 0.05,
+             "elements": 120, "progress": False}  # fmt: skip
+    if gap > 5e-4:
+        with pytest.raises(ValueError, match="of a facet apart"):
+            sc.Model(forms, fixed).bounds(**given)
+        return
+    found = sc.Model(forms, fixed).bounds(**given)
+    assert found.lower <= 60 * (1 + 1e-12) and found.upper >= 60 * (1 - 1e-12)
+    assert any("associated flow" in remark for remark in found.remarks)
+
+
+def test_soil_without_tension() -> None:
+    """The missing lower bound is explained by the missing tension."""
+    mesh = MeshTri.init_tensor(np.linspace(-2, 0, 3), np.linspace(0, 2, 3)).with_boundaries(
+        {"base": lambda x: x[1] < 1e-9, "sides": lambda x: x[0] < -2 + 1e-9})  # fmt: skip
+    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
+    fixed = np.append(basis.get_dofs("base").all(), basis.get_dofs("sides").all("u^1"))
+    soil = sc.SolidForm(basis, sc.MohrCoulomb(1e5, 0.3, c=32.0, phi=10.0, psi=10.0, tension=0.0))
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        found = sc.Model({"soil": soil}, fixed).bounds(weight=20.0, gap=0.1, elements=60, progress=False)
+    assert found.lower > 1.0 or any("a small tension" in str(one.message) for one in told)
