@@ -51,7 +51,7 @@ def test_slow_drawdown(level, published):
     Extrapolated from two meshes. The published values are read off a figure, without dilatancy, and their unit
     weights are not known.
     """
-    coarse, fine = (under_water(slope(n), SOIL, 20.0, (1 - level) * HEIGHT, tol=0.004) for n in (5, 10))
+    coarse, fine = (under_water(slope(n), SOIL, 20.0, (1 - level) * HEIGHT, tolerance=0.004) for n in (5, 10))
     assert fine < coarse
     assert 2 * fine - coarse == pytest.approx(published, rel=0.03)
 
@@ -81,6 +81,6 @@ def test_dam(filled, published):
     soil = sc.MohrCoulomb(E=1e5, nu=0.3, c=13.8, phi=37.0, psi=37.0)
     shore = RESERVOIR / DAM * UPSTREAM
     free = [(shore, RESERVOIR), (UPSTREAM + CREST + DOWNSTREAM, 0.0)] if filled else -GROUND
-    coarse, fine = (under_water(dam(n), soil, 18.2, free, tol=0.008) for n in (5, 10))
+    coarse, fine = (under_water(dam(n), soil, 18.2, free, tolerance=0.008) for n in (5, 10))
     assert fine < coarse
     assert 0.98 * published[0] < 2 * fine - coarse < 1.02 * published[1]

@@ -263,7 +263,7 @@ def test_part_of_the_mesh_is_porous():
     water = sc.water.seepage(basis, 1e-5, {"up": 4.0, "down": 3.0}, unit_weight=9.81)
     assert np.isnan(water.head[mesh.p[1] > 3.01]).all() and np.isfinite(water.head[mesh.p[1] < 3.01]).all()
     assert water.head[np.isclose(mesh.p[0], 4) & np.isclose(mesh.p[1], 0)] == pytest.approx(3.5)
-    with pytest.raises(ValueError, match=r"places lie outside of the porous ground, the first is \(4, 3.5\)"):
+    with pytest.raises(ValueError, match=r"points lie outside of the porous ground, the first is \(4, 3.5\)"):
         water.pressure_at(np.array([[4.0, 1.0], [3.5, 1.0]]))
 
 

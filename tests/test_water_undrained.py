@@ -30,7 +30,7 @@ def compressed(soil, axisymmetric: bool, steps: tuple[float, ...]):
     """A sample under an isotropic effective stress, compressed while its side is pressed: p and q after steps."""
     mesh = grid("Q1", [0.0, 1.0], [0.0, 1.0])
     basis = vector_basis(mesh, "Q1", intorder=2)
-    form = sc.SolidForm(basis, soil, coordinates="axisymmetric" if axisymmetric else "full")
+    form = sc.SolidForm(basis, soil, coordinates="axisymmetric" if axisymmetric else "plane")
     fixed = np.union1d(basis.get_dofs({"bottom", "top"}).all("u^2"), basis.get_dofs("left").all("u^1"))
     side = FacetBasis(mesh, basis.elem, facets="right")
     load = LinearForm(lambda v, w: -P0 * (w.x[0] if axisymmetric else 1.0) * v[0]).assemble(side)
@@ -52,22 +52,22 @@ def compressed(soil, axisymmetric: bool, steps: tuple[float, ...]):
 def test_skempton(soil, axisymmetric, share):
     """[X] Pore pressure of an elastic sample under a deviator q: B q / 2 in plane strain, B q / 3 in the triaxial test.
 
-    Of the finite Kw = 1000 K comes an error of about a thousandth.
+    Of the finite modulus of the water, 1000 K, comes an error of about a thousandth.
     """
-    ((pressure, q),) = compressed(sc.Undrained(soil, Kw=1e3 * BULK), axisymmetric, (1e-3,))
+    ((pressure, q),) = compressed(sc.Undrained(soil, bulk_modulus_water=1e3 * BULK), axisymmetric, (1e-3,))
     assert q > 0
     assert pressure / q == pytest.approx(share, rel=1.5e-3)
 
 
 def test_skempton_for_compressible_water():
-    """[X] Skempton's B = 1 / (1 + K / Kw), A = 1/3: exact for any Kw."""
-    ((pressure, q),) = compressed(sc.Undrained(SOIL, Kw=BULK), True, (1e-3,))
+    """[X] Skempton's B = 1 / (1 + K / Kw), A = 1/3: exact for any water."""
+    ((pressure, q),) = compressed(sc.Undrained(SOIL, bulk_modulus_water=BULK), True, (1e-3,))
     assert pressure / q == pytest.approx(0.5 / 3, rel=1e-9)
 
 
 def test_strengths():
     """[X] 2 s_u = 2 (c cos phi + p0 sin phi) in plane strain, M p0 + q0 in the triaxial test, within .06 %."""
-    clay, s, c = sc.Undrained(SOIL, Kw=1e3 * BULK), np.sin(np.radians(25.0)), np.cos(np.radians(25.0))
+    clay, s, c = sc.Undrained(SOIL, bulk_modulus_water=1e3 * BULK), np.sin(np.radians(25.0)), np.cos(np.radians(25.0))
     exact = {False: 2 * (5.0 * c + P0 * s), True: 6 * s / (3 - s) * P0 + 6 * 5.0 * c / (3 - s)}
     for axisymmetric, q in exact.items():
         assert compressed(clay, axisymmetric, (0.01, 0.02, 0.04))[-1][1] == pytest.approx(q, rel=6e-4)
@@ -75,7 +75,7 @@ def test_strengths():
 
 def test_poisson_ratio_of_soil_and_water():
     """[X] With nu_u the moduli are those of an elastic body of that Poisson's ratio and the same shear modulus."""
-    clay = sc.Undrained(sc.LinearElastic(E=E, nu=NU), nu_u=0.49)
+    clay = sc.Undrained(sc.LinearElastic(E=E, nu=NU), nu_undrained=0.49)
     whole = sc.LinearElastic(E=E / (1 + NU) * 1.49, nu=0.49)
     for ncomp in (4, 6):
         np.testing.assert_allclose(clay.elasticity(ncomp), whole.elasticity(ncomp), rtol=1e-12)
@@ -95,7 +95,7 @@ def test_pressure_is_not_taken_for_plastic_strain():
     """An elastic soil has not yielded, whatever the pressure; its pressure lives on where others yield."""
     mesh = grid("Q1", [0.0, 1.0, 2.0], [0.0, 1.0]).with_subdomains({"a": lambda x: x[0] < 1, "b": lambda x: x[0] > 1})
     basis = vector_basis(mesh, "Q1", intorder=2)
-    clay = sc.Undrained(sc.LinearElastic(E=E, nu=NU), Kw=BULK)
+    clay = sc.Undrained(sc.LinearElastic(E=E, nu=NU), bulk_modulus_water=BULK)
     form = sc.SolidForm(basis, {"a": clay, "b": SOIL})
     x = basis.zeros()
     x[basis.get_dofs("top").all("u^2")] = -0.01
@@ -119,13 +119,13 @@ def test_pressure_is_not_taken_for_plastic_strain():
 def test_mobilised_strength_is_that_of_the_soil():
     """[X] Effective stresses count: with water in its pores the soil uses as much of its strength as without."""
     form = sc.SolidForm(vector_basis(grid("Q1", [0, 1], [0, 1]), "Q1", intorder=2), SOIL)
-    wet = form.with_materials({"all": sc.Undrained(SOIL, Kw=BULK)})
+    wet = form.with_materials({"all": sc.Undrained(SOIL, bulk_modulus_water=BULK)})
     state, filled = form.initial_state(), wet.initial_state()
     state.stress[:3] = np.array([-10.0, -16.0, -12.0])[:, None, None]
     filled.stress[:3], filled.internal[-1] = state.stress[:3] - 30.0, 30.0
     assert 0 < mobilised(form, state).max() < 1
     np.testing.assert_allclose(mobilised(wet, filled), mobilised(form, state), rtol=1e-12)
-    torn = sc.SolidForm(form.basis, sc.Undrained(SOIL, Kw=BULK)).initial_state()
+    torn = sc.SolidForm(form.basis, sc.Undrained(SOIL, bulk_modulus_water=BULK)).initial_state()
     torn.stress[:3], torn.internal[-1] = 5.0 / np.tan(np.radians(25.0)) - 30.0, 30.0
     assert (point_status(wet, torn) == PointStatus.TENSION).all()
 
@@ -135,7 +135,7 @@ def test_drains_later(how):
     """[X] Ground that was undrained and is not any more loses its excess pressure, and settles as drained ground."""
     basis = vector_basis(grid("Q1", [0.0, 1.0], np.linspace(0.0, 2.0, 4)), "Q1", intorder=2)
     drained = sc.SolidForm(basis, SOIL, strain="b_bar")
-    quick = drained.with_materials({"all": sc.Undrained(SOIL, Kw=1e3 * BULK)})
+    quick = drained.with_materials({"all": sc.Undrained(SOIL, bulk_modulus_water=1e3 * BULK)})
     fixed = np.append(basis.get_dofs("bottom").all("u^2"), basis.get_dofs({"left", "right"}).all("u^1"))
     top = FacetBasis(basis.mesh, basis.elem, facets="top")
     load = LinearForm(lambda v, w: -10.0 * v[1]).assemble(top)
@@ -157,7 +157,7 @@ def test_in_space():
     mesh = MeshTet().refined(1).with_boundaries(
         {name: lambda x, axis=axis, at=at: np.isclose(x[axis], at) for name, axis, at in sides})
     basis = Basis(mesh, ElementVector(ElementTetP2()), intorder=2)
-    form = sc.SolidForm(basis, sc.Undrained(SOIL, Kw=BULK), strain="full")
+    form = sc.SolidForm(basis, sc.Undrained(SOIL, bulk_modulus_water=BULK), strain="full")
     names = {"u^1": {"x", "X"}, "u^2": {"y", "Y"}, "u^3": {"bottom"}}
     fixed = np.concatenate([basis.get_dofs(where).all(u) for u, where in names.items()])
     top = FacetBasis(mesh, basis.elem, facets=mesh.facets_satisfying(lambda x: np.isclose(x[2], 1)))
@@ -198,12 +198,12 @@ def test_reduction_reaches_the_soil():
 
 
 @pytest.mark.parametrize(("options", "message"), [
-    ({}, "either Kw or nu_u"),
-    ({"Kw": 1.0, "nu_u": 0.4}, "either Kw or nu_u"),
-    ({"Kw": -1.0}, "Kw must not be negative"),
-    ({"Kw": np.nan}, "Kw must be finite"),
-    ({"nu_u": 0.5}, "nu_u must be less than 0.5"),
-    ({"nu_u": 0.1}, r"Kw \(from nu_u\) must not be negative"),
+    ({}, "either bulk_modulus_water or nu_undrained"),
+    ({"bulk_modulus_water": 1.0, "nu_undrained": 0.4}, "either bulk_modulus_water or nu_undrained"),
+    ({"bulk_modulus_water": -1.0}, "bulk_modulus_water must not be negative"),
+    ({"bulk_modulus_water": np.nan}, "bulk_modulus_water must be finite"),
+    ({"nu_undrained": 0.5}, "nu_undrained must be less than 0.5"),
+    ({"nu_undrained": 0.1}, r"bulk_modulus_water \(from nu_undrained\) must not be negative"),
 ])  # fmt: skip
 def test_bad_input(options, message):
     with pytest.raises(ValueError, match=message):
@@ -212,7 +212,7 @@ def test_bad_input(options, message):
 
 def test_bad_soil():
     with pytest.raises(ValueError, match="must be a material in effective stresses"):
-        sc.Undrained(sc.Undrained(SOIL, Kw=1.0), Kw=1.0)
+        sc.Undrained(sc.Undrained(SOIL, bulk_modulus_water=1.0), bulk_modulus_water=1.0)
     form = sc.SolidForm(vector_basis(grid("Q1", [0, 1], [0, 1]), "Q1", intorder=2), sc.LinearElastic(E=E, nu=NU))
     with pytest.raises(ValueError, match=r"no region has an undrained strength; the regions are \['all'\]"):
         undrained_strength(form, form.initial_state())

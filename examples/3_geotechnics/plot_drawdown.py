@@ -87,7 +87,7 @@ stiff = sc.MohrCoulomb(E=1e5, nu=0.3, c=COHESION, phi=PHI, psi=0.0)
 form = sc.SolidForm(basis, stiff)
 full = sc.hydrostatic(HEIGHT, unit_weight=WATER)
 start = sc.Model({"slope": form}, fixed).gravity_state(weight + sc.water_load(basis, full, "surface"))
-quick = {"slope": form.with_materials({"all": sc.Undrained(stiff, nu_u=0.4995)})}
+quick = {"slope": form.with_materials({"all": sc.Undrained(stiff, nu_undrained=0.4995)})}
 
 
 surface = FacetBasis(mesh, basis.elem, facets="surface")

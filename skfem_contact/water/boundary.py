@@ -130,7 +130,7 @@ def tied_heads(basis: CellBasis, connected: Sequence[tuple[str, str]], held: nda
 
 
 def exchange(basis: CellBasis, connected: Sequence[tuple[str, str]]) -> tuple[csr_matrix, ndarray]:
-    """Return the matrix (N, N) of pressures less those of the connected boundaries opposite, and the facets of these."""
+    """Return the matrix (N, N) of pressures less those of the connected boundaries opposite, and the their facets."""
     n, mesh, facets = basis.N, basis.mesh, [np.zeros(0, int)]
     apart = csr_matrix(eye(n) - tied_heads(basis, connected, np.zeros(n, dtype=bool)))
     for name, other in (sides for pair in connected for sides in (pair, pair[::-1])):

@@ -270,7 +270,7 @@ class PoreWater(Form):
         shortest = float((across**2 / 6.0 / diffusivity[element]).max(initial=0.0))  # Vermeer and Verruijt 1981
         if duration < shortest:
             yield Remark("short", shortest / duration, f"it ends after {duration:.3g}, less than h² / 6 c_v = "
-                         f"{shortest:.3g} of the elements at drained boundaries: pressures may be too high beside these")
+                         f"{shortest:.3g} of the elements at drained boundaries: pressures may be too high beside them")
 
     @override
     def over(self, duration: float) -> PoreWater:

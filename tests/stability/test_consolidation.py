@@ -100,7 +100,7 @@ def test_drained_everywhere(element):
 def test_sealed_everywhere(element, storage):
     """[X] No water leaves, however long it takes; where it cannot be compressed the volume stays."""
     basis, forms, fixed, load = footing(element, storage=storage)
-    result = consolidated(forms, fixed[fixed < basis.N], load, (1.0, 1e4))
+    result = consolidated(forms, fixed[:1], load, (1.0, 1e4))
     state = result[-1].states["water"]
     assert abs(forms["water"].inflow(state)) < 1e-10 and abs(forms["water"].volume(state)) < 1e-10
     if not storage:
@@ -116,7 +116,7 @@ def test_units(element, length, stress, time):
     one = consolidated(forms, fixed, load)
     basis, forms, fixed, load = footing(element, 1e-4 * length**2 / stress / time, length=length, stress=stress)
     other = consolidated(forms, fixed, load, (1e-2 * time, 0.3 * time))
-    n, first = basis.N, forms["water"].first
+    n, first = basis.N, one[-1].forms["water"].first
     np.testing.assert_allclose(other[-1].x[:n] / length, one[-1].x[:n], atol=1e-8 * np.abs(one[-1].x[:n]).max())
     np.testing.assert_allclose(other[-1].x[first:] / stress, one[-1].x[first:], atol=1e-8 * 100.0)
     assert [len(a.iterations) for a in one] == [len(b.iterations) for b in other]
