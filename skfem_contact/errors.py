@@ -9,17 +9,6 @@ from typing import Any
 
 from numpy import ndarray
 
-from .checks import check_basis as check_basis
-from .checks import check_plane as check_plane
-from .checks import check_quadrature as check_quadrature
-from .checks import check_size as check_size
-from .checks import facets_of as facets_of
-from .checks import finite as finite
-from .checks import is_number as is_number
-from .checks import look_up as look_up
-from .checks import names_of as names_of
-from .checks import place as place
-
 
 class AnalysisWarning(UserWarning):
     """Something that was done but should be looked at."""

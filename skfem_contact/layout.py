@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
 from skfem import CellBasis, Element, ElementHex1, ElementQuad1, ElementTetP1, ElementTriP1, Mesh
 
-from .errors import finite, look_up, place
+from .checks import finite, look_up, place
 
 #: Linear elements by the numbers of dimensions and of corners.
 _LINEAR = {(2, 3): ElementTriP1, (2, 4): ElementQuad1, (3, 4): ElementTetP1, (3, 8): ElementHex1}

@@ -10,7 +10,8 @@ from numpy import ndarray
 from numpy.typing import ArrayLike
 from skfem import CellBasis, FacetBasis, LinearForm, Mesh
 
-from .errors import AnalysisWarning, check_basis, facets_of, look_up, names_of, place
+from .checks import check_basis, facets_of, look_up, names_of, place
+from .errors import AnalysisWarning
 from .layout import elements_of, linear_element
 
 #: Pressure of water, positive: a function of places (2, ...), or values at the nodes of the mesh, (n_nodes,).

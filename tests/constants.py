@@ -1,4 +1,4 @@
-"""What the numbers that steer convergence do: each is halved and doubled, and small analyses are counted again.
+"""Effect of the numbers that steer convergence: each is halved and doubled, and the iterations are counted again.
 
 Run from the root of the repository; it prints the table of docs/theory/constants.md::
 
@@ -147,17 +147,26 @@ def row(module: Any, name: str, value: float, old: dict[str, int | None]) -> tup
 
 HEAD = """# Numbers that steer convergence
 
-Each number of the rooms for equilibrium, contact, collapse and linear solvers is halved and doubled, and small analyses
-are counted again. They take {counts} iterations. A dash: nothing changes. A change is what the number buys or costs in
-these scenes; none of them decides whether an answer is found, but for the share of an interference that a step leaves.
-The scene with the hard penalty chatters: 13 iterations fewer are one attempt that was not needed.
+The table lists how the iterations of small analyses change when a number is halved or doubled. The analyses take these
+iterations with the numbers as they are:
+
+| analysis | iterations |
+|---|---|
+{counts}
+
+A dash means no change. In these analyses the numbers change the cost only. The exception is the share of an
+interference that a step leaves: doubled it is one, and the analysis fails. The analysis with the hard penalty
+alternates between states: 13 iterations fewer are one attempt fewer. [Newton's method](newton.md) and
+[contact](contact.md) explain the numbers.
 """
 REST = """
-## Numbers that change nothing here
+## Numbers without influence here
 
-They bound round-off, end what leads nowhere, or choose a method by size. Halved and doubled they leave all scenes
-as they are:
+These numbers bound round-off, end attempts that fail, or choose a method by size. Halved and doubled they change no
+iteration in these analyses.
 
+| number | value |
+|---|---|
 """
 
 
@@ -165,12 +174,12 @@ def main() -> None:
     """Print the page."""
     old = {name: outcome(scene) for name, scene in SCENES.items()}
     rows = [row(*constant, old) for constant in constants()]
-    print(HEAD.format(counts=", ".join(f"{n} ({name})" for name, n in old.items())))
+    print(HEAD.format(counts="\n".join(f"| {name} | {n} |" for name, n in old.items())))
     print("| number | value | halved | doubled |\n|---|---|---|---|")
     for cells in rows:
         if cells[2:] != ("–", "–"):
             print("| " + " | ".join(cells) + " |")
-    print(REST + ",\n".join(f"{name} ({value})" for name, value, *cells in rows if cells == ["–", "–"]) + ".")
+    print(REST + "\n".join(f"| {name} | {value} |" for name, value, *cells in rows if cells == ["–", "–"]))
 
 
 if __name__ == "__main__":

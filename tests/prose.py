@@ -83,7 +83,7 @@ WORDS = {
     r"jacked|jacking": "prestressed",
     r"wetted": "submerged",
     r"stands?(?! for\b)": "is stable, is",
-    r"tolerance": "tolerance",
+    r"tol": "tolerance",
     r"whereabouts|willy-nilly|the house|knows of": "plain words",
 }  # fmt: skip
 #: Old names, in code as well.
@@ -93,7 +93,7 @@ NAMES = {
     "Answers": "a base class", "choose_penalties": "Model", "unknowns_at": "dofs_at", "reset_displacements": "reset",
     "goes_on": "continues", "goes_on_otherwise": "state_changes", "moved_back": "rebased",
     "first_geometry": "fixed_geometry", "all_unknowns": "Layout", "rollers": "box_supports", "jacked": "prestressed",
-    "nu_undrained": "nu_undrained", "bulk_modulus_water": "bulk_modulus_water", "first_behind": "Layout",
+    "nu_u": "nu_undrained", "Kw": "bulk_modulus_water", "first_behind": "Layout",
 }  # fmt: skip
 _WORDS = {re.compile(rf"(?<![\w.'’-])(?:{pattern})(?![\w-])", re.IGNORECASE): then for pattern, then in WORDS.items()}
 _NAMES = re.compile(rf"(?<!\w)({'|'.join(NAMES)})(?!\w)")

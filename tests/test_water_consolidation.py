@@ -85,7 +85,8 @@ def test_mandel():
     D = csr_matrix((np.repeat([-1e5, 1e5], m), (np.tile(np.arange(m), 2), np.r_[top[:-1], top[1:]])), (m, basis.N))
     forms = {"block": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=NU)), "plate": sc.MatrixForm(csr_matrix(D.T @ D)),
              "water": sc.PoreWater(basis, MOBILITY, unit_weight=1.0)}  # fmt: skip
-    fixed = [basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1"), forms["water"].dofs("right")]  # fmt: skip
+    smooth = np.append(basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1"))
+    fixed = [smooth, forms["water"].dofs("right")]
     times = np.array([0.01, 0.03, 0.072, 0.2, 0.5])
     result = sc.Model(forms, fixed).run(after(times, sc.traction(basis, "top", (0.0, -LOAD))), **QUIET)
     below = np.flatnonzero(mesh.p[1] == 0.0)
@@ -246,7 +247,8 @@ def test_saved_resumed_and_counted_anew(tmp_path):
     water = forms["water"]
     for start in (read, first.reset()):
         again = sc.Model(forms, fixed).run(stages[1:], start=start, **QUIET)["wait"]
-        np.testing.assert_allclose(again.forms["water"].pressure(again.x), whole["wait"].forms["water"].pressure(whole["wait"].x), atol=1e-8 * LOAD)
+        pressures = [stage.forms["water"].pressure(stage.x) for stage in (again, whole["wait"])]
+        np.testing.assert_allclose(*pressures, atol=1e-8 * LOAD)
         assert water.volume(again.states["water"]) == pytest.approx(water.volume(whole["wait"].states["water"]))
 
 
@@ -323,9 +325,11 @@ def test_wet_fill_that_comes_and_goes():
                        fixed=[sides, upper.dofs("top")]),
               sc.Stage("dug", on_low, duration=1e5 / C_V, deactivate=["high", "water high"],
                        fixed=[sides, lower.dofs("middle")])]  # fmt: skip
+    model = sc.Model(forms, [sides, lower.dofs("middle")])
+    dry = sc.Stage("dug", on_low, duration=1.0, deactivate="high")
     with pytest.raises(ValueError, match="stage 'dug': PoreWater is active in inactive ground"):
-        sc.Model(forms, [sides, lower.dofs("middle")]).run([*stages[:2], sc.Stage("dug", on_low, duration=1.0, deactivate="high")], **QUIET)  # fmt: skip
-    result = sc.Model(forms, [sides, lower.dofs("middle")]).run(stages, **QUIET)
+        model.run([*stages[:2], dry], **QUIET)
+    result = model.run(stages, **QUIET)
     middle = basis.nodal_dofs[1, mesh.p[1] == 0.5]
     lower, upper = (result["both"].forms[f"water {name}"] for name in ("low", "high"))
     half = 0.5 * LOAD / OEDOMETER
@@ -334,8 +338,9 @@ def test_wet_fill_that_comes_and_goes():
     assert upper.inflow(both.states["water high"], "top") == pytest.approx(-2 * half * 0.1, rel=1e-4)
     assert np.isnan(lower.pressure(both.x)[mesh.p[1] > 0.5]).all()
     # halfway the interface carries pressure: it is no drain
-    quick = sc.Model(forms, [sides, lower.dofs("middle")]).run([stages[0], sc.Stage("both", on_low + on_high, duration=0.01 / C_V,
-                   activate=["high", "water high"], fixed=stages[1].fixed)], **QUIET)["both"]  # fmt: skip
+    soon = sc.Stage("both", on_low + on_high, duration=0.01 / C_V, activate=["high", "water high"],
+                    fixed=stages[1].fixed)  # fmt: skip
+    quick = model.run([stages[0], soon], **QUIET)["both"]
     p = lower.pressure(quick.x)[mesh.p[1] == 0.5]
     np.testing.assert_allclose(p, upper.pressure(quick.x)[mesh.p[1] == 0.5])
     assert (p > 0.5 * LOAD).all()
@@ -364,7 +369,8 @@ def test_initial_states(K0):
         starts.append(sc.Model(forms, fixed).k0_state(weight, unit_weights=10.0, K0=K0))
     press = sc.Stage("press", weight + load, duration=0.1 / C_V)
     dry = sc.Model({"clay": forms["clay"]}, fixed[:1]).gravity_state(weight, K0=K0)
-    later = sc.Model(forms, fixed).run([sc.Stage("press", press.load, duration=press.duration, activate="water")], start=dry, **QUIET)["press"]  # fmt: skip
+    wet = sc.Stage("press", press.load, duration=press.duration, activate="water")
+    later = sc.Model(forms, fixed).run([wet], start=dry, **QUIET)["press"]
     for start in starts:
         assert not start["initial"].x.any() and not forms["water"].volume(start["initial"].states["water"])
         result = sc.Model(forms, fixed).run([press], start=start, **QUIET)["press"]
@@ -456,16 +462,18 @@ def test_bad_analyses():
         sc.water.SeepageFace(water, "tpo")
     with pytest.raises(ValueError, match="must be a finite number"):
         sc.water.SeepageFace(water, "top", np.nan)
+    plate, stages = sc.MatrixForm(csr_matrix((basis.N, basis.N))), [sc.Stage("load", load, duration=1.0)]
     with pytest.raises(ValueError, match="PoreWater in 6 elements of no SolidForm"):
-        sc.Model({"water": water, "plate": sc.MatrixForm(csr_matrix((basis.N, basis.N)))}, fixed).run([sc.Stage("load", load, duration=1.0)], **QUIET)  # fmt: skip
+        sc.Model({"water": water, "plate": plate}, fixed).run(stages, **QUIET)
     clay = sc.Undrained(sc.LinearElastic(E=E, nu=NU), bulk_modulus_water=1e6)
     with pytest.raises(ValueError, match="Undrained and has PoreWater too"):
-        sc.Model({**forms, "clay": sc.SolidForm(basis, clay)}, fixed).run([sc.Stage("load", load, duration=1.0)], **QUIET)
+        sc.Model({**forms, "clay": sc.SolidForm(basis, clay)}, fixed).run(stages, **QUIET)
+    gravel = sc.PoreWater(basis, permeability=1e12, unit_weight=1.0)
     with pytest.raises(ValueError, match=r"after 1.1e.16 times H² / c_v"):
-        sc.Model({**forms, "water": sc.PoreWater(basis, permeability=1e12, unit_weight=1.0)}, fixed).run([sc.Stage("load", load, duration=1.0)], **QUIET)  # fmt: skip
+        sc.Model({**forms, "water": gravel}, fixed).run(stages, **QUIET)
     sealed = np.concatenate((sc.box_supports(basis, base="rollers"), basis.get_dofs("top").all("u^2")))
     with pytest.raises(ValueError, match="the pore pressure is not determined"):
-        sc.Model(forms, sealed).run([sc.Stage("load", load, duration=1.0)], **QUIET)
+        sc.Model(forms, sealed).run(stages, **QUIET)
 
 
 @pytest.mark.parametrize(
@@ -478,7 +486,7 @@ def test_bad_analyses():
     ],
 )
 def test_what_is_warned_of(k, duration, drained, message):
-    basis, forms, fixed, load = layer(n=4, k=k)
+    _, forms, fixed, load = layer(n=4, k=k)
     fixed = fixed if drained else fixed[:1]
     with pytest.warns(sc.AnalysisWarning, match=message):
         sc.Model(forms, fixed).run([sc.Stage("load", load, duration=duration)], **QUIET)

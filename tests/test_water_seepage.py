@@ -125,13 +125,14 @@ def test_retention_by_subdomain():
     mesh = dam(20, 10.0).with_subdomains({"core": lambda x: abs(x[0] - 5) < 1, "shell": lambda x: abs(x[0] - 5) > 1})
     laws = {"core": sc.water.VanGenuchten(0.5, 2.0), "shell": sc.water.Ramp()}
     mixed = flow_through(mesh, 10.0, 2.0, retention=laws).discharge("left")
-    same = flow_through(mesh, 10.0, 2.0, retention={"core": sc.water.Ramp(), "shell": sc.water.Ramp()}).discharge("left")
+    ramps = {"core": sc.water.Ramp(), "shell": sc.water.Ramp()}
+    same = flow_through(mesh, 10.0, 2.0, retention=ramps).discharge("left")
     assert same == pytest.approx(flow_through(mesh, 10.0, 2.0).discharge("left"), rel=1e-9)
     assert mixed > 1.001 * same
 
 
-@pytest.mark.parametrize("law", [sc.water.Ramp(0.5), sc.water.Ramp(2.0, 0.1), sc.water.VanGenuchten(2.0, 3.0), sc.water.VanGenuchten(0.3, 1.5)],
-                         ids=repr)
+@pytest.mark.parametrize("law", [sc.water.Ramp(0.5), sc.water.Ramp(2.0, 0.1), sc.water.VanGenuchten(2.0, 3.0),
+                                 sc.water.VanGenuchten(0.3, 1.5)], ids=repr)  # fmt: skip
 def test_slope_of_the_relative_permeability(law):
     """[N] Slopes against central differences; the permeability falls from 1 with suction."""
     suction, size, step = np.linspace(-2.0, 4.0, 301) + 0.0037, np.full(301, 0.8), 1e-6

@@ -17,34 +17,45 @@ import skfem_contact.plot as plot
 
 #: Titles of the pages, in their order, and the modules of each; the first one's docstring opens the page.
 ROOMS = {
-    "Meshes": ("mesh",),
-    "Solid bodies": ("solid", "strain"),
+    "Models and stages": ("model", "stages"),
+    "Meshes": ("mesh", "layout"),
+    "Forms": ("forms",),
     "Materials": ("materials",),
-    "Contact": ("contact", "surfaces", "rigid"),
-    "Springs, bars and matrices": ("links",),
+    "Contact": ("contact", "surfaces"),
+    "Rigid obstacles": ("rigid",),
     "Loads": ("loads",),
-    "Stages": ("stages",),
-    "Collapse": ("collapse",),
-    "Bounds": ("limit_analysis",),
     "Water": ("water",),
-    "Equilibrium": ("nonlinear", "forms", "unknowns", "errors"),
-    "Results": ("results",),
+    "Results": ("results", "collapse", "limit_analysis"),
     "Pictures": ("plot",),
+    "Equilibrium and errors": ("nonlinear", "errors"),
     "Checks of own laws and forms": ("testing",),
+}
+#: Names that no module of the top level exports, but that a method returns or refers to.
+FURTHER = {
+    "collapse": ["skfem_contact.collapse.result.CollapseResult"],
+    "limit_analysis": ["skfem_contact.limit_analysis.Bounds", "skfem_contact.limit_analysis.bounds"],
 }
 
 
+def found(name: str) -> object:
+    """Return the object of a qualified name; modules may be attributes of the package."""
+    parts = name.split(".")
+    this = skfem_contact
+    for number, part in enumerate(parts[1:], 2):
+        this = getattr(this, part, None) or importlib.import_module(".".join(parts[:number]))
+    return this
+
+
 def public_names() -> dict[str, list[str]]:
-    """Qualified public names by module, subpackages as a whole."""
-    names: dict[str, list[str]] = {}
+    """Return the qualified public names by module, subpackages as a whole."""
+    names: dict[str, list[str]] = {module: list(further) for module, further in FURTHER.items()}
     for name in skfem_contact.__all__:
         if inspect.ismodule(room := getattr(skfem_contact, name)):
             own = [one for one in room.__all__ if one not in skfem_contact.__all__]
-            names.setdefault(name, []).extend(f"skfem_contact.{name}.{one}" for one in own)
+            names.setdefault(name, []).extend(f"{room.__name__}.{one}" for one in own)
             continue
         module = getattr(skfem_contact, name).__module__.split(".")[1]
         names.setdefault(module, []).append(f"skfem_contact.{name}")
-    names["results"] = [f"skfem_contact.results.{name}" for name in skfem_contact.results.__all__]
     names["plot"] = [f"skfem_contact.plot.{name}" for name in plot.__all__]
     homeless = set(names).difference(*ROOMS.values())
     if homeless:
@@ -54,7 +65,7 @@ def public_names() -> dict[str, list[str]]:
 
 def page(title: str, module: str, names: list[str]) -> str:
     """The reStructuredText of one page."""
-    introduction = inspect.getdoc(importlib.import_module(f"skfem_contact.{module}"))
+    introduction = inspect.getdoc(found(f"skfem_contact.{module}"))
     rows = "\n".join(f"   ~{name}" for name in names)
     return (
         f"{title}\n{'=' * len(title)}\n\n{introduction}\n\n"
@@ -66,8 +77,7 @@ def topic(title: str, file: str, names: list[str]) -> str:
     """A section of the index: the names of a page with their summaries."""
     rows = []
     for name in names:
-        what = importlib.import_module(name.rpartition(".")[0])
-        summary = str(inspect.getdoc(getattr(what, name.rpartition(".")[2]))).split("\n\n")[0].replace("\n", " ")
+        summary = str(inspect.getdoc(found(name))).split("\n\n")[0].replace("\n", " ")
         summary = re.sub(r":\w+:`~?([^`]*)`", r"\1", summary).replace("``", "`").replace("|", "&#124;")
         rows.append(f"| {{py:obj}}`{name.rpartition('.')[2]} <{name}>` | {summary} |")
     return "\n".join([f"## {{doc}}`{title} </reference/generated/{file}>`", "", "| | |", "|:--|:--|", *rows, ""])
@@ -82,10 +92,10 @@ def write_pages(app, config) -> None:
     names = public_names()
     topics = []
     for number, (title, modules) in enumerate(ROOMS.items()):
-        found = [name for module in modules for name in names.get(module, [])]
-        if found:
-            (folder / f"{number:02}_{modules[0]}.rst").write_text(page(title, modules[0], found), encoding="utf-8")
-            topics.append(topic(title, f"{number:02}_{modules[0]}", found))
+        here = [name for module in modules for name in names.get(module, [])]
+        if here:
+            (folder / f"{number:02}_{modules[0]}.rst").write_text(page(title, modules[0], here), encoding="utf-8")
+            topics.append(topic(title, f"{number:02}_{modules[0]}", here))
     index = Path(app.srcdir, "_build", "generated", "topics.md")
     index.parent.mkdir(parents=True, exist_ok=True)
     index.write_text("\n".join(topics), encoding="utf-8")

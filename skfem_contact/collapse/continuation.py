@@ -16,7 +16,8 @@ from typing import Any, Protocol
 import numpy as np
 from numpy import ndarray
 
-from ..errors import NoEquilibrium, NotConverged, look_up
+from ..checks import look_up
+from ..errors import NoEquilibrium, NotConverged
 from ..forms.base import Form
 from ..nonlinear.evaluation import Evaluation
 from ..nonlinear.line_search import Search

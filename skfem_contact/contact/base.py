@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 from skfem import CellBasis
 from typing_extensions import Self, override
 
-from ..errors import check_basis, is_number
+from ..checks import check_basis, is_number
 from ..forms.base import Form
 from ..sparse import Gathering
 from ..surfaces.smoothing import smoothed

@@ -6,7 +6,8 @@ from collections.abc import Iterator
 import numpy as np
 from numpy import ndarray
 
-from ..errors import Remark, place
+from ..checks import place
+from ..errors import Remark
 from ..surfaces.surface import Surface
 from .base import TOUCHING, ContactBase
 from .interface import ContactState

@@ -10,7 +10,7 @@ import numpy as np
 from numpy import ndarray
 from typing_extensions import override
 
-from ..errors import finite
+from ..checks import finite
 from .quadrature import SlavePoints
 
 #: Round-off of a traction on the friction cone, as a share of it.

@@ -11,7 +11,8 @@ from scipy.sparse import csr_matrix
 from skfem import CellBasis
 from typing_extensions import override
 
-from ..errors import Failure, IncrementTooLarge, Remark, check_size
+from ..checks import check_size
+from ..errors import Failure, IncrementTooLarge, Remark
 from ..forms.base import Form, Response
 from ..forms.states import arrays_of
 from . import regularisation

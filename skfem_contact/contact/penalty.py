@@ -12,7 +12,8 @@ from numpy import ndarray
 from scipy.sparse import coo_matrix, csc_matrix, csr_matrix, diags_array
 from scipy.sparse.linalg import spsolve
 
-from ..errors import AnalysisWarning, is_number
+from ..checks import is_number
+from ..errors import AnalysisWarning
 from ..forms.base import Form, as_forms
 from ..surfaces.surface import Surface
 from .interface import ContactState

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from scipy.sparse import coo_matrix, csr_matrix
 from skfem import CellBasis
 
-from ..errors import finite, is_number
+from ..checks import finite, is_number
 from ..layout import dofs_at
 from .base import Form, Response
 

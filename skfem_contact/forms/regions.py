@@ -8,7 +8,7 @@ import numpy as np
 from numpy import ndarray
 from skfem import CellBasis
 
-from ..errors import look_up
+from ..checks import look_up
 from ..layout import elements_of
 from ..materials import Material, Update
 from ..materials.base import as_material, updated

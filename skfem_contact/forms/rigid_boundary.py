@@ -13,7 +13,7 @@ from scipy.sparse import coo_matrix, csr_matrix
 from skfem import CellBasis
 from typing_extensions import override
 
-from ..errors import check_basis, facets_of, finite
+from ..checks import check_basis, facets_of, finite
 from ..layout import Field, rigid_modes
 from .base import Form, Response, solids_of
 from .links import MatrixForm

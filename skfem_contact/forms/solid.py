@@ -13,7 +13,8 @@ from scipy.sparse import csr_matrix
 from skfem import CellBasis
 from typing_extensions import override
 
-from ..errors import Remark, check_basis, check_quadrature, check_size, look_up
+from ..checks import check_basis, check_quadrature, check_size, look_up
+from ..errors import Remark
 from ..loads import by_element, weight
 from ..materials import Material, Update
 from ..materials.base import PLASTIC_STRAIN, Flow, updated

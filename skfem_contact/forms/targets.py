@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 
-from ..errors import names_of
+from ..checks import names_of
 from .base import Form
 
 

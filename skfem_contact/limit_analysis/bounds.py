@@ -11,7 +11,8 @@ from numpy import ndarray
 from skfem import MeshTri
 from tqdm import tqdm
 
-from ..errors import AnalysisWarning, names_of
+from ..checks import names_of
+from ..errors import AnalysisWarning
 from ..loads import Pressure
 from ..solvers import single_threaded
 from .certify import dissipation

@@ -11,7 +11,8 @@ from numpy import ndarray
 from numpy.typing import ArrayLike
 from skfem import Basis, CellBasis, Mesh
 
-from ..errors import AnalysisWarning, is_number, look_up, place
+from ..checks import is_number, look_up, place
+from ..errors import AnalysisWarning
 from ..layout import linear_element
 from ..loads import Pressure, by_element, traction, water_load, weight
 from .elements import Block, Elements, Joint, Program, Reduction

@@ -10,7 +10,7 @@ from numpy import ndarray
 from scipy.spatial import cKDTree
 from skfem import CellBasis, Mesh, MeshTri
 
-from ..errors import place
+from ..checks import place
 
 #: Name of some facets: a boundary of the user's, or ("held", component).
 Tag = str | tuple[str, int]

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy import ndarray
 
-from ..errors import NoEquilibrium, NotConverged, is_number
+from ..checks import is_number
+from ..errors import NoEquilibrium, NotConverged
 from ..solvers.direct import SingularSystem
 from .evaluation import Evaluation
 from .line_search import Search, backtrack, bisect_work, unbalanced

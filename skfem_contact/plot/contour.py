@@ -10,7 +10,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy import ndarray
 
-from ..errors import check_basis, check_plane, look_up, names_of
+from ..checks import check_basis, check_plane, look_up, names_of
 from ..forms.solid import SolidForm
 from ..results.fields import Water, basis_of, quantities, region_field, solids
 from ..results.result import Result, StageResult

@@ -15,8 +15,8 @@ from numpy import ndarray
 from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
 
+from ..checks import check_plane, look_up
 from ..contact.laws import Status
-from ..errors import check_plane, look_up
 from ..results.fields import basis_of, nodal_field, quantities
 from ..results.result import Result, StageResult
 from ..results.sections import SectionForces

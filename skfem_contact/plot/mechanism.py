@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from numpy import ndarray
 from skfem import Basis, ElementTriP2, ElementVector
 
-from ..errors import check_plane
+from ..checks import check_plane
 from ..forms.solid import SolidForm
 from ..limit_analysis import Bounds
 from ..materials import LinearElastic

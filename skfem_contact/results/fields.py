@@ -9,7 +9,7 @@ import numpy as np
 from numpy import ndarray
 from skfem import CellBasis
 
-from ..errors import look_up
+from ..checks import look_up
 from ..forms.solid import SolidForm
 from ..materials.spectral import largest_shear, principal_stresses
 from .files import StageData

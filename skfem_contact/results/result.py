@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy import ndarray
 
+from ..checks import look_up
 from ..contact import ContactPair
 from ..display import html_table
-from ..errors import look_up
 from ..forms.base import Form, as_forms, internal_force
 from ..forms.solid import SolidForm
 from . import export, fields, files, strength

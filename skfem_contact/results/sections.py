@@ -18,7 +18,7 @@ from numpy import ndarray
 from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
 
-from ..errors import place
+from ..checks import place
 from ..forms.solid import SolidForm, SolidState
 from ..layout import nodes as nodes_of
 from ..surfaces.vectors import dot

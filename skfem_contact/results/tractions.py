@@ -138,7 +138,7 @@ class Interface(NamedTuple):
 def interfaces(stage: StageData) -> dict[str, Interface]:
     """Return the contact pairs of a stage."""
     return {name: _interface(form, stage.states[name]) for name, form in stage.forms.items()
-            if isinstance(form, ContactPair) and name in stage.states}
+            if isinstance(form, ContactPair) and name in stage.states and form.slave.meshed}
 
 
 def _interface(pair: ContactPair, state: ContactState) -> Interface:

@@ -9,8 +9,9 @@ import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix, diags_array
 
+from ..checks import look_up, names_of
 from ..contact.prestress import prestressed
-from ..errors import Remark, look_up, names_of
+from ..errors import Remark
 from ..forms.base import Form, internal_force, solids_of
 from ..layout import Layout
 from ..results.result import StageResult

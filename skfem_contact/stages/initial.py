@@ -12,8 +12,9 @@ import numpy as np
 from numpy import ndarray
 from scipy.spatial import cKDTree
 
+from ..checks import look_up
 from ..contact.prestress import prestressed
-from ..errors import AnalysisWarning, look_up
+from ..errors import AnalysisWarning
 from ..forms.base import Form, internal_force
 from ..loads import by_element
 from ..materials import LinearElastic, Material

@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 from skfem import FacetBasis, Mesh
 from skfem.generic_utils import OrientedBoundary
 
-from ..errors import look_up
+from ..checks import look_up
 from ..loads import at_points, face_load, hydrostatic, pore_load
 
 #: Pore pressure at coordinates, (dim, n, m), in elements of the mesh, (n, 1).
@@ -45,7 +45,7 @@ def water_at_rest(solids: Mapping[str, Any], water: Any, unit_weight: float | No
     for form in solids.values():
         if form.porous:
             total += pore_load(form.basis, _in_elements(form.basis, pressure, form.elements), axisymmetric)
-    outside = FacetBasis(mesh, first.basis.elem, facets=_bounding(mesh, solids), intorder=first.basis.intorder)
+    outside = FacetBasis(mesh, first.basis.elem, facets=_bounding(mesh, solids))
     owner = np.asarray(outside.tind)
     if isinstance(pressure, Mapping):
         owner = _porous_owner(outside, owner, np.concatenate([f.elements for f in solids.values() if f.porous]))

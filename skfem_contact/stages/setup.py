@@ -10,7 +10,7 @@ import numpy as np
 from numpy import ndarray
 from typing_extensions import Self
 
-from ..errors import is_number
+from ..checks import is_number
 from ..forms.base import Form, as_forms, solids_of
 from ..layout import Field, Layout
 from ..mesh.check import check_mesh

@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy import ndarray
 
-from ..errors import is_number
+from ..checks import is_number
 from ..forms.base import Form
 
 #: Load on top of the weights: a vector, several of them, or a function of the share of the stage.

@@ -7,7 +7,7 @@ import numpy as np
 from numpy import ndarray
 from skfem import CellBasis
 
-from ..errors import place
+from ..checks import place
 from ..forms.base import Form, solids_of
 from ..layout import rigid_modes
 from ..mesh.join import bodies

@@ -24,7 +24,7 @@ from skfem import (
     MeshTet,
 )
 
-from ..errors import is_number, look_up
+from ..checks import is_number, look_up
 from .shape import Shape
 from .smoothing import smoothed
 from .surface import Surface

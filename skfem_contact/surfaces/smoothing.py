@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy import ndarray
 
-from ..errors import is_number
+from ..checks import is_number
 from .surface import Surface
 from .topology import following
 

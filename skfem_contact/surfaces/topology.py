@@ -11,7 +11,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from skfem import CellBasis
 
-from ..errors import check_basis, facets_of
+from ..checks import check_basis, facets_of
 from .shape import Shape
 from .vectors import across
 

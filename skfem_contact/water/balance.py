@@ -5,6 +5,7 @@ import logging
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy import ndarray
@@ -34,8 +35,7 @@ _WIDER = (1.0, 1.25, 1.6, 2.0, 4.0)
 _MEMORY, _SHORTEST, _DECREASE, _ITERATIONS = 5, 1.0 / 64.0, 1e-4, 25
 
 
-@dataclass(frozen=True)
-class Balance:
+class Balance(NamedTuple):
     """Heads in balance, water that enters at the nodes, relative permeability at the integration points."""
 
     head: ndarray
@@ -82,7 +82,7 @@ class WaterBalance:
             reached, now = self._narrowed(now, laws)
             if reached > 1.0:
                 reached, now = self._instead(now, laws, reached)
-                warnings.warn(f"the transition between wet and dry ground is {reached:.3g} times as wide as asked for, "
+                warnings.warn(f"the transition between wet and dry ground is {reached:.3g} times as wide as asked for; "
                               "with a narrower one the water did not balance; refine the mesh at the free surface",
                               AnalysisWarning, stacklevel=3)
             laws = _softer(laws, reached)

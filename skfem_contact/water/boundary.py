@@ -57,7 +57,7 @@ def conditions(basis: CellBasis, head: Mapping[str, Given], seepage_face: str | 
     """Return the conditions at the nodes from those on boundaries; a head holds at and below its own height."""
     mesh, faces = basis.mesh, names_of(seepage_face)
     if not isinstance(head, Mapping) or not head:
-        raise ValueError("there is no head: give {boundary: head} for the boundaries at which water stands")
+        raise ValueError("there is no head: give {boundary: head} for the boundaries that are under water")
     nodes = {name: nodes_on(basis, name) for name in (*head, *faces)}
     passing = {name: np.asarray(mesh.boundaries[name]) for name in nodes}
     values, by = np.full(basis.N, np.nan), np.zeros(basis.N, dtype=object)
@@ -83,7 +83,7 @@ def _below(name: str, value: Given, x: ndarray, tolerance: float) -> tuple[ndarr
     wet = x[-1] <= heads + tolerance
     if not wet.any():
         raise ValueError(f"the head of boundary '{name}', {heads.max():.4g} at most, is below all of it, from "
-                         f"{x[-1].min():.4g} up: no water stands there; name it in seepage_face= if water may leave")
+                         f"{x[-1].min():.4g} up: it is dry; name it in seepage_face= if water may leave")
     return wet, heads
 
 

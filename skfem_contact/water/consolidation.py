@@ -33,7 +33,7 @@ _LOST = 1e12
 class PoreWater(Form):
     r"""Water in the pores of saturated ground, which consolidates by Darcy's law.
 
-    The form stands beside the solids, whose stresses are effective. With the excess pore pressure p, positive in
+    The form goes with solids, whose stresses are effective. With the excess pore pressure p, positive in
     compression,
 
     .. math:: \operatorname{div}(\sigma' - p\, I) + b = 0, \qquad
@@ -63,13 +63,6 @@ class PoreWater(Form):
         Pairs of boundaries of bodies that share no nodes, closed or open, through which water passes freely, as in
         :func:`seepage`. Their contact transfers the effective stress. Other joints are tight, and their contact
         transfers the pressure of the water as well.
-
-    Raises
-    ------
-    ValueError
-        Permeabilities that are not positive and finite, a negative storage, unknown subdomains; when an analysis
-        begins: a stage without duration, ground without a solid or with an :class:`Undrained` one, undetermined
-        pressures.
 
     Notes
     -----
@@ -154,11 +147,7 @@ class PoreWater(Form):
     def prescribed(self, pressures: Mapping[str, Given]) -> ndarray:
         """Return excess pressures on boundaries, for ``Stage.prescribed``, (N,), with zeros for all other dofs.
 
-        Parameters
-        ----------
-        pressures
-            By boundary, a number or a function of coordinates (dim, ...): where a level changes by dh,
-            unit_weight * dh.
+        They are numbers or functions of coordinates (dim, ...): unit_weight * dh where a level changes by dh.
         """
         values = np.zeros(self.size)
         values[self.first:] = self.at_boundaries(pressures)
@@ -338,7 +327,7 @@ class PoreWater(Form):
 
 
 def _check_units(water: PoreWater, diffusivity: ndarray, duration: float) -> Iterator[Remark]:
-    """Remark on, or refuse, a degree of consolidation that nobody wants."""
+    """Report a degree of consolidation that no analysis has; refuse it where round-off would hide the pressures."""
     used = water.ground.mesh.p[:, np.unique(water.ground.mesh.t[:, water.elements])]
     length = float(np.ptp(used, axis=1).max())
     time = float(diffusivity.max()) * duration / length**2, float(diffusivity.min()) * duration / length**2

@@ -11,6 +11,7 @@ from numpy import ndarray
 from numpy.typing import ArrayLike
 from scipy.sparse import coo_matrix, csr_matrix
 from skfem import Basis, CellBasis, FacetBasis
+from typing_extensions import override
 
 from ..checks import look_up, number, positive
 from ..layout import elements_of, linear_element
@@ -31,14 +32,9 @@ class Retention(Protocol):
     """Permeability of partly saturated ground, relative to that of saturated ground."""
 
     def relative(self, suction: ndarray, size: ndarray) -> tuple[ndarray, ndarray]:
-        """Return the relative permeability and its slope.
+        """Return the relative permeability and its slope over the suction, a length: elevation less head.
 
-        Parameters
-        ----------
-        suction : ndarray
-            Elevation less head, a length: positive above the water table.
-        size : ndarray
-            Heights of the elements in which the points lie, broadcast against `suction`.
+        The size is the height of the elements in which the points lie, broadcast against the suction.
         """
 
     def softer(self, factor: float) -> Retention:
@@ -46,7 +42,7 @@ class Retention(Protocol):
 
 
 @dataclass(frozen=True)
-class Ramp:
+class Ramp(Retention):
     r"""Sharp free surface: ground is saturated below it and nearly impermeable above it.
 
     The relative permeability falls from 1 to `least` as the cubic :math:`3s^2 - 2s^3` over a suction head of `width`
@@ -74,20 +70,20 @@ class Ramp:
         positive(self.width, "width")
         number(self.least, "least", 0.0, 1.0)
 
+    @override
     def relative(self, suction: ndarray, size: ndarray) -> tuple[ndarray, ndarray]:
-        """Return the relative permeability and its slope, see :class:`Retention`."""
         width = self.width * size
         s = np.clip(0.5 - suction / width, 0.0, 1.0)
         change = 1.0 - self.least
         return self.least + change * s * s * (3.0 - 2.0 * s), -change * 6.0 * s * (1.0 - s) / width
 
+    @override
     def softer(self, factor: float) -> Ramp:
-        """Return a wider ramp."""
         return replace(self, width=self.width * factor)
 
 
 @dataclass(frozen=True)
-class VanGenuchten:
+class VanGenuchten(Retention):
     r"""Capillary fringe above the water table, by Mualem's model with van Genuchten's curve.
 
     With the suction head :math:`s`, :math:`m = 1 - 1/n` and the effective saturation
@@ -121,8 +117,8 @@ class VanGenuchten:
         number(self.n, "n", 1.0)
         number(self.least, "least", 0.0, 1.0)
 
+    @override
     def relative(self, suction: ndarray, size: ndarray) -> tuple[ndarray, ndarray]:
-        """Return the relative permeability and its slope, see :class:`Retention`."""
         m = 1.0 - 1.0 / self.n
         s = np.maximum(self.alpha * suction, np.finfo(float).tiny)
         x = s**self.n
@@ -135,8 +131,8 @@ class VanGenuchten:
         changing = (suction > 0.0) & (k > self.least)
         return np.where(suction > 0.0, np.maximum(k, self.least), 1.0), np.where(changing, self.alpha * slope, 0.0)
 
+    @override
     def softer(self, factor: float) -> VanGenuchten:
-        """Return the curve of ground with a higher fringe."""
         return replace(self, alpha=self.alpha / factor)
 
 
@@ -204,8 +200,7 @@ class DarcyFlow:
     Heads and elevations, the last coordinates of the nodes, count from a datum: near it, for the sake of round-off.
     """
 
-    def __init__(self, basis: CellBasis, tensors: ndarray, axisymmetric: bool = False,
-                 datum: float = 0.0) -> None:
+    def __init__(self, basis: CellBasis, tensors: ndarray, axisymmetric: bool = False, datum: float = 0.0) -> None:
         functions = [basis.basis[j][0] for j in range(basis.Nbfun)]
         self._gradients = np.stack([np.asarray(f.grad) for f in functions])
         self._shape = np.stack([np.broadcast_to(np.asarray(f), basis.dx.shape)[0] for f in functions], axis=1)

@@ -7,8 +7,6 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy import ndarray
-from scipy.sparse import csr_matrix
-from scipy.sparse.csgraph import connected_components, depth_first_order
 from scipy.spatial import cKDTree
 from skfem import CellBasis, FacetBasis, LinearForm, Mesh
 
@@ -78,15 +76,8 @@ class Seepage:
         """Return the water that enters the ground through a boundary, per time; negative where it leaves.
 
         The discharge is the sum of the nodes' reactions, so that nothing is lost. A node between two boundaries
-        through which water passes counts for both in proportion to their sizes.
-
-        Parameters
-        ----------
-        boundary
-            Name of a boundary of the mesh.
-        of
-            Name of a subdomain at the boundary: the water that enters this part of the ground there, also from ground
-            on the other side of the boundary.
+        through which water passes counts for both in proportion to their sizes. With the subdomain `of` it is the
+        water that enters this part of the ground there, also from ground on the other side of the boundary.
         """
         mesh = self.basis.mesh
         facets = np.asarray(look_up(boundary, mesh.boundaries or {}, "boundary"))
@@ -121,8 +112,8 @@ class Seepage:
     def head_at(self, x: ndarray) -> ndarray:
         """Return the head at coordinates (dim, ...) of the ground; linear in triangles and tetrahedra."""
         x = np.asarray(x, dtype=float)
-        return _interpolated(self.basis.mesh, elements_of(self.basis), self.head, x.reshape(len(x), -1)
-                             ).reshape(x.shape[1:])
+        points = x.reshape(len(x), -1)
+        return _interpolated(self.basis.mesh, elements_of(self.basis), self.head, points).reshape(x.shape[1:])
 
     def pressure_at(self, x: ndarray) -> ndarray:
         """Return the pore pressure at coordinates (dim, ...), as a function like :func:`hydrostatic`."""
@@ -183,9 +174,6 @@ def seepage(basis: CellBasis, permeability: Permeability | Mapping[str, Permeabi
 
     Raises
     ------
-    ValueError
-        Unknown names, permeabilities that are not positive, elements without permeability or with two, heads that are
-        not finite, lie below their boundary or contradict each other, ground without any head.
     NotConverged
         The water does not balance.
 
@@ -239,7 +227,7 @@ def seepage(basis: CellBasis, permeability: Permeability | Mapping[str, Permeabi
 
 
 def _warn_of_dry_ground(basis: CellBasis, tensors: ndarray, relative: ndarray, velocity: ndarray) -> None:
-    """Warn of water that flows off through dry ground that conducts better than wet ground elsewhere."""
+    """Report water that flows off through dry ground that conducts better than wet ground elsewhere."""
     # A dam whose core is 1e-2, 1e-3, 1e-4 and 1e-6 times as permeable as its shell leaks .6, .7, -5 and -7 % too much
     # with 20 elements over the height if dry ground keeps 1e-3 of its permeability. In the last two cases .26 of the
     # flow is of this kind; where the discharge is right to 1 % less than .005 is.
@@ -285,34 +273,18 @@ def _interpolated(mesh: Mesh, elements: ndarray, nodal: ndarray, points: ndarray
 
 def _zero_lines(mesh: Mesh, elements: ndarray, values: ndarray) -> list[ndarray]:
     """Return polylines between nodes of negative and of other values, (n, 2) each, from left to right."""
+    from matplotlib.figure import Figure  # half a second, for pictures only
+    from matplotlib.tri import Triangulation
+
     if mesh.dim() != 2:
         raise ValueError("a free surface is a line in plane flow only")
-    corners = simplices(mesh, elements)
-    negative = values < 0.0
-    a, b, c = corners[:, negative[corners].any(axis=0) & ~negative[corners].all(axis=0)]
-    sides = np.sort(np.stack((np.stack((a, b)), np.stack((b, c)), np.stack((c, a)))), axis=1)  # (3, 2, n)
-    crossed = negative[sides[:, 0]] != negative[sides[:, 1]]  # two of the three
-    ends, number = np.unique(sides.transpose(2, 0, 1)[crossed.T], axis=0, return_inverse=True)
-    share = values[ends[:, 0]] / (values[ends[:, 0]] - values[ends[:, 1]])
-    p = mesh.p[:, ends]
-    points = (p[:, :, 0] + share * (p[:, :, 1] - p[:, :, 0])).T
-    lines = (_cleaned(points[chain]) for chain in _chains(number.reshape(-1, 2), len(points)))
-    return sorted(lines, key=lambda line: -np.linalg.norm(np.diff(line, axis=0), axis=1).sum())
-
-
-def _chains(links: ndarray, n: int) -> list[ndarray]:
-    """Return points in their order along chains; a ring repeats its first point."""
-    both = np.vstack((links, links[:, ::-1]))
-    graph = csr_matrix((np.ones(len(both)), both.T), shape=(n, n))
-    degree = np.bincount(both[:, 0], minlength=n)
-    count, part = connected_components(graph, directed=False)
-    chains = []
-    for k in range(count):
-        members = np.flatnonzero(part == k)
-        start = members[degree[members].argmin()]
-        chain = depth_first_order(graph, start, return_predecessors=False)
-        chains.append(np.append(chain, start) if degree[start] > 1 else chain)
-    return chains
+    corners = simplices(mesh, elements).T
+    negative = values[corners] < 0.0
+    if negative.all() or not negative.any():
+        return []
+    ground = Triangulation(*mesh.p[:, :len(values)], corners)
+    lines = Figure().add_subplot().tricontour(ground, np.nan_to_num(values), [0.0]).allsegs[0]
+    return sorted(map(_cleaned, lines), key=lambda line: -np.linalg.norm(np.diff(line, axis=0), axis=1).sum())
 
 
 def _cleaned(line: ndarray) -> ndarray:
