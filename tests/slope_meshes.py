@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from helpers import analysis
 from numpy import ndarray
 from skfem import Basis, ElementTriP2, ElementVector, MeshQuad, MeshTri
 
@@ -58,7 +59,7 @@ def crossed_below(x: ndarray, y: ndarray, surface: Callable[[ndarray], ndarray])
 
 
 def held(basis: Basis) -> ndarray:
-    """Layout of the base, and those that would leave through the vertical sides."""
+    """Dofs of the base, and those that would leave through the vertical sides."""
     x, y = basis.doflocs
     across = np.zeros(basis.N, dtype=bool)
     across[basis.nodal_dofs[0]] = across[basis.facet_dofs[0]] = True
@@ -69,4 +70,4 @@ def reduced_slope(mesh: MeshTri, materials, unit_weight: float = 20.0, **setting
     """Strength reduction under the weight."""
     basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
     forms = {"soil": sc.SolidForm(basis, materials)}
-    return sc.Model(forms, held(basis)).strength_reduction(sc.weight(basis, unit_weight), progress=False, **settings)
+    return analysis("strength_reduction", forms, held(basis), sc.weight(basis, unit_weight), progress=False, **settings)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from helpers import IN_SPACE, vector_basis
+from helpers import IN_SPACE, run_stages, vector_basis
 from numpy import ndarray
 from skfem import Basis, ElementHex1, ElementHex2, ElementQuad1, ElementQuad2, ElementVector, Mesh, MeshHex
 
@@ -105,7 +105,7 @@ class Slice:
         stages = [replace(stage, load=self.share * self.lifted(stage.load), prescribed=self.lifted(stage.prescribed))
                   for stage in stages]
         fixed = np.flatnonzero(np.isin(self.twin, fixed) | (self.twin < 0))
-        return sc.Model(self.forms, fixed).run(stages, progress=False, **options)
+        return run_stages(self.forms, stages, fixed, progress=False, **options)
 
     def compare(self, plane: Result, solid: Result, error: float) -> None:
         """Displacements of all stages are those of the plane, but for a share of the largest."""

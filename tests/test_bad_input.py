@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers import grid, unknowns_of, vector_basis
+from helpers import grid, run_stages, unknowns_of, vector_basis
 from skfem import (
     Basis,
     ElementHex0,
@@ -242,11 +242,11 @@ def test_no_basis_at_all(what):
         (sc.LinearElastic, "material of 'all'.*is no material"),
         (
             {"a": sc.LinearElastic(E=np.ones(3), nu=0.3), "b": ELASTIC},
-            "material of 'a': .*3 values for 9 elements",
+            "material of 'a'.*3 values for 9 elements",
         ),
         (
             {"a": ELASTIC, "b": sc.MohrCoulomb(E=1.0, nu=0.3, c=np.ones(9), phi=30.0)},
-            "material of 'b': .*9 values for 12 elements",
+            "material of 'b'.*9 values for 12 elements",
         ),
     ],
 )
@@ -259,7 +259,7 @@ def test_bad_materials(materials, message):
 
 def test_parameter_array_of_wrong_length_by_replacement():
     form = sc.SolidForm(vector_basis(blocks(), "Q1"), {"a": ELASTIC, "b": ELASTIC})
-    with pytest.raises(ValueError, match=r"material of 'b': .*2 values for 12 elements"):
+    with pytest.raises(ValueError, match=r"material of 'b'.*2 values for 12 elements"):
         form.with_materials({"b": sc.LinearElastic(E=[1.0, 2.0], nu=0.3)})
 
 
@@ -321,7 +321,7 @@ def problem(mesh=None):
 
 
 def run(forms, stages, fixed, **options):
-    return sc.Model(forms, fixed).run(stages, progress=False, **options)
+    return run_stages(forms, stages, fixed, progress=False, **options)
 
 
 def test_the_sound_analysis_is_accepted():
@@ -364,7 +364,6 @@ def test_no_solid(forms):
     [
         (np.zeros(3), r"the load has shape \(3,\), not \(72,\)"),
         (np.zeros((72, 1)), r"the load has shape \(72, 1\), not \(72,\)"),
-        (None, "the load has shape"),
         (np.full(72, np.nan), "the load holds NaN"),
         (np.full(72, np.inf), "the load holds NaN or infinite"),
     ],

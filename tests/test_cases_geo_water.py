@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from helpers import analysis
 from skfem import Basis, ElementTriP2, ElementVector, MeshTri
 from slope_meshes import HEIGHT, crossed_below, held, pieces, reduced_slope, slope_mesh
 
@@ -22,7 +23,7 @@ def under_water(mesh: MeshTri, soil, unit_weight: float, table, **settings) -> f
     water = sc.water_load(basis, sc.hydrostatic(table, unit_weight=WATER), "surface")
     forms = {"soil": sc.SolidForm(basis, soil)}
     load = sc.weight(basis, unit_weight) + water
-    result = sc.Model(forms, held(basis)).strength_reduction(load, progress=False, **settings)
+    result = analysis("strength_reduction", forms, held(basis), load, progress=False, **settings)
     assert result.stop.kind == "plateau"
     return result.factor
 

@@ -7,7 +7,7 @@ import pytest
 from skfem import Basis, FacetBasis, MeshQuad1, MeshQuad2, MeshTri1, MeshTri2
 from skfem.generic_utils import OrientedBoundary
 
-from skfem_contact import bodies, join_bodies
+from skfem_contact.mesh import bodies, join_bodies
 
 KINDS = [MeshQuad1, MeshQuad2, MeshTri1, MeshTri2]
 LAYERS = {"base": ["clay", "sand"], "cover": "slab"}

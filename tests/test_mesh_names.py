@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from skfem import MeshQuad, MeshQuad1, MeshTri1
 
-from skfem_contact import bodies, join_bodies
+from skfem_contact.mesh import bodies, join_bodies
 
 LAYERS = {"base": ["clay", "sand"], "cover": "slab"}
 

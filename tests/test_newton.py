@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers import body_along, grid, rotation, traction, unknowns_of, vector_basis
+from helpers import body_along, grid, rotation, run_stages, traction, unknowns_of, vector_basis
 from scipy.sparse.linalg import spsolve
 from skfem import BilinearForm, FacetBasis, Mesh, condense, solve
 from skfem.utils import solver_direct_scipy
@@ -26,7 +26,7 @@ EXACT = sc.Newton(tolerance=1e-11, max_iterations=40)
 def run(forms, load, fixed, prescribed=None, increments=1, **options):
     """One stage of loading from rest."""
     stage = sc.Stage("load", load, prescribed, increments)
-    return sc.Model(forms, fixed).run([stage], **{"newton": EXACT, "progress": False, **options})["load"]
+    return run_stages(forms, [stage], fixed, **{"newton": EXACT, "progress": False, **options})["load"]
 
 
 def two_blocks(element: str = "Q1", n: int = 4, gap: float = 0.0, overhang: float = 0.0, mapped=None):
@@ -450,7 +450,7 @@ def documented(*names):
     code = next(block for block in re.findall(r"```python\n(.*?)```", text, re.S) if f"def {names[0]}(" in block)
     scope = {"np": np, "sc": sc, "solve": solve, "condense": condense}
     tree = ast.parse(code)
-    tree.body = [node for node in tree.body if isinstance(node, ast.FunctionDef)]
+    tree.body = [node for node in tree.body if isinstance(node, ast.FunctionDef | ast.ImportFrom)]
     exec(compile(tree, "forms.md", "exec"), scope)
     return [scope[name] for name in names]
 

@@ -5,8 +5,7 @@ import numpy as np
 import pytest
 
 from skfem_contact.errors import NotConverged
-from skfem_contact.nonlinear.evaluation import Evaluation
-from skfem_contact.nonlinear.newton import Newton, iterate
+from skfem_contact.nonlinear.newton import Evaluation, Newton, iterate
 
 
 def scalar(residual):

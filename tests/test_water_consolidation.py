@@ -12,7 +12,7 @@ from scipy.sparse import csr_matrix
 from skfem import Basis, ElementHex1, ElementTetP2, ElementTriP2, ElementVector, MeshHex, MeshQuad, MeshTet, MeshTri
 
 import skfem_contact as sc
-from skfem_contact.nonlinear.time_steps import PART
+from skfem_contact.nonlinear.increment import PART
 from skfem_contact.solvers.direct import DirectSolver
 
 E, NU, MOBILITY, LOAD = 1e4, 0.2, 1e-3, 100.0

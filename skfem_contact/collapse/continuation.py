@@ -19,9 +19,7 @@ from numpy import ndarray
 from ..checks import look_up
 from ..errors import NoEquilibrium, NotConverged
 from ..forms.base import Form
-from ..nonlinear.evaluation import Evaluation
-from ..nonlinear.line_search import Search
-from ..nonlinear.newton import Newton, iterate
+from ..nonlinear.newton import Evaluation, Newton, Search, iterate
 from ..nonlinear.system import System
 from ..results.result import Result, StageResult
 from ..solvers.direct import SingularSystem

@@ -11,8 +11,7 @@ from ..display import progress_bar
 from ..errors import NotConverged
 from ..limit_analysis import beside
 from ..materials.base import Flow, check_reduction
-from ..nonlinear.line_search import Search
-from ..nonlinear.newton import Newton
+from ..nonlinear.newton import Newton, Search
 from ..nonlinear.system import System
 from ..results.result import Result, StageResult
 from ..solvers import single_threaded

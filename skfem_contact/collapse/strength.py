@@ -15,8 +15,7 @@ from ..errors import NoEquilibrium, NotConverged
 from ..forms.targets import reduced_parts
 from ..limit_analysis import beside
 from ..materials.base import Flow, check_reduction
-from ..nonlinear.line_search import Search
-from ..nonlinear.newton import Newton
+from ..nonlinear.newton import Newton, Search
 from ..nonlinear.system import System
 from ..results.result import Result, StageResult
 from ..solvers import single_threaded

@@ -1,47 +1,56 @@
-"""Increments that take more than one equilibrium: outer loops of the forms, and easier forms where Newton fails."""
+"""Increments of several equilibria: outer loops of forms, regularised forms after failures, steps in time."""
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 from numpy import ndarray
 
 from ..errors import Failure, IncrementTooLarge, NoEquilibrium, NotConverged
 from ..solvers.direct import SingularSystem
-from .line_search import Search
-from .newton import Newton
+from .newton import Newton, Search
 from .system import Equilibrium, System
 
 logger = logging.getLogger("skfem_contact")
 
-#: Lengths of the step along which points that chatter show themselves.
+#: Lengths of the step at which points that chatter are looked for.
 _LENGTHS = (1.0, 0.5, 0.25, 0.0625)
 #: Equilibria of an increment, and recoveries that are tried one after the other.
 _MOST, _RECOVERIES = 30, 3
-#: Residual of what was found, assembled again, over the tolerance: round-off of what was returned to its bounds.
+#: Residual of an equilibrium of regularised forms in the forms as given, over the tolerance: round-off of states that
+#: were returned to their bounds.
 _AGAIN = 10.0
+#: Share of a step that its first part takes, and as much of the second one. Both parts are of Euler's backward method
+#: over the same time and have the same matrix (R. Alexander 1977, p. 1012: diagonally implicit, L-stable). No pressures
+#: or flows at the beginning are needed: loads may jump there.
+PART = 1.0 - np.sqrt(0.5)
+#: Digits of the share of a stage that a step takes: equal steps are then equal to the last bit, and share their factor.
+_DIGITS = 12
+
+#: Load and prescribed values at a share of a stage.
+Path = Callable[[float], tuple[ndarray, ndarray]]
 
 
 def solve_increment(system: System, x: ndarray, states: Mapping[str, Any], load: ndarray, prescribed: ndarray,
                     newton: Newton, start: ndarray | None = None, try_recovery: bool = True) -> Equilibrium:
-    """Equilibrium of an increment with which every form is content.
+    """Solve an increment until no form changes any more.
 
-    After each equilibrium the forms are asked whether they want the increment solved once more, by another form or
-    from other multipliers (:meth:`~skfem_contact.Form.outer`); each time the last displacements are the start.
-    Where Newton's method fails from the last accepted displacements, forms are asked for easier ones that lead to
-    themselves (:meth:`~skfem_contact.Form.begin`).  What is found is assembled again by the forms as given, from
-    the states that it leaves: only if that balances is it an answer.
+    After each equilibrium, :meth:`~skfem_contact.Form.outer` of a form may demand another solution, by another form
+    or from other multipliers; the last displacements are its start. Where Newton's method fails,
+    :meth:`~skfem_contact.Form.begin` may return regularised forms. Their equilibrium is accepted only if the forms as
+    given balance in it, too.
 
-    Where it fails from the start, `x` is tried; to search along the energy and by easier forms, too (`try_recovery`),
-    takes several times as long as the rest.
+    Newton's method begins at `start` and, where that fails, at `x`. With `try_recovery` the search along the energy
+    and regularised forms follow; these take several times as long as the rest.
 
     Raises
     ------
     NotConverged
-        One of the equilibria failed, the forms were not content after 30 of them, could not tell what happened during
-        so large an increment, or what was found is no equilibrium of the forms as given.
+        One of the equilibria failed, forms still change after 30 of them, the increment is too large for a form, or
+        the equilibrium is none of the forms as given.
     """
     searches: tuple[Search, ...] = ("residual", "energy") if try_recovery else ("residual",)
     given = system
@@ -57,10 +66,10 @@ def solve_increment(system: System, x: ndarray, states: Mapping[str, Any], load:
         try:
             return _solve(given, system, x, states, load, prescribed, newton, searches)
         except NotConverged as error:
-            easier = _easier(system, states, load, error)
-            if easier is system:
+            regularised = _regularised(system, states, load, error)
+            if regularised is system:
                 raise
-            system = easier
+            system = regularised
     return _solve(given, system, x, states, load, prescribed, newton, searches)
 
 
@@ -74,7 +83,7 @@ def _solve(given: System, system: System, x: ndarray, states: Mapping[str, Any],
             again = {name: form.outer(new.x, states[name], new.states[name]) for name, form in system.forms.items()}
         except IncrementTooLarge as error:
             raise NotConverged(f"the increment is too large: {error}", new.x, residuals) from error
-        changed = {name: answer for name, answer in again.items() if answer is not None}
+        changed = {name: pair for name, pair in again.items() if pair is not None}
         if not changed:
             check(given, system, new, states, load, newton)
             return replace(new, residuals=residuals, equilibria=count)
@@ -86,45 +95,72 @@ def _solve(given: System, system: System, x: ndarray, states: Mapping[str, Any],
 
 def check(given: System, system: System, found: Equilibrium, states: Mapping[str, Any], load: ndarray,
           newton: Newton) -> None:
-    """Refuse what balances by easier forms alone: they are assembled anew from what they left, as they were given."""
-    eased = {name: form for name, form in system.forms.items() if form is not given.forms[name]}
-    if not eased:
+    """Refuse an equilibrium of regularised forms that is none of the forms as given."""
+    others = {name: form for name, form in system.forms.items() if form is not given.forms[name]}
+    if not others:
         return
-    again = given.evaluate(found.x, {k: found.states[k] if k in eased else state for k, state in states.items()}, load)
+    again = given.evaluate(found.x, {k: found.states[k] if k in others else state for k, state in states.items()}, load)
     if again.norm > _AGAIN * newton.tolerance:
-        why = "; ".join(f"{name}: {form.reason}" for name, form in eased.items() if form.reason)
+        why = "; ".join(f"{name}: {form.reason}" for name, form in others.items() if form.reason)
         raise NotConverged(f"an equilibrium was found that does not last, {again.norm:.1e} of the forces are out of "
                            f"balance: {why}", found.x, (*found.residuals, again.norm), again.worst)
 
 
-def _easier(system: System, states: Mapping[str, Any], load: ndarray, error: NotConverged) -> System:
-    """The system with easier forms, or the same one where no form knows any.
+def _regularised(system: System, states: Mapping[str, Any], load: ndarray, error: NotConverged) -> System:
+    """Return the system with regularised forms, or the same one where no form has any.
 
-    Bodies that move freely need to be held, and points that chatter an easier law.  Where none chatters the bodies may
-    be about to lift off: a residual that hardly changes is that of a body that flies away.
+    Bodies that move freely need to be held, and points that chatter need another law. Where no point chatters, bodies
+    may be about to lift off: a residual that hardly changes is that of a body that flies away.
     """
     loose = isinstance(error, NoEquilibrium) or isinstance(error.__cause__, SingularSystem)
     if not loose:
-        if error.x is None:  # every equilibrium was found, but a form was never content
+        if error.x is None:  # every equilibrium was found, but a form changed each time
             return system
         seen = _candidates(system, error.x, states, load)
-        easier = _begin(system, states, {name: Failure(False, tuple(candidates[name] for candidates in seen))
-                                         for name in system.forms})
-        if easier is not system or isinstance(error.__cause__, IncrementTooLarge):
-            return easier
+        again = _begin(system, states, {name: Failure(False, tuple(candidates[name] for candidates in seen))
+                                        for name in system.forms})
+        if again is not system or isinstance(error.__cause__, IncrementTooLarge):
+            return again
     return _begin(system, states, {name: Failure(loose=True) for name in system.forms})
 
 
 def _begin(system: System, states: Mapping[str, Any], failures: Mapping[str, Failure]) -> System:
-    """The system with what its forms begin with after failures."""
+    """Return the system with the forms that begin an increment after failures."""
     return system.with_forms({name: form.begin(states[name], failures[name]) for name, form in system.forms.items()})
 
 
 def _candidates(system: System, x: ndarray, states: Mapping[str, Any], load: ndarray) -> list[dict[str, Any]]:
-    """Candidate states where the method stopped, and at several places along its next step."""
+    """Return candidate states at displacements where the method stopped, and at several lengths of its next step."""
     now = system.evaluate(x, states, load)
     try:
         step = system.factor(system.tangent(now))(now.residual)
     except SingularSystem:
         return [now.states]
     return [now.states, *(system.evaluate(x + length * step, states, load).states for length in _LENGTHS)]
+
+
+def solve_step(system: System, x: ndarray, states: Mapping[str, Any], path: Path, span: tuple[float, float],
+               duration: float, newton: Newton, start: ndarray | None, try_recovery: bool
+               ) -> tuple[Equilibrium, dict[str, tuple[float, float]]]:
+    """Solve a step in time; return the equilibrium at its end and :meth:`~skfem_contact.Form.time_error` by form.
+
+    The step goes from one share of the stage to another (`span`). Where the stage has no duration the step is a plain
+    increment, see :func:`solve_increment`.
+    """
+    begin, end = span
+    duration *= round(end - begin, _DIGITS)
+    second_order = {name for name, form in system.forms.items() if form.second_order}
+    if not second_order or not duration > 0.0:
+        step = system.over(duration)
+        return solve_increment(step, x, states, *path(end), newton, start, try_recovery), {}
+    first = system.over(PART * duration)
+    towards = None if start is None else x + PART * (start - x)
+    middle = solve_increment(first, x, states, *path(begin + PART * (end - begin)), newton, towards, try_recovery)
+    second = first.with_forms({name: first.forms[name] if name in second_order
+                               else form.over((1.0 - PART) * duration) for name, form in system.forms.items()})
+    begun = {name: first.forms[name].extrapolated(states[name], state, 1.0 / PART - 1.0) if name in second_order
+             else state for name, state in middle.states.items()}
+    last = solve_increment(second, middle.x, begun, *path(end), newton, None, try_recovery)
+    errors = {name: first.forms[name].time_error(middle.states[name], last.states[name]) for name in second_order}
+    return Equilibrium(last.x, last.states, middle.residuals + last.residuals[1:],
+                       middle.equilibria + last.equilibria), errors

@@ -1,18 +1,18 @@
-"""Newton's iterations with a line search; they tell a stall from a collapse."""
+"""Newton's method: evaluations, line searches, and iterations that distinguish a stall from a collapse."""
 from __future__ import annotations
 
 import logging
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any, Literal
 
 import numpy as np
 from numpy import ndarray
 
 from ..checks import is_number
 from ..errors import NoEquilibrium, NotConverged
+from ..forms.base import Response
 from ..solvers.direct import SingularSystem
-from .evaluation import Evaluation
-from .line_search import Search, backtrack, bisect_work, unbalanced
 
 logger = logging.getLogger("skfem_contact")
 #: The tangent is damped when so many iterations have not halved the residual.
@@ -28,6 +28,17 @@ _NOISE = 0.1
 _MOVING = 4
 #: Displacements of so many times the elastic ones are those of a collapse.
 FAR = 100.0
+#: The line search accepts what is not worse than the worst of this many last residuals: contact that opens,
+#: closes and slips on its way to the solution raises the residual now and then.
+_MEMORY = 4
+_SHORTEST = 1.0 / 16.0
+#: The search along the energy accepts a step that leaves at most this share of the slope.
+_SLOPE = 0.5
+_PROBES = 8
+
+#: Measure of a line search: the norm of the residual, or its work along the step. Along the energy a search may go
+#: beyond the step, by its work alone ("step") no further.
+Search = Literal["residual", "energy", "step"]
 
 
 @dataclass(frozen=True)
@@ -39,8 +50,8 @@ class Newton:
     tolerance
         Norm of the residual over the largest norm among the load and the forms' forces.
     max_iterations
-        After so many iterations the increment has failed; along the energy those do not count that find an active set
-        of contact that is new, up to four times as many.
+        Number of iterations after which the increment has failed. Along the energy, iterations that find a new active
+        set of contact do not count, up to four times as many.
 
     Raises
     ------
@@ -64,20 +75,119 @@ class Newton:
             raise ValueError(f"max_iterations must be a whole number, at least 1, not {self.max_iterations!r}")
 
 
+@dataclass(frozen=True)
+class Evaluation:
+    """Responses of the forms to a vector of dofs.
+
+    Attributes
+    ----------
+    z, responses
+        Dofs, and the parameter of a search for a collapse; responses of the forms.
+    residual : ndarray, shape (N,)
+        Load less internal forces, zero at the fixed dofs.
+    norm
+        Norm of the residual over the largest norm among the load and the forms' forces, less `hidden`.
+    lag
+        Largest difference of the fixed dofs from the prescribed values.
+    hidden
+        Part of the norm that may be round-off.
+    scale : ndarray, shape (N,)
+        Factors of the equations, where there are several fields.
+    """
+
+    z: ndarray
+    responses: dict[str, Response]
+    residual: ndarray
+    norm: float
+    lag: float = 0.0
+    hidden: float = 0.0
+    scale: ndarray | None = None
+
+    @property
+    def size(self) -> float:
+        """Norm of the residual itself, in scaled equations."""
+        return float(np.linalg.norm(self.residual if self.scale is None else self.scale * self.residual))
+
+    @property
+    def active(self) -> tuple[bytes, ...]:
+        """Active sets of the forms."""
+        return tuple(response.active for response in self.responses.values())
+
+    @property
+    def worst(self) -> int:
+        """Dof of the largest unbalanced force."""
+        return int(np.argmax(np.abs(self.residual)))
+
+    @property
+    def states(self) -> dict[str, Any]:
+        """Candidate states."""
+        return {name: response.state for name, response in self.responses.items()}
+
+
+def bisect_work(now: Evaluation, step: ndarray, evaluate: Callable[[ndarray], Evaluation], farthest: float
+                ) -> Evaluation:
+    """Double and bisect the step until the residual has lost half of its work along the step.
+
+    Only the leading dofs, those of the residual, do work. At the farthest length more of the work may be left.
+    """
+    along = step[:len(now.residual)]
+    slope = abs(now.residual @ along)
+    least, best, length, shortest, longest = np.inf, now, 1.0, 0.0, np.inf
+    for _ in range(_PROBES):
+        new = evaluate(now.z + length * step)
+        work = float(new.residual @ along) if np.isfinite(new.norm) else -np.inf
+        if abs(work) < least:
+            least, best = abs(work), new
+        if abs(work) <= _SLOPE * slope or new.norm <= _SLOPE * now.norm or (work > 0.0 and length >= farthest):
+            return new
+        if work > 0.0:
+            shortest = length
+        else:
+            longest = length
+        length = 2.0 * length if np.isinf(longest) else 0.5 * (shortest + longest)
+    return best
+
+
+def unbalanced(new: Evaluation) -> float:
+    """Return the norm of the unbalanced forces themselves, less round-off.
+
+    The relative norm is no measure for a line search: where a step presses bodies into each other, it is 1 at any
+    depth.
+    """
+    whole = new.norm + new.hidden
+    if whole == 0.0 or not np.isfinite(whole):
+        return whole
+    return new.size * new.norm / whole
+
+
+def backtrack(now: Evaluation, step: ndarray, sizes: list[float], evaluate: Callable[[ndarray], Evaluation]
+              ) -> Evaluation:
+    """Halve the step while the residual is worse than all of the last few."""
+    bound = np.inf if now.lag else max(sizes[-_MEMORY:])
+    best = new = evaluate(now.z + step)
+    length = 1.0
+    while not unbalanced(new) <= bound and length > _SHORTEST:
+        length *= 0.5
+        new = evaluate(now.z + length * step)
+        if unbalanced(new) < unbalanced(best) or np.isnan(best.norm):
+            best = new
+    return best
+
+
 def iterate(now: Evaluation, evaluate: Callable[[ndarray], Evaluation],
             direction: Callable[[Evaluation, bool], ndarray],
             settings: Newton, search: Search = "residual", far: Callable[[Evaluation], bool] = lambda now: False,
             at_least: int = 0, damp: bool = False) -> tuple[Evaluation, tuple[float, ...]]:
-    """Newton's iterations: from an evaluation to one without residual, and the history of the residual.
+    """Iterate from an evaluation to equilibrium; return its evaluation and the history of the residual.
 
-    The last figure of the history is the whole residual, with what may be round-off.
+    The last figure of the history is the whole residual, round-off included.
 
     Parameters
     ----------
     direction
         Newton step at an evaluation, with the tangent or with the damped one.
     far
-        Whether one is so far away that the search along the energy shows a collapse.
+        Function that returns True if displacements along the energy are so large that they show a collapse.
     at_least
         Number of iterations even if the residual is small from the start.
     damp
@@ -97,7 +207,7 @@ def iterate(now: Evaluation, evaluate: Callable[[ndarray], Evaluation],
         except SingularSystem as error:
             raise NotConverged(str(error), now.z, norms,
                                int(error.dofs[0])) from error
-        except NotConverged as error:  # no answer there: say where the last one was
+        except NotConverged as error:  # no response there: name the last evaluation
             raise NotConverged(str(error), now.z, norms, now.worst) from error
         if not np.isfinite(new.norm):
             raise NotConverged(f"the iterations run away; {_why(now, norms)}", now.z, norms, now.worst)
@@ -116,25 +226,20 @@ def iterate(now: Evaluation, evaluate: Callable[[ndarray], Evaluation],
 
 
 def _hopeless(norms: list[float]) -> bool:
-    """Whether the iterations have run away; the first residual is that of the increment and says nothing of them.
-
-    Along the energy this is not asked: there it may be the way to a collapse.  See :func:`_stuck`.
-    """
+    """Return True if the iterations have run away; the first residual is that of the increment and does not count."""
     least = min(norms[1:], default=np.inf)
     return len(norms) > _ASTRAY and min(norms[-_ASTRAY:]) > _TIMES * least
 
 
 def _stuck(norms: list[float]) -> bool:
-    """Whether the residual has hardly changed for long, and was much smaller before.
-
-    A collapse shows in fewer iterations, for the steps towards it are doubled again and again.
-    """
+    """Return True if the residual has hardly changed for long, and was much smaller before."""
+    # a collapse shows in fewer iterations, for the steps towards it are doubled again and again
     last = norms[-_STUCK:]
     return len(norms) > _STUCK and min(last) > max(_WORSE * min(norms[1:]), _SAME * max(last))
 
 
 def _why(now: Evaluation, norms: list[float]) -> str:
-    """Where the iterations stand, for a message."""
+    """Describe residual and largest unbalanced force for a message."""
     worst = now.worst
     names = [k for k, r in now.responses.items() if r.force[worst] != 0.0]
     history = ", ".join(f"{v:.1e}" for v in norms[-5:])
@@ -142,4 +247,4 @@ def _why(now: Evaluation, norms: list[float]) -> str:
     noise = f"; round-off alone may leave {round_off:.1e}: the displacements are lost in the coordinates" \
         if round_off > _NOISE * now.size else ""
     return (f"the residual went {history}; the largest unbalanced force, {now.residual[worst]:.3g}, acts on "
-            f"unknown {worst} of {names}{noise}")
+            f"dof {worst} of {names}{noise}")

@@ -1,4 +1,4 @@
-"""How large the increments of a stage are, and how much is tried to find an equilibrium in each."""
+"""Sizes of increments, and extrapolation from one increment to the next."""
 from __future__ import annotations
 
 from collections.abc import Mapping
@@ -14,24 +14,24 @@ _PROPORTIONAL = 1e-6
 _SMALLEST = 1.0 / 1024.0
 #: An increment with so few iterations to an equilibrium may be followed by a larger one.
 _EASY = 8
-#: What remains of an increment that failed although everything was tried, and of one for which little was tried.
+#: Share that remains of an increment that failed with recoveries, and of one that failed without.
 _QUARTER, _HALF = 0.25, 0.5
-#: Share of the stage from which on everything is tried in every increment.
+#: Share of the stage up to which increments are tried with recoveries.
 _SMALL = 1.0 / 128.0
 #: Distance from the last equilibrium to a collapse, as a share of what was reached, at which the limit is found.
 _NARROW = 0.02
 _ROUND_OFF = 1e-9
 #: Steps in time keep their length, and with it their matrix, until they may be longer by this, and at most this much.
 _WORTH, _TWICE = 1.5, 2.0
-#: What remains of the largest step by which the estimated error is allowed, and the least share of a step tried.
+#: Share taken of the step whose estimated error is just allowed, and the least share of a step tried.
 _SAFE, _LEAST = 0.9, 0.1
 
 
 class Stepping:
-    """Sizes of the increments: cut where they fail, growing where they are easy.
+    """Sizes of the increments: cut where they fail, growing where few iterations are needed.
 
-    Everything is tried in the first increment of a stage.  Later on, a load that failed although everything was tried
-    is approached by attempts that cost little, until these have passed it or the increments are small.
+    Recoveries are tried in the first increment of a stage. Once a load has failed in spite of them, it is approached by
+    attempts without recovery, until it is passed or the increments are small.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ class Stepping:
     def __init__(self, increments: int) -> None:
         self._size = self._largest = 1.0 / increments
         self._reached, self._failed, self._collapsed, self._shortest = 0.0, np.inf, np.inf, 1.0
-        #: Whether the attempt before this one failed.
+        #: True if the last attempt failed.
         self.cut = False
         self._growth, self._compared = np.inf, dict[str, float]()
 
@@ -74,24 +74,24 @@ class Stepping:
 
     @property
     def try_recovery(self) -> bool:
-        """Whether everything is to be tried."""
+        """True if recoveries are to be tried."""
         new = self.fraction < self._failed - _ROUND_OFF and not self.cut
         return new or self._reached == 0.0 or self._size <= _SMALL
 
     @property
     def exhausted(self) -> bool:
-        """Whether smaller increments would tell no more."""
+        """True if smaller increments would show no more."""
         return self._size < _SMALLEST * self._shortest or self._limited
 
     @property
     def _limited(self) -> bool:
-        """Whether an equilibrium and a collapse are next to each other."""
+        """True if an equilibrium and a collapse lie close together."""
         return self._collapsed - self._reached <= _NARROW * self._reached
 
     def too_long(self, errors: Mapping[str, tuple[float, float]]) -> bool:
-        """Whether a step is to be taken anew, shorter, by the errors in time of its forms and what they compare with.
+        """Return True if a step must be repeated with a shorter length, by the errors in time of its forms.
 
-        They are compared with the most that there was to compare them with in the stage.
+        An error is compared with the largest value of its measure in the stage, see :meth:`Form.time_error`.
         """
         worst = 0.0
         for name, (error, size) in errors.items():
@@ -104,7 +104,7 @@ class Stepping:
         return self._growth < _SAFE
 
     def accept(self, fraction: float, iterations: int, equilibria: int = 1) -> None:
-        """An equilibrium was found, or several in a row."""
+        """Record an equilibrium, or several in a row."""
         self._reached, self.cut = fraction, False
         self._failed, self._collapsed = (f if f > fraction + _ROUND_OFF else np.inf
                                          for f in (self._failed, self._collapsed))
@@ -114,7 +114,7 @@ class Stepping:
             self._size = max(self._size, min(min(_TWICE, self._growth) * self._size, self._largest))
 
     def reject(self, error: NotConverged) -> None:
-        """None was found."""
+        """Record a failure."""
         share = _QUARTER if self.try_recovery else _HALF
         self._failed = self.fraction
         if isinstance(error, NoEquilibrium):
@@ -127,14 +127,14 @@ class Stepping:
 
 
 class Predictor:
-    """Extrapolates from the last two accepted increments while loads and supports move on in proportion.
+    """Extrapolation from the last two accepted increments while loads and supports change in proportion.
 
     Sliding contact and yielding soil then hardly change their state within an increment, and few iterations are left.
 
     Parameters
     ----------
     fixed
-        Layout whose values are prescribed.
+        Dofs whose values are prescribed.
 
     Examples
     --------
@@ -154,15 +154,15 @@ class Predictor:
 
     @property
     def time(self) -> float:
-        """When the last increment was accepted."""
+        """Time of the last accepted increment."""
         return self._accepted[-1][2] if self._accepted else 0.0
 
     def accept(self, x: ndarray, load: ndarray, time: float = 0.0) -> None:
-        """Remember displacements and load of an accepted increment, and when it was."""
+        """Record displacements, load and time of an accepted increment."""
         self._accepted = (*self._accepted[-1:], (x, load, time))
 
     def start(self, load: ndarray, prescribed: ndarray, time: float = 0.0) -> ndarray | None:
-        """Displacements to start from under a load, or None where the last increment does not tell."""
+        """Return displacements to start from under a load, or None where changes are not in proportion."""
         if len(self._accepted) < 2:
             return None
         (x_before, load_before, then), (x, load_last, last) = self._accepted

@@ -17,9 +17,7 @@ from ..forms.base import Form, Response, responses_of
 from ..layout import Layout
 from ..solvers.direct import LinearSolver, SingularSystem, Solve
 from ..sparse import Total, with_data
-from .evaluation import Evaluation
-from .line_search import Search
-from .newton import FAR, Newton, iterate
+from .newton import FAR, Evaluation, Newton, Search, iterate
 
 logger = logging.getLogger("skfem_contact")
 
@@ -27,7 +25,7 @@ logger = logging.getLogger("skfem_contact")
 _HIDDEN = 1e-6
 #: Share of all forces, in scaled equations, by which a field without any is measured: the residual then is round-off.
 _FLOOR = 1e-4
-#: Displacements whose squares are no longer numbers are not far from here.
+#: Largest displacement: squares of much larger ones overflow.
 _ENDLESS = 1e100
 
 
@@ -47,7 +45,7 @@ class Equilibrium:
 
 
 class System:
-    """Forms, all unknowns, those that are fixed, and a linear solver."""
+    """Forms on a layout of dofs, some of which are fixed, with a linear solver."""
 
     def __init__(self, forms: Mapping[str, Form], layout: Layout, fixed: ndarray, solver: LinearSolver) -> None:
         self.forms, self.layout, self.fixed = dict(forms), layout, fixed
@@ -56,7 +54,7 @@ class System:
         self._scale = layout.scale
 
     def with_forms(self, forms: Mapping[str, Form]) -> System:
-        """The system with other forms on the same unknowns; itself where they are the same."""
+        """Return the system with other forms on the same dofs; itself where they are the same."""
         if all(form is self.forms.get(name) for name, form in forms.items()):
             return self
         new = copy(self)
@@ -65,21 +63,21 @@ class System:
         return new
 
     def over(self, duration: float) -> System:
-        """The system of a step in time; itself where time matters to none of its forms."""
+        """Return the system of a step in time; itself where no form depends on time."""
         return self.with_forms({name: form.over(duration) for name, form in self.forms.items()})
 
     @cached_property
     def symmetric(self) -> bool:
-        """Whether the tangent is symmetric: that of all forms is."""
+        """True if the tangents of all forms are symmetric."""
         return all(form.symmetric for form in self.forms.values())
 
     @property
     def size(self) -> int:
-        """Number of unknowns."""
+        """Number of dofs."""
         return self.layout.size
 
     def factor(self, K: csr_matrix) -> Solve:
-        """Solution of K[free, free] x[free] = b[free] for any b; with several fields in scaled unknowns."""
+        """Factor K[free, free], in scaled dofs where there are several fields; return the solver for any b."""
         if self._scale is None:
             return self._solver.factor(K, self.symmetric)
         scale = self._scale
@@ -88,11 +86,11 @@ class System:
         return lambda b: scale * solve(scale * b)
 
     def work(self, load: ndarray, displacements: ndarray) -> float:
-        """Work of a load on the free unknowns."""
+        """Return the work of a load on the free dofs."""
         return float(load[self.free] @ displacements[self.free])
 
     def evaluate(self, x: ndarray, states: Mapping[str, Any], load: ndarray) -> Evaluation:
-        """Answers of all forms at some displacements, unless these have run away."""
+        """Evaluate all forms at displacements, unless these have run away."""
         if not np.abs(x).max(initial=0.0) < _ENDLESS:
             raise NotConverged("the iterations run away: the displacements are no numbers any more")
         responses = responses_of(self.forms, x, states)
@@ -103,21 +101,21 @@ class System:
 
     def _relative(self, part: slice, residual: ndarray, load: ndarray, responses: Mapping[str, Response]
                   ) -> tuple[float, float]:
-        """Norm of the residual of a field over the largest forces there, less what may be round-off, and that."""
-        carried = float(np.linalg.norm(load[part]))
-        scale = max(carried, *(float(np.linalg.norm(r.measure[part])) for r in responses.values()))
+        """Return the norm of a field's residual over its largest force, less possible round-off, and that round-off."""
+        loaded = float(np.linalg.norm(load[part]))
+        scale = max(loaded, *(float(np.linalg.norm(r.measure[part])) for r in responses.values()))
         if self._scale is not None:  # where all forces of a field vanish, as those of multipliers do, others measure it
             everywhere = max(float(np.linalg.norm(self._scale * r.measure)) for r in responses.values())
             scale = max(scale, _FLOOR * everywhere / float(self._scale[part].max()))
         round_off = sum(r.round_off for r in responses.values()) if part.start == 0 else 0.0
-        if carried > 0.0:  # displacements so large that their round-off hides the load are no equilibrium
-            round_off = min(round_off, _HIDDEN * carried)
+        if loaded > 0.0:  # displacements so large that their round-off hides the load are no equilibrium
+            round_off = min(round_off, _HIDDEN * loaded)
         norm, unit = float(np.linalg.norm(residual[part])), scale if scale > 0 else 1.0
         hidden = min(norm, round_off)
         return (norm - hidden) / unit, hidden / unit
 
     def tangent(self, now: Evaluation, damped: bool = False) -> csr_matrix:
-        """Tangent of all forms together."""
+        """Return the tangent of all forms together."""
         return self._total.of([r.damped if damped else r.stiffness for r in now.responses.values()])
 
     def equilibrium(self, x: ndarray, states: Mapping[str, Any], load: ndarray, prescribed: ndarray,
@@ -131,7 +129,7 @@ class System:
         x, states
             The last accepted displacements and states.
         load, prescribed
-            External forces, (N,), and values of the fixed unknowns.
+            External forces, (N,), and values of the fixed dofs.
         searches
             Line searches to try, one after the other.
         elastic
@@ -145,7 +143,7 @@ class System:
         Raises
         ------
         NoEquilibrium, NotConverged
-            There is none; none was found: the message names the largest unbalanced force.
+            There is no equilibrium; none was found. The message names the largest unbalanced force.
         """
         first: list[float] = [elastic] if elastic > 0.0 else []
         regular: list[csr_matrix] = []
@@ -182,7 +180,7 @@ class System:
         raise ValueError("there is no line search to try")
 
     def _direction(self, now: Evaluation, lag: ndarray, damped: bool, regular: list[csr_matrix]) -> ndarray:
-        """Newton step; where the tangent is singular, far out on a mechanism, with the last regular one."""
+        """Return the Newton step; where the tangent is singular, far out on a mechanism, with the last regular one."""
         K = self.tangent(now, damped)
         right = now.residual
         step = np.zeros_like(now.z)

@@ -18,7 +18,7 @@ from ..errors import AnalysisWarning
 from ..forms.base import Form, internal_force
 from ..loads import by_element
 from ..materials import LinearElastic, Material
-from ..nonlinear.evaluation import Evaluation
+from ..nonlinear.newton import Evaluation
 from ..nonlinear.system import System
 from ..results.result import Result, StageResult
 from .activation import acts_on, check_contacts

@@ -11,10 +11,10 @@ from numpy import ndarray
 
 from ..display import progress_bar
 from ..errors import NotConverged, Remarks
+from ..nonlinear.increment import Path, solve_step
 from ..nonlinear.newton import Newton
 from ..nonlinear.stepping import Predictor, Stepping
 from ..nonlinear.system import System
-from ..nonlinear.time_steps import Path, solve_step
 from ..results.result import Result, StageResult
 from ..solvers import single_threaded
 from .activation import Phase, begin, check_start, plan, state_changes

@@ -31,6 +31,7 @@ class Setup:
         given = as_forms(forms)
         self.solver, self.newton = solver, newton
         self.coordinates = _coordinates_of(given)
+        _check_bases(given)
         self._completed = {name: _completed(name, form, given) for name, form in given.items()}
         _check_fields(self._completed)
         self.layout = _layout_of(self._completed)
@@ -176,31 +177,32 @@ def _check_fields(forms: Mapping[str, Form]) -> None:
                 raise ValueError(f"'{name}' acts on the field '{field.name}', which no form of the model brings")
 
 
-def _layout_of(forms: Mapping[str, Form]) -> Layout:
-    """Number the dofs of all forms of an analysis, also of inactive ones.
-
-    Raises
-    ------
-    ValueError
-        Bad mesh, forms of different bases, or no form that knows how many dofs there are.
-    """
+def _check_bases(forms: Mapping[str, Form]) -> None:
+    """Refuse bad meshes, forms of different bases, and forms none of which knows how many dofs there are."""
     bases = {name: form.basis for name, form in solids_of(forms).items()}
-    fields = [field for form in forms.values() for field in form.fields]
     sizes = {name: form.size for name, form in forms.items() if form.size is not None}
+    if not forms:
+        raise ValueError("there is no SolidForm among the forms: nothing carries load")
+    if not sizes and not any(form.fields for form in forms.values()):
+        raise ValueError("no form knows how many dofs there are: give one of them a `size`")
     if len(set(sizes.values())) > 1:
         raise ValueError(f"the forms belong to different bases; their numbers of dofs are {sizes}")
-    if not sizes and not fields:
-        raise ValueError("no form knows how many dofs there are: give one of them a `size`")
-    n = next(iter(sizes.values()), 0)
     if not bases:
-        dim = len(fields[0].coordinates) if fields else 1
-        return Layout.of(np.tile(np.arange(n, dtype=float), (dim, 1)), fields)
+        return
     owner, basis = next(iter(bases.items()))
     check_mesh(basis.mesh)
-    layout = Layout.of(np.asarray(basis.doflocs), fields)
     known = {name: (np.arange(other.N), other.doflocs) for name, other in bases.items()}
     known |= {name: form.nodes for name, form in forms.items() if form.nodes is not None}
     for name, (numbers, coordinates) in known.items():  # different meshes may have as many dofs as each other
-        if not np.array_equal(coordinates, layout.coordinates[:, numbers]):
+        if not np.array_equal(coordinates, basis.doflocs[:, numbers]):
             raise ValueError(f"'{name}' belongs to another mesh or another element than '{owner}'")
-    return layout
+
+
+def _layout_of(forms: Mapping[str, Form]) -> Layout:
+    """Number the dofs of all forms of an analysis, also of inactive ones."""
+    fields = [field for form in forms.values() for field in form.fields]
+    for form in solids_of(forms).values():
+        return Layout.of(np.asarray(form.basis.doflocs), fields)
+    n = next((form.size for form in forms.values() if form.size is not None), 0)
+    dim = len(fields[0].coordinates) if fields else 1
+    return Layout.of(np.tile(np.arange(n, dtype=float), (dim, 1)), fields)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import space
-from helpers import grid, traction, unknowns_of, vector_basis
+from helpers import grid, run_stages, traction, unknowns_of, vector_basis
 from skfem import Basis
 
 import skfem_contact as sc
@@ -91,7 +91,7 @@ def along_and_up(forms: dict, stage) -> tuple[float, float]:
 def run(forms: dict, stages, fixed, **options):
     """An analysis without a progress bar, to small residuals."""
     options = {"newton": EXACT, **options}
-    result = sc.Model(forms, fixed).run(stages, progress=False, **options)
+    result = run_stages(forms, stages, fixed, progress=False, **options)
     for look in afterwards:
         look(forms, stages, fixed, options, result)
     return result
