@@ -309,7 +309,8 @@ def test_what_has_no_bounds() -> None:
     with pytest.raises(ValueError, match="axially symmetric"):
         sc.Model({"soil": sc.SolidForm(basis, SOIL, coordinates="axisymmetric")}, fixed).bounds(weight=20.0, progress=False)
     with pytest.raises(ValueError, match="no bounds with 'spring'"):
-        sc.Model(forms | {"spring": object()}, fixed).bounds(weight=20.0, progress=False)
+        spring = sc.Spring(basis, basis.doflocs[:, 0], 1.0)
+        sc.Model(forms | {"spring": spring}, fixed).bounds(weight=20.0, progress=False)
 
 
 def test_clean_sand() -> None:

@@ -25,7 +25,7 @@ def factors(materials, *lengths: float, regions=None) -> tuple[float, float]:
     found = []
     for n in (5, 10):
         mesh = slope_mesh(*lengths, n)
-        result = reduced_slope(mesh if regions is None else mesh.with_subdomains(regions), materials, tol=TOL)
+        result = reduced_slope(mesh if regions is None else mesh.with_subdomains(regions), materials, tolerance=TOL)
         assert result.stop.kind == "plateau"
         found.append(result.factor)
     coarse, fine = found

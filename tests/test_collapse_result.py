@@ -15,7 +15,7 @@ CHANGING = {"E": 1e4, "nu": 0.3, "c": 10.0, "c_end": 5.0, "strain_end": 0.1}
 
 
 @pytest.mark.parametrize(("kind", "shown"), [("plateau", True), ("collapse", True), ("stall", False),
-                                             ("highest", False), ("steps", False)])
+                                             ("max_value", False), ("steps", False)])
 def test_what_shows_a_limit(kind, shown):
     """The curve has levelled off, or there is no equilibrium above; nothing else."""
     stop = Stop(kind, "so it is")
@@ -42,7 +42,7 @@ def test_locked_ground_has_no_factor(method):
     """[X] Full integration admits no mechanism of constant volume: the search ends at its bound, and says so."""
     with pytest.warns(sc.AnalysisWarning, match="no collapse was shown: .* highest: there is no collapse below 20"):
         found = analysis("strength_reduction", *locked_ground(), method=method, max_value=20.0, step=0.5, progress=False)
-    assert found.stop.kind == "highest" and 20.0 < found.factor < 200.0  # the last step may double its factor
+    assert found.stop.kind == "max_value" and 20.0 < found.factor < 200.0  # the last step may double its factor
 
 
 def test_one_result_for_both_searches():
@@ -66,7 +66,7 @@ def test_one_result_for_both_searches():
 @pytest.mark.parametrize("flow", ["given", "associated"])
 def test_cone_with_its_flow(flow):
     """[X] k and alpha are divided; the dilatancy is capped by the friction, or equals it."""
-    cone = sc.reduced_strength(sc.DruckerPrager(**CONE, beta=0.05), 2.0, flow)
+    cone = sc.DruckerPrager(**CONE, beta=0.05).reduced(2.0, flow)
     assert (cone.k, cone.alpha, cone.beta) == (5.0, 0.1, 0.05 if flow == "given" else 0.1)
 
 
@@ -74,8 +74,8 @@ def test_cone_with_its_flow(flow):
 def test_cone_without_that_flow(flow):
     """A cone of less dilatancy has no c and phi; an associated one stays as it is under every flow."""
     with pytest.raises(ValueError, match=f"flow '{flow}' needs cohesion and friction angle, which a DruckerPrager"):
-        sc.reduced_strength(sc.DruckerPrager(**CONE, beta=0.05), 2.0, flow)
-    cone = sc.reduced_strength(sc.DruckerPrager(**CONE, beta=0.2), 2.0, flow)
+        sc.DruckerPrager(**CONE, beta=0.05).reduced(2.0, flow)
+    cone = sc.DruckerPrager(**CONE, beta=0.2).reduced(2.0, flow)
     assert (cone.k, cone.alpha, cone.beta) == (5.0, 0.1, 0.1)
 
 
@@ -92,13 +92,13 @@ def test_hardening_soil_of_one_friction_angle(flow):
 def test_hardening_soil_whose_friction_changes(flow):
     """Its constant psi cannot follow phi, and that is said."""
     with pytest.raises(ValueError, match=f"flow '{flow}'"):
-        sc.reduced_strength(sc.HardeningMohrCoulomb(**CHANGING, phi=30.0, phi_end=20.0, psi=10.0), 1.5, flow)
+        sc.HardeningMohrCoulomb(**CHANGING, phi=30.0, phi_end=20.0, psi=10.0).reduced(1.5, flow)
 
 
 @pytest.mark.parametrize("material", [sc.Tresca(E=1.0, nu=0.3, c=4.0), sc.VonMises(E=1.0, nu=0.3, strength=4.0)])
 def test_materials_of_one_flow(material):
     """Flow at constant volume is associated; a misspelt flow is refused all the same."""
-    weaker = [sc.reduced_strength(material, 2.0, flow) for flow in ("given", "associated", "davis_b", "lagged")]
+    weaker = [material.reduced(2.0, flow) for flow in ("given", "associated", "davis_b", "lagged")]
     assert {getattr(m, "c", None) or m.strength for m in weaker} == {2.0}
     with pytest.raises(ValueError, match="flow must be one of given"):
         material.reduced(2.0, "davis")
@@ -106,4 +106,4 @@ def test_materials_of_one_flow(material):
 
 def test_material_without_strength():
     with pytest.raises(ValueError, match="LinearElastic has no strength to reduce"):
-        sc.reduced_strength(sc.LinearElastic(E=1.0, nu=0.3), 2.0)
+        sc.LinearElastic(E=1.0, nu=0.3).reduced(2.0)

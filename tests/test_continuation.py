@@ -94,7 +94,7 @@ def test_footing_locks_with_full_integration_only():
     with pytest.warns(sc.AnalysisWarning, match="no collapse was shown: .* highest: there is no collapse below 30"):
         locked = analysis("limit_load", *footing(ElementQuad1(), "full", 2, False), max_value=30.0, progress=False)
     assert locked.multiplier > 30.0
-    assert locked.stop.kind == "highest"
+    assert locked.stop.kind == "max_value"
 
 
 def test_curve_is_followed_beyond_its_plateau():

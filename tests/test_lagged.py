@@ -8,7 +8,7 @@ from skfem import FacetBasis, LinearForm
 
 import skfem_contact as sc
 from skfem_contact.materials import HardeningMohrCoulomb
-from skfem_contact.materials.substitute import AssociatedSubstitute
+from skfem_contact.materials.mohr_coulomb import AssociatedSubstitute
 
 SOIL = sc.MohrCoulomb(E=1e3, nu=0.3, c=1.0, phi=30.0, psi=5.0)
 
@@ -116,6 +116,6 @@ def test_flow_of_a_limit_load():
     """[X] Davis' soil A carries as much as the associated soil of that strength."""
     forms, fixed, load = footing(0.0)
     davis = sc.Model(forms, fixed).limit_load(load, flow="davis_a", progress=False).multiplier
-    weaker = sc.reduced_strength(forms["soil"].materials["all"], 1.0, "davis_a")
+    weaker = forms["soil"].materials["all"].reduced(1.0, "davis_a")
     same = sc.Model({"soil": forms["soil"].with_materials({"all": weaker})}, fixed).limit_load(load, progress=False)
     assert davis == pytest.approx(same.multiplier, rel=1e-9)

@@ -104,9 +104,9 @@ def test_floating_body_is_named(blocks, engine, symmetric):
     """[X] Nothing joins the upper block: its unknowns and no others."""
     with pytest.raises(SingularSystem) as error:
         DirectSolver(blocks.locations, blocks.free, engine).factor(blocks.stiffness(0.0), symmetric)
-    assert set(error.value.unknowns) <= set(blocks.upper)
+    assert set(error.value.dofs) <= set(blocks.upper)
     # a rotation does not lift the column, nor push the row, of nodes through its centre
-    assert len(error.value.unknowns) >= len(blocks.upper) - 2 * (N + 1)
+    assert len(error.value.dofs) >= len(blocks.upper) - 2 * (N + 1)
 
 
 def test_floating_body_is_named_by_a_careful_factor(blocks, monkeypatch):
@@ -120,7 +120,7 @@ def test_floating_body_is_named_by_a_careful_factor(blocks, monkeypatch):
     monkeypatch.setattr(superlu.SuperLU, "factor", stale)
     with pytest.raises(SingularSystem) as error:
         DirectSolver(blocks.locations, blocks.free, "superlu").factor(blocks.stiffness(0.0))
-    assert set(error.value.unknowns) <= set(blocks.upper)
+    assert set(error.value.dofs) <= set(blocks.upper)
 
 
 @pytest.mark.parametrize("penalty", [1e0, 1e6])
@@ -128,7 +128,7 @@ def test_sliding_body_is_named(blocks, engine, penalty):
     """[X] Contact without friction, of any stiffness: all horizontal unknowns of the upper block."""
     with pytest.raises(SingularSystem, match="can move without force") as error:
         DirectSolver(blocks.locations, blocks.free, engine).factor(blocks.stiffness(penalty))
-    assert error.value.unknowns.tolist() == blocks.upper[::2].tolist()
+    assert error.value.dofs.tolist() == blocks.upper[::2].tolist()
 
 
 @pytest.mark.parametrize("tangential", [1e-9, 1e6])
@@ -151,7 +151,7 @@ def test_unknown_without_stiffness_is_named(blocks, engine):
     K.eliminate_zeros()
     with pytest.raises(SingularSystem) as error:
         DirectSolver(blocks.locations, blocks.free, engine).factor(K)
-    assert error.value.unknowns.tolist() == [blocks.upper[7]]
+    assert error.value.dofs.tolist() == [blocks.upper[7]]
 
 
 def test_exactly_singular_matrix(engine):
@@ -159,7 +159,7 @@ def test_exactly_singular_matrix(engine):
     K = csr_matrix(np.array([[1.0, -1.0, 0.0], [-1.0, 1.0, 0.0], [0.0, 0.0, 1.0]]))
     with pytest.raises(SingularSystem) as error:
         DirectSolver(np.arange(3.0)[None], np.arange(3), engine).factor(K)
-    assert error.value.unknowns.tolist() == [0, 1]
+    assert error.value.dofs.tolist() == [0, 1]
 
 
 def test_unchanged_factor_is_used_again(blocks, monkeypatch):

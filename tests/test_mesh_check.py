@@ -19,7 +19,7 @@ from skfem import (
 )
 from skfem.generic_utils import OrientedBoundary
 
-from skfem_contact import check_mesh, join_bodies
+from skfem_contact.mesh import check_mesh, join_bodies
 
 KINDS = [MeshQuad1, MeshQuad2, MeshTri1, MeshTri2]
 SQUARE = np.array([[0.0, 1.0, 1.0, 0.0], [0.0, 0.0, 1.0, 1.0]])

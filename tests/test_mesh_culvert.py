@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 from skfem import Basis, FacetBasis, Mesh
 
-from skfem_contact import bodies, join_bodies
-from skfem_contact.mesh.read import load_mesh
+from skfem_contact.mesh import bodies, join_bodies, load_mesh
 
 DATA = files("skfem_contact") / "data"
 SCRIPT = Path(__file__).parents[1] / "examples" / "1_first_steps" / "make_culvert.py"

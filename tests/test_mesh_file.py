@@ -7,7 +7,7 @@ import pytest
 from skfem import Basis, FacetBasis, Mesh, MeshQuad1, MeshQuad2, MeshTri1, MeshTri2
 
 from skfem_contact import join_bodies
-from skfem_contact.mesh.read import load_mesh
+from skfem_contact.mesh import load_mesh
 
 BODIES = {"inner": "disc", "outer": "plate"}
 KINDS = {(1, False): MeshTri1, (1, True): MeshQuad1, (2, False): MeshTri2, (2, True): MeshQuad2}

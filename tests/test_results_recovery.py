@@ -201,7 +201,7 @@ def test_frames_have_pore_pressures_where_there_are_any():
     pytest.importorskip("pandas")
     basis, _ = two_layers()
     soil = sc.LinearElastic(E=1e3, nu=0.2)
-    for material, there in ((soil, False), (sc.Undrained(soil, nu_u=0.49), True)):
+    for material, there in ((soil, False), (sc.Undrained(soil, nu_undrained=0.49), True)):
         forms = {"soil": sc.SolidForm(basis, material)}
         stages = [sc.Stage("load", sc.weight(basis, 10.0))]
         stage = sc.Model(forms, sc.box_supports(basis)).run(stages, progress=False)["load"]

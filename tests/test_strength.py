@@ -138,7 +138,7 @@ def test_davis_soils_follow_from_the_associated_factor(reference):
 def test_davis_soil_takes_arrays():
     """F4 [X]: elementwise, and psi = phi is left as it is."""
     soil = sc.MohrCoulomb(E=1e4, nu=0.3, c=np.array([1.0, 2.0]), phi=np.array([30.0, 20.0]), psi=np.array([30.0, 0.0]))
-    weaker = sc.reduced_strength(soil, 1.0, "davis_b")
+    weaker = soil.reduced(1.0, "davis_b")
     np.testing.assert_allclose(weaker.c, [1.0, 2.0 * np.cos(np.radians(20.0))], rtol=1e-14)  # round-off
     np.testing.assert_allclose(weaker.psi, weaker.phi)
 

@@ -95,7 +95,7 @@ class Material:
     ...     def update(self, strain_increment, stress, internal):
     ...         new = stress + np.tensordot(self.elasticity(len(stress)), strain_increment, 1)
     ...         return Update(new, internal, np.zeros(0, int), lambda: np.zeros((0, len(stress), len(stress))))
-    >>> sc.check_material(Soft()) < 1e-6
+    >>> sc.testing.check_material(Soft()) < 1e-6
     True
     """
 

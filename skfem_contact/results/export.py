@@ -12,7 +12,7 @@ from numpy import ndarray
 from skfem.io.meshio import HEX_MAPPING
 
 from ..forms.solid import SolidForm
-from ..mesh.join import bodies
+from ..mesh import bodies
 from .fields import basis_of, has_excess, nodal_field, quantities, solids
 from .files import StageData
 from .patch_recovery import recovered, region_mesh

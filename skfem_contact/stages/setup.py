@@ -13,7 +13,7 @@ from typing_extensions import Self
 from ..checks import is_number
 from ..forms.base import Form, as_forms, solids_of
 from ..layout import Field, Layout
-from ..mesh.check import check_mesh
+from ..mesh import check_mesh
 from ..nonlinear.newton import Newton
 from ..nonlinear.system import System
 from ..solvers.choice import linear_solver

@@ -10,7 +10,7 @@ from skfem import CellBasis
 from ..checks import place
 from ..forms.base import Form, solids_of
 from ..layout import rigid_modes
-from ..mesh.join import bodies
+from ..mesh import bodies
 
 
 def check_supports(forms: Mapping[str, Form], fixed: ndarray) -> None:

@@ -94,6 +94,8 @@ class PoreWater(Form):
     """
 
     symmetric, second_order = True, True
+    size: int
+    carries: ndarray
     porous: Porous
     capacity: ndarray
     around: Surroundings | None = None

@@ -168,12 +168,13 @@ class Surroundings(NamedTuple):
         mesh, here = basis.mesh, elements_of(basis)
         modulus, shear = np.full((2, mesh.nelements), np.nan)
         measures = set()
-        for name, form in forms.items():
-            for region in form.regions if isinstance(form, SolidForm) else ():
+        for name, form in [(name, form) for name, form in forms.items() if isinstance(form, SolidForm)]:
+            for region in form.regions:
                 elements = form.elements[region.elements]
                 D = region.material.elasticity(4 if mesh.dim() == 2 else 6)
                 modulus[elements], shear[elements] = D[..., 0, 0], D[..., 3, 3]
                 if np.isin(elements, here).any():
+                    assert form.coordinates is not None
                     measures.add((form.strain, form.coordinates))
                     if region.material.undrained:
                         raise ValueError(f"region '{region.name}' of '{name}' is Undrained and has PoreWater too: its "

@@ -282,8 +282,8 @@ def _zero_lines(mesh: Mesh, elements: ndarray, values: ndarray) -> list[ndarray]
     negative = values[corners] < 0.0
     if negative.all() or not negative.any():
         return []
-    ground = Triangulation(*mesh.p[:, :len(values)], corners)
-    lines = Figure().add_subplot().tricontour(ground, np.nan_to_num(values), [0.0]).allsegs[0]
+    x, y = mesh.p[:, :len(values)]
+    lines = Figure().add_subplot().tricontour(Triangulation(x, y, corners), np.nan_to_num(values), [0.0]).allsegs[0]
     return sorted(map(_cleaned, lines), key=lambda line: -np.linalg.norm(np.diff(line, axis=0), axis=1).sum())
 
 
