@@ -1,4 +1,4 @@
-"""What terminals and notebooks show: progress bars and tables."""
+"""Output in terminals and notebooks: progress bars and tables."""
 from __future__ import annotations
 
 import sys
@@ -10,20 +10,14 @@ from tqdm.auto import tqdm
 
 
 def progress_bar(show: bool | None, **options: Any) -> Any:
-    """A bar of tqdm, as a widget in a notebook; by default where somebody looks on: in a terminal or a notebook."""
+    """Return a bar of tqdm, as a widget in a notebook; shown by default in terminals and notebooks."""
     if show is None:
         show = sys.stderr.isatty() or any(cls.__module__ == "tqdm.notebook" for cls in tqdm.__mro__)
     return tqdm(disable=not show, **options)
 
 
 def html_table(head: Sequence[str], rows: Iterable[Sequence[object]], caption: str = "") -> str:
-    """A table of texts and figures in HTML; figures stand on the right.
-
-    Examples
-    --------
-    >>> html_table(["stage", "load"], [["dig & fill", "100%"]])
-    '<table><thead><tr><th>stage</th><th>load</th></tr></thead><tbody>...dig &amp; fill...</tbody></table>'
-    """
+    """Format a table of texts and figures as HTML, figures aligned on the right."""
     def cell(value: object) -> str:
         text = str(value)
         side = "right" if text[:1].lstrip("-−").isdigit() or text in ("", "–", "inf") else "left"

@@ -1,4 +1,4 @@
-"""Errors, warnings and remarks, and checks of input."""
+"""Errors, warnings and remarks."""
 from __future__ import annotations
 
 import warnings
@@ -11,18 +11,18 @@ from numpy import ndarray
 
 
 class AnalysisWarning(UserWarning):
-    """Something that was done but should be looked at."""
+    """Analysis that was done but should be checked."""
 
 
 class NotConverged(RuntimeError):
-    """Newton's method found no equilibrium; whether there is one remains open.
+    """Failure of Newton's method to find an equilibrium, which may exist all the same.
 
     Attributes
     ----------
     result
-        The stages and increments that were accepted before, as far as they came.
+        Stages and increments that were accepted before.
     x
-        The displacements that were reached, (N,).
+        Displacements that were reached, (N,).
     residuals
         History of the residual.
     dof
@@ -38,38 +38,25 @@ class NotConverged(RuntimeError):
 
 
 class NoEquilibrium(NotConverged):
-    """The bodies collapse under this load: they move on and on, and the load does more work than they resist.
+    """Collapse under a load: displacements grow without bound, and the load does more work than the bodies resist.
 
-    With associated flow the residual is the gradient of a convex potential.  A line search along this energy
-    finds its minimum if there is one; where there is none, which is what collapse means, it runs away along the
-    mechanism.  A hundred times the elastic displacements are taken for that.  With friction and
-    non-associated flow there is no potential, but the mechanism is found in the same way.
+    With associated flow the residual is the gradient of a convex potential. A line search along this energy finds the
+    minimum. At collapse there is no minimum, and the search runs away along the mechanism: displacements of a hundred
+    times the elastic ones count as collapse. With friction and non-associated flow there is no potential, but the
+    mechanism is found in the same way.
     """
 
 
 @dataclass(frozen=True)
 class Failure:
-    """How Newton's method failed, for a form that is asked for an easier one to begin with.
+    """Failure of Newton's method, for a form that may return a regularised one, see :meth:`Form.begin`.
 
     Attributes
     ----------
     loose
-        Whether bodies can move freely, or ran away.
+        True if bodies can move freely, or ran away.
     seen
         Candidate states of the form between which the iterations chatter, if any.
-
-    Examples
-    --------
-    Contact of which nothing is closed yet answers with soft springs, see :meth:`Form.begin`:
-
-    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
-    >>> import skfem_contact as sc
-    >>> basis = Basis(MeshQuad().with_defaults(), ElementVector(ElementQuad1()), intorder=2)
-    >>> floor = sc.rigid.line((-1., -.1), (2., -.1))
-    >>> pair = sc.ContactPair(basis, "bottom", floor, sc.Coulomb(), penalty=1e4)
-    >>> eased = pair.begin(pair.initial_state(), Failure(loose=True))
-    >>> bool(eased.assemble(basis.zeros(), pair.initial_state()).force.any())
-    True
     """
 
     loose: bool
@@ -77,12 +64,12 @@ class Failure:
 
 
 class IncrementTooLarge(RuntimeError):
-    """What a form's ``outer`` raises where it cannot tell what happened during an increment: it must be cut."""
+    """Error of :meth:`Form.outer` where an increment is too large to be followed and must be cut."""
 
 
 @dataclass(frozen=True)
 class Remark:
-    """What a user should know of an accepted state: of each kind a run gives one remark, that of the largest figure."""
+    """Remark on an accepted state; of each kind a run reports the remark of the largest figure."""
 
     kind: str
     figure: float
@@ -90,7 +77,7 @@ class Remark:
 
 
 class Remarks:
-    """Collects remarks on stages, and warns of them when the run ends, even if it fails.
+    """Remarks on stages, which become warnings when the run ends, even if it fails.
 
     Examples
     --------
@@ -107,7 +94,7 @@ class Remarks:
         self._worst: dict[tuple[str, str], tuple[float, str]] = {}
 
     def add(self, stage: str, form: str, remarks: Iterable[Remark]) -> None:
-        """Remarks of a form on a stage."""
+        """Add remarks of a form on a stage."""
         for remark in remarks:
             kind = form, remark.kind
             if kind not in self._worst or remark.figure > self._worst[kind][0]:

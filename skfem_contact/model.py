@@ -6,12 +6,9 @@ from typing import Any, Literal
 
 import numpy as np
 from numpy import ndarray
-from numpy.typing import ArrayLike
 
-from . import loads
-from .collapse.limit_load import limit_load
+from .collapse.limit_load import is_stable, limit_load
 from .collapse.result import CollapseResult
-from .collapse.stability import is_stable
 from .collapse.strength import strength_reduction
 from .limit_analysis import Bounds, bounds
 from .materials.base import Flow
@@ -72,35 +69,12 @@ class Model(Setup):
     >>> square = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.), unit_weight=20.)
     >>> model = sc.Model({"square": square}, basis.get_dofs("bottom").all())
     >>> print(model.run([sc.Stage("gravity")]))
-    stage            increments  iterations  residual  load    what the bodies carry
+    stage            increments  iterations  residual  load    state
     gravity                   1           1   ...  100%
     """
 
     def __repr__(self) -> str:
         return f"<Model {self.coordinates or ''} {self.layout.size} dofs, forms: {', '.join(self.forms)}>"
-
-    # -- loads -----------------------------------------------------------------------------------------------
-
-    def weight(self, unit_weights: float | Mapping[str, float], direction: Sequence[float] | None = None) -> ndarray:
-        """Return the load vector of the weight of all solids, see :func:`weight`."""
-        return sum((loads.weight(form, unit_weights, direction) for form in self.solids.values()),
-                   start=np.zeros(self.layout.n_displacements))
-
-    def traction(self, boundary: str, force: Sequence[float] | Callable[[ndarray], ArrayLike]) -> ndarray:
-        """Return the load vector of forces per area on a boundary, see :func:`traction`."""
-        return loads.traction(next(iter(self.solids.values())), boundary, force)
-
-    def water_load(self, pressure: loads.Pressure, boundaries: str | Sequence[str] = ()) -> ndarray:
-        """Return the load vector of water in the pores of all porous solids and on boundaries, see :func:`water_load`.
-
-        ``Stage(water=...)`` finds these boundaries by itself.
-        """
-        porous = [form for form in self.solids.values() if form.porous]
-        elements = np.concatenate([form.elements for form in porous])
-        ground = loads.Domain(porous[0].basis.with_elements(elements), self.coordinates)
-        return loads.water_load(ground, pressure, boundaries)
-
-    # -- initial states --------------------------------------------------------------------------------------
 
     def initial_state(self, load: Any = None, *, stress: Callable[[ndarray], ndarray], water: Any = None,
                       name: str = "initial") -> Result:
@@ -126,11 +100,6 @@ class Model(Setup):
         Result
             A start for :meth:`run`; its residual tells how good the equilibrium is. A stage with the same load, a
             *null step*, removes the rest.
-
-        Raises
-        ------
-        ValueError
-            A field of another shape or with NaN, and bad input as in :meth:`run`.
 
         Warns
         -----
@@ -161,11 +130,6 @@ class Model(Setup):
             Water at rest: its level, points of it, or the pore pressure as a function of the coordinates. Stresses are
             then effective, everywhere. A wall that is wished in place begins as the ground in its place. Where the
             forms have unit weights the load of the water is added, otherwise `load` holds it.
-
-        Returns
-        -------
-        Result
-            As of :meth:`initial_state`.
 
         Raises
         ------
@@ -203,19 +167,12 @@ class Model(Setup):
         increments
             Number of increments to begin with.
 
-        Returns
-        -------
-        Result
-            A start for :meth:`run`.
-
         Raises
         ------
         ValueError
             K0 outside (0, 1), or of a region that does not exist.
         """
         return gravity_state(self, load, K0, water, name, increments)
-
-    # -- analyses --------------------------------------------------------------------------------------------
 
     def run(self, stages: Sequence[Stage], *, start: Result | StageResult | None = None,
             on_increment: Observer | None = None, progress: bool | None = None) -> Result:
@@ -229,8 +186,7 @@ class Model(Setup):
             Result to go on from, whose last stage is where the first stage starts, or one stage of a result. Forms
             that it does not hold are inactive.
         on_increment
-            Function that is called with every accepted increment, a :class:`StageResult`, such as
-            ``sc.results.Append(file)``.
+            Function of every accepted increment, a :class:`StageResult`, such as ``sc.results.Append(file)``.
         progress
             Show a progress bar; by default where the output is a terminal.
 
@@ -295,8 +251,6 @@ class Model(Setup):
 
         Raises
         ------
-        ValueError
-            Unknown names, method or flow, no load, nothing to reduce; with `certify` as :meth:`bounds`.
         NotConverged
             No equilibrium was found to start from.
 
@@ -309,17 +263,17 @@ class Model(Setup):
 
         Examples
         --------
-        A column of soil that can spread collapses at ``q = 2 c / F``:
+        A column of soil that can spread collapses at ``q = 2 c / F``, or under 2 c:
 
-        >>> import numpy as np
         >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
         >>> import skfem_contact as sc
         >>> basis = Basis(MeshQuad().refined(1).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
         >>> column = sc.SolidForm(basis, sc.MohrCoulomb(E=1e3, nu=.3, c=10., phi=0.))
-        >>> fixed = np.hstack([basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1")])
+        >>> fixed = [basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1")]
         >>> model = sc.Model({"soil": column}, fixed)
-        >>> print(f"{model.strength_reduction(model.traction('top', (0., -10.))).factor:.2f}")
-        2.00
+        >>> load = model.traction("top", (0., -10.))
+        >>> f"{model.strength_reduction(load).factor:.2f} {model.limit_load(load).multiplier:.2f}"
+        '2.00 2.00'
         """
         return strength_reduction(self, load, start, reduce, exclude, method, flow, tolerance, step, max_value, certify,
                                   progress)
@@ -359,8 +313,6 @@ class Model(Setup):
 
         Raises
         ------
-        ValueError
-            No load, or bad input.
         NotConverged
             No step was small enough to begin with.
 
@@ -369,20 +321,6 @@ class Model(Setup):
         AnalysisWarning
             The search has shown no limit, and it may be higher: :attr:`CollapseResult.stop` says why. Or the value
             lies outside of the proven bounds by more than `tolerance`.
-
-        Examples
-        --------
-        A square of cohesive soil (c = 10) that can spread carries 2 c:
-
-        >>> import numpy as np
-        >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
-        >>> import skfem_contact as sc
-        >>> basis = Basis(MeshQuad().refined(1).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
-        >>> column = sc.SolidForm(basis, sc.MohrCoulomb(E=1e3, nu=.3, c=10., phi=0.))
-        >>> fixed = np.hstack([basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1")])
-        >>> model = sc.Model({"soil": column}, fixed)
-        >>> print(f"{model.limit_load(model.traction('top', (0., -1.))).multiplier:.3f}")
-        20.000
         """
         return limit_load(self, load, start, tolerance, step, max_value, flow, max_step, min_displacement, certify,
                           progress)
@@ -400,8 +338,6 @@ class Model(Setup):
 
         Raises
         ------
-        ValueError
-            No load, or bad input.
         NotConverged
             Neither an equilibrium nor a collapse was found; :meth:`limit_load` goes there step by step.
         """

@@ -12,9 +12,9 @@ import skfem_contact
 PACKAGE = Path(skfem_contact.__file__).parent
 #: Rooms from the ground up: a room may use what stands before it. Those of one entry know nothing of each other.
 ROOMS = (
-    {"errors", "checks"}, {"display", "sparse"}, {"layout"}, {"materials", "mesh", "loads", "surfaces"}, {"forms"},
+    {"checks"}, {"errors"}, {"display", "sparse"}, {"layout"}, {"materials", "mesh", "loads", "surfaces"}, {"forms"},
     {"contact"}, {"results"}, {"solvers"}, {"nonlinear"}, {"stages"},
-    {"limit_analysis"}, {"collapse"}, {"water"},
+    {"limit_analysis"}, {"collapse"}, {"water"}, {"model"},
     {"testing"}, {"plot"}, {"demo", "data"}, {""},
 )  # fmt: skip
 #: A stage's result draws itself: the only call that goes up, and at run time only.

@@ -72,7 +72,7 @@ def test_names_of_the_reference_become_links():
     pytest.importorskip("sphinx")
     from public_names import target
 
-    assert target("sc.run(forms)") == target("skfem_contact.run") == "skfem_contact.run"
+    assert target("sc.Model(forms)") == target("skfem_contact.Model") == "skfem_contact.Model"
     assert target("ContactPair") == "skfem_contact.ContactPair"
     assert target("plot.contour(forms, stage)") == "skfem_contact.plot.contour"
     for other in ("run", "stages", "u^1", "numpy", "plot.show", "fixed="):

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from skfem_contact.errors import NoEquilibrium, NotConverged
-from skfem_contact.nonlinear.stepping import Stepping
+from skfem_contact.nonlinear.stepping import Predictor, Stepping
 
 
 def follow(capacity: float, error: type[NotConverged], increments: int = 3) -> tuple[Stepping, int]:
@@ -59,3 +60,22 @@ def test_known_failures_are_approached_cheaply():
         assert not stepping.try_recovery
         stepping.reject(NotConverged("stall"))
     assert stepping.try_recovery
+
+
+def test_errors_in_time_shorten_steps():
+    """An error four times as large as allowed: half the step would do."""
+    stepping = Stepping(1)
+    stepping.reject(NoEquilibrium("collapse"))
+    assert stepping.fraction == 0.25 and stepping.try_recovery
+    stepping.accept(stepping.fraction, iterations=5)
+    assert stepping.fraction == 0.75
+    assert stepping.too_long({"water": (4.0, 1.0)}) and stepping.fraction == pytest.approx(0.475, rel=1e-12)
+
+
+def test_extrapolation_of_proportional_steps_only():
+    """On the way back bodies stick at first."""
+    predictor = Predictor(fixed=np.array([0]))
+    for step in (0.0, 1.0):
+        predictor.accept(x=step * np.array([1.0, 0.4]), load=np.zeros(2))
+    np.testing.assert_allclose(predictor.start(load=np.zeros(2), prescribed=np.array([3.0])), [3.0, 1.2], rtol=1e-14)
+    assert predictor.start(load=np.zeros(2), prescribed=np.array([0.5])) is None

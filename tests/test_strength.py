@@ -181,7 +181,7 @@ def test_mechanism_is_a_slide_towards_the_toe(reference):
 def test_result_prints_its_trials(reference):
     """One line a trial, and what stopped the search."""
     text = str(reference)
-    assert "factor of safety" in text and "plateau" in text and "unknowns" in text
+    assert "factor of safety" in text and "plateau" in text and "dofs" in text
     assert text.count("equilibrium") == len(reference.curve)
     assert reference.iterations == sum(trial.iterations for trial in reference.steps)
 
@@ -231,7 +231,7 @@ def test_contact_is_reduced_like_all_other_strength():
 
 def test_stall_is_no_collapse():
     """Two iterations are too few on the way to the factor of 1.44: the warning says that no collapse was shown."""
-    with pytest.warns(sc.AnalysisWarning, match=r"no collapse was shown: .* ended at .* with a stall") as caught:
+    with pytest.warns(sc.AnalysisWarning, match=r"no collapse was shown: .* ended at .* stopped by stall") as caught:
         result = reduce(*slope(), newton=sc.Newton(tolerance=3e-4, max_iterations=2))
     assert [str(warning.message)[:11] for warning in caught] == ["no collapse"]
     assert result.factor < 1.4 and result.bracket[1] > 1.44

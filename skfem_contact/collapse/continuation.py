@@ -1,9 +1,9 @@
 """Indirect continuation: the work of the load is prescribed, and the load or the strength follows.
 
 Near collapse the displacements grow without bound while the parameter of the problem (strength reduction factor,
-load multiplier) hardly changes, and beyond it there is no equilibrium at all.  The work that a reference load does
-on the displacements grows steadily through all of this.  So it is prescribed, the parameter is an unknown beside
-the displacements, and its curve over the work levels off at the limit.
+load multiplier) hardly changes, and beyond collapse there is no equilibrium. The work of a reference load grows
+steadily all the time. So the work is prescribed, the parameter is sought together with the displacements, and the curve
+of the parameter over the work levels off at the limit.
 
 S. Sysala, E. Hrubesova, Z. Michalec, F. Tschuchnigg, Int. J. Numer. Anal. Methods Geomech. 45 (2021) 2388-2414.
 """
@@ -24,18 +24,17 @@ from ..nonlinear.system import System
 from ..results.result import Result, StageResult
 from ..solvers.direct import SingularSystem
 from ..stages.setup import Setup
-from .history import Fall, Point, SearchLog, kind_of
-from .result import Found, Stop, no_collapse_below
+from .result import PeakPassed, Point, SearchLog, SearchResult, Stop, kind_of, no_collapse_below
 
 #: Relative step of the difference quotient by the parameter.
 _DIFFERENCE = 1e-6
 #: Growth of the steps.
 GROWTH = 2.0
-#: ... once a step has failed; ACADS 1(c) with psi = 0 takes 154 iterations with 2, 152 with 1.5 and 123 with 1.3.
+#: Growth once a step has failed; ACADS 1(c) with psi = 0 takes 154 iterations with 2, 152 with 1.5 and 123 with 1.3.
 _CAUTIOUS = 1.3
 #: Step lengths in a row that may fail before the curve ends: no equilibrium is found, or one below the last.
 _CUTS = {"stall": 6, "peak": 1}
-#: Iterations of failed steps after which it ends, too.
+#: Iterations of failed steps after which the curve ends, too.
 _VAIN = 150
 _MOST_STEPS = 100
 #: Share of the work at which the curve's last part begins.
@@ -43,16 +42,16 @@ _CHORD = 0.7
 
 
 class Branch(Protocol):
-    """A problem that depends on one parameter."""
+    """Problem that depends on one parameter."""
 
-    #: The parameter must be larger than this.
+    #: Lower limit of the parameter, excluded.
     lowest: float
-    #: Line search: along the energy where the forms do not depend on the parameter.  Where they do, the step is not
-    #: exceeded; by the norm of the residual, to which single points that yield and unload add much, many more fail.
+    #: Line search: along the energy where the forms do not depend on the parameter. Where they do, the step is not
+    #: exceeded; by the norm of the residual, to which single points that yield and unload add much, more searches fail.
     search: Search
 
     def at(self, parameter: float) -> tuple[System, ndarray]:
-        """Forms and load at a value of the parameter."""
+        """Return forms and load at a value of the parameter."""
 
 
 def last_stage(start: Result | StageResult | None) -> StageResult | None:
@@ -61,7 +60,7 @@ def last_stage(start: Result | StageResult | None) -> StageResult | None:
 
 
 @dataclass(frozen=True)
-class Begun:
+class SearchStart:
     """Start of a search.
 
     Attributes
@@ -81,11 +80,11 @@ class Begun:
     load: ndarray
 
 
-def loaded_start(setup: Setup, load: Any, start: Result | StageResult | None) -> Begun:
+def loaded_start(setup: Setup, load: Any, start: Result | StageResult | None) -> SearchStart:
     """Return the start of a search.
 
-    Inactive bodies keep their places. What follows displaced bodies is held in the geometry of the start: limits are
-    those of one geometry, whatever the stiffness.
+    Inactive bodies do not move. Geometry that follows the displacements is held as it is at the start: a limit is that
+    of one geometry, whatever the stiffness.
     """
     last = last_stage(start)
     active = setup.forms if last is None else {
@@ -95,18 +94,18 @@ def loaded_start(setup: Setup, load: Any, start: Result | StageResult | None) ->
     states = {name: form.initial_state() for name, form in system.forms.items()} if last is None else last.states
     held = {name: form.fixed_geometry(x, states[name]) for name, form in system.forms.items()}
     in_place, states = ({name: pair[i] for name, pair in held.items()} for i in (0, 1))
-    weight, carried = setup.weights(active), last is not None and load is None
-    on_top = setup.vector(last.load, "the load of the start") - weight if carried else setup.load(load)
+    weight, resumed = setup.weights(active), last is not None and load is None
+    on_top = setup.vector(last.load, "the load of the start") - weight if resumed else setup.load(load)
     if not (weight + on_top).any():
         what = "the load is zero" if load is not None else "there is no load"
         raise ValueError(f"{what}: give a `load`, unit weights of the forms, or a loaded `start`")
-    return Begun(dict(active), system.with_forms(in_place), Point(x, states, 0.0), weight, on_top)
+    return SearchStart(dict(active), system.with_forms(in_place), Point(x, states, 0.0), weight, on_top)
 
 
 def remainder(points: list[Point] | tuple[Point, ...]) -> float:
-    """How far the parameter may still rise, by the slope of the curve's last part.
+    """Estimate how far the parameter may still rise, by the slope of the curve's last part.
 
-    That part begins where at most :data:`_CHORD` of the present work had been done: what shorter steps show may be
+    That part begins where at most :data:`_CHORD` of the present work had been done: the slope of shorter parts may be
     the solver's tolerance.
     """
     first, last = points[0], points[-1]
@@ -119,57 +118,58 @@ def remainder(points: list[Point] | tuple[Point, ...]) -> float:
 
 
 def follow(branch: Branch, control: ndarray, points: list[Point], newton: Newton, tolerance: float,
-           log: SearchLog, relative: bool = False, highest: float = np.inf, growth: float = GROWTH,
-           longest: float = np.inf, until: float = 0.0) -> Found:
+           log: SearchLog, relative: bool = False, max_value: float = np.inf, growth: float = GROWTH,
+           max_step: float = np.inf, min_displacement: float = 0.0) -> SearchResult:
     """Follow the curve until it has levelled off.
 
     Parameters
     ----------
     branch, control, points
         The problem, the load whose work is prescribed, and two points to start from.
-    tolerance, relative, highest, until
-        The curve ends when its last slope lets the parameter rise by no more than this, or this share, and its
-        displacements have come so far; or when the parameter exceeds `highest`.
-    growth, longest
-        Ratio of a step to the one before, and work of the longest one; after one that failed they grow less.
+    tolerance, relative, max_value, min_displacement
+        The curve ends when its last slope lets the parameter rise by no more than the tolerance, a share of the
+        parameter if `relative`, and a displacement is as large as `min_displacement`; or when the parameter exceeds
+        `max_value`.
+    growth, max_step
+        Ratio of a step to the one before, and work of the longest step; after a failed step they grow less.
     """
-    points, length, failures, vain = list(points), min(points[-1].work - points[-2].work, longest), Counter[str](), 0
+    points, length, failures, vain = list(points), min(points[-1].work - points[-2].work, max_step), Counter[str](), 0
     while len(points) < _MOST_STEPS:
         last = points[-1]
         margin = tolerance * (abs(last.parameter) if relative else 1.0)
         try:
             point = correct(branch, control, points, last.work + length, newton)
-            if until == 0.0 and point.parameter < last.parameter - margin:
-                raise Fall("the curve falls", point.x, point.residuals)
+            if min_displacement == 0.0 and point.parameter < last.parameter - margin:
+                raise PeakPassed("the curve falls", point.x, point.residuals)
         except NotConverged as error:
             log.reject(last.parameter, error, last.work + length)
             rise = length * (last.parameter - points[-2].parameter) / (last.work - points[-2].work)
             if isinstance(error, NoEquilibrium) and rise < margin:
-                return Found(points, Stop("collapse", str(error)), last.parameter + rise)
+                return SearchResult(points, Stop("collapse", str(error)), last.parameter + rise)
             kind = kind_of(error)
             failures[kind] += 1
             vain += max(len(error.residuals) - 1, 0)
             if kind != "collapse" and (failures[kind] > _CUTS[kind] or vain > _VAIN):
-                return Found(points, Stop(kind, str(error)))
+                return SearchResult(points, Stop(kind, str(error)))
             length, growth = 0.5 * length, min(growth, _CAUTIOUS)
             continue
         points.append(point)
         log.accept(point)
         left = remainder(points)
-        reached = np.abs(point.x - points[0].x).max() >= until
+        reached = np.abs(point.x - points[0].x).max() >= min_displacement
         if reached and left < margin:
             best = max(point.parameter for point in points)
             stop = Stop("plateau", f"the curve may rise by {max(left, 0.0):.2g} more")
-            return Found(points, stop, best + (left if left > 0.0 else margin))
-        if point.parameter > highest:
-            return Found(points, no_collapse_below(highest))
-        length = length if failures else min(growth * length, longest)
+            return SearchResult(points, stop, best + (left if left > 0.0 else margin))
+        if point.parameter > max_value:
+            return SearchResult(points, no_collapse_below(max_value))
+        length = length if failures else min(growth * length, max_step)
         failures.clear()
-    return Found(points, Stop("steps", f"{_MOST_STEPS} of them without a plateau"))
+    return SearchResult(points, Stop("steps", f"{_MOST_STEPS} of them without a plateau"))
 
 
 def correct(branch: Branch, control: ndarray, points: list[Point], work: float, newton: Newton) -> Point:
-    """The equilibrium at which the reference load has done some work, starting from an extrapolation."""
+    """Return the equilibrium at which the reference load has done some work, starting from an extrapolation."""
     before, last = points[-2:]
     share = (work - last.work) / (last.work - before.work)
     # the curve bends: the parameter's extrapolation is a cautious one
@@ -185,7 +185,7 @@ def correct(branch: Branch, control: ndarray, points: list[Point], work: float, 
         return replace(new, z=z)
 
     def direction(now: Evaluation, damped: bool) -> ndarray:
-        """Newton step of residual and work together, by two solutions with one factor."""
+        """Solve for the Newton step of residual and work together, by two solutions with one factor."""
         delta = _DIFFERENCE * max(abs(now.z[-1]), _DIFFERENCE)
         beside = now.z.copy()
         beside[-1] += delta
@@ -208,7 +208,7 @@ def correct(branch: Branch, control: ndarray, points: list[Point], work: float, 
 
 
 def as_collapse(error: NotConverged, system: System) -> NotConverged:
-    """The error, or :class:`NoEquilibrium` where all points flow from the start and nothing resists any more."""
+    """Return the error, or :class:`NoEquilibrium` where all points flow from the start and nothing resists any more."""
     singular = error.__cause__
     if len(error.residuals) > 1 or not isinstance(singular, SingularSystem) \
             or len(singular.dofs) < len(system.free):

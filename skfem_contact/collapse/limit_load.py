@@ -1,4 +1,4 @@
-"""Limit load and load-displacement curve by indirect continuation."""
+"""Limit load and load-displacement curve by indirect continuation; stability in one equilibrium."""
 from __future__ import annotations
 
 from collections.abc import Mapping
@@ -8,7 +8,7 @@ import numpy as np
 from numpy import ndarray
 
 from ..display import progress_bar
-from ..errors import NotConverged
+from ..errors import NoEquilibrium, NotConverged
 from ..limit_analysis import beside
 from ..materials.base import Flow, check_reduction
 from ..nonlinear.newton import Newton, Search
@@ -16,12 +16,11 @@ from ..nonlinear.system import System
 from ..results.result import Result, StageResult
 from ..solvers import single_threaded
 from ..stages.setup import Setup
-from .continuation import GROWTH, follow, last_stage, loaded_start
-from .history import Point, SearchLog
-from .result import LOAD, CollapseResult, conclude
+from .continuation import GROWTH, as_collapse, follow, last_stage, loaded_start
+from .result import LOAD, CollapseResult, Point, SearchLog, conclude
 
 _CUTS = 10
-#: Growth of the steps where friction lags behind by one of them.
+#: Growth of the steps where friction is that of the step before.
 _SMALL_GROWTH = 1.5
 
 
@@ -35,7 +34,7 @@ class _Load:
         self.system, self.dead, self.reference = system, dead, reference
 
     def at(self, parameter: float) -> tuple[System, ndarray]:
-        """The forms, and the load at a multiplier."""
+        """Return the system, and the load at a multiplier."""
         return self.system, self.dead + parameter * self.reference
 
 
@@ -62,16 +61,16 @@ def limit_load(setup: Setup, load: Any, start: Result | StageResult | None, tole
     with progress_bar(progress, desc=LOAD, bar_format="{desc} {postfix} {elapsed}") as bar:
         log = SearchLog(system.forms, bar, begun.origin)
         points = [begun.origin, _first(branch, begun.origin, step, newton, log)]
-        found = follow(branch, reference, points, newton, tolerance, log, relative=True, highest=max_value,
-                       growth=_SMALL_GROWTH if flow == "lagged" else GROWTH, longest=max_step * points[-1].work,
-                       until=min_displacement)
+        found = follow(branch, reference, points, newton, tolerance, log, relative=True, max_value=max_value,
+                       growth=_SMALL_GROWTH if flow == "lagged" else GROWTH, max_step=max_step * points[-1].work,
+                       min_displacement=min_displacement)
     end = found.points[-1]
     result = conclude(LOAD, found, end, system, branch.at(end.parameter)[1], log.steps, "continuation", flow)
     return result.beside(proven, tolerance * abs(result.value), stacklevel=4)
 
 
 def _first(branch: _Load, origin: Point, step: float, newton: Newton, log: SearchLog) -> Point:
-    """The first loaded equilibrium."""
+    """Return the first loaded equilibrium."""
     for cut in range(_CUTS):
         multiplier = step * 0.5**cut
         system, load = branch.at(multiplier)
@@ -87,3 +86,19 @@ def _first(branch: _Load, origin: Point, step: float, newton: Newton, log: Searc
         return point
     raise NotConverged(f"no equilibrium was found under {multiplier:g} times the reference load; is the structure "
                        "stable without it?")
+
+
+@single_threaded
+def is_stable(setup: Setup, load: Any, start: Result | StageResult | None) -> bool:
+    """Return True if a structure resists its load, see :meth:`skfem_contact.Model.is_stable`."""
+    begun = loaded_start(setup, load, start)
+    system, origin = begun.system, begun.origin
+    try:
+        system.equilibrium(origin.x, origin.states, begun.weight + begun.load, origin.x[system.fixed],
+                           setup.newton or Newton(tolerance=3e-4, max_iterations=60), ("energy", "residual"),
+                           at_least=1, damp=True)
+    except NotConverged as error:
+        if isinstance(as_collapse(error, system), NoEquilibrium):
+            return False
+        raise
+    return True

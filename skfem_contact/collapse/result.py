@@ -1,70 +1,161 @@
-"""Results of searches for a collapse: how they ended, what they found, and what a user must know of them."""
+"""Searches for a collapse: their steps, ends and results."""
 from __future__ import annotations
 
 import warnings
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy import ndarray
 
 from ..display import html_table
-from ..errors import AnalysisWarning
+from ..errors import AnalysisWarning, NoEquilibrium, NotConverged
 from ..forms.base import Form, solids_of
 from ..limit_analysis import Bounds
 from ..nonlinear.system import System
 from ..results.result import StageResult
-from .history import Point, Step
 
 FACTOR, LOAD = "factor of safety", "limit load"
 
 
+class PeakPassed(NotConverged):
+    """Equilibrium below the last one: the step was too long, or the curve has a peak."""
+
+
+@dataclass(frozen=True)
+class Point:
+    """Equilibrium on the curve of parameter over work: displacements, (N,), and states; see :class:`Step`."""
+
+    x: ndarray
+    states: Mapping[str, Any]
+    parameter: float
+    work: float = 0.0
+    residuals: tuple[float, ...] = (0.0,)
+
+    @property
+    def iterations(self) -> int:
+        """Number of tangents factored on the way from the last point to this one."""
+        return len(self.residuals) - 1
+
+
+def kind_of(error: NotConverged) -> Literal["collapse", "peak", "stall"]:
+    """Return the outcome of a step that failed."""
+    return "collapse" if isinstance(error, NoEquilibrium) else "peak" if isinstance(error, PeakPassed) else "stall"
+
+
+@dataclass(frozen=True)
+class Step:
+    """Step of a search.
+
+    Attributes
+    ----------
+    parameter
+        Factor of safety or load multiplier.
+    outcome
+        ``"equilibrium"``, ``"collapse"``, ``"stall"``, or ``"peak"``: an equilibrium below the last one.
+    iterations, residual
+        Number of tangents factored, and relative residual at the end.
+    displacement
+        Largest displacement since the start.
+    yielding
+        Share of the points of all solids that flowed in this step.
+    work
+        Work of the reference load since the start.
+    """
+
+    parameter: float
+    outcome: Literal["equilibrium", "collapse", "peak", "stall"]
+    iterations: int
+    residual: float
+    displacement: float
+    yielding: float
+    work: float
+
+
+class SearchLog:
+    """Steps of a search, also shown in a progress bar."""
+
+    def __init__(self, forms: Mapping[str, Form], bar: Any, origin: Point) -> None:
+        self.steps: list[Step] = []
+        self._forms, self._bar = forms, bar
+        self.begin(origin)
+
+    def begin(self, point: Point) -> None:
+        """Count displacements and flow from a point."""
+        self._origin, self._states = point.x, point.states
+
+    def accept(self, point: Point) -> None:
+        """Add an equilibrium."""
+        self._add(Step(point.parameter, "equilibrium", point.iterations, point.residuals[-1],
+                       self._moved(point.x), self._yielding(point.states), point.work))
+        self._states = point.states
+
+    def reject(self, parameter: float, error: NotConverged, work: float) -> None:
+        """Add a step without equilibrium."""
+        self._add(Step(parameter, kind_of(error), max(len(error.residuals) - 1, 0),
+                       error.residuals[-1] if error.residuals else np.nan, self._moved(error.x), np.nan, work))
+
+    def _moved(self, x: ndarray | None) -> float:
+        return np.nan if x is None else float(np.abs(x - self._origin).max(initial=0.0))
+
+    def _yielding(self, states: Mapping[str, Any]) -> float:
+        """Return the share of the points of all solids that have flowed since the last equilibrium."""
+        counts = [form.yielding(self._states[name], states[name]) for name, form in self._forms.items()]
+        flowed, points = (sum(numbers) for numbers in zip(*counts, strict=True))
+        return flowed / points if points else 0.0
+
+    def _add(self, step: Step) -> None:
+        self.steps.append(step)
+        iterations = sum(s.iterations for s in self.steps)
+        self._bar.set_postfix_str(f"{step.parameter:.4f} {step.outcome}, {iterations} iterations")
+
+
 @dataclass(frozen=True)
 class Stop:
-    """Why a search ended.
+    """Reason why a search ended.
 
     Attributes
     ----------
     kind
-        ``"plateau"``: the curve has levelled off; ``"collapse"``: there is no equilibrium close above; these show the
-        limit.  The others do not: ``"peak"``: the curve falls, and another path may lead higher; ``"stall"``: neither
-        equilibrium nor collapse was found; ``"highest"``: the parameter reached the bound of the search; ``"steps"``:
-        their number did.
+        Two kinds show the limit. ``"plateau"``: the curve has levelled off; ``"collapse"``: there is no equilibrium
+        close above. Four do not. ``"peak"``: the curve falls, and another path may lead higher; ``"stall"``: neither
+        equilibrium nor collapse was found; ``"max_value"``: the parameter has exceeded `max_value`; ``"steps"``: the
+        search took too many steps.
     text
-        What a reader should know of it.
+        Explanation for a message.
     """
 
-    kind: Literal["plateau", "collapse", "peak", "stall", "highest", "steps"]
+    kind: Literal["plateau", "collapse", "peak", "stall", "max_value", "steps"]
     text: str
 
     @property
     def shows_limit(self) -> bool:
-        """Whether the search has shown where the limit is."""
+        """True if the search has shown the limit."""
         return self.kind in ("plateau", "collapse")
 
     def __str__(self) -> str:
         return f"{self.kind}: {self.text}"
 
 
-def no_collapse_below(highest: float) -> Stop:
-    """The end of a search that has come to its bound."""
-    return Stop("highest", f"there is no collapse below {highest:g}")
+def no_collapse_below(max_value: float) -> Stop:
+    """Return the end of a search that has come to its bound."""
+    return Stop("max_value", f"there is no collapse below {max_value:g}")
 
 
 @dataclass(frozen=True)
-class Found:
-    """What a search ends with.
+class SearchResult:
+    """Equilibria and end of a search.
 
     Attributes
     ----------
     points
         Equilibria in the order they were found.
     stop
-        Why it ends there.
+        Reason why the search ended.
     above
-        The smallest parameter that is known not to be reached; infinite where nothing is known.
+        Smallest parameter that is known not to be reached; infinite where nothing is known.
     motion
         Displacements at collapse, (N,); by default those from the last equilibrium but one to the last.
     """
@@ -75,14 +166,14 @@ class Found:
     motion: ndarray | None = None
 
     @property
-    def highest(self) -> Point:
-        """The equilibrium of the largest parameter."""
+    def best(self) -> Point:
+        """Equilibrium of the largest parameter."""
         return max(self.points, key=lambda point: point.parameter)
 
 
 @dataclass(frozen=True)
 class CollapseResult:
-    """A factor of safety or a limit load, and how it was found; printed as a table.
+    """Factor of safety or limit load, with the steps of the search; printed as a table.
 
     Attributes
     ----------
@@ -91,21 +182,21 @@ class CollapseResult:
     value
         Largest factor or multiplier with an equilibrium: :attr:`factor`, :attr:`multiplier`.
     bracket
-        That value, and the smallest one that is known not to be reached: where collapse was shown, or what the last
-        slope of the curve leaves room for; infinite where nothing is known.
+        That value, and the smallest one that is known not to be reached, by a collapse or by the last slope of the
+        curve; infinite where nothing is known.
     stop
-        Why the search ended.
+        Reason why the search ended.
     method, flow
-        As they were asked for.
+        Method and flow rule as given.
     reduced
         Names of forms and regions whose strength was reduced.
     mesh
-        Elements and unknowns.
+        Elements and dofs.
     steps
-        Every step.
+        All steps, failed ones included.
     end
-        What the bodies carry: at the largest factor of a strength reduction, at the end of the curve of a limit load.
-        It is a start for other analyses; :attr:`x`, :attr:`states` and :attr:`load` are its own.
+        Equilibrium at the largest factor of a strength reduction, or at the end of the curve of a limit load: a start
+        for other analyses. :attr:`x`, :attr:`states` and :attr:`load` are those of this equilibrium.
     mechanism
         Displacement increment at collapse, its largest component is 1, (N,).
     bands
@@ -113,12 +204,12 @@ class CollapseResult:
     path
         Factor or multiplier and displacements of every equilibrium.
     dilates_less
-        Whether soil has psi < phi, so that the value depends on mesh and path.
+        True if soil has psi < phi: the value then depends on mesh and path.
     davis
         The search with the soils of Davis (procedure B), of a strength reduction with psi < phi: its factor is on the
         safe side.
     proven
-        The bounds of the value, with ``certify=True``.
+        Proven bounds of the value, with ``certify=True``.
     """
 
     what: str
@@ -140,12 +231,12 @@ class CollapseResult:
 
     @property
     def factor(self) -> float:
-        """The value, of a strength reduction."""
+        """Value of a strength reduction."""
         return self.value
 
     @property
     def multiplier(self) -> float:
-        """The value, of a limit load."""
+        """Value of a limit load."""
         return self.value
 
     @property
@@ -190,7 +281,7 @@ class CollapseResult:
         return html_table(("value", "outcome", "iterations", "residual", "displacement", "yielding"), rows, head)
 
     def _table(self) -> str:
-        """The steps as lines; displacements and yielding only where there is equilibrium."""
+        """Format the steps as lines; displacements and yielding only where there is equilibrium."""
         lines = [f"{'value':>10}  outcome      iterations  residual  displacement  yielding"]
         for s in self.steps:
             found = s.outcome == "equilibrium"
@@ -200,48 +291,50 @@ class CollapseResult:
         return "\n".join(lines)
 
     def _advice(self) -> str:
-        """What may help where no limit was shown."""
-        if self.stop.kind in ("highest", "steps"):
-            return "; elements of order 1 may lock (strain=b_bar), or what is not reduced carries the load"
+        """Return what may help where no limit was shown."""
+        if self.stop.kind in ("max_value", "steps"):
+            return "; elements of order 1 may lock (strain='b_bar'), or parts that are not reduced resist the load"
         if self.flow == "given" and self.dilates_less:
             safe = "" if self.davis is None else f", here {self.davis.value:.4g}"
             lagged = " or 'lagged'" if self.what == LOAD else ""
-            return f"; with psi < phi a path may end like this: flow='davis_b'{lagged} goes on (Davis is safe{safe})"
+            return f"; with psi < phi a path may end like this: flow='davis_b'{lagged} continues (Davis is safe{safe})"
         return ""
 
-    def beside(self, proven: Bounds | None, tol: float, stacklevel: int) -> CollapseResult:
-        """The result with its bounds; warn of a search without limit, a factor below 1, a value beyond its bounds."""
+    def beside(self, proven: Bounds | None, tolerance: float, stacklevel: int) -> CollapseResult:
+        """Add bounds; warn of a search without limit, a factor below 1, a value beyond its bounds."""
+        def warn(text: str) -> None:
+            warnings.warn(text, AnalysisWarning, stacklevel=stacklevel + 2)
+
         if not self.stop.shows_limit:
-            warnings.warn(f"no collapse was shown: the search for the {self.what} ended at {self.value:.4g} with a "
-                          f"{self.stop}{self._advice()}", AnalysisWarning, stacklevel=stacklevel + 1)
+            warn(f"no collapse was shown: the search for the {self.what} ended at {self.value:.4g}, stopped by "
+                 f"{self.stop}{self._advice()}")
         elif self.what == FACTOR and self.value < 1.0:
-            warnings.warn(f"the structure is unstable under its own load: its factor of safety is {self.value:.3f}",
-                          AnalysisWarning, stacklevel=stacklevel + 1)
+            warn(f"the structure is unstable under its own load: its factor of safety is {self.value:.3f}")
         if proven is None:
             return self
         where = f"the {self.what} {self.value:.4g} lies {{}} [{proven.lower:.4g}, {proven.upper:.4g}], its bounds: "
-        if self.value > proven.upper + tol:
-            warnings.warn(where.format("above") + "the mesh is too coarse, or elements of order 1 lock (strain=b_bar); "
-                          "`proven.mesh` is a better one", AnalysisWarning, stacklevel=stacklevel + 1)
-        elif self.value < proven.lower - tol and not proven.estimate:
-            warnings.warn(where.format("below") + "the search ended too early, or the flow is not associated",
-                          AnalysisWarning, stacklevel=stacklevel + 1)
+        if self.value > proven.upper + tolerance:
+            warn(where.format("above") + "the mesh is too coarse, or elements of order 1 lock (strain='b_bar'); "
+                 "`proven.mesh` is a better one")
+        elif self.value < proven.lower - tolerance and not proven.estimate:
+            warn(where.format("below") + "the search ended too early, or the flow is not associated")
         return replace(self, proven=proven)
 
 
 def describe_mesh(forms: Mapping[str, Form]) -> str:
-    """Elements and unknowns in one line, such as ``576 ElementTriP2, 2442 unknowns``."""
+    """Return elements and dofs in one line, such as ``576 ElementTriP2, 2442 dofs``."""
     bases = [form.basis for form in solids_of(forms).values()]
     count = Counter[str]()
     for basis in bases:
         count[type(basis.elem.elem).__name__] += basis.nelems
     elements = " and ".join(f"{n} {kind}" for kind, n in count.items())
-    return f"{elements}, {bases[0].N} unknowns" if bases else "no elements"
+    return f"{elements}, {bases[0].N} dofs" if bases else "no elements"
 
 
-def conclude(what: str, found: Found, last: Point, system: System, load: ndarray, steps: Sequence[Step], method: str,
-             flow: str, reduced: tuple[str, ...] = (), davis: CollapseResult | None = None) -> CollapseResult:
-    """The result of a search whose `last` equilibrium, with its forms and load, other analyses start from."""
+def conclude(what: str, found: SearchResult, last: Point, system: System, load: ndarray, steps: Sequence[Step],
+             method: str, flow: str, reduced: tuple[str, ...] = (), davis: CollapseResult | None = None
+             ) -> CollapseResult:
+    """Return the result of a search; other analyses start from the `last` equilibrium."""
     motion = found.points[-1].x - found.points[-2].x if found.motion is None else found.motion
     mechanism = motion / (np.abs(motion).max() or 1.0)
     bands = {name: band for name, form in system.forms.items() if (band := form.shear_strain(mechanism)) is not None}
@@ -251,7 +344,7 @@ def conclude(what: str, found: Found, last: Point, system: System, load: ndarray
     released = {name: form.released(last.x, last.states[name]) for name, form in system.forms.items()}
     forms, states = ({name: pair[i] for name, pair in released.items()} for i in (0, 1))
     end = StageResult(what, last.x, load, states, (iterations,), residual, forms=forms, layout=system.layout)
-    value = found.highest.parameter
+    value = found.best.parameter
     return CollapseResult(what, value, (value, found.above), found.stop, method, flow, reduced,
                           describe_mesh(system.forms), tuple(steps), end, mechanism, bands,
                           tuple((point.parameter, point.x) for point in found.points), less, davis)

@@ -21,14 +21,13 @@ from ..results.result import Result, StageResult
 from ..solvers import single_threaded
 from ..stages.setup import Setup
 from .continuation import as_collapse, follow, loaded_start
-from .history import Point, SearchLog
-from .result import FACTOR, CollapseResult, Found, Stop, conclude, no_collapse_below
+from .result import FACTOR, CollapseResult, Point, SearchLog, SearchResult, Stop, conclude, no_collapse_below
 
 logger = logging.getLogger("skfem_contact")
 
-#: Factors at which a structure that is unstable as it is gets its first equilibrium.
+#: Factors at which the first equilibrium is sought, in turn.
 _FIRST = (1.0, 0.7, 0.5, 0.35, 0.25)
-#: Residual over the tolerance of the factor, and with psi < phi: there 0.03 in its place costs 145 iterations for 91,
+#: Residual over the tolerance of the factor, and with psi < phi: there 0.03 costs 145 iterations for 91,
 #: 181 for 120 and 367 for 208 (ACADS 1(a), 1(c), 3(a)), and the factors differ by at most 0.002.
 _BALANCE, _LOOSE = 0.03, 0.1
 #: Share of the tolerance that the curve's end may leave open.
@@ -38,9 +37,9 @@ _NOTICEABLE = 1e-4
 
 
 class _Strength:
-    """The structure with its strength divided by a factor: a :class:`~.continuation.Branch`.
+    """Structure with its strength divided by a factor: a :class:`~.continuation.Branch`.
 
-    It is known to stand at all factors up to ``safe``, and at none from ``above`` on.
+    The structure is known to be stable at all factors up to ``safe``, and at none from ``above`` on.
     """
 
     lowest = 0.0
@@ -54,24 +53,24 @@ class _Strength:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """What is reduced."""
+        """Names of the reduced parts."""
         return tuple(f"{name}.{part}" if part else name for name, parts in self.targets.items() for part in parts)
 
     @property
     def materials(self) -> list[Any]:
-        """Materials of what is reduced."""
+        """Materials of the reduced parts."""
         forms = self.whole.forms
         return [forms[name].materials[part] for name, parts in self.targets.items() for part in parts if part]
 
     def bound(self, davis: CollapseResult) -> float:
-        """Factor that is not reached with any dilatancy, if all that flows obeys Radenkovic's theorem."""
+        """Return a factor that is not reached with any dilatancy, where Radenkovic's theorem holds."""
         rest = [form.reduced(1.0, "associated", self.targets.get(name, ())) for name, form in self.whole.forms.items()]
         if not davis.stop.shows_limit or not all(form.symmetric for form in rest):
             return np.inf
         return max(material.associated_bound(davis.bracket[1]) for material in self.materials)
 
     def at(self, parameter: float) -> tuple[System, ndarray]:
-        """Forms of reduced strength, and the load."""
+        """Return forms of reduced strength, and the load."""
         forms = dict(self.whole.forms)
         for name, parts in self.targets.items():
             forms[name] = forms[name].reduced(parameter, self.flow, parts)
@@ -79,7 +78,7 @@ class _Strength:
 
     def equilibrium(self, start: Point, factor: float, newton: Newton, elastic: float = 0.0,
                     searches: tuple[Search, ...] = ("energy", "residual")) -> Point:
-        """Equilibrium at a factor from another point; there is none where everything flows from the start."""
+        """Find equilibrium at a factor from another point; there is none where all points flow from the start."""
         system, load = self.at(factor)
         if factor <= self.safe:  # there is no collapse to be looked for
             searches = searches[:1]
@@ -110,30 +109,30 @@ def strength_reduction(setup: Setup, load: Any, start: Result | StageResult | No
     free = flow == "given" and any(material.dilates_less for material in branch.materials)
     newton = setup.newton or Newton(tolerance=(_LOOSE if free else _BALANCE) * tolerance, max_iterations=30)
     proven = beside(certify, begun.forms, begun.system.fixed, whole, None, reduce, exclude, flow, progress)
-    search = partial(_search, origin=begun.origin, newton=newton, tol=tolerance, step=max(step, tolerance),
-                     highest=max_value)
+    search = partial(_search, origin=begun.origin, newton=newton, tolerance=tolerance, step=max(step, tolerance),
+                     max_value=max_value)
     with progress_bar(progress, desc=FACTOR, bar_format="{desc} {postfix} {elapsed}") as bar:
         davis = _davis(branch, search, bar) if free else None
         result = search(branch, method=method, bar=bar, davis=davis)
     return result.beside(proven, tolerance, stacklevel=4)
 
 
-def _search(branch: _Strength, origin: Point, newton: Newton, tol: float, step: float, highest: float,
+def _search(branch: _Strength, origin: Point, newton: Newton, tolerance: float, step: float, max_value: float,
             method: str, bar: Any, davis: CollapseResult | None = None) -> CollapseResult:
     log = SearchLog(branch.whole.forms, bar, origin)
     if davis is not None:
         branch.safe, branch.above = davis.factor, branch.bound(davis)
     first = _first(branch, origin, newton, log)
     search = _continuation if method == "continuation" else _bracket
-    found = search(branch, first, newton, tol, step, highest, log)
+    found = search(branch, first, newton, tolerance, step, max_value, log)
     if np.isfinite(branch.above) and found.stop.kind != "collapse":
-        found = replace(found, above=max(found.highest.parameter, branch.above))
-    system, load = branch.at(found.highest.parameter)
-    return conclude(FACTOR, found, found.highest, system, load, log.steps, method, branch.flow, branch.names, davis)
+        found = replace(found, above=max(found.best.parameter, branch.above))
+    system, load = branch.at(found.best.parameter)
+    return conclude(FACTOR, found, found.best, system, load, log.steps, method, branch.flow, branch.names, davis)
 
 
 def _davis(branch: _Strength, search: Callable[..., CollapseResult], bar: Any) -> CollapseResult | None:
-    """The search with the soils of Davis where dilatancy is less than friction: on the safe side, whatever the path."""
+    """Search with the soils of Davis where dilatancy is less than friction: on the safe side, whatever the path."""
     try:
         return search(_Strength(branch.whole, branch.load, branch.targets, "davis_b"), method="continuation", bar=bar)
     except (ValueError, NotConverged) as error:  # materials without that flow, or nothing to begin with
@@ -142,7 +141,7 @@ def _davis(branch: _Strength, search: Callable[..., CollapseResult], bar: Any) -
 
 
 def _first(branch: _Strength, origin: Point, newton: Newton, log: SearchLog) -> Point:
-    """The first equilibrium: at factor 1, or below where there is none."""
+    """Return the first equilibrium: at factor 1, or below where there is none."""
     error: NotConverged | None = None
     for factor in (factor for factor in _FIRST if factor < branch.above):
         try:
@@ -157,47 +156,47 @@ def _first(branch: _Strength, origin: Point, newton: Newton, log: SearchLog) -> 
         return point
     most = f"{1 / _FIRST[-1]:g} times its strength"
     if isinstance(error, NoEquilibrium):
-        raise NotConverged(f"the structure carries its load not even with {most}: {error}") from error
+        raise NotConverged(f"the structure does not resist its load even with {most}: {error}") from error
     raise NotConverged(f"no equilibrium to start from was found, with up to {most}, and no collapse either; put the "
                        f"load on in stages and give their result as `start`: {error}") from error
 
 
 def _elastic(branch: _Strength, first: Point) -> ndarray:
-    """Displacements under the whole load with the stiffness of the first point."""
+    """Return displacements under the whole load with the stiffness of the first point."""
     system, load = branch.at(first.parameter)
     return system.factor(system.tangent(system.evaluate(first.x, first.states, load)))(load)
 
 
-def _continuation(branch: _Strength, first: Point, newton: Newton, tol: float, step: float, highest: float,
-                  log: SearchLog) -> Found:
-    points, failed = _approach(branch, first, newton, _OPEN * tol, step, highest, log)
+def _continuation(branch: _Strength, first: Point, newton: Newton, tolerance: float, step: float, max_value: float,
+                  log: SearchLog) -> SearchResult:
+    points, failed = _approach(branch, first, newton, _OPEN * tolerance, step, max_value, log)
     last = points[-1]
     if len(points) > 1:
-        return follow(branch, branch.load, points, newton, _OPEN * tol, log, highest=highest)
+        return follow(branch, branch.load, points, newton, _OPEN * tolerance, log, max_value=max_value)
     if failed is None:
-        return Found(points, no_collapse_below(highest), motion=0 * last.x)
+        return SearchResult(points, no_collapse_below(max_value), motion=0 * last.x)
     flowed = any(step.yielding > 0.0 for step in log.steps)
     where = "the first equilibrium is at its limit" if flowed else "the bodies are elastic up to there"
     shown = isinstance(failed, NoEquilibrium)
     above = log.steps[-1].parameter if shown else np.inf
-    return Found(points, Stop("collapse" if shown else "stall", where), above, _motion(last, failed))
+    return SearchResult(points, Stop("collapse" if shown else "stall", where), above, _motion(last, failed))
 
 
 def _motion(last: Point, failed: NotConverged | None) -> ndarray:
-    """Displacements from the last equilibrium to where the next step failed."""
+    """Return displacements from the last equilibrium to those at which the next step failed."""
     return np.zeros_like(last.x) if failed is None or failed.x is None else failed.x - last.x
 
 
-def _approach(branch: _Strength, first: Point, newton: Newton, least: float, step: float, highest: float,
+def _approach(branch: _Strength, first: Point, newton: Newton, least: float, step: float, max_value: float,
               log: SearchLog) -> tuple[list[Point], NotConverged | None]:
-    """Fixed factors until the load does work: as long as the bodies are elastic the factor has no effect."""
+    """Take fixed factors until the load does work: as long as the bodies are elastic the factor has no effect."""
     response = _elastic(branch, first)
     noticeable = _NOTICEABLE * branch.whole.work(branch.load, response)
     last = first
-    while last.parameter <= highest:
+    while last.parameter <= max_value:
         factor = last.parameter + step
         try:
-            # the collapse is still far: what leads to it is tried last
+            # the collapse is still far: the search that leads to it is tried last
             point = branch.equilibrium(last, factor, newton, float(np.linalg.norm(response)), ("step", "energy"))
         except NotConverged as error:
             log.reject(factor, error, last.work)
@@ -212,12 +211,12 @@ def _approach(branch: _Strength, first: Point, newton: Newton, least: float, ste
     return [last], None
 
 
-def _bracket(branch: _Strength, first: Point, newton: Newton, tol: float, step: float, highest: float,
-             log: SearchLog) -> Found:
+def _bracket(branch: _Strength, first: Point, newton: Newton, tolerance: float, step: float, max_value: float,
+             log: SearchLog) -> SearchResult:
     elastic = float(np.linalg.norm(_elastic(branch, first)))
     points, above, shown = [first], np.inf, np.inf
     failed: NotConverged | None = None
-    while above - points[-1].parameter > tol and points[-1].parameter <= highest:
+    while above - points[-1].parameter > tolerance and points[-1].parameter <= max_value:
         last = points[-1]
         factor = last.parameter + step if np.isinf(above) else 0.5 * (last.parameter + above)
         try:
@@ -231,10 +230,10 @@ def _bracket(branch: _Strength, first: Point, newton: Newton, tol: float, step: 
         points.append(point)
     last = points[-1]
     if failed is None:
-        stop = no_collapse_below(highest)
+        stop = no_collapse_below(max_value)
     elif shown > above:
         higher = f"collapse at {shown:.4f}" if np.isfinite(shown) else "no collapse above it either"
         stop = Stop("stall", f"at {above:.4f} neither equilibrium nor collapse was found ({higher}): {failed}")
     else:
         stop = Stop("collapse", f"at {shown:.4f}")
-    return Found(points, stop, shown, _motion(last, failed))
+    return SearchResult(points, stop, shown, _motion(last, failed))

@@ -37,21 +37,6 @@ class Stepping:
     ----------
     increments
         Number of increments to begin with.
-
-    Examples
-    --------
-    >>> from skfem_contact import NoEquilibrium
-    >>> stepping = Stepping(1)
-    >>> stepping.reject(NoEquilibrium("collapse"))
-    >>> stepping.fraction, stepping.try_recovery
-    (0.25, True)
-    >>> stepping.accept(stepping.fraction, iterations=5)
-    >>> stepping.fraction
-    0.75
-    >>> stepping.too_long({"water": (4.0, 1.0)})        # an error four times as large as allowed: half would do
-    True
-    >>> stepping.fraction
-    0.475
     """
 
     def __init__(self, increments: int) -> None:
@@ -135,17 +120,6 @@ class Predictor:
     ----------
     fixed
         Dofs whose values are prescribed.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> predictor = Predictor(fixed=np.array([0]))
-    >>> for step in (0.0, 1.0):
-    ...     predictor.accept(x=step * np.array([1.0, 0.4]), load=np.zeros(2))
-    >>> predictor.start(load=np.zeros(2), prescribed=np.array([3.0]))
-    array([3. , 1.2])
-    >>> predictor.start(load=np.zeros(2), prescribed=np.array([0.5])) is None   # on the way back bodies stick at first
-    True
     """
 
     def __init__(self, fixed: ndarray) -> None:

@@ -1,15 +1,17 @@
 """Setup of an analysis: forms that are completed and numbered once, supports, gravity and the solver."""
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy import ndarray
+from numpy.typing import ArrayLike
 from typing_extensions import Self
 
+from .. import loads
 from ..checks import is_number
 from ..forms.base import Form, as_forms, solids_of
 from ..layout import Field, Layout
@@ -41,6 +43,25 @@ class Setup:
         if water_unit_weight is not None and not is_number(water_unit_weight, 0.0, np.inf):
             raise ValueError(f"water_unit_weight must be positive, not {water_unit_weight!r}")
         self.gravity = self._acceleration(gravity, seismic)
+
+    def weight(self, unit_weights: float | Mapping[str, float], direction: Sequence[float] | None = None) -> ndarray:
+        """Return the load vector of the weight of all solids, see :func:`weight`."""
+        return sum((loads.weight(form, unit_weights, direction) for form in self.solids.values()),
+                   start=np.zeros(self.layout.n_displacements))
+
+    def traction(self, boundary: str, force: Sequence[float] | Callable[[ndarray], ArrayLike]) -> ndarray:
+        """Return the load vector of forces per area on a boundary, see :func:`traction`."""
+        return loads.traction(next(iter(self.solids.values())), boundary, force)
+
+    def water_load(self, pressure: loads.Pressure, boundaries: str | Sequence[str] = ()) -> ndarray:
+        """Return the load vector of water in the pores of all porous solids and on boundaries, see :func:`water_load`.
+
+        ``Stage(water=...)`` finds these boundaries by itself.
+        """
+        porous = [form for form in self.solids.values() if form.porous]
+        elements = np.concatenate([form.elements for form in porous])
+        ground = loads.Domain(porous[0].basis.with_elements(elements), self.coordinates)
+        return loads.water_load(ground, pressure, boundaries)
 
     def _acceleration(self, gravity: Sequence[float] | None, seismic: float | Sequence[float]) -> ndarray:
         """Return the acceleration of all weights over that of gravity, (dim,)."""
