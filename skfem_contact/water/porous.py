@@ -142,18 +142,9 @@ def _swept(basis: CellBasis, pressures: CellBasis, facets: ndarray, coordinates:
 
 
 class Surroundings(NamedTuple):
-    """Properties of the other forms.
+    """Other forms: stiffness of the ground in compression without lateral strain and in shear, (n_elements,) each.
 
-    Attributes
-    ----------
-    modulus, shear : ndarray, shape (n_elements,)
-        Stiffness of the ground in compression without lateral strain, and in shear.
-    leaks
-        True if water leaves through another form.
-    touching
-        Displacements that contact acts on, by its name.
-    measure
-        Strain measure and coordinates of the solids.
+    Besides, whether water leaves through another form, displacements in contact, strain measure and coordinates.
     """
 
     modulus: ndarray

@@ -203,9 +203,9 @@ def seepage(basis: CellBasis, permeability: Permeability | Mapping[str, Permeabi
     >>> bool(abs(end[0] - 5.) < 1e-9 and 6. < end[1] < 7.)
     True
     """
+    positive(unit_weight, "unit_weight")
     if not isinstance(basis, CellBasis):
         raise ValueError(f"a Basis of elements is needed, not {type(basis).__name__}")
-    positive(unit_weight, "unit_weight")
     porous = head_basis(basis)
     given = conditions(porous, head, seepage_face)
     tensors = permeability_tensors(porous, permeability)
