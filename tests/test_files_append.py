@@ -141,3 +141,39 @@ def test_kept_increments_are_saved(tmp_path):
         same(part, other)
     series, *files = Result((read,)).to_pvd(tmp_path / "kept.pvd")
     assert len(files) == 2 and 'timestep="1"' in series.read_text() and 'timestep="2"' in series.read_text()
+
+
+RUN = """
+    import sys, time
+    sys.path.insert(0, {tests!r})
+    from test_files_append import block
+    import skfem_contact as sc
+    forms, load, fixed = block()
+    append, seen = sc.results.Append({file!r}), []
+
+    def observe(increment):
+        append(increment)
+        seen.append(increment)
+        if len(seen) == 40:
+            print("forty", flush=True)
+            time.sleep(60.)
+
+    sc.Model(forms, fixed).run([sc.Stage("fill", load, increments=100)], on_increment=observe, progress=False)
+"""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="there is no SIGKILL")
+def test_run_of_a_hundred_increments_is_killed(tmp_path):
+    """[X] All 40 increments that were accepted are in the file, and the analysis goes on from the last of them."""
+    file = tmp_path / "run.records"
+    script = textwrap.dedent(RUN.format(tests=os.path.dirname(__file__), file=str(file)))
+    with subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout.readline() == "forty\n"
+        process.send_signal(signal.SIGKILL)
+    forms, load, fixed = block()
+    model = sc.Model(forms, fixed)
+    last = sc.load_result(file, model)["fill"]
+    np.testing.assert_allclose([part.fraction for part in last.increments], np.arange(1, 41) / 100, atol=1e-12)
+    whole = model.run([sc.Stage("fill", load, increments=100)], progress=False)["fill"]
+    again = model.run([sc.Stage("rest", load, increments=60)], start=last, progress=False)["rest"]
+    np.testing.assert_allclose(again.x, whole.x, atol=1e-6 * np.abs(whole.x).max())  # tolerance of the iterations

@@ -31,11 +31,11 @@ start = MeshTri(points.T, triangles.T).refined(1).with_boundaries(
 
 
 def model(mesh):
-    """Forms and supports on any mesh with these names."""
+    """The slope on any mesh with these names."""
     basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
     soil = sc.MohrCoulomb(E=1e5, nu=0.3, c=10.0, phi=20.0, psi=20.0)
     fixed = np.append(basis.get_dofs("base").all(), basis.get_dofs("side").all("u^1"))
-    return {"soil": sc.SolidForm(basis, soil)}, fixed
+    return sc.Model({"soil": sc.SolidForm(basis, soil, unit_weight=20.0)}, fixed)
 
 
 # %%
@@ -44,7 +44,7 @@ def model(mesh):
 # The table has a line for every mesh and bound: what was proven, and by how much equilibrium is violated.
 
 begin = process_time()
-proven = analysis("bounds", *model(start), weight=20.0, gap=0.011, progress=False)
+proven = model(start).bounds(gap=0.011, progress=False)
 seconds = process_time() - begin
 print(proven)
 assert proven.gap <= 0.011
@@ -77,8 +77,7 @@ rows = [{"method": "bounds", "n": mesh.nelements, "unknowns": proven.certificate
 middle = 0.5 * (1.3753 + 1.3779)  # of the bounds with 10,000 triangles
 for name, grid in (("mesh of the bounds", mesh), ("uniform mesh", start.refined(3))):
     begin = process_time()
-    forms, fixed = model(grid)
-    reduction = sc.Model(forms, fixed).strength_reduction(sc.weight(forms["soil"].basis, 20.0), tolerance=0.002, progress=False)
+    reduction = model(grid).strength_reduction(tolerance=0.002, progress=False)
     rows.append({"method": f"strength reduction, {name}", "n": grid.nelements, "unknowns": len(reduction.x),
                  "error": abs(reduction.factor / middle - 1), "cpu_s": round(process_time() - begin, 2),
                  "iterations": reduction.iterations})  # fmt: skip

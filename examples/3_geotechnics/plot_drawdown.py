@@ -113,12 +113,12 @@ phi = np.radians(PHI)
 for share in (0.0, 0.2, 0.4, 0.6, 0.8, 1.0):
     began = time.process_time()
     load = weight + on_surface(HEIGHT * (1 - share))
-    factor("no drainage, total stress", share, began, clay, load, tol=0.004)
+    factor("no drainage, total stress", share, began, clay, load, tolerance=0.004)
     total = expected = curves["no drainage, total stress"][share]
     for _ in range(20):
         expected = total * np.cos(np.arctan(np.tan(phi) / expected)) / np.cos(phi)
     began = time.process_time()
-    factor("no drainage", share, began, quick, load + in_pores, expected, start=start, tol=0.004)
+    factor("no drainage", share, began, quick, load + in_pores, expected, start=start, tolerance=0.004)
     assert rows[-1]["error"] < 0.005
     assert curves["no drainage"][share] < curves["slow"][share]
 
@@ -154,36 +154,38 @@ plot.contour(result["down"], "pore", mesh=False, levels=5)
 
 pores = sc.PoreWater(basis, K, unit_weight=WATER)
 wet = {"slope": form, "water": pores}
-DRY = {**wet, "face": sc.water.SeepageFace(pores, "surface", full)}
-at_face = pores.unknowns("surface")
-places = mesh.p[:, at_face - pores.first]
+dry = {**wet, "face": sc.water.SeepageFace(pores, "surface", full)}
+at_face = pores.dofs("surface").indices
+height = mesh.p[1, at_face]
 LEVELS = HEIGHT * np.array([0.9, 0.8, 0.7, 0.6])
 
 
-def lift(level: float, days: float, rain: bool) -> sc.Stage:
+def lift(water: sc.PoreWater, level: float, days: float, rain: bool) -> sc.Stage:
     """The reservoir falls to a level, and the pressure at the face with it."""
     outside = sc.hydrostatic(level, unit_weight=WATER)
-    follows = pores.prescribed({"surface": lambda x: outside(x) - full(x)})
-    held = at_face if rain else at_face[places[1] < level + 1e-9]
+    follows = water.prescribed({"surface": lambda x: outside(x) - full(x)})
+    held = at_face if rain else at_face[height < level + 1e-9]
     load = weight + on_surface(level) + in_pores
-    return sc.Stage(f"{level:g} m", load, prescribed=follows, duration=days, fixed=np.append(fixed, held))
+    return sc.Stage(f"{level:g} m", load, prescribed=follows, duration=days, fixed=[fixed, water.first + held])
 
 
 at_rest = weight + sc.water_load(basis, full, "surface")
 figure, ax = plt.subplots(figsize=(7, 4.2), layout="constrained")
 with_time = {}
 for days, rain, style in ((1.0, False, "o-"), (10.0, False, "s--"), (100.0, False, "^:"), (100.0, True, "v-.")):
-    forms, key = (wet, "rain") if rain else (DRY, f"{days:g} days")
-    stages = [lift(level, days / len(LEVELS), rain) for level in LEVELS]
+    forms, key = (wet, "rain") if rain else (dry, f"{days:g} days")
+    model = sc.Model(forms, fixed)
+    water = model.forms["water"]
+    stages = [lift(water, level, days / len(LEVELS), rain) for level in LEVELS]
     stages.append(sc.Stage("later", stages[-1].load, duration=9 * days))
-    result = sc.Model(forms, fixed).run(stages, start=sc.Model(forms, fixed).gravity_state(at_rest), progress=False)
-    water = result["later"].states["water"]
-    lost = abs(pores.inflow(water) / pores.volume(water) - 1)
-    highest = max(float((result[name].forms["water"].pressure(result[name].x)[at_face - pores.first] + full(places))[places[1] > 6].max())
-                  for name in ("6 m", "later"))
+    result = model.run(stages, start=model.gravity_state(at_rest), progress=False)
+    state = result["later"].states["water"]
+    lost = abs(water.inflow(state) / water.volume(state) - 1)
+    open_face = at_face[height > 6]
+    highest = max(float((water.pressure(result[name].x) + full(mesh.p))[open_face].max()) for name in ("6 m", "later"))
     for name in ("6 m", "later"):
         began = time.process_time()
-        found = sc.Model(forms, fixed).strength_reduction(start=result[name], tolerance=0.01, flow="associated", progress=False)
+        found = model.strength_reduction(start=result[name], tolerance=0.01, flow="associated", progress=False)
         with_time[key, name] = found.factor
         rows.append({"method": f"L/H = 0.4, {key}, {name}", "n": mesh.nelements, "unknowns": len(result[name].x),
                      "factor": round(found.factor, 4), "error": None, "iterations": found.iterations,

@@ -94,11 +94,12 @@ for components in (4, 6):
 begin = process_time()
 basis = Basis(MeshQuad().refined(1).with_defaults(), ElementVector(ElementQuad2()), intorder=4)
 firm = CapClay(E=6e3, nu=0.25, strength=1e3, ocr=1.5)
-sample, fixed = {"sample": sc.SolidForm(basis, firm)}, sc.box_supports(basis, base="rollers")
+sample = sc.Model({"sample": sc.SolidForm(basis, firm)}, sc.box_supports(basis, base="rollers"))
 unit = sc.traction(basis, "top", (0.0, -1.0))
-start = sc.Model(sample, fixed).k0_state(40 * unit, unit_weights=0.0, K0=0.8, surcharge=40.0)
+start = sample.k0_state(40 * unit, unit_weights=0.0, K0=0.8, surcharge=40.0)
 levels = np.array([*range(50, 151, 10), *range(140, 59, -20), *range(80, 201, 10)], dtype=float)
-result = sc.Model(sample, fixed).run([sc.Stage(f"{k}", s * unit) for k, s in enumerate(levels)], start=start, progress=False)
+stages = [sc.Stage(f"{k}", level * unit) for k, level in enumerate(levels)]
+result = sample.run(stages, start=start, progress=False)
 computed = np.array([-stage.states["sample"].strain[1].mean() for stage in result])[1:]
 
 shear, bulk = firm.lame[1], firm.lame[0] + 2 / 3 * firm.lame[1]
@@ -131,13 +132,13 @@ rows = [{"method": "oedometer", "n": 2, "unknowns": int(basis.N), "error": error
 mesh = MeshQuad.init_tensor(np.linspace(0, 16, 17), np.linspace(-8, 0, 9)).with_defaults()
 mesh = mesh.with_boundaries({"strip": lambda x: (x[1] > -1e-9) & (x[0] < 3)})
 basis = Basis(mesh, ElementVector(ElementQuad2()), intorder=4)
-fixed, weight = sc.box_supports(basis), sc.weight(basis, 18.0)
-load, settlement = weight + sc.traction(basis, "strip", (0.0, -60.0)), {}
+strip, settlement = sc.traction(basis, "strip", (0.0, -60.0)), {}
 for ocr in (1.0, 2.0):
     begin = process_time()
-    ground = {"clay": sc.SolidForm(basis, CapClay(E=6e3, nu=0.25, strength=70.0, ocr=ocr))}
-    start = sc.Model(ground, fixed).k0_state(weight, unit_weights=18.0, K0=0.7)
-    stage = sc.Model(ground, fixed).run([sc.Stage("strip", load, increments=4)], start=start, progress=False)["strip"]
+    clay = CapClay(E=6e3, nu=0.25, strength=70.0, ocr=ocr)
+    ground = sc.Model({"clay": sc.SolidForm(basis, clay, unit_weight=18.0)}, sc.box_supports(basis))
+    start = ground.k0_state(K0=0.7)
+    stage = ground.run([sc.Stage("strip", strip, increments=4)], start=start, progress=False)["strip"]
     settlement[ocr] = -1e3 * float(stage.x[1::2].min())
     print(f"ocr {ocr}: {settlement[ocr]:.0f} mm, {stage.summary['clay']}, iterations {stage.iterations}")
     assert max(stage.iterations) <= 8

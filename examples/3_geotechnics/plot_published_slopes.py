@@ -94,7 +94,7 @@ def ground(slope, finer=1.0):
 
 
 def problem(slope, dilatant, finer=1.0):
-    """Forms, supports and load."""
+    """Model of the slope and its load."""
     basis = Basis(ground(slope, finer), ElementVector(ElementTriP2()), intorder=2)
     soils = {name: sc.MohrCoulomb(E=1e3 * slope.unit_weight, nu=0.3, c=c, phi=phi, psi=phi * dilatant)
              for name, (c, phi) in slope.soils.items()}
@@ -103,7 +103,7 @@ def problem(slope, dilatant, finer=1.0):
     if slope.r_u:
         load = load + sc.water_load(
             basis, lambda p: slope.r_u * slope.unit_weight * (level(slope.lines[-1], p[0]) - p[1]))
-    return {"ground": sc.SolidForm(basis, soils)}, fixed, load
+    return sc.Model({"ground": sc.SolidForm(basis, soils)}, fixed), load
 
 
 # %%
@@ -118,7 +118,8 @@ for name, slope in slopes.items():
     factors = []
     for dilatant in (True, False):
         begin = process_time()
-        result = analysis("strength_reduction", *problem(slope, dilatant, finer), tol=0.005)
+        model, load = problem(slope, dilatant, finer)
+        result = model.strength_reduction(load, tolerance=0.005)
         seconds = round(process_time() - begin, 2)
         low, high = slope.published
         error = max(low / result.factor - 1.0, result.factor / high - 1.0, 0.0)

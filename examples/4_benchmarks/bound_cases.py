@@ -92,6 +92,11 @@ def sliding_block() -> dict:
             "tractions": {"block:left": (1.0, 0.0)}, "live": "block:left"}  # fmt: skip
 
 
+def bracket(forms: dict, fixed: np.ndarray, **settings) -> sc.Bounds:
+    """Bounds of a case, whose loads are among the settings."""
+    return sc.Model(forms, fixed).bounds(**settings)
+
+
 #: Problems, and an interval that the exact answer lies in: closed form, or rigorous bounds of others.
 CASES = {
     "Griffiths and Lane 1": (ground(slope_mesh(10, 20, 12), 10.0, 20.0, 20.0), (1.3748, 1.3800)),

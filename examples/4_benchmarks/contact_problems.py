@@ -44,7 +44,7 @@ class Problem:
     basis
         Displacements of both bodies.
     fixed
-        Layout that are prescribed.
+        Dofs that are held or moved.
     pressed, shifted
         Displacements at the end of the normal and of the tangential loading, (N,).
     """
@@ -69,9 +69,10 @@ class Problem:
         master = LOWER if slave == UPPER else UPPER
         return sc.ContactPair(self.basis, slave, master, sc.Coulomb(mu=mu), quadrature, **options)
 
-    def run(self, pair: sc.ContactPair, stages: list[sc.Stage], **options) -> sc.results.Result:
-        """Run stages; further options as for :func:`~skfem_contact.run`."""
-        return sc.Model({"bodies": self.solid, "contact": pair}, self.fixed).run(stages, progress=False, **options)
+    def run(self, pair: sc.ContactPair, stages: list[sc.Stage], **settings) -> sc.results.Result:
+        """Run stages; settings are those of :class:`~skfem_contact.Model`."""
+        model = sc.Model({"bodies": self.solid, "contact": pair}, self.fixed, **settings)
+        return model.run(stages, progress=False)
 
     def stage(self, name: str, normal: float = 1.0, tangential: float = 0.0, increments: int = 1) -> sc.Stage:
         """A stage that ends at these shares of the normal and the tangential loading."""

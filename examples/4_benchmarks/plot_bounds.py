@@ -15,8 +15,7 @@ import warnings
 from time import process_time
 
 import matplotlib.pyplot as plt
-from bound_cases import CASES
-from skfem import Basis, ElementTriP2, ElementVector
+from bound_cases import CASES, bracket, supported
 
 import skfem_contact as sc
 
@@ -35,7 +34,7 @@ for name in names:
     problem, (low, high) = CASES[name]
     gap = SMALL.get(name, 0.01) if FULL else max(0.03, SMALL.get(name, 0.0))
     begin = process_time()
-    found = bounds_of(**problem, gap=gap, progress=False)
+    found = bracket(**problem, gap=gap, progress=False)
     seconds = process_time() - begin
     histories[name] = found.history
     rows.append({"method": name, "n": found.mesh.nelements, "lower": round(found.lower, 6),
@@ -67,14 +66,13 @@ def gaps(history):
 problem, _ = CASES["Griffiths and Lane 1"]
 reduction = []
 for times in range(3 if FULL else 2):
-    mesh = problem["forms"]["soil"].basis.mesh.refined(times + 1)
-    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
-    fixed = [basis.get_dofs("base").all(), basis.get_dofs("sides").all("u^1")]
-    soil = sc.SolidForm(basis, problem["forms"]["soil"].materials["all"])
+    first = problem["forms"]["soil"]
+    basis, fixed = supported(first.basis.mesh.refined(times + 1))
+    model = sc.Model({"soil": sc.SolidForm(basis, first.materials["all"])}, fixed)
     begin = process_time()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", sc.AnalysisWarning)
-        factor = sc.Model({"soil": soil}, [*fixed[0], *fixed[1]]).strength_reduction(sc.weight(basis, 20.0), tolerance=0.002, progress=False).factor  # fmt: skip
+        factor = model.strength_reduction(model.weight(20.0), tolerance=0.002, progress=False).factor
     reduction.append((process_time() - begin, abs(factor / 1.3772 - 1)))
 
 figure, ax = plt.subplots(figsize=(7, 4), layout="constrained")

@@ -14,9 +14,7 @@ import warnings
 from time import process_time
 
 import matplotlib.pyplot as plt
-import numpy as np
-from bound_cases import CASES
-from skfem import Basis, ElementTriP2, ElementVector
+from bound_cases import CASES, bracket, supported
 
 import skfem_contact as sc
 
@@ -27,18 +25,16 @@ import skfem_contact as sc
 
 
 def model(mesh, soil):
-    """Forms and supports."""
-    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
-    fixed = np.append(basis.get_dofs("base").all(), basis.get_dofs("sides").all("u^1"))
-    return {"soil": sc.SolidForm(basis, soil)}, fixed
+    """The slope on a mesh."""
+    basis, fixed = supported(mesh)
+    return sc.Model({"soil": sc.SolidForm(basis, soil)}, fixed)
 
 
 def factor(mesh, soil):
     """Factor of safety by strength reduction, its unknowns, iterations and processor time."""
     begin = process_time()
-    forms, fixed = model(mesh, soil)
-    load = sc.weight(forms["soil"].basis, 20.0)
-    found = sc.Model(forms, fixed).strength_reduction(load, tolerance=0.002, progress=False)
+    slope = model(mesh, soil)
+    found = slope.strength_reduction(slope.weight(20.0), tolerance=0.002, progress=False)
     return found.factor, len(found.x), found.iterations, process_time() - begin
 
 
@@ -52,7 +48,7 @@ for name, times in (("Griffiths and Lane 1", 3), ("Griffiths and Lane 2", 2), ("
     problem, _ = CASES[name]
     first = problem["forms"]["soil"]
     begin = process_time()
-    found = bounds_of(**problem, gap=0.01, elements=1450, progress=False)
+    found = bracket(**problem, gap=0.01, elements=1450, progress=False)
     seconds, middle = process_time() - begin, 0.5 * (found.lower + found.upper)
     rows.append({"method": f"{name}, bounds", "n": found.mesh.nelements, "lower": round(found.lower, 4),
                  "upper": round(found.upper, 4), "unknowns": found.certificates[1].unknowns,

@@ -40,9 +40,7 @@ from skfem import (
 )
 
 import skfem_contact as sc
-from skfem_contact.contact.penalty import choose_penalties
 from skfem_contact.solvers.direct import DirectSolver
-from skfem_contact.stages.setup import build_system
 
 FULL, PEERS = "--full" in sys.argv, "--peers" in sys.argv
 E, K, Q = 1e4, 1e-2, 100.0  # stiffness, permeability over the unit weight of water, load
@@ -52,14 +50,15 @@ ELEMENTS = {"P2-P1": (MeshTri, ElementTriP2, 4), "Q2-Q1": (MeshQuad, ElementQuad
 # %%
 # The analysis
 # ------------
-# Water stands beside the solid; the pressures of drained boundaries are among the fixed unknowns. A short stage puts
+# Water stands beside the solid; the pressures of drained boundaries are among the fixed dofs. A short stage puts
 # the load on, others wait.
 
 
-def consolidate(basis, nu, load, fixed, drained, times, strain="full", more=None, ramp=0.25):
+def consolidate(basis, nu, traction, fixed, drained, times, more=None, ramp=0.25, **measure):
     """Stages that end at times T, after a load that comes within a share of the first one."""
-    forms = {"ground": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=nu), strain=strain),
+    forms = {"ground": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=nu), **measure),
              "water": sc.PoreWater(basis, permeability=K, unit_weight=1.0), **(more or {})}
+    load = sc.traction(forms["ground"], *traction)
     c_v = K * E * (1 - nu) / (1 + nu) / (1 - 2 * nu)
     # a load that grows in proportion within a short time acts like one at once in the middle of that time
     whole = np.concatenate(([ramp * times[0]], np.asarray(times) + 0.5 * ramp * times[0]))
@@ -100,9 +99,8 @@ for method, (kind, element, order) in ELEMENTS.items():
     began = time.process_time()
     mesh = kind.init_tensor(np.array([0.0, 0.1]), 1 - np.linspace(1, 0, 21) ** 1.8).with_defaults()
     basis = Basis(mesh, ElementVector(element()), intorder=order)
-    strain = "b_bar" if element is ElementQuad1 else "full"
-    water, stages, steps = consolidate(basis, 0.2, sc.traction(basis, "top", (0, -Q)),
-                                       sc.box_supports(basis, base="rollers"), "top", times, strain)
+    water, stages, steps = consolidate(basis, 0.2, ("top", (0, -Q)), sc.box_supports(basis, base="rollers"), "top",
+                                       times, strain="b_bar" if element is ElementQuad1 else "full")
     final = Q * 1.2 * 0.6 / (E * 0.8)
     U = np.array([-stage.x[basis.get_dofs("top").all("u^2")].mean() / final for stage in stages])
     last = stages[-1].states["water"]
@@ -171,7 +169,7 @@ for method, n in (("P2-P1", 20), ("Q2-Q1", 20)) + ((("P2-P1", 40),) if FULL else
     mesh = kind.init_tensor(np.linspace(0, 1, n + 1), np.linspace(0, 0.5, n // 2 + 1)).with_defaults()
     basis = Basis(mesh, ElementVector(element()), intorder=order)
     fixed = np.append(basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1"))
-    water, stages, steps = consolidate(basis, 0.2, sc.traction(basis, "top", (0, -Q)), fixed, "right", times,
+    water, stages, steps = consolidate(basis, 0.2, ("top", (0, -Q)), fixed, "right", times,
                                        more=plate(basis))
     p = np.array([stage.forms["water"].pressure(stage.x)[0] / (Q / 2) for stage in stages])
     exact = mandel(times, 0.2)
@@ -215,8 +213,8 @@ for n in (4, 5):
     began = time.process_time()
     basis = Basis(ball(n), ElementVector(ElementTriP2()), intorder=4)
     fixed = np.append(basis.get_dofs("base").all("u^2"), basis.get_dofs("axis").all("u^1"))
-    load = sc.traction(basis, "out", lambda x: -Q * x / np.hypot(*x), axisymmetric=True)
-    water, stages, steps = consolidate(basis, 0.25, load, fixed, "out", times, sc.axisymmetric)
+    inwards = ("out", lambda x: -Q * x / np.hypot(*x))
+    water, stages, steps = consolidate(basis, 0.25, inwards, fixed, "out", times, coordinates="axisymmetric")
     centre = np.hypot(*basis.mesh.p).argmin()
     p, exact = np.array([stage.forms["water"].pressure(stage.x)[centre] / Q for stage in stages]), cryer(times, 0.25)
     row("Cryer", "P2-P1", 2**n, stages, began, abs(p.max() / exact.max() - 1), steps, peak=round(p.max(), 5))
@@ -250,7 +248,7 @@ for n in (4, 8) if FULL else (4,):
     began = time.process_time()
     basis = Basis(strip(n), ElementVector(ElementTriP2()), intorder=4)
     fixed = np.append(basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1"))
-    water, stages, steps = consolidate(basis, 0.3, sc.traction(basis, "strip", (0, -Q)), fixed, "top", times)
+    water, stages, steps = consolidate(basis, 0.3, ("strip", (0, -Q)), fixed, "top", times)
     middle = sc.dofs_at(basis, (0.0, 0.0))[0, 1]
     w = np.array([-stage.x[middle] * E / 2.6 / Q for stage in stages])
     errors = [w[np.isclose(times, T)][0] / exact - 1 for T, exact in EXACT.items()]
@@ -282,7 +280,7 @@ durations = np.diff(ends, prepend=0.0) / (K * E * 0.7 / 1.3 / 0.4)
 for n in (4, 8) if FULL else (4,):
     began = time.process_time()
     basis = Basis(strip(n), ElementVector(ElementTriP2()), intorder=2)
-    forms = {"ground": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=0.3)), "water": Euler(basis, k=K, unit_weight=1.0)}
+    forms = {"ground": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=0.3)), "water": Euler(basis, K, unit_weight=1.0)}
     fixed = [basis.get_dofs(side).all([f"u^{c + 1}" for c in held]) for side, held in SIDES.items()]
     load = sc.traction(basis, "strip", (0, -Q))
     stages = [sc.Stage(f"T = {T:g}", load, duration=d, increments=count)
@@ -329,21 +327,19 @@ def seconds(solver, K):
 
 for n in (8, 16, 32) if FULL else (8, 16):
     basis = Basis(strip(n), ElementVector(ElementTriP2()), intorder=4)
-    forms = choose_penalties({"ground": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=0.3)),
-                                 "water": sc.PoreWater(basis, permeability=K, unit_weight=1.0)})
+    solid, water = sc.SolidForm(basis, sc.LinearElastic(E=E, nu=0.3)), sc.PoreWater(basis, K, unit_weight=1.0)
     fixed = np.append(basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1"))
-    held = [fixed, forms["water"].dofs("top")]
-    alone = build_system({"ground": forms["ground"]}, fixed)
-    ground = seconds(DirectSolver(basis.doflocs, alone.free), forms["ground"].elastic_stiffness.copy())
-    both = build_system(forms, held)
-    scale, places = both.unknowns.scale, both.unknowns.places
+    free = np.setdiff1d(np.arange(basis.N), fixed)
+    ground = seconds(DirectSolver(basis.doflocs, free), solid.elastic_stiffness.copy())
+    model = sc.Model({"ground": solid, "water": water}, [fixed, water.dofs("top")])
+    both, scale = model.checked_system(model.forms, model.fixed), model.layout.scale
     c_v = K * E * 0.7 / 1.3 / 0.4
     for T in (1.0, 1e-4, 1e-8):
         step = both.over(T / n**2 / c_v)
-        matrix = step.tangent(step.evaluate(np.zeros(step.size), {k: f.initial_state() for k, f in forms.items()},
-                                            np.zeros(step.size)))
+        states = {name: form.initial_state() for name, form in model.forms.items()}
+        matrix = step.tangent(step.evaluate(np.zeros(step.size), states, np.zeros(step.size)))
         matrix = csr_matrix(diags_array(scale) @ matrix @ diags_array(scale))
-        ratio = seconds(DirectSolver(places, both.free), matrix) / ground
+        ratio = seconds(DirectSolver(model.layout.coordinates, both.free), matrix) / ground
         rows.append({"method": f"refactoring, step {T:g} h²/c_v", "n": n, "unknowns": both.size, "error": None,
                      "cpu_s": round(ratio * ground, 3), "iterations": 1, "ratio": round(ratio, 2)})
         print(f"{both.size:6d} unknowns, step {T:5.0e} h²/c_v: {ratio * ground:.3f} s, {ratio:.2f} times the ground")

@@ -64,7 +64,7 @@ def quadrilaterals(mesh: MeshTri) -> MeshQuad:
 
 
 def model(mesh, element, intorder, psi, strain="full"):
-    """Forms, fixed unknowns and weight."""
+    """Forms, fixed dofs and weight."""
     basis = Basis(mesh, ElementVector(element), intorder=intorder)
     soil = sc.MohrCoulomb(E=1e5, nu=0.3, c=10.0, phi=20.0, psi=psi)
     fixed = np.hstack([basis.get_dofs("base").all(), basis.get_dofs("left").all("u^1")])
@@ -77,8 +77,8 @@ rows = []
 def factor(mesh, label, element=None, intorder=2, psi=20.0, strain="full", **settings):
     """Factor of safety, noted as a row of the table."""
     began = time.process_time()
-    problem = model(mesh, element or ElementTriP2(), intorder, psi, strain)
-    result = analysis("strength_reduction", *problem, progress=False, **settings)
+    forms, fixed, load = model(mesh, element or ElementTriP2(), intorder, psi, strain)
+    result = sc.Model(forms, fixed).strength_reduction(load, progress=False, **settings)
     rows.append({"method": f"{label}, {result.method}, flow {result.flow}", "psi": psi, "n": mesh.nelements,
                  "unknowns": len(result.x), "factor": round(result.factor, 4),
                  "error": round(abs(result.factor / 1.38 - 1), 5), "cpu_s": round(time.process_time() - began, 2),
@@ -96,7 +96,7 @@ def factor(mesh, label, element=None, intorder=2, psi=20.0, strain="full", **set
 sizes = [(8, 5), (16, 11), (32, 23)][: 3 if FULL else 2]
 meshes = [slope_mesh(*size) for size in sizes]
 results = {(psi, method, i): factor(mesh, "P2", psi=psi, method=method,
-                                    tol=0.002 if (psi, method) == (20.0, "continuation") else 0.01)
+                                    tolerance=0.002 if (psi, method) == (20.0, "continuation") else 0.01)
            for i, mesh in enumerate(meshes) for psi in (20.0, 0.0) for method in ("continuation", "bracket")}
 print(results[20.0, "continuation", 1])
 
@@ -140,9 +140,10 @@ if FULL:
         forms, fixed, load = model(meshes[1], ElementTriP2(), 2, psi)
         start = sc.Model(forms, fixed).run([sc.Stage("gravity", load, increments=5)], progress=False)
         began = time.process_time()
-        sweep = [sc.Model(forms, fixed, newton=sc.Newton(tolerance, 30)).strength_reduction(load, start=begin, method=method, step=step, tolerance=tol, progress=False)
+        sweep = [sc.Model(forms, fixed, newton=sc.Newton(of_newton, 30)).strength_reduction(
+                     load, start=begin, method=method, step=step, tolerance=tolerance, progress=False)
                  for begin in (None, start) for method in ("continuation", "bracket")
-                 for step in (0.03, 0.1, 0.3) for tol in (0.01, 0.004) for tolerance in (1e-3, 1e-4)]
+                 for step in (0.03, 0.1, 0.3) for tolerance in (0.01, 0.004) for of_newton in (1e-3, 1e-4)]
         factors = [result.factor for result in sweep]
         spread = max(factors) - min(factors)
         rows.append({"method": f"sweep of {len(sweep)} settings", "psi": psi, "n": meshes[1].nelements,
