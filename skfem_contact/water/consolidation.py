@@ -60,9 +60,8 @@ class PoreWater(Form):
         Allowed error of a step in time, estimated by a method of first order, as a share of the water that the
         pressures can press out. Terzaghi's settlement is then wrong by 0.13 % at most.
     connected
-        Pairs of boundaries of bodies that share no nodes, closed or open, through which water passes freely, as in
-        :func:`seepage`. Their contact transfers the effective stress. Other joints are tight, and their contact
-        transfers the pressure of the water as well.
+        Pairs of boundaries of bodies that share no nodes, closed or open, between which water passes freely: their
+        contact transfers the effective stress. Contact of other boundaries is tight and transfers the total stress.
 
     Notes
     -----
@@ -189,7 +188,14 @@ class PoreWater(Form):
 
     @override
     def completed(self, forms: Mapping[str, Form]) -> PoreWater:
-        return self if self.around is not None else self._in(Surroundings.of(self.ground, forms))
+        if self.around is not None:
+            return self
+        for name, other in forms.items():
+            if isinstance(other, PoreWater) and other is not self and \
+                    (n := len(np.intersect1d(other.elements, self.elements))):
+                raise ValueError(f"'{name}' is PoreWater of {n} of the same elements: their water would count twice; "
+                                 "replace water by Stage(change=...)")
+        return self._in(Surroundings.of(self.ground, forms))
 
     @override
     def numbered(self, numbers: Mapping[Field, ndarray]) -> PoreWater:
@@ -205,7 +211,6 @@ class PoreWater(Form):
         return self if old.around is None else self._in(old.around)
 
     def _in(self, around: Surroundings) -> PoreWater:
-        """Return the form with the coordinates of the solids and their stiffness, by which pressures are scaled."""
         new, basis = copy(self), self.ground
         new.around, new.coordinates = around, around.measure[1]
         new.porous = Porous.of(basis, self.pressures, around.measure, self.mobility, *self._exchange)
@@ -249,7 +254,8 @@ class PoreWater(Form):
         diffusivity = around.modulus * np.linalg.eigvalsh(self.mobility)[:, -1]
         yield from _check_units(self, diffusivity, duration)
         for name, joined in around.touching.items():
-            if len(pressed := _under_pressure(self, joined, drained)):
+            touched = self._vertices[np.isin(self.ground.nodal_dofs[0, self._vertices], joined)]
+            if len(pressed := np.setdiff1d(touched, np.append(drained - self.first, self.porous.open))):
                 yield Remark("friction", len(pressed),
                              f"'{name}' transfers the pressure of the water as well, at {len(pressed)} nodes that are "
                              "not drained: friction there counts the total stress, not the effective one")
@@ -341,9 +347,3 @@ def _check_units(water: PoreWater, diffusivity: ndarray, duration: float) -> Ite
     if worst > _LOST:
         raise ValueError(text)
     yield Remark("units", abs(np.log10(worst)), text)
-
-
-def _under_pressure(water: PoreWater, joined: ndarray, drained: ndarray) -> ndarray:
-    """Return the nodes with a pressure that is not held, among some displacements."""
-    touched = water._vertices[np.isin(water.ground.nodal_dofs[0, water._vertices], joined)]
-    return np.setdiff1d(touched, np.append(drained - water.first, water.porous.open))

@@ -142,7 +142,7 @@ def _swept(basis: CellBasis, pressures: CellBasis, facets: ndarray, coordinates:
 
 
 class Surroundings(NamedTuple):
-    """Other forms: stiffness of the ground in compression without lateral strain and in shear, (n_elements,) each.
+    """Surroundings of the ground: stiffness of the ground in compression without lateral strain and in shear, (n_elements,) each.
 
     Besides, whether water leaves through another form, displacements in contact, strain measure and coordinates.
     """
