@@ -142,9 +142,9 @@ def _swept(basis: CellBasis, pressures: CellBasis, facets: ndarray, coordinates:
 
 
 class Surroundings(NamedTuple):
-    """Surroundings of the ground: stiffness of the ground in compression without lateral strain and in shear, (n_elements,) each.
+    """Stiffness of the ground in compression without lateral strain and in shear, (n_elements,), and other forms.
 
-    Besides, whether water leaves through another form, displacements in contact, strain measure and coordinates.
+    These are: whether water leaves by one, displacements in contact, strain measure and coordinates of the solids.
     """
 
     modulus: ndarray
