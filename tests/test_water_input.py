@@ -41,9 +41,9 @@ HEADS = {"left": 2.0, "right": 1.0}
     ({"seepage_face": "rigth"}, "no boundary 'rigth'"),
     ({"seepage_face": ["right", "none"]}, "no boundary 'none'"),
     ({"retention": {"a": sc.water.Ramp()}}, "8 elements have no retention"),
-    ({"unit_weight": 0.0}, "unit weight of water must be positive"),
-    ({"unit_weight": np.inf}, "unit weight of water must be positive"),
-    ({"connected": ["left"]}, "a joint is a pair of boundaries"),
+    ({"unit_weight": 0.0}, "unit_weight must be a finite number above 0"),
+    ({"unit_weight": np.inf}, "unit_weight must be a finite number above 0"),
+    ({"connected": ["left"]}, "connected boundaries are pairs of names"),
     ({"connected": [("left", "rihgt")]}, "no boundary 'rihgt'"),
     ({"connected": [("bottom", "top")]}, "the boundaries 'bottom' and 'top' are nowhere next to each other"),
     ({"basis": BODIES, "head": {"p:left": 2.0}}, r"no head is given in the part of the ground around \(4, 0\), 15"),
@@ -58,12 +58,12 @@ def test_bad_input(changes, message):
 
 
 @pytest.mark.parametrize(("law", "options", "message"), [
-    (sc.water.Ramp, {"width": 0.0}, "width must be positive"),
-    (sc.water.Ramp, {"width": np.nan}, "width must be positive"),
-    (sc.water.Ramp, {"least": 0.0}, "least must lie between 0 and 1"),
-    (sc.water.VanGenuchten, {"alpha": -1.0, "n": 2.0}, "alpha must be positive"),
-    (sc.water.VanGenuchten, {"alpha": 1.0, "n": 1.0}, "n must be more than 1"),
-    (sc.water.VanGenuchten, {"alpha": 1.0, "n": 2.0, "least": 2.0}, "least must lie between 0 and 1"),
+    (sc.water.Ramp, {"width": 0.0}, "width must be a finite number above 0"),
+    (sc.water.Ramp, {"width": np.nan}, "width must be a finite number above 0"),
+    (sc.water.Ramp, {"least": 0.0}, "least must be a finite number above 0 and below 1"),
+    (sc.water.VanGenuchten, {"alpha": -1.0, "n": 2.0}, "alpha must be a finite number above 0"),
+    (sc.water.VanGenuchten, {"alpha": 1.0, "n": 1.0}, "n must be a finite number above 1"),
+    (sc.water.VanGenuchten, {"alpha": 1.0, "n": 2.0, "least": 2.0}, "least must be a finite number above 0 and below"),
 ])  # fmt: skip
 def test_bad_retention(law, options, message):
     with pytest.raises(ValueError, match=message):
@@ -78,5 +78,5 @@ def test_bad_questions_to_a_result():
         water.discharge("left", of="c")
     with pytest.raises(ValueError, match="no boundary through which water passes 'top'; existing: left, right"):
         water.flux("top")
-    with pytest.raises(ValueError, match=r"1 places lie outside of the porous ground, the first is \(5, 1\)"):
+    with pytest.raises(ValueError, match=r"1 points lie outside of the porous ground, the first is \(5, 1\)"):
         water.head_at(np.array([[1.0, 5.0], [1.0, 1.0]]))

@@ -125,13 +125,14 @@ def test_retention_by_subdomain():
     mesh = dam(20, 10.0).with_subdomains({"core": lambda x: abs(x[0] - 5) < 1, "shell": lambda x: abs(x[0] - 5) > 1})
     laws = {"core": sc.water.VanGenuchten(0.5, 2.0), "shell": sc.water.Ramp()}
     mixed = flow_through(mesh, 10.0, 2.0, retention=laws).discharge("left")
-    same = flow_through(mesh, 10.0, 2.0, retention={"core": sc.water.Ramp(), "shell": sc.water.Ramp()}).discharge("left")
+    ramps = {"core": sc.water.Ramp(), "shell": sc.water.Ramp()}
+    same = flow_through(mesh, 10.0, 2.0, retention=ramps).discharge("left")
     assert same == pytest.approx(flow_through(mesh, 10.0, 2.0).discharge("left"), rel=1e-9)
     assert mixed > 1.001 * same
 
 
-@pytest.mark.parametrize("law", [sc.water.Ramp(0.5), sc.water.Ramp(2.0, 0.1), sc.water.VanGenuchten(2.0, 3.0), sc.water.VanGenuchten(0.3, 1.5)],
-                         ids=repr)
+@pytest.mark.parametrize("law", [sc.water.Ramp(0.5), sc.water.Ramp(2.0, 0.1), sc.water.VanGenuchten(2.0, 3.0),
+                                 sc.water.VanGenuchten(0.3, 1.5)], ids=repr)  # fmt: skip
 def test_slope_of_the_relative_permeability(law):
     """[N] Slopes against central differences; the permeability falls from 1 with suction."""
     suction, size, step = np.linspace(-2.0, 4.0, 301) + 0.0037, np.full(301, 0.8), 1e-6
@@ -263,7 +264,7 @@ def test_part_of_the_mesh_is_porous():
     water = sc.water.seepage(basis, 1e-5, {"up": 4.0, "down": 3.0}, unit_weight=9.81)
     assert np.isnan(water.head[mesh.p[1] > 3.01]).all() and np.isfinite(water.head[mesh.p[1] < 3.01]).all()
     assert water.head[np.isclose(mesh.p[0], 4) & np.isclose(mesh.p[1], 0)] == pytest.approx(3.5)
-    with pytest.raises(ValueError, match=r"places lie outside of the porous ground, the first is \(4, 3.5\)"):
+    with pytest.raises(ValueError, match=r"points lie outside of the porous ground, the first is \(4, 3.5\)"):
         water.pressure_at(np.array([[4.0, 1.0], [3.5, 1.0]]))
 
 

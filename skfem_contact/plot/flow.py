@@ -15,7 +15,7 @@ from numpy import ndarray
 
 from ..layout import elements_of
 from ..water import Seepage
-from ..water.places import simplices
+from ..water.seepage import simplices
 from .diagram import saved
 from .marks import WATER
 from .units import labelled
@@ -50,8 +50,8 @@ def flow_diagram(water: Seepage, quantity: Literal["head", "pressure"] = "head",
     >>> import skfem_contact.plot as plot
     >>> from skfem import Basis, ElementTriP1, MeshTri
     >>> dam = MeshTri.init_tensor(np.linspace(0, 5, 6), np.linspace(0, 5, 6)).with_defaults()
-    >>> water = sc.seepage(Basis(dam, ElementTriP1()), permeability=1., head={"left": 5., "right": 1.},
-    ...                    seepage_face="right", unit_weight=10.)
+    >>> water = sc.water.seepage(Basis(dam, ElementTriP1()), permeability=1., head={"left": 5., "right": 1.},
+    ...                          seepage_face="right", unit_weight=10.)
     >>> figure = plot.flow_diagram(water, "pressure")
     """
     if quantity not in _FLOW:

@@ -1,9 +1,9 @@
 """Water in the ground: steady seepage, confined or with a free surface, and consolidation."""
 
-from .drainage import SeepageFace
-from .pore_water import PoreWater
+from .consolidation import PoreWater
+from .darcy import Ramp, Retention, VanGenuchten
 from .porous import PoreState
-from .retention import Ramp, Retention, VanGenuchten
 from .seepage import Seepage, seepage
+from .seepage_face import SeepageFace
 
 __all__ = ["PoreState", "PoreWater", "Ramp", "Retention", "Seepage", "SeepageFace", "VanGenuchten", "seepage"]

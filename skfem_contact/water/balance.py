@@ -5,6 +5,7 @@ import logging
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy import ndarray
@@ -12,9 +13,8 @@ from scipy.sparse import csr_matrix, diags
 
 from ..errors import AnalysisWarning, NotConverged
 from ..solvers.direct import DirectSolver
-from .conditions import Conditions
-from .darcy import DarcyFlow
-from .retention import Retention
+from .boundary import Conditions
+from .darcy import DarcyFlow, Retention
 
 logger = logging.getLogger("skfem_contact")
 
@@ -27,29 +27,16 @@ Laws = Sequence[tuple[ndarray, Retention]]
 _WIDEST, _RATIO, _LEAST_RATIO = 16.0, 4.0, 1.02
 #: Unbalanced water over what enters, at the end and at the widths before it.
 _BALANCED, _NEARLY = 1e-10, 1e-2
-#: Multiples of the narrowest width that are tried where the water does not balance with the one that was asked for.
+#: Multiples of the narrowest width that are tried where the water does not balance with the requested one.
 _WIDER = (1.0, 1.25, 1.6, 2.0, 4.0)
-#: The line search takes what is better than the worst of the last residuals. Of 84 flows through zones 1e-8 to 1e8
-#: times as permeable, with ramps down to a hundredth of an element and van Genuchten's curve, all balance with a memory
-#: of 5 and two do not with 1; shorter steps or fewer iterations lose one or two as well.
+#: The line search accepts a residual below the worst of the last ones. Of 84 flows through zones 1e-8 to 1e8 times as
+#: permeable, with ramps down to a hundredth of an element and van Genuchten's curve, all balance with a memory of 5 and
+#: two do not with 1; shorter steps or fewer iterations lose one or two as well.
 _MEMORY, _SHORTEST, _DECREASE, _ITERATIONS = 5, 1.0 / 64.0, 1e-4, 25
 
 
-@dataclass(frozen=True)
-class Balance:
-    """Heads in balance.
-
-    Attributes
-    ----------
-    head
-        (N,).
-    inflow
-        Water that enters from outside at the nodes, (N,).
-    relative
-        Relative permeability at the integration points.
-    iterations
-        Of Newton's method at every width of the transition, the first with all ground saturated.
-    """
+class Balance(NamedTuple):
+    """Heads in balance, water that enters at the nodes, relative permeability at the integration points."""
 
     head: ndarray
     inflow: ndarray
@@ -59,7 +46,7 @@ class Balance:
 
 @dataclass(frozen=True)
 class _State:
-    """Heads, the nodes of seepage faces through which water leaves, and the iterations so far."""
+    """Heads, nodes of seepage faces through which water leaves, and iterations at every width so far."""
 
     head: ndarray
     leaking: ndarray
@@ -67,37 +54,26 @@ class _State:
 
 
 class _Unbalanced(RuntimeError):
-    """Newton's method did not converge."""
+    """Failure of Newton's method."""
 
 
 class WaterBalance:
     """Newton's method for the heads; at seepage faces either the pressure or the flow is zero.
 
-    The tie gives the heads of all nodes from those of the nodes that are not tied to others, (N, N).
+    The matrix `tie`, (N, N), gives the heads of all nodes from those of the nodes that are not tied to others.
     """
 
-    def __init__(self, flow: DarcyFlow, given: Conditions, tie: csr_matrix, places: ndarray) -> None:
+    def __init__(self, flow: DarcyFlow, given: Conditions, tie: csr_matrix, coordinates: ndarray) -> None:
         self.flow, self.given, self.tie = flow, given, tie
         diagonal = (tie.T @ flow.saturated @ tie).diagonal()
         self._idle = diagonal == 0.0  # tied nodes, and those of no porous element
         self._diagonal = np.where(self._idle, diagonal.max(), diagonal)
         self._face = given.face & ~self._idle
-        self._solver = DirectSolver(places, np.arange(len(diagonal)))
-        self._tolerance = 1e-12 * float(np.ptp(places, axis=1).max())
+        self._solver = DirectSolver(coordinates, np.arange(len(diagonal)))
+        self._tolerance = 1e-12 * float(np.ptp(coordinates, axis=1).max())
 
     def solve(self, laws: Laws) -> Balance:
-        """Heads: saturated first, then with a transition between wet and dry that gets narrower.
-
-        Raises
-        ------
-        NotConverged
-            The water does not balance with wider transitions either.
-
-        Warns
-        -----
-        AnalysisWarning
-            The transition is wider than asked for.
-        """
+        """Return the heads, or raise NotConverged; warn where the transition is wider than requested."""
         given = self.given
         now = self._newton(_State(np.where(given.held, given.head, np.nanmax(given.head)), self._face), (), _BALANCED)
         if (now.head >= self.flow.elevation - self._tolerance)[self.flow.dofs].all():
@@ -106,7 +82,7 @@ class WaterBalance:
             reached, now = self._narrowed(now, laws)
             if reached > 1.0:
                 reached, now = self._instead(now, laws, reached)
-                warnings.warn(f"the transition between wet and dry ground is {reached:.3g} times as wide as asked for, "
+                warnings.warn(f"the transition between wet and dry ground is {reached:.3g} times as wide as asked for; "
                               "with a narrower one the water did not balance; refine the mesh at the free surface",
                               AnalysisWarning, stacklevel=3)
             laws = _softer(laws, reached)
@@ -114,7 +90,7 @@ class WaterBalance:
         return Balance(now.head, self.tie.T @ self.flow.inflow(now.head, relative), relative, now.iterations)
 
     def _narrowed(self, now: _State, laws: Laws) -> tuple[float, _State]:
-        """The narrowest transition that is reached, as a multiple of that of the laws, and heads near its balance."""
+        """Return the narrowest transition that is reached, over the requested one, and heads near its balance."""
         reached, ratio = _WIDEST * _RATIO, _RATIO
         while reached > 1.0 and ratio > _LEAST_RATIO:
             wider = max(1.0, reached / ratio)
@@ -127,7 +103,7 @@ class WaterBalance:
         return reached, now
 
     def _instead(self, now: _State, laws: Laws, reached: float) -> tuple[float, _State]:
-        """A transition that is wider than asked for, as a multiple, for which the water balances, and the heads."""
+        """Return a wider transition for which the water balances, over the requested one, and the heads."""
         for wider in reached * np.array(_WIDER):
             try:
                 return float(wider), self._newton(now, _softer(laws, float(wider)), _BALANCED)
@@ -137,7 +113,6 @@ class WaterBalance:
                            "retention=, or refine the mesh where the free surface is", now.head)
 
     def _newton(self, now: _State, laws: Laws, tolerance: float) -> _State:
-        """Heads in balance."""
         flow, head, leaking = self.flow, now.head, now.leaking
         residuals: list[float] = []
         # in saturated ground faces may open and close node by node
@@ -157,7 +132,7 @@ class WaterBalance:
                           if steady else "the seepage faces open and close again and again")
 
     def _step(self, head: ndarray, fixed: ndarray, laws: Laws, residuals: list[float]) -> ndarray:
-        """Heads after a step of Newton's method, shortened until less water is out of balance than of late."""
+        """Take a step of Newton's method, shortened until less water is out of balance than of late."""
         flow = self.flow
 
         def unbalanced(head: ndarray) -> ndarray:

@@ -1,19 +1,20 @@
-"""Darcy's law on a mesh: permeability, and the water that enters the ground at the nodes for given heads."""
+"""Darcy's law on a mesh: permeability, its retention in partly saturated ground, and the flow for given heads."""
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TypeVar
+from typing import Protocol, TypeVar
 
 import numpy as np
 from numpy import ndarray
 from numpy.typing import ArrayLike
 from scipy.sparse import coo_matrix, csr_matrix
-from skfem import Basis, CellBasis
+from skfem import Basis, CellBasis, FacetBasis
+from typing_extensions import override
 
-from ..checks import look_up
+from ..checks import look_up, number, positive
 from ..layout import elements_of, linear_element
-from .retention import Retention
 
 T = TypeVar("T")
 #: Permeability of a region: a number, one number for each axis, or a symmetric tensor (dim, dim).
@@ -23,10 +24,120 @@ Permeability = ArrayLike
 _MOST = 1e10
 #: Error of a sum of some ten products of heads and conductances, relative to the largest.
 _ROUND_OFF = 16 * np.finfo(float).eps
+#: Van Genuchten's curve has the slope of this relative suction at smaller ones.
+_STEEPEST = 1e-9
+
+
+class Retention(Protocol):
+    """Permeability of partly saturated ground, relative to that of saturated ground."""
+
+    def relative(self, suction: ndarray, size: ndarray) -> tuple[ndarray, ndarray]:
+        """Return the relative permeability and its slope over the suction, a length: elevation less head.
+
+        The size is the height of the elements in which the points lie, broadcast against the suction.
+        """
+
+    def softer(self, factor: float) -> Retention:
+        """Return the law with a transition so many times as wide: Newton's method begins with it."""
+
+
+@dataclass(frozen=True)
+class Ramp(Retention):
+    r"""Sharp free surface: ground is saturated below it and nearly impermeable above it.
+
+    The relative permeability falls from 1 to `least` as the cubic :math:`3s^2 - 2s^3` over a suction head of `width`
+    heights of the element. The transition is centred on zero pressure, so that its width does not bias the discharge.
+
+    Parameters
+    ----------
+    width
+        Width of the transition, in heights of the element in which it lies.
+    least
+        Relative permeability of dry ground, between 0 and 1.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import skfem_contact as sc
+    >>> sc.water.Ramp(width=1., least=.1).relative(np.array([-.5, 0., .5]), np.ones(3))[0]
+    array([1.  , 0.55, 0.1 ])
+    """
+
+    width: float = 0.5
+    least: float = 1e-3
+
+    def __post_init__(self) -> None:
+        positive(self.width, "width")
+        number(self.least, "least", 0.0, 1.0)
+
+    @override
+    def relative(self, suction: ndarray, size: ndarray) -> tuple[ndarray, ndarray]:
+        width = self.width * size
+        s = np.clip(0.5 - suction / width, 0.0, 1.0)
+        change = 1.0 - self.least
+        return self.least + change * s * s * (3.0 - 2.0 * s), -change * 6.0 * s * (1.0 - s) / width
+
+    @override
+    def softer(self, factor: float) -> Ramp:
+        return replace(self, width=self.width * factor)
+
+
+@dataclass(frozen=True)
+class VanGenuchten(Retention):
+    r"""Capillary fringe above the water table, by Mualem's model with van Genuchten's curve.
+
+    With the suction head :math:`s`, :math:`m = 1 - 1/n` and the effective saturation
+    :math:`S = (1 + (\alpha s)^n)^{-m}` the relative permeability is :math:`\sqrt S\,(1 - (1 - S^{1/m})^m)^2`
+    (M. Th. van Genuchten, Soil Sci. Soc. Am. J. 44 (1980) 892-898, eqs. 3, 8 and 9).
+
+    Parameters
+    ----------
+    alpha
+        One over a length: about the inverse of the height of the capillary fringe.
+    n
+        Exponent, more than 1: large for pores of one size.
+    least
+        Lower limit of the relative permeability, between 0 and 1.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import skfem_contact as sc
+    >>> sand = sc.water.VanGenuchten(alpha=2., n=3.)
+    >>> sand.relative(np.array([-1., 0., .5]), np.ones(3))[0].round(4)
+    array([1.    , 1.    , 0.1087])
+    """
+
+    alpha: float
+    n: float
+    least: float = 1e-6
+
+    def __post_init__(self) -> None:
+        positive(self.alpha, "alpha")
+        number(self.n, "n", 1.0)
+        number(self.least, "least", 0.0, 1.0)
+
+    @override
+    def relative(self, suction: ndarray, size: ndarray) -> tuple[ndarray, ndarray]:
+        m = 1.0 - 1.0 / self.n
+        s = np.maximum(self.alpha * suction, np.finfo(float).tiny)
+        x = s**self.n
+        filled = (1.0 + x) ** (-0.5 * m)  # square root of the saturation
+        rest = 1.0 - (x / (1.0 + x)) ** m
+        k = filled * rest**2
+        # slope of (x / (1 + x))^m: infinite at s = 0 for n < 2
+        steep = (self.n - 1.0) * np.maximum(s, _STEEPEST) ** (self.n - 2.0) * (1.0 + x) ** (-m - 1.0)
+        slope = -filled * rest * (0.5 * m * self.n * rest * x / s / (1.0 + x) + 2.0 * steep)
+        changing = (suction > 0.0) & (k > self.least)
+        return np.where(suction > 0.0, np.maximum(k, self.least), 1.0), np.where(changing, self.alpha * slope, 0.0)
+
+    @override
+    def softer(self, factor: float) -> VanGenuchten:
+        return replace(self, alpha=self.alpha / factor)
 
 
 def regions(basis: CellBasis, values: T | Mapping[str, T], what: str) -> list[tuple[ndarray, T]]:
-    """Which elements of a basis have which value, where one is given for all or one for each subdomain."""
+    """Return elements of a basis and their value, given for all or by subdomain."""
     here = elements_of(basis)
     if not isinstance(values, Mapping):
         return [(np.arange(len(here)), values)]
@@ -43,12 +154,12 @@ def regions(basis: CellBasis, values: T | Mapping[str, T], what: str) -> list[tu
     return found
 
 
-def permeability_tensors(basis: CellBasis, k: Permeability | Mapping[str, Permeability]) -> ndarray:
-    """Tensor of permeability of every element of a basis, (n_elements, dim, dim)."""
+def permeability_tensors(basis: CellBasis, permeability: Permeability | Mapping[str, Permeability]) -> ndarray:
+    """Return the permeability of every element of a basis, (n_elements, dim, dim)."""
     dim = basis.mesh.dim()
     tensors = np.empty((basis.nelems, dim, dim))
     found: list[float] = []
-    for part, value in regions(basis, k, "permeability"):
+    for part, value in regions(basis, permeability, "permeability"):
         tensor = tensors[part] = _tensor(value, dim)
         found += np.linalg.eigvalsh(tensor).tolist() if len(part) else []
     if max(found) > _MOST * min(found):
@@ -74,37 +185,27 @@ def _tensor(value: object, dim: int) -> ndarray:
 
 
 def head_basis(basis: CellBasis) -> CellBasis:
-    """Basis of heads on the elements of any basis: linear, one unknown at each vertex of the mesh."""
+    """Return the linear basis of heads on the elements of any basis: one dof at each vertex of the mesh."""
     return Basis(basis.mesh, linear_element(basis.mesh), intorder=2, elements=elements_of(basis))
 
 
+def radius(basis: CellBasis | FacetBasis, axisymmetric: bool) -> ndarray | float:
+    """Return the factor by which integrals are per radian about the axis x = 0, at the integration points, or 1."""
+    return np.asarray(basis.global_coordinates())[0] if axisymmetric else 1.0
+
+
 class DarcyFlow:
-    """Flow of water through elements of some permeability.
+    """Flow of water through the elements of a :func:`head_basis`, by their permeability, (n_elements, dim, dim).
 
-    Parameters
-    ----------
-    basis
-        From :func:`head_basis`.
-    tensors
-        Permeability of its elements, (n_elements, dim, dim).
-    axisymmetric
-        Flow per radian about the axis x = 0.
-    datum
-        Height from which heads and elevations count: near them, for the sake of round-off.
-
-    Attributes
-    ----------
-    elevation
-        Of the nodes, (N,): the last coordinate.
+    Heads and elevations, the last coordinates of the nodes, count from a datum: near it, for the sake of round-off.
     """
 
-    def __init__(self, basis: CellBasis, tensors: ndarray, axisymmetric: bool = False,
-                 datum: float = 0.0) -> None:
+    def __init__(self, basis: CellBasis, tensors: ndarray, axisymmetric: bool = False, datum: float = 0.0) -> None:
         functions = [basis.basis[j][0] for j in range(basis.Nbfun)]
         self._gradients = np.stack([np.asarray(f.grad) for f in functions])
         self._shape = np.stack([np.broadcast_to(np.asarray(f), basis.dx.shape)[0] for f in functions], axis=1)
         self._tensors = tensors
-        self._weight = basis.dx * basis.global_coordinates()[0] if axisymmetric else basis.dx
+        self._weight = basis.dx * radius(basis, axisymmetric)
         #: (n_elements, n_points, a, b): water that enters at corner a for a head 1 at corner b
         self._conductance = np.einsum("aieq,eij,bjeq,eq->eqab", self._gradients, tensors, self._gradients,
                                       self._weight, optimize=True)
@@ -116,12 +217,12 @@ class DarcyFlow:
 
     @cached_property
     def saturated(self) -> csr_matrix:
-        """Tangent of saturated ground, (N, N): symmetric."""
+        """Tangent of saturated ground, (N, N), symmetric."""
         one = np.ones_like(self._weight)
         return self.tangent(self.elevation, one, 0.0 * one)
 
     def relative(self, head: ndarray, laws: Sequence[tuple[ndarray, Retention]]) -> tuple[ndarray, ndarray]:
-        """Relative permeability at the integration points and its slope over the head, (n_elements, n_points)."""
+        """Return the relative permeability and its slope over the head, (n_elements, n_points)."""
         suction = (self.elevation - head)[self.dofs] @ self._shape.T
         relative, slope = np.ones_like(suction), np.zeros_like(suction)
         for part, law in laws:
@@ -130,20 +231,20 @@ class DarcyFlow:
         return relative, slope
 
     def by_element(self, head: ndarray, relative: ndarray) -> ndarray:
-        """Water that enters every element at its corners, (n_elements, n_corners)."""
+        """Return the water that enters every element at its corners, (n_elements, n_corners)."""
         return np.einsum("eq,eqab,eb->ea", relative, self._conductance, head[self.dofs], optimize=True)
 
     def inflow(self, head: ndarray, relative: ndarray) -> ndarray:
-        """Water that enters at the nodes, (N,): zero at those through which none does."""
+        """Return the water that enters at the nodes, (N,)."""
         return np.bincount(self.dofs.ravel(), self.by_element(head, relative).ravel(), minlength=len(head))
 
     def round_off(self, head: ndarray, relative: ndarray) -> ndarray:
-        """What round-off may leave of the inflow at the nodes, (N,)."""
+        """Estimate the round-off of the inflow, (N,)."""
         element = np.einsum("eq,eqaa->ea", relative, self._conductance) * np.abs(head[self.dofs]).max(axis=1)[:, None]
         return _ROUND_OFF * np.bincount(self.dofs.ravel(), element.ravel(), minlength=len(head))
 
     def tangent(self, head: ndarray, relative: ndarray, slope: ndarray) -> csr_matrix:
-        """Derivative of the inflow over the heads, (N, N)."""
+        """Return the derivative of the inflow over the heads, (N, N)."""
         element = np.einsum("eq,eqab->eab", relative, self._conductance)
         if slope.any():
             through = np.einsum("eqab,eb->eqa", self._conductance, head[self.dofs])
@@ -152,7 +253,7 @@ class DarcyFlow:
         return coo_matrix((element.ravel(), (self._rows, self._columns)), shape=(n, n)).tocsr()
 
     def velocity(self, head: ndarray, relative: ndarray) -> ndarray:
-        """Mean Darcy velocity of the elements, (dim, n_elements): discharge per area of ground."""
+        """Return the mean Darcy velocity of the elements, (dim, n_elements): discharge per area of ground."""
         gradient = np.einsum("aieq,ea->ieq", self._gradients, head[self.dofs])
         weight = self._weight * relative / self._weight.sum(axis=1, keepdims=True)
         return -np.einsum("eij,jeq,eq->ie", self._tensors, gradient, weight)

@@ -1,50 +1,48 @@
-"""Ground with water in its pores: what pressures do to its elements, what these store, and what flows through them."""
+"""Porous ground: coupling of pressures with displacements, storage and flow, element by element."""
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from numpy import ndarray
-from scipy.sparse import coo_matrix, csr_matrix
-from skfem import CellBasis
+from scipy.sparse import coo_matrix, csr_matrix, diags_array
+from skfem import CellBasis, FacetBasis
 
 from ..checks import place
 from ..forms.base import Form
 from ..forms.solid import SolidForm
-from ..forms.strain import strain_operator
-from ..layout import elements_of, linear_element
-from .conditions import open_joints, pressed
+from ..forms.strain import Coordinates, strain_operator
+from ..layout import elements_of
+from .darcy import radius
 
 #: Name under which all ground shares the field of its pore pressures.
 PRESSURE = "pore pressure"
+#: Conductance of connected boundaries over that of the elements beside them: their pressures differ by a thousandth of
+#: the drop in one element.
+_OPEN = 1e3
+#: A pressure of one everywhere that strains nothing beyond this share of its effect without supports is undetermined.
+_RIGID = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
 class Porous:
-    """Matrices of the elements.
+    """Matrices of the elements, with displacements and linear pressures at the same integration points.
 
     Attributes
     ----------
-    basis
-        Basis of the displacements.
-    pressures
-        Basis of the pressures, linear, at the same integration points.
-    coupling
-        Volume strain weighted with the shape functions of the pressure, (n_elements, n_u, n_p).
-    mass
-        Products of these shape functions, (n_elements, n_p, n_p).
-    spread
-        The same of what they differ by from their means over the element.
-    flow
-        Products of their gradients, with the permeability.
-    conductance
-        Water that leaves the nodes by a pressure of one there, (N,).
-    across
-        Water that leaves the nodes through joints, (N, N), by pressures.
+    coupling : ndarray, shape (n_elements, n_u, n_p)
+        Volume strain weighted with the shape functions of the pressure.
+    mass, spread, flow : ndarray, shape (n_elements, n_p, n_p)
+        Products of these shape functions; of their differences from the mean over the element; and of their gradients
+        with the permeability.
+    conductance : ndarray, shape (N,)
+        Water that leaves the nodes by a pressure of one there.
+    across : coo_matrix, shape (N, N)
+        Water that leaves the nodes through connected boundaries, by pressures.
     open
-        Nodes at joints.
+        Nodes of connected boundaries.
     """
 
     basis: CellBasis
@@ -58,13 +56,13 @@ class Porous:
     open: ndarray
 
     @classmethod
-    def of(cls, basis: CellBasis, measure: tuple[str, str], mobility: ndarray, joints: Sequence[tuple[str, str]] = ()
-           ) -> Porous:
-        """Integrate the matrices: strain measure and coordinates, permeability over unit weight of water (n_elements, d, d).
+    def of(cls, basis: CellBasis, pressures: CellBasis, measure: tuple[str, Coordinates], mobility: ndarray,
+           apart: csr_matrix, facets: ndarray) -> Porous:
+        """Integrate the matrices.
 
-        Water in joints presses on their sides, and what they open by it fills.
+        The mobility is the permeability over the unit weight of water, (n_elements, dim, dim). Water between connected
+        boundaries, with the pressures `apart` and these facets, presses on both and fills the gap by which they open.
         """
-        pressures = basis.with_element(linear_element(basis.mesh))
         B, weight = strain_operator(basis, *measure)
         shapes = [pressures.basis[j][0] for j in range(pressures.Nbfun)]
         N = np.stack([np.broadcast_to(np.asarray(shape), weight.shape) for shape in shapes])
@@ -75,59 +73,85 @@ class Porous:
         spread = mass - mean[:, :, None] * mean[:, None, :] / weight.sum(axis=1)[:, None, None]
         flow = np.einsum("ikeq,ekl,jleq,eq->eij", gradients, mobility, gradients, weight, optimize=True)
         conductance = _at_nodes(pressures, np.einsum("eii->ei", flow))
-        across, sides = open_joints(pressures, joints, conductance)
-        coupling = coupling - pressed(basis, pressures, sides, measure[1] == "axisymmetric")
+        across = coo_matrix(apart.T @ diags_array(_OPEN * conductance) @ apart)
+        if len(facets):
+            coupling = coupling - _swept(basis, pressures, facets, measure[1])
         return cls(basis, pressures, coupling, mass, spread, flow, conductance, across,
-                   np.unique(basis.mesh.facets[:, sides]))
+                   np.unique(basis.mesh.facets[:, facets]))
 
     @property
     def linear(self) -> bool:
-        """Whether displacements and pressures have the same nodes: such pairs are not stable by themselves."""
+        """True if displacements and pressures have the same nodes: such pairs are not stable by themselves."""
         return self.basis.Nbfun == self.basis.mesh.dim() * self.pressures.Nbfun
 
     def symmetric(self, first: int, coupling: ndarray, water: ndarray, across: float = 0.0) -> csr_matrix:
-        """Matrix of all unknowns, of which the pressures begin with a number; its pattern is the same each time.
+        """Return the matrix of all dofs, of which the pressures begin at `first`, with one pattern for all values.
 
-        With it goes `across` times what passes through joints.
+        The matrix contains `across` times the flow through connected boundaries.
         """
         u, p = self.basis.element_dofs.T, first + self.pressures.element_dofs.T
         blocks = ((u, p, coupling), (p, u, coupling.transpose(0, 2, 1)), (p, p, water))
         rows = [np.broadcast_to(r[:, :, None], values.shape).ravel() for r, _, values in blocks]
         columns = [np.broadcast_to(c[:, None], values.shape).ravel() for _, c, values in blocks]
         data = np.concatenate([*(values.ravel() for *_, values in blocks), across * self.across.data])
-        places = np.concatenate([*rows, first + self.across.row]), np.concatenate([*columns, first + self.across.col])
-        return csr_matrix(coo_matrix((data, places), 2 * (first + self.pressures.N,)))
+        at = np.concatenate([*rows, first + self.across.row]), np.concatenate([*columns, first + self.across.col])
+        return csr_matrix(coo_matrix((data, at), 2 * (first + self.pressures.N,)))
 
     def at_nodes(self, density: ndarray) -> ndarray:
-        """Integrals of something that elements have, (n_elements,), by the nodes that they belong to, (n_p,)."""
+        """Integrate a density of the elements, (n_elements,), over the share of each node, (n_p,)."""
         return _at_nodes(self.pressures, self.mass.sum(axis=2) * density[:, None])
+
+    def strains(self, fixed: ndarray) -> bool:
+        """Return True if a uniform pressure strains the ground with these fixed displacements."""
+        thrust = np.abs(np.bincount(self.basis.element_dofs.T.ravel(), self.coupling.sum(axis=2).ravel(),
+                                    minlength=self.basis.N))
+        whole, by_element = thrust.max(), np.abs(self.coupling).max()
+        thrust[fixed] = 0.0
+        return bool(thrust.max() > _RIGID * max(whole, by_element))
+
+    def across_facets(self, vertices: ndarray) -> tuple[ndarray, ndarray]:
+        """Return the elements of the facets between some vertices, and their sizes across these facets."""
+        basis, mesh = self.basis, self.basis.mesh
+        corners = np.isin(np.arange(mesh.p.shape[1]), vertices)
+        sides = mesh.t2f[:, elements_of(basis)]
+        side, element = np.nonzero(corners[mesh.facets].all(axis=0)[sides])
+        p = mesh.p[:, mesh.facets[:, sides[side, element]]]
+        area = np.linalg.norm(p[:, 1] - p[:, 0] if mesh.dim() == 2 else
+                              0.5 * np.cross(p[:, 2] - p[:, 0], p[:, -1] - p[:, 1], axis=0), axis=0)
+        simplex = len(mesh.t) == mesh.dim() + 1
+        return element, (mesh.dim() if simplex else 1) * basis.dx.sum(axis=1)[element] / area
 
 
 def _at_nodes(basis: CellBasis, values: ndarray) -> ndarray:
-    """Sums of what the corners of the elements have, (n_elements, n_corners)."""
+    """Sum values of the corners of the elements, (n_elements, n_corners), at the nodes."""
     return np.bincount(basis.element_dofs.T.ravel(), values.ravel(), minlength=basis.N)
 
 
-class Surroundings(NamedTuple):
-    """What the water takes from the other forms.
+def _swept(basis: CellBasis, pressures: CellBasis, facets: ndarray, coordinates: str) -> ndarray:
+    """Return the volume that displacements sweep at facets, weighted as :attr:`Porous.coupling`."""
+    result = np.zeros((basis.nelems, basis.Nbfun, pressures.Nbfun))
+    sides = FacetBasis(basis.mesh, basis.elem, facets=facets)
+    wet = FacetBasis(basis.mesh, pressures.elem, facets=facets, quadrature=sides.quadrature)
+    weight = sides.dx * radius(sides, coordinates == "axisymmetric")
+    swept = np.stack([np.einsum("ifq,ifq->fq", sides.basis[b][0], sides.normals) for b in range(sides.Nbfun)])
+    shapes = np.stack([np.broadcast_to(wet.basis[j][0], weight.shape) for j in range(wet.Nbfun)])
+    number = np.zeros(basis.mesh.nelements, int)
+    number[elements_of(basis)] = np.arange(basis.nelems)
+    np.add.at(result, number[basis.mesh.f2t[0, facets]], np.einsum("bfq,jfq,fq->fbj", swept, shapes, weight))
+    return result
 
-    Attributes
-    ----------
-    modulus, shear
-        Stiffness of the ground in compression without lateral strain, and in shear, (n_elements,).
-    leaks
-        Whether water leaves through another form.
-    touching
-        Displacements that contact acts on, by its name.
-    measure
-        Strain measure and coordinates of the solids.
+
+class Surroundings(NamedTuple):
+    """Stiffness of the ground in compression without lateral strain and in shear, (n_elements,), and other forms.
+
+    These are: whether water leaves by one, displacements in contact, strain measure and coordinates of the solids.
     """
 
     modulus: ndarray
     shear: ndarray
     leaks: bool
     touching: Mapping[str, ndarray]
-    measure: tuple[str, str]
+    measure: tuple[str, Coordinates]
 
     @classmethod
     def of(cls, basis: CellBasis, forms: Mapping[str, Form]) -> Surroundings:
@@ -135,16 +159,17 @@ class Surroundings(NamedTuple):
         mesh, here = basis.mesh, elements_of(basis)
         modulus, shear = np.full((2, mesh.nelements), np.nan)
         measures = set()
-        for name, form in forms.items():
-            for region in form.regions if isinstance(form, SolidForm) else ():
+        for name, form in [(name, form) for name, form in forms.items() if isinstance(form, SolidForm)]:
+            for region in form.regions:
                 elements = form.elements[region.elements]
-                if np.isin(elements, here).any():
-                    measures.add((form.strain, form.coordinates))
                 D = region.material.elasticity(4 if mesh.dim() == 2 else 6)
                 modulus[elements], shear[elements] = D[..., 0, 0], D[..., 3, 3]
-                if region.material.undrained and np.isin(elements, here).any():
-                    raise ValueError(f"region '{region.name}' of '{name}' is Undrained and has PoreWater too: its "
-                                     "water would count twice; give its soil alone")
+                if np.isin(elements, here).any():
+                    assert form.coordinates is not None
+                    measures.add((form.strain, form.coordinates))
+                    if region.material.undrained:
+                        raise ValueError(f"region '{region.name}' of '{name}' is Undrained and has PoreWater too: its "
+                                         "water would count twice; give its soil alone")
         lost = here[np.isnan(modulus[here])]
         if len(lost):
             raise ValueError(f"there is PoreWater in {len(lost)} elements of no SolidForm, the first at "
@@ -152,25 +177,22 @@ class Surroundings(NamedTuple):
         if len(measures) > 1:
             raise ValueError(f"the solids of the porous ground have different strains, {sorted(measures)}: give all of "
                              "them the same `strain`")
-        joins = {name: form.joins for name, form in forms.items() if form.joins is not None}
-        touching = {name: at for name, at in joins.items()
-                    if forms[name].unilateral and np.isin(at, basis.element_dofs).any()}
+        touching = {name: form.joins for name, form in forms.items() if form.joins is not None and form.unilateral
+                    and np.isin(form.joins, basis.element_dofs).any()}
         leaks = any(field.shared == PRESSURE for form in forms.values() for field in form.borrowed)
         return cls(modulus[here], shear[here], leaks, touching, measures.pop())
 
 
 @dataclass(frozen=True)
 class PoreState:
-    """What the water in the ground around the nodes remembers, (n,) each, of all vertices of the mesh.
+    """State of the water around the nodes, (n_vertices,) each.
 
     Attributes
     ----------
-    stored
-        Volume of water, more than in undeformed ground.
-    first
-        The same when the ground became active.
+    stored, first
+        Volume of water, more than in undeformed ground; the same when the ground became active.
     entered
-        Water that has entered at the nodes since: not zero only where pressures are given, or other ground begins.
+        Water that has entered since: not zero only where pressures are given, or other ground begins.
     pressure
         Excess pore pressure, positive in compression.
     """

@@ -7,22 +7,29 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy import ndarray
-from skfem import CellBasis, FacetBasis, LinearForm
+from scipy.spatial import cKDTree
+from skfem import CellBasis, FacetBasis, LinearForm, Mesh
 
-from ..checks import look_up, place
+from ..checks import look_up, place, positive
 from ..errors import AnalysisWarning
 from ..layout import elements_of
 from .balance import WaterBalance
-from .conditions import Given, check_connected, conditions, tied_heads
-from .darcy import DarcyFlow, Permeability, head_basis, permeability_tensors, regions
-from .places import Interpolation, zero_lines
-from .retention import Ramp, Retention
+from .boundary import Given, check_heads, conditions, tied_heads
+from .darcy import DarcyFlow, Permeability, Ramp, Retention, head_basis, permeability_tensors, radius, regions
 
 _RAMP = Ramp()
 #: Ground is dry below the first relative permeability and wet above the second one.
 _DRY, _WET = 0.01, 0.5
-#: Share of the flow through dry ground of which a warning is given.
+#: Share of the flow through dry ground from which a warning is given.
 _SHARE = 0.05
+#: Corners of the triangles of a quadrilateral and of the tetrahedra of a hexahedron, as in scikit-fem.
+_PARTS = {(2, 3): ((0, 1, 2),), (2, 4): ((0, 1, 3), (1, 2, 3)), (3, 4): ((0, 1, 2, 3),),
+          (3, 8): ((0, 1, 3, 4), (0, 3, 2, 4), (2, 3, 4, 6), (3, 4, 6, 7), (3, 4, 5, 7), (1, 3, 4, 5))}
+#: A point is inside of an element if it lies outside by less than this, in sizes of the element: round-off, and the
+#: distance of curved sides from straight ones. The finder of scikit-fem accepts one unit of round-off only.
+_ROUND_OFF, _CURVED = 1e-9, 0.1
+#: Numbers of elements that are tried, the nearest centres first: graded meshes have many near ones.
+_TRIED = (8, 64, 512)
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,17 +40,17 @@ class Seepage:
     ----------
     basis
         Basis of the heads: linear, on the porous elements.
-    head
-        Hydraulic head at the nodes of the mesh, (n_nodes,), a height; NaN where there is no porous ground.
-    pressure
-        Pore pressure there, the suction above the free surface taken for zero: for :func:`water_load`.
-    inflow
-        Water that enters the ground at the nodes, (n_nodes,): volume per time and unit of thickness (per radian in
-        axial symmetry), negative where it leaves. These reactions balance to round-off.
-    velocity
-        Mean Darcy velocity of the elements of the basis, (dim, n_elements).
+    head : ndarray, shape (n_nodes,)
+        Hydraulic head at the nodes of the mesh, a height; NaN outside of the porous ground.
+    pressure : ndarray, shape (n_nodes,)
+        Pore pressure, zero above the free surface: for :func:`water_load`.
+    inflow : ndarray, shape (n_nodes,)
+        Water that enters the ground at the nodes: volume per time and unit of thickness (per radian in axial
+        symmetry), negative where it leaves. These reactions balance to round-off.
+    velocity : ndarray, shape (dim, n_elements)
+        Mean Darcy velocity of the elements of the basis.
     iterations
-        Of Newton's method, in the order of the widths of the transition between wet and dry.
+        Iterations of Newton's method for every width of the transition between wet and dry, the widest first.
     """
 
     basis: CellBasis
@@ -66,23 +73,11 @@ class Seepage:
     __repr__ = __str__  # a notebook would show the arrays
 
     def discharge(self, boundary: str, of: str | None = None) -> float:
-        """Water that enters the ground through a boundary, per time; negative where it leaves.
+        """Return the water that enters the ground through a boundary, per time; negative where it leaves.
 
-        It is the sum of the nodes' reactions, not an integral of gradients, so that nothing is lost. Where boundaries
-        through which water passes meet, the node between them counts for both in proportion to their sizes there.
-
-        Parameters
-        ----------
-        boundary
-            Name of a boundary of the mesh.
-        of
-            Name of a subdomain that the boundary bounds: the water that enters this part of the ground there, also
-            from ground on the other side of the boundary.
-
-        Raises
-        ------
-        ValueError
-            Unknown names.
+        The discharge is the sum of the nodes' reactions, so that nothing is lost. A node between two boundaries
+        through which water passes counts for both in proportion to their sizes. With the subdomain `of` it is the
+        water that enters this part of the ground there, also from ground on the other side of the boundary.
         """
         mesh = self.basis.mesh
         facets = np.asarray(look_up(boundary, mesh.boundaries or {}, "boundary"))
@@ -96,30 +91,17 @@ class Seepage:
         return float(share @ self.inflow)
 
     def flux(self, boundary: str) -> tuple[ndarray, ndarray]:
-        """Water that enters per area at the nodes of a boundary; negative where it leaves.
+        """Return the nodes of a boundary and the water that enters there per area; negative where it leaves.
 
-        Parameters
-        ----------
-        boundary
-            Name of a boundary on which a head is given, or of a seepage face.
-
-        Returns
-        -------
-        nodes, flux
-            Numbers of the nodes and the flux, (n,) each. Over the permeability the flux is the hydraulic gradient at
-            which water leaves, the exit gradient.
-
-        Raises
-        ------
-        ValueError
-            Unknown boundary, or one through which no water passes.
+        The boundary has a head or is a seepage face. The flux over the permeability is the hydraulic gradient at which
+        water leaves, the exit gradient.
 
         Examples
         --------
         >>> import skfem_contact as sc
         >>> from skfem import Basis, ElementTriP1, MeshTri
         >>> column = Basis(MeshTri().refined(2).with_defaults(), ElementTriP1())
-        >>> water = sc.seepage(column, permeability=1e-5, head={"bottom": 1.5, "top": 1.}, unit_weight=10.)
+        >>> water = sc.water.seepage(column, permeability=1e-5, head={"bottom": 1.5, "top": 1.}, unit_weight=10.)
         >>> bool(abs(water.flux("top")[1] / 1e-5 + .5).max() < 1e-12)
         True
         """
@@ -128,77 +110,61 @@ class Seepage:
         return nodes, self.inflow[nodes] / self._size(facets)[nodes]
 
     def head_at(self, x: ndarray) -> ndarray:
-        """Head at places (dim, ...); linear between the corners of triangles and tetrahedra.
-
-        Raises
-        ------
-        ValueError
-            A place outside of the porous ground.
-        """
-        return Interpolation(self.basis.mesh, elements_of(self.basis), self.head)(np.asarray(x, dtype=float))
+        """Return the head at coordinates (dim, ...) of the ground; linear in triangles and tetrahedra."""
+        x = np.asarray(x, dtype=float)
+        points = x.reshape(len(x), -1)
+        return _interpolated(self.basis.mesh, elements_of(self.basis), self.head, points).reshape(x.shape[1:])
 
     def pressure_at(self, x: ndarray) -> ndarray:
-        """Pore pressure at places (dim, ...): what takes a function such as :func:`hydrostatic` takes this too.
-
-        Raises
-        ------
-        ValueError
-            A place outside of the porous ground.
-        """
+        """Return the pore pressure at coordinates (dim, ...), as a function like :func:`hydrostatic`."""
         return self._unit_weight * np.maximum(self.head_at(x) - np.asarray(x)[-1], 0.0)
 
     @property
     def free_surface(self) -> list[ndarray]:
-        """Lines on which the pressure is zero between wet and dry ground, (n, 2) each; for plane flow.
-
-        Raises
-        ------
-        ValueError
-            Flow in space.
-        """
-        return zero_lines(self.basis.mesh, elements_of(self.basis), self.head - self.basis.mesh.p[-1, :len(self.head)])
+        """Lines of zero pressure between wet and dry ground, (n, 2) each, the longest first; for plane flow."""
+        return _zero_lines(self.basis.mesh, elements_of(self.basis), self.head - self.basis.mesh.p[-1, :len(self.head)])
 
     def _size(self, facets: ndarray) -> ndarray:
-        """Area of a boundary that belongs to each node, (n_nodes,)."""
+        """Return the area of a boundary that belongs to each node, (n_nodes,)."""
         size, nodes = np.zeros(len(self.head)), np.unique(self.basis.mesh.facets[:, facets])
         if len(facets):
             around = FacetBasis(self.basis.mesh, self.basis.elem, facets=facets)
-            part = LinearForm(lambda v, w: (w.x[0] if self._axisymmetric else 1.0) * v)
-            size[nodes] = part.assemble(around)[nodes]
+            per_radian = radius(around, self._axisymmetric)
+            size[nodes] = LinearForm(lambda v, w: per_radian * v).assemble(around)[nodes]
         return size
 
 
 def seepage(basis: CellBasis, permeability: Permeability | Mapping[str, Permeability], head: Mapping[str, Given], *,
             unit_weight: float, seepage_face: str | Sequence[str] = (), connected: Sequence[tuple[str, str]] = (),
             retention: Retention | Mapping[str, Retention] = _RAMP, axisymmetric: bool = False) -> Seepage:
-    """Steady flow of water through the ground, confined or with a free surface.
+    """Solve the steady flow of water through the ground, confined or with a free surface.
 
-    The flow follows Darcy's law, v = -k grad h, with the head h at the corners of the elements. Where all ground
-    turns out to be saturated the problem is linear. Otherwise the permeability falls with suction as `retention`
-    tells, and the free surface comes out.
+    The flow follows Darcy's law, v = -k grad h, with the head h at the corners of the elements. The problem is linear
+    if all ground is saturated. Otherwise the permeability falls with suction by `retention`, and the free surface is
+    part of the solution.
 
     Parameters
     ----------
     basis
-        Basis of what is porous, of any element: ``basis.with_elements({"sand", "clay"})``, or the whole mesh. The last
-        axis points up.
+        Basis of the porous ground, of any element: ``basis.with_elements({"sand", "clay"})``, or the whole mesh. The
+        last axis points up.
     permeability
         Permeability (length per time): a number, numbers along the axes, ``(kh, kv)``, or a tensor (dim, dim); one for
         all ground or by subdomain.
     head
-        Hydraulic head, a height, by boundary: a number or a function of places (dim, ...). It is the level of the water
-        that stands at the boundary and holds at and below that level; above it the boundary is tight, or a
+        Hydraulic head, a height, by boundary: a number or a function of coordinates (dim, ...). The head is the level
+        of the water at the boundary and holds at and below that level. Above it the boundary is tight, or a
         `seepage_face`.
+    unit_weight
+        Unit weight of water (force per volume), in the units of the pressure.
     seepage_face
-        Names of boundaries through which water may leave but not enter, at zero pressure. One may be named in `head`
-        too. All other boundaries are tight.
+        Names of boundaries through which water may leave but not enter, at zero pressure; also of those in `head`. All
+        other boundaries are tight.
     connected
         Pairs of boundaries of bodies that share no nodes, ``("core|shell", "shell|core")``, between which water passes
         freely: the nodes of the side with the smaller facets take the heads of the other. Other joints are tight.
     retention
         :class:`Ramp` or :class:`VanGenuchten`, for all ground or by subdomain.
-    unit_weight
-        Of water (force per volume), positive: the pressure is that of these units.
     axisymmetric
         Flow per radian towards or from the axis x = 0.
 
@@ -208,28 +174,25 @@ def seepage(basis: CellBasis, permeability: Permeability | Mapping[str, Permeabi
 
     Raises
     ------
-    ValueError
-        Unknown names, permeabilities that are not positive, elements without permeability or with two, heads that are
-        not finite, lie below their boundary or contradict each other, ground without any head.
     NotConverged
-        The water does not balance: see the message.
+        The water does not balance.
 
     Warns
     -----
     AnalysisWarning
-        The transition between wet and dry had to be wider than asked for; or water flows off through dry ground that
-        conducts better than the wet ground it comes from, whose free surface is then drawn down.
+        The transition between wet and dry is wider than requested; or water flows off through dry ground that conducts
+        better than the wet ground from which it comes, so that the free surface is inaccurate.
 
     Examples
     --------
-    A dam with vertical faces lets k (h1² - h2²) / 2L through (I. A. Charny 1951):
+    The discharge of a dam with vertical faces is k (h1² - h2²) / 2L (I. A. Charny 1951):
 
     >>> import numpy as np
     >>> import skfem_contact as sc
     >>> from skfem import Basis, ElementTriP1, MeshTri
     >>> dam = MeshTri.init_tensor(np.linspace(0, 5, 11), np.linspace(0, 10, 21)).with_defaults()
-    >>> water = sc.seepage(Basis(dam, ElementTriP1()), permeability=1., head={"left": 10., "right": 2.},
-    ...                    seepage_face="right", unit_weight=10.)
+    >>> water = sc.water.seepage(Basis(dam, ElementTriP1()), permeability=1., head={"left": 10., "right": 2.},
+    ...                          seepage_face="right", unit_weight=10.)
     >>> print(water)
     seepage through 400 elements, 231 nodes, ... of them below the free surface
     ... Newton iterations
@@ -240,10 +203,9 @@ def seepage(basis: CellBasis, permeability: Permeability | Mapping[str, Permeabi
     >>> bool(abs(end[0] - 5.) < 1e-9 and 6. < end[1] < 7.)
     True
     """
+    positive(unit_weight, "unit_weight")
     if not isinstance(basis, CellBasis):
         raise ValueError(f"a Basis of elements is needed, not {type(basis).__name__}")
-    if not 0.0 < unit_weight < np.inf:
-        raise ValueError(f"the unit weight of water must be positive, not {unit_weight!r}")
     porous = head_basis(basis)
     given = conditions(porous, head, seepage_face)
     tensors = permeability_tensors(porous, permeability)
@@ -251,7 +213,7 @@ def seepage(basis: CellBasis, permeability: Permeability | Mapping[str, Permeabi
     datum = float(np.nanmean(given.head))
     flow = DarcyFlow(porous, tensors, axisymmetric, datum)
     tie = tied_heads(porous, connected, given.held)
-    check_connected(porous, given.held, tie)
+    check_heads(porous, given.held, tie)
     lowered = replace(given, head=given.head - datum)
     found = WaterBalance(flow, lowered, tie, porous.mesh.p[:, :porous.N]).solve(laws)
     velocity = flow.velocity(found.head, found.relative)
@@ -265,12 +227,10 @@ def seepage(basis: CellBasis, permeability: Permeability | Mapping[str, Permeabi
 
 
 def _warn_of_dry_ground(basis: CellBasis, tensors: ndarray, relative: ndarray, velocity: ndarray) -> None:
-    """Tell of water that flows off through dry ground which conducts better than wet ground elsewhere.
-
-    A dam whose core is 1e-2, 1e-3, 1e-4 and 1e-6 times as permeable as its shell leaks .6, .7, -5 and -7 % too much
-    with 20 elements over the height if dry ground keeps 1e-3 of its permeability. In the last two cases .26 of the flow
-    is of this kind; where the discharge is right to 1 % less than .005 is.
-    """
+    """Report water that flows off through dry ground that conducts better than wet ground elsewhere."""
+    # A dam whose core is 1e-2, 1e-3, 1e-4 and 1e-6 times as permeable as its shell leaks .6, .7, -5 and -7 % too much
+    # with 20 elements over the height if dry ground keeps 1e-3 of its permeability. In the last two cases .26 of the
+    # flow is of this kind; where the discharge is right to 1 % less than .005 is.
     k = np.trace(tensors, axis1=1, axis2=2) / basis.mesh.dim()
     wet, left = (relative >= _WET).any(axis=1), relative.min(axis=1) * k
     draining = (relative < _DRY).all(axis=1) & (left > 1.5 * k[wet].min(initial=np.inf))
@@ -278,7 +238,59 @@ def _warn_of_dry_ground(basis: CellBasis, tensors: ndarray, relative: ndarray, v
     if flow[draining].sum() > _SHARE * flow.sum():
         x = np.asarray(basis.global_coordinates())[:, np.where(draining, flow, 0.0).argmax()].mean(axis=1)
         warnings.warn(f"water flows off through dry ground at {place(x)}, which conducts better than the wet ground "
-                      "that it comes from: the free surface there is several per cent off; leave drained ground out of "
-                      "the basis and name the boundary towards it in seepage_face=, or give a smaller `least` in "
-                      "retention=",
-                      AnalysisWarning, stacklevel=3)
+                      "from which it comes: the free surface there is several per cent off; leave drained ground out "
+                      "of the basis and name the boundary towards it in seepage_face=, or give a smaller `least` in "
+                      "retention=", AnalysisWarning, stacklevel=3)
+
+
+def simplices(mesh: Mesh, elements: ndarray) -> ndarray:
+    """Return the triangles or tetrahedra of elements, (dim + 1, n)."""
+    t = mesh.t[:, elements]
+    return np.hstack([t[list(part)] for part in _PARTS[mesh.dim(), len(t)]])
+
+
+def _interpolated(mesh: Mesh, elements: ndarray, nodal: ndarray, points: ndarray) -> ndarray:
+    """Return nodal values at points (dim, n), linear on the simplices of elements."""
+    corners = simplices(mesh, elements)
+    p = mesh.p[:, corners]
+    inverse = np.linalg.inv((p[:, 1:] - p[:, :1]).transpose(2, 0, 1))
+    tree = cKDTree(p.mean(axis=1).T)
+    result, lost = np.empty(points.shape[1]), np.arange(points.shape[1])
+    for tried in (*(n for n in _TRIED if n < len(inverse)), len(inverse)):
+        near = tree.query(points[:, lost].T, tried)[1].reshape(len(lost), -1)
+        outside = np.full(len(lost), np.inf)
+        for candidate in near.T:
+            local = np.einsum("nij,jn->in", inverse[candidate], points[:, lost] - p[:, 0, candidate])
+            weights = np.vstack((1.0 - local.sum(axis=0), local))
+            better = -weights.min(axis=0) < outside
+            outside[better] = -weights.min(axis=0)[better]
+            result[lost[better]] = (weights * nodal[corners[:, candidate]]).sum(axis=0)[better]
+        lost = lost[outside > (_ROUND_OFF if tried < min(_TRIED[-1], len(inverse)) else _CURVED)]
+        if len(lost) == 0:
+            return result
+    raise ValueError(f"{len(lost)} points lie outside of the porous ground, the first is {place(points[:, lost[0]])}")
+
+
+def _zero_lines(mesh: Mesh, elements: ndarray, values: ndarray) -> list[ndarray]:
+    """Return polylines between nodes of negative and of other values, (n, 2) each, from left to right."""
+    from matplotlib.figure import Figure  # half a second, for pictures only
+    from matplotlib.tri import Triangulation
+
+    if mesh.dim() != 2:
+        raise ValueError("a free surface is a line in plane flow only")
+    corners = simplices(mesh, elements).T
+    negative = values[corners] < 0.0
+    if negative.all() or not negative.any():
+        return []
+    x, y = mesh.p[:, :len(values)]
+    lines = Figure().add_subplot().tricontour(Triangulation(x, y, corners), np.nan_to_num(values), [0.0]).allsegs[0]
+    return sorted(map(_cleaned, lines), key=lambda line: -np.linalg.norm(np.diff(line, axis=0), axis=1).sum())
+
+
+def _cleaned(line: ndarray) -> ndarray:
+    """Return a line from left to right, or from below, without points that coincide with the one before."""
+    if tuple(line[-1]) < tuple(line[0]):
+        line = line[::-1]
+    kept = np.ones(len(line), dtype=bool)
+    kept[1:] = np.linalg.norm(np.diff(line, axis=0), axis=1) > 1e-12 * np.ptp(line, axis=0).max()
+    return line[kept] if kept.sum() > 1 else line

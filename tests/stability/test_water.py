@@ -47,8 +47,8 @@ def test_tight_core(core):
         sc.water.seepage(Basis(mesh, ElementTriP1()), k, {"left": 10.0}, seepage_face="right", unit_weight=9.81)
     mesh = mesh.with_subdomains({"wet": lambda x: x[0] < 6})
     mesh = mesh.with_boundaries({"drained": mesh.facets_satisfying(lambda x: np.isclose(x[0], 6))})
-    water = sc.water.seepage(Basis(mesh, ElementTriP1()).with_elements("wet"), k, {"left": 10.0}, seepage_face="drained",
-                             unit_weight=9.81)
+    wet = Basis(mesh, ElementTriP1()).with_elements("wet")
+    water = sc.water.seepage(wet, k, {"left": 10.0}, seepage_face="drained", unit_weight=9.81)
     assert water.discharge("left") == pytest.approx(50 / (4 + 2 / core), rel=5e-3)
     assert water.discharge("drained") == pytest.approx(-water.discharge("left"), rel=1e-8)
 
@@ -138,8 +138,9 @@ def test_distorted_meshes(kind, rng):
     assert flow(graded, {"left": 10.0, "right": 2.0}).discharge("left") == pytest.approx(4.8, rel=0.01)
 
 
-@pytest.mark.parametrize("law", [sc.water.Ramp(0.1), sc.water.Ramp(4.0), sc.water.Ramp(least=1e-7), sc.water.Ramp(least=0.1),
-                                 sc.water.VanGenuchten(0.5, 1.5), sc.water.VanGenuchten(10.0, 4.0)], ids=repr)
+@pytest.mark.parametrize("law", [sc.water.Ramp(0.1), sc.water.Ramp(4.0), sc.water.Ramp(least=1e-7),
+                                 sc.water.Ramp(least=0.1), sc.water.VanGenuchten(0.5, 1.5),
+                                 sc.water.VanGenuchten(10.0, 4.0)], ids=repr)  # fmt: skip
 @pytest.mark.parametrize("kind", [MeshTri, MeshQuad])
 def test_retention(law, kind):
     """Sharp and blunt transitions between wet and dry: what water the blunt ones let pass above is within 7 %."""

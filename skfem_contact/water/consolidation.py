@@ -12,61 +12,56 @@ from scipy.sparse import csr_matrix, diags_array
 from skfem import CellBasis
 from typing_extensions import override
 
-from ..checks import check_basis, check_quadrature
+from ..checks import check_basis, check_quadrature, positive
 from ..errors import Remark
 from ..forms.base import Form, Response
-from ..layout import Field, FieldDofs, elements_of, nodes
+from ..layout import Field, FieldDofs, elements_of, linear_element, nodes
 from ..sparse import with_data
-from .conditions import Given, nodes_on, values_at
+from .boundary import Given, exchange, nodes_on, values_at
 from .darcy import Permeability, permeability_tensors, regions
-from .drainage import drainage_remarks
 from .porous import PRESSURE, PoreState, Porous, Surroundings
 
 #: Water out of balance is measured by what nodes store in a step, or by this share of what flows in and out of them: at
 #: the usual tolerance that is 1e-14, its round-off in ground a small part of which is 1e8 times as permeable.
 _FLOWING = 1e-6
+#: Degrees of consolidation, T = c_v t / H², that no stage of an analysis has in any sensible units.
+_LEAST, _MOST = 1e-10, 1e8
+#: From here on round-off of the pressures moves as much water as the ground holds.
+_LOST = 1e12
 
 
 class PoreWater(Form):
-    r"""Water in the pores of saturated ground: pressed out where this is compressed, it flows by Darcy's law.
+    r"""Water in the pores of saturated ground, which consolidates by Darcy's law.
 
-    It stands beside the solids, whose stresses are effective. With the excess pore pressure p, positive in compression,
+    The form goes with solids, whose stresses are effective. With the excess pore pressure p, positive in
+    compression,
 
     .. math:: \operatorname{div}(\sigma' - p\, I) + b = 0, \qquad
               \operatorname{div} \dot u + S\, \dot p = \operatorname{div}\left(\frac{k}{\gamma_w} \nabla p\right) .
 
-    The pressure counts from that of the water at the beginning, which is part of the load (:func:`water_load`): from
-    hydrostatic pressure or steady seepage. It is a field of dofs besides the displacements, linear between the
-    vertices of the mesh, and held like a displacement: fixed :meth:`dofs` are drained, and :meth:`prescribed` changes
-    a level with a stage. Every stage needs a ``duration``; its steps are of second order in
-    time, and as short as `time_error` asks for. In a search for a collapse the pressures stay as they are.
+    The excess is counted from the pressure at the beginning, hydrostatic or of steady seepage, which is part of the
+    load (:func:`water_load`). It is a field of dofs, linear between the vertices of the mesh. Fixed :meth:`dofs` are
+    drained, and :meth:`prescribed` changes a level with a stage. Every stage needs a ``duration``; its steps are of
+    second order in time, and as short as `time_error` requires. Searches for a collapse keep the pressures.
 
     Parameters
     ----------
     basis
-        ``Basis`` of the displacements, whole or restricted to what is porous.
+        ``Basis`` of the displacements, whole or restricted to the porous ground.
     permeability
         Permeability (length per time): a number, numbers along the axes, ``(kh, kv)``, or a tensor (dim, dim); one for
         all ground or by subdomain.
     unit_weight
-        Of water (force per volume).
+        Unit weight of water (force per volume).
     storage
         Compressibility of the water, its porosity over its bulk modulus (1 / stress), not negative; one for all ground
         or by subdomain.
     time_error
-        Error of a step in time that is allowed, estimated by a method of first order, as a share of the water that the
-        pressures can press out. Of Terzaghi's settlement 0.13 % is then wrong at most.
+        Allowed error of a step in time, estimated by a method of first order, as a share of the water that the
+        pressures can press out. Terzaghi's settlement is then wrong by 0.13 % at most.
     connected
-        Pairs of boundaries of bodies that share no nodes, closed or open, through which water passes freely, as in
-        :func:`seepage`. It presses on both sides, so that contact there carries the effective stress. Other joints are
-        tight, and contact there carries the water's pressure as well.
-
-    Raises
-    ------
-    ValueError
-        Permeabilities that are not positive and finite, a negative storage, unknown subdomains; when an analysis
-        begins: a stage without duration, ground without a solid or with an :class:`Undrained` one, pressures that
-        nothing determines.
+        Pairs of boundaries of bodies that share no nodes, closed or open, between which water passes freely: their
+        contact transfers the effective stress. Contact of other boundaries is tight and transfers the total stress.
 
     Notes
     -----
@@ -98,8 +93,13 @@ class PoreWater(Form):
     """
 
     symmetric, second_order = True, True
-    _numbers: ndarray | None = None
+    size: int
+    carries: ndarray
+    porous: Porous
     capacity: ndarray
+    around: Surroundings | None = None
+    _numbers: ndarray | None = None
+    _duration: float | None = None
     _step: csr_matrix
 
     def __init__(self, basis: CellBasis, permeability: Permeability | Mapping[str, Permeability], *,
@@ -107,32 +107,28 @@ class PoreWater(Form):
                  time_error: float = 0.01, connected: Sequence[tuple[str, str]] = ()) -> None:
         check_basis(basis)
         check_quadrature(basis)
-        for what, value in (("unit weight of water", unit_weight), ("error in time", time_error)):
-            if not 0.0 < value < np.inf:
-                raise ValueError(f"the {what} must be positive, not {value!r}")
+        self.unit_weight = positive(unit_weight, "unit_weight")
+        self._time_error = positive(time_error, "time_error")
         self.mobility = permeability_tensors(basis, permeability) / unit_weight
         self.storage = np.zeros(basis.nelems)
         for part, value in regions(basis, storage, "storage"):
             if not 0.0 <= value < np.inf:
                 raise ValueError(f"the storage must be finite and not negative, not {value!r}")
             self.storage[part] = value
-        self._connected, usual = tuple(connected), ("full", "plane" if basis.mesh.dim() == 2 else "space")
-        self.porous = Porous.of(basis, usual, self.mobility, connected)
-        self.unit_weight, self._time_error = unit_weight, time_error
+        self.ground, self.pressures = basis, basis.with_element(linear_element(basis.mesh))
+        self._exchange = exchange(self.pressures, connected)
         self.nodes, self.joins = (np.arange(basis.N), basis.doflocs), np.zeros(0, int)
-        self._vertices = np.unique(self.porous.pressures.element_dofs)
-        coordinates = np.asarray(basis.mesh.p)[:, :self.porous.pressures.N]
+        self._vertices = np.unique(self.pressures.element_dofs)
+        coordinates = np.asarray(basis.mesh.p)[:, :self.pressures.N]
         self.size, self.fields = int(basis.N), (Field(PRESSURE, coordinates, "pressure", shared=PRESSURE),)
-        self.around: Surroundings | None = None
-        self._duration: float | None = None
 
     def __repr__(self) -> str:
-        return f"<PoreWater {self.porous.basis.nelems} elements, {len(self._vertices)} pressures>"
+        return f"<PoreWater {self.ground.nelems} elements, {len(self._vertices)} pressures>"
 
     @property
+    @override
     def elements(self) -> ndarray:
-        """Numbers of the porous elements in the mesh, (n_elements,)."""
-        return elements_of(self.porous.basis)
+        return elements_of(self.ground)
 
     @property
     def first(self) -> int:
@@ -141,34 +137,18 @@ class PoreWater(Form):
             raise ValueError("the model numbers the pressures: take the water from model.forms or stage.forms")
         return int(self._numbers[0])
 
-    # -- questions of a user ---------------------------------------------------------------------------------
-
     def dofs(self, *boundaries: str) -> FieldDofs:
         """Return the pressures at the nodes of some boundaries, to be held; without any, all of them.
 
-        A boundary may be drains inside of the ground, facets of the mesh by any name.
-
-        Raises
-        ------
-        ValueError
-            A boundary that does not exist, or without porous ground.
+        Drains inside of the ground are boundaries too: facets of the mesh with a name.
         """
-        at = [self._at(name) for name in boundaries] or [self._vertices]
+        at = [nodes_on(self.pressures, name) for name in boundaries] or [self._vertices]
         return FieldDofs(self.fields[0], np.unique(np.concatenate(at)))
 
     def prescribed(self, pressures: Mapping[str, Given]) -> ndarray:
         """Return excess pressures on boundaries, for ``Stage.prescribed``, (N,), with zeros for all other dofs.
 
-        Parameters
-        ----------
-        pressures
-            By boundary, a number or a function of coordinates (dim, ...): where a level changes by dh,
-            unit_weight * dh.
-
-        Raises
-        ------
-        ValueError
-            As :meth:`dofs`; values that are not finite; water that no model has numbered.
+        They are numbers or functions of coordinates (dim, ...): unit_weight * dh where a level changes by dh.
         """
         values = np.zeros(self.size)
         values[self.first:] = self.at_boundaries(pressures)
@@ -179,7 +159,7 @@ class PoreWater(Form):
         coordinates = self.fields[0].coordinates
         values = np.zeros(coordinates.shape[1])
         for name, given in pressures.items():
-            at = self._at(name)
+            at = nodes_on(self.pressures, name)
             values[at] = values_at(given, coordinates[:, at], f"pressure of boundary '{name}'")
         return values
 
@@ -189,9 +169,9 @@ class PoreWater(Form):
         values[self._vertices] = x[self.first + self._vertices]
         return values
 
+    @override
     def pressure_at_nodes(self, x: ndarray) -> ndarray:
-        """The same at the nodes of the displacements, middles of edges among them, (N/dim,); zero elsewhere."""
-        basis, parts = self.porous.basis, self.porous.pressures
+        basis, parts = self.ground, self.pressures
         corners, local = nodes(basis), np.asarray(basis.elem.elem.doflocs).T
         values = np.zeros(basis.N // basis.mesh.dim())
         shapes = np.stack([np.broadcast_to(parts.elem.lbasis(local, j)[0], local.shape[1]) for j in range(parts.Nbfun)])
@@ -199,29 +179,23 @@ class PoreWater(Form):
         return values
 
     def inflow(self, state: PoreState, boundary: str | None = None) -> float:
-        """Water that has entered the ground since it became active; negative what has left it.
-
-        Parameters
-        ----------
-        state
-            A state of this form.
-        boundary
-            Where; by default everywhere.
-        """
-        return float((state.entered if boundary is None else state.entered[self._at(boundary)]).sum())
+        """Return the water that has entered since the ground became active, on one boundary or in all."""
+        return float((state.entered if boundary is None else state.entered[nodes_on(self.pressures, boundary)]).sum())
 
     def volume(self, state: PoreState) -> float:
-        """Water that the ground has more than when it became active: the growth of its pores, if water is rigid."""
+        """Return the growth of the stored water since the ground became active."""
         return float((state.stored - state.first).sum())
 
-    def _at(self, boundary: str) -> ndarray:
-        return nodes_on(self.porous.pressures, boundary)
-
-    # -- questions of an analysis ----------------------------------------------------------------------------
-
+    @override
     def completed(self, forms: Mapping[str, Form]) -> PoreWater:
-        """Return the form with the stiffness of the ground, by which pressures are scaled and stabilised."""
-        return self if self.around is not None else self._among(Surroundings.of(self.porous.basis, forms))
+        if self.around is not None:
+            return self
+        for name, other in forms.items():
+            if isinstance(other, PoreWater) and other is not self and \
+                    (n := len(np.intersect1d(other.elements, self.elements))):
+                raise ValueError(f"'{name}' is PoreWater of {n} of the same elements: their water would count twice; "
+                                 "replace water by Stage(change=...)")
+        return self._in(Surroundings.of(self.ground, forms))
 
     @override
     def numbered(self, numbers: Mapping[Field, ndarray]) -> PoreWater:
@@ -230,17 +204,16 @@ class PoreWater(Form):
         new.size, new.carries = int(new._numbers[-1]) + 1, new._numbers[self._vertices]
         return new
 
+    @override
     def continues(self, old: Form) -> PoreWater:
-        """The form in the place of one of the same ground, from whose pressures it goes on."""
         if not isinstance(old, PoreWater) or not np.array_equal(old._vertices, self._vertices):
             raise ValueError("its elements are others")
-        return self if old.around is None else self._among(old.around)
+        return self if old.around is None else self._in(old.around)
 
-    def _among(self, around: Surroundings) -> PoreWater:
-        """The form, complete."""
-        new, basis = copy(self), self.porous.basis
-        new.around, new.coordinates = around, around.measure[1]  # type: ignore[assignment]
-        new.porous = Porous.of(basis, around.measure, self.mobility, self._connected)
+    def _in(self, around: Surroundings) -> PoreWater:
+        new, basis = copy(self), self.ground
+        new.around, new.coordinates = around, around.measure[1]
+        new.porous = Porous.of(basis, self.pressures, around.measure, self.mobility, *self._exchange)
         new.capacity = new.porous.at_nodes(1.0 / around.modulus + self.storage)
         size = basis.dx.sum(axis=1) ** (1.0 / basis.mesh.dim())
         new.fields = (replace(self.fields[0], scale=float(around.modulus.mean() / size.mean())),)
@@ -248,7 +221,7 @@ class PoreWater(Form):
 
     @cached_property
     def _kept(self) -> csr_matrix:
-        """Less what the ground and the water store, symmetric with what the pressures do to the ground."""
+        """Negative storage, with the coupling between pressures and displacements: symmetric."""
         assert self.around is not None
         parts = self.porous
         kept = self.storage[:, None, None] * parts.mass
@@ -258,29 +231,55 @@ class PoreWater(Form):
 
     @cached_property
     def _passing(self) -> csr_matrix:
-        """Less what flows, on the same pattern."""
+        """Negative flow, on the same pattern."""
         return self.porous.symmetric(self.first, 0.0 * self.porous.coupling, -self.porous.flow, -1.0)
 
     @cached_property
     def _gross(self) -> csr_matrix:
-        """Sizes of what flows."""
         return abs(self._passing)
 
+    @override
     def check_stage(self, fixed: ndarray, held: ndarray, duration: float) -> Iterator[Remark]:
-        """Drainage and the time that it takes; see :func:`~skfem_contact.water.drainage.drainage_remarks`."""
-        return drainage_remarks(self, fixed, held, duration)
+        if not duration > 0.0:
+            raise ValueError("PoreWater needs time: give Stage(duration=...), a short one for an instantaneous change, "
+                             "or activate the water in a later stage")
+        if np.isin(self.ground.element_dofs, held).any():
+            raise ValueError(f"PoreWater is active in inactive ground: {self!r}")
+        around, drained = self.around, np.intersect1d(fixed, self.carries)
+        assert around is not None
+        if not (len(drained) or self.storage.any() or self.porous.strains(fixed[fixed < self.ground.N])):
+            raise ValueError("the pore pressure is not determined: nothing is drained, the water cannot be compressed, "
+                             "and the ground can neither grow nor shrink; hold a pressure, `fixed` with "
+                             "water.dofs(...), or give a storage")
+        diffusivity = around.modulus * np.linalg.eigvalsh(self.mobility)[:, -1]
+        yield from _check_units(self, diffusivity, duration)
+        for name, joined in around.touching.items():
+            touched = self._vertices[np.isin(self.ground.nodal_dofs[0, self._vertices], joined)]
+            if len(pressed := np.setdiff1d(touched, np.append(drained - self.first, self.porous.open))):
+                yield Remark("friction", len(pressed),
+                             f"'{name}' transfers the pressure of the water as well, at {len(pressed)} nodes that are "
+                             "not drained: friction there counts the total stress, not the effective one")
+        if not (fixed >= self.first).any():
+            if not around.leaks:
+                yield Remark("sealed", 0.0, "no pore pressure is held: no water can leave the ground")
+            return
+        element, across = self.porous.across_facets(drained - self.first)
+        shortest = float((across**2 / 6.0 / diffusivity[element]).max(initial=0.0))  # Vermeer and Verruijt 1981
+        if duration < shortest:
+            yield Remark("short", shortest / duration, f"it ends after {duration:.3g}, less than h² / 6 c_v = "
+                         f"{shortest:.3g} of the elements at drained boundaries: pressures may be too high beside them")
 
+    @override
     def over(self, duration: float) -> PoreWater:
-        """The form of a step in time."""
         if not duration > 0.0:
             return self
-        kept, passing, _ = self._kept, self._passing, self._gross  # found once: the forms of all steps have them
+        kept, passing, _ = self._kept, self._passing, self._gross  # computed once, for the forms of all steps
         new = copy(self)
         new._duration, new._step = duration, with_data(kept, kept.data + duration * passing.data)
         return new
 
+    @override
     def initial_state(self, x: ndarray | None = None) -> PoreState:
-        """Undeformed ground without excess pressure, or ground that becomes active at some displacements."""
         zero = np.zeros(self.fields[0].n)
         if x is None:
             return PoreState(zero, zero, zero, zero)
@@ -288,13 +287,10 @@ class PoreWater(Form):
         return PoreState(stored, stored, zero, x[self.first:].copy())
 
     def assemble(self, x: ndarray, state: PoreState) -> Response:
-        """Forces of the pressures on the ground, and the water that leaves the nodes beyond what they have.
-
-        Without a duration the pressures stay as they are.
-        """
+        """Return forces on the ground and the water that leaves the nodes; without time pressures stay."""
+        first = self.first
         if self._duration is None:
             return self._standing(x, state)
-        first = self.first
         kept, flow = self._kept @ x, self._duration * (self._passing @ x)
         force = kept + flow
         force[first:] += state.stored
@@ -306,35 +302,48 @@ class PoreWater(Form):
                         lambda: self._step, measure=measure)
 
     def _standing(self, x: ndarray, state: PoreState) -> Response:
-        """Pressures that stay."""
-        held = np.zeros(self.size)
-        held[self.first:] = state.pressure
+        held = np.append(np.zeros(self.first), state.pressure)
         force = self._kept @ held
-        force[self.first:] = self.capacity * (x[self.first:] - state.pressure)
+        force[self.first:] = self.capacity * (x - held)[self.first:]
         return Response(force, lambda: replace(state, stored=-(self._kept @ x)[self.first:]),
                         lambda: csr_matrix(diags_array(np.append(np.zeros(self.first), self.capacity))))
 
+    @override
     def extrapolated(self, before: PoreState, found: PoreState, ratio: float) -> PoreState:
-        """Water `ratio` times as far from an earlier state as what was found."""
         return replace(found, stored=before.stored + ratio * (found.stored - before.stored),
                        entered=before.entered + ratio * (found.entered - before.entered))
 
+    @override
     def time_error(self, middle: PoreState, after: PoreState) -> tuple[float, float]:
-        """Water that a method of first order would have let flow besides; what flows or may yet be pressed out."""
         assert self._duration is not None
         change = np.append(np.zeros(self.first), after.pressure - middle.pressure)
         flowed = 0.5 * float(np.abs(after.entered - middle.entered).sum())
         water = max(flowed, *(float(self.capacity @ np.abs(state.pressure)) for state in (middle, after)))
         return 0.5 * self._duration * float(np.abs(self._passing @ change).sum()) / self._time_error, water
 
+    @override
     def rebased(self, x: ndarray, state: PoreState) -> PoreState:
-        """The state with its pressures, of ground that counts as undeformed from here on."""
         moved = x[:self.size].copy()
         moved[self.first:] = 0.0
         less = (self._kept @ moved)[self.first:]
         return replace(state, stored=state.stored + less, first=state.first + less)
 
+    @override
     def summary(self, state: PoreState) -> str:
-        """Range of the pressures, and water that has left the ground, for the table of a result."""
         p = state.pressure[self._vertices]
         return f"excess pressure {p.min():.4g} to {p.max():.4g}, {-self.volume(state):.4g} of water pressed out"
+
+
+def _check_units(water: PoreWater, diffusivity: ndarray, duration: float) -> Iterator[Remark]:
+    """Report a degree of consolidation that no analysis has; refuse it where round-off would hide the pressures."""
+    used = water.ground.mesh.p[:, np.unique(water.ground.mesh.t[:, water.elements])]
+    length = float(np.ptp(used, axis=1).max())
+    time = float(diffusivity.max()) * duration / length**2, float(diffusivity.min()) * duration / length**2
+    if time[0] >= _LEAST and time[1] <= _MOST:
+        return
+    worst = time[0] if time[0] < _LEAST else time[1]
+    text = (f"the stage ends after {worst:.1e} times H² / c_v, with c_v from {diffusivity.min():.3g} to "
+            f"{diffusivity.max():.3g}: are permeability, stiffness and duration in the same units?")
+    if worst > _LOST:
+        raise ValueError(text)
+    yield Remark("units", abs(np.log10(worst)), text)

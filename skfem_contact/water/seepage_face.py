@@ -1,0 +1,112 @@
+"""Seepage faces of consolidating ground: boundaries that water leaves and does not enter."""
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from copy import copy
+from typing import Any
+
+import numpy as np
+from numpy import ndarray
+from scipy.sparse import csr_matrix
+from typing_extensions import override
+
+from ..checks import names_of
+from ..forms.base import Form, Response
+from ..layout import Field
+from .boundary import Given
+from .consolidation import PoreWater
+
+#: Conductance of the face over that of the ground beside it: pressures exceed zero by a hundredth of the drop in an
+#: element. By 1e4, and steps of 1e4 h² / c_v, SuperLU has been seen to pass LAPACK illegal sizes.
+_OPEN = 1e2
+
+
+class SeepageFace(Form):
+    r"""Boundary that water leaves if its pressure would be positive, and does not enter.
+
+    The condition is that of contact, with the pressure for the gap: the outflow at the nodes is
+    :math:`c \langle p_0 + p \rangle`, with the pressure :math:`p_0` at the beginning and the excess p of
+    :class:`PoreWater`. Fixed dofs, such as those under a level, are not affected.
+
+    Parameters
+    ----------
+    water
+        Water of the ground.
+    boundaries
+        Names of boundaries.
+    pressure
+        Pore pressure there at the beginning, a number or a function of coordinates (dim, n): :func:`hydrostatic`.
+
+    Examples
+    --------
+    Water leaves a layer under load, and none returns after the load: the ground keeps its settlement.
+
+    >>> import numpy as np
+    >>> from skfem import Basis, ElementTriP2, ElementVector, MeshTri
+    >>> import skfem_contact as sc
+    >>> mesh = MeshTri.init_tensor(np.array([0., .1]), np.linspace(0, 1, 6)).with_defaults()
+    >>> basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
+    >>> pores = sc.PoreWater(basis, permeability=1e-4, unit_weight=10.)
+    >>> forms = {"clay": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.)), "water": pores,
+    ...          "face": sc.water.SeepageFace(pores, "top", 0.)}
+    >>> load = sc.traction(basis, "top", (0., -100.))
+    >>> stages = [sc.Stage("load", load, duration=100.), sc.Stage("unload", 0 * load, duration=100.)]
+    >>> result = sc.Model(forms, sc.box_supports(basis, base="rollers")).run(stages)
+    >>> top = basis.get_dofs("top").all("u^2")
+    >>> [round(float(stage.x[top].mean()), 4) for stage in result]
+    [-0.01, -0.01]
+    """
+
+    symmetric, second_order, unilateral = True, True, True
+    _at: ndarray
+    _conductance: ndarray
+    _duration = 0.0
+
+    def __init__(self, water: PoreWater, boundaries: str | Collection[str], pressure: Given = 0.0) -> None:
+        self._water, names = water, names_of(boundaries)
+        self.size, self.borrowed = water.ground.N, water.fields
+        self._vertices = water.dofs(*names).indices if names else np.zeros(0, int)
+        self._limit = -water.at_boundaries(dict.fromkeys(names, pressure))[self._vertices]
+
+    def __repr__(self) -> str:
+        return f"<SeepageFace {len(self._vertices)} nodes>"
+
+    @override
+    def completed(self, forms: Mapping[str, Form]) -> SeepageFace:
+        return self._in(self._water.completed(forms))
+
+    @override
+    def continues(self, old: Form) -> SeepageFace:
+        super().continues(old)
+        return self._in(old._water)  # type: ignore[attr-defined]
+
+    def _in(self, water: PoreWater) -> SeepageFace:
+        """Return the face with the conductance of its ground."""
+        new = copy(self)
+        new._water, new._conductance = water, _OPEN * water.porous.conductance[self._vertices]
+        return new
+
+    @override
+    def numbered(self, numbers: Mapping[Field, ndarray]) -> SeepageFace:
+        new = copy(self)
+        new.joins = new._at = numbers[self.borrowed[0]][self._vertices]
+        new.size = None
+        return new
+
+    @override
+    def over(self, duration: float) -> SeepageFace:
+        new = copy(self)
+        new._duration = duration
+        return new
+
+    @override
+    def initial_state(self, x: ndarray | None = None) -> None:
+        return None
+
+    @override
+    def assemble(self, x: ndarray, state: Any) -> Response:
+        above, n = x[self._at] - self._limit, len(x)
+        force, slope = np.zeros(n), np.where(above > 0.0, -self._duration * self._conductance, 0.0)
+        force[self._at] = slope * above
+        K = csr_matrix((slope, (self._at, self._at)), shape=(n, n))
+        return Response(force, lambda: None, lambda: K, active=(above > 0.0).tobytes())
