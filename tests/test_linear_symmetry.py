@@ -9,7 +9,6 @@ from helpers import grid, rough_pair, run_stages, vector_basis
 import skfem_contact as sc
 from skfem_contact.contact.regularisation import Stabilised
 from skfem_contact.nonlinear.system import System
-from skfem_contact.stages.setup import build_system
 
 ASSOCIATED = {
     "elastic": sc.LinearElastic(E=1e3, nu=0.3),
@@ -61,7 +60,8 @@ def slope(material):
 def test_forms_that_say_nothing_are_not_symmetric() -> None:
     """Contact with friction has no symmetric tangent, whatever the bodies."""
     forms, _, fixed = slope(ASSOCIATED["Mohr-Coulomb"])
-    system = build_system(forms, fixed)
+    model = sc.Model(forms, fixed)
+    system = model.checked_system(model.forms, model.fixed)
     assert system.symmetric
     assert not system.with_forms({**forms, "more": sc.Form()}).symmetric
     assert not system.with_forms(slope(OTHERS["Mohr-Coulomb"])[0]).symmetric

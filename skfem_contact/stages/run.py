@@ -39,42 +39,56 @@ def run(setup: Setup, stages: Sequence[Stage], start: Result | StageResult | Non
     last = among(setup, done[-1]) if done else _nothing(phases[0])
     if done:
         check_start(phases[0].before, last)
+    system, predictor = None, None
     with Remarks(stacklevel=4) as remarks:
         for stage, phase in zip(stages, phases, strict=True):
             lost = np.zeros(len(last.x))
             if phase.changed or (stage is stages[0] and state_changes(phase, last)):
                 x, states, lost = begin(setup.layout, phase, last)
                 last = replace(last, x=x, states=states)
-            unreleased = lost if last.unreleased is None else lost + last.unreleased
-            if phase.changed or stage is stages[0]:
+            if system is None or predictor is None or phase.changed:
                 system = setup.system(phase.forms, phase.fixed)
                 predictor = Predictor(system.fixed)
                 predictor.accept(last.x, last.load, last.time)
             remarks.add(stage.name, "the stage", phase.remarks)
             last = replace(last, name=stage.name, iterations=(), fraction=0.0, forms=system.forms, increments=())
-            kept: list[StageResult] = []
+            unreleased = lost if last.unreleased is None else lost + last.unreleased
+            left = (1.0 - stage.release) * unreleased
+            path = _path(phase, last, system.fixed, lost, left)
+            increments = _increments(system, predictor, stage, path, last, setup.newton or Newton())
             try:
-                with progress_bar(progress, total=1.0, desc=stage.name,
-                                  bar_format="{desc:16} {percentage:3.0f}% |{bar}|{postfix}") as bar:
-                    path = _path(phase, last, system.fixed, lost, (1.0 - stage.release) * unreleased)
-                    for accepted in _increments(system, predictor, stage, path, last, setup.newton or Newton()):
-                        last = accepted
-                        if _keeps(stage, last):
-                            kept.append(last)
-                        bar.update(last.fraction - bar.n)
-                        bar.set_postfix_str(f"{len(last.iterations)} increments, {sum(last.iterations)} iterations")
-                        if on_increment is not None:
-                            on_increment(last)
+                last = _followed(increments, stage, last, on_increment, progress)
             except (NotConverged, KeyboardInterrupt) as error:
-                error.result = Result((*done, replace(last, increments=tuple(kept))))  # type: ignore[union-attr]
+                last = error.result  # type: ignore[union-attr]
+                error.result = Result((*done, last))  # type: ignore[union-attr]
                 raise
             finally:  # what contact found, or did not find, may be the reason
                 for name, form in system.forms.items():
                     remarks.add(stage.name, name, form.remarks(last.x[:form.size], last.states[name]))
-            left = (1.0 - stage.release) * unreleased
-            last = replace(last, increments=tuple(kept), unreleased=left if left.any() else None)
+            last = replace(last, unreleased=left if left.any() else None)
             done.append(last)
     return Result(tuple(done))
+
+
+def _followed(increments: Iterator[StageResult], stage: Stage, last: StageResult, on_increment: Observer | None,
+              progress: bool | None) -> StageResult:
+    """Return the end of a stage with the increments that it keeps; an error that stops it has the last one."""
+    kept: list[StageResult] = []
+    with progress_bar(progress, total=1.0, desc=stage.name,
+                      bar_format="{desc:16} {percentage:3.0f}% |{bar}|{postfix}") as bar:
+        try:
+            for accepted in increments:
+                last = accepted
+                if _keeps(stage, last):
+                    kept.append(last)
+                bar.update(last.fraction - bar.n)
+                bar.set_postfix_str(f"{len(last.iterations)} increments, {sum(last.iterations)} iterations")
+                if on_increment is not None:
+                    on_increment(last)
+        except (NotConverged, KeyboardInterrupt) as error:
+            error.result = replace(last, increments=tuple(kept))  # type: ignore[union-attr]
+            raise
+    return replace(last, increments=tuple(kept))
 
 
 def among(setup: Setup, start: StageResult) -> StageResult:

@@ -25,6 +25,7 @@ from skfem import (
 )
 
 import skfem_contact as sc
+from skfem_contact.loads import Domain
 from skfem_contact.results import Result
 
 from .frames import Frame
@@ -154,8 +155,6 @@ def _contact(scene: Scene, basis: Basis, frame: Frame) -> dict[str, sc.Form]:
         "enforcement": sc.AugmentedLagrangian() if scene.augmented else None,
         "penalty": None if scene.penalty is None else scene.penalty * MODULUS * frame.stress / (HEIGHT * frame.length),
     }  # fmt: skip
-    if scene.kind == "axisymmetric":
-        options["axisymmetric"] = True
     names = ("base:top", "block:bottom") if scene.swapped else ("block:bottom", "base:top")
     if scene.both_ways:
         forms = dict(sc.ContactPair.two_pass(basis, *names, law, **options))
@@ -181,22 +180,22 @@ def _floor(scene: Scene, frame: Frame):
 def _stages(scene: Scene, drawn: Basis, frame: Frame) -> list[sc.Stage]:
     """The path, and what is built or dug at its end."""
     forces = partial(frame.forces, power=2 if scene.kind != "plane" else 1)
-    axial = scene.kind == "axisymmetric"
+    domain = Domain(drawn, scene.kind)
     bodies = [name for name in ("base", "block") if name in drawn.mesh.subdomains]
-    own = sc.weight(drawn, dict.fromkeys(bodies, WEIGHT), axisymmetric=axial)
+    own = sc.weight(domain, dict.fromkeys(bodies, WEIGHT))
     stages = []
     for k, (at, increments) in enumerate(zip(scene.path, scene.increments, strict=True)):
         load, x = own, None
         if scene.displaced:
             x = frame.displacements(_led(drawn, HEIGHT * STRAIN * np.array(at)))
         else:
-            load = own + sc.traction(drawn, "block:top", STRAIN * MODULUS * np.array(at), axisymmetric=axial)
+            load = own + sc.traction(domain, "block:top", STRAIN * MODULUS * np.array(at))
         stages.append(sc.Stage(str(k), forces(load), x, increments))
     if scene.built == "cap":
-        load = load + sc.weight(drawn, {"cap": WEIGHT})
+        load = load + sc.weight(domain, {"cap": WEIGHT})
         stages.append(sc.Stage("cap", forces(load), None, 1, activate=("cap", "seat")))
     if scene.built == "pit":
-        load = load - sc.weight(drawn, {"pit": WEIGHT})
+        load = load - sc.weight(domain, {"pit": WEIGHT})
         stages.append(sc.Stage("pit", forces(load), None, 2, deactivate="pit"))
     return stages
 
