@@ -94,8 +94,9 @@ def loaded_start(setup: Setup, load: Any, start: Result | StageResult | None) ->
     states = {name: form.initial_state() for name, form in system.forms.items()} if last is None else last.states
     held = {name: form.fixed_geometry(x, states[name]) for name, form in system.forms.items()}
     in_place, states = ({name: pair[i] for name, pair in held.items()} for i in (0, 1))
-    weight, resumed = setup.weights(active), last is not None and load is None
-    on_top = setup.vector(last.load, "the load of the start") - weight if resumed else setup.load(load)
+    weight = setup.weights(active)
+    on_top = setup.load(load) if last is None or load is not None else \
+        setup.vector(last.load, "the load of the start") - weight
     if not (weight + on_top).any():
         what = "the load is zero" if load is not None else "there is no load"
         raise ValueError(f"{what}: give a `load`, unit weights of the forms, or a loaded `start`")

@@ -198,6 +198,11 @@ def solids_of(forms: Mapping[str, Form]) -> dict[str, Any]:
     return {name: form for name, form in forms.items() if form.basis is not None}
 
 
+def pairs_of(forms: Mapping[str, Form]) -> dict[str, Any]:
+    """Return the contact pairs."""
+    return {name: form for name, form in forms.items() if form.law is not None}
+
+
 def responses_of(forms: Mapping[str, Form], x: ndarray, states: Mapping[str, Any]) -> dict[str, Response]:
     """Return the responses of the forms among all dofs."""
     return {name: form.assemble(x[:form.size], states[name]).padded(len(x)) for name, form in forms.items()}

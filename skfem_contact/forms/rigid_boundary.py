@@ -54,6 +54,8 @@ class RigidBoundary(MatrixForm):
     ['-0.0197', '-0.0003']
     """
 
+    _multipliers: ndarray  # numbered by the model
+
     def __init__(self, basis: CellBasis, boundary: str, rotates: bool = True) -> None:
         check_basis(basis)
         self._dofs = np.unique(basis.get_dofs(facets_of(basis.mesh, boundary)).all())  # node by node

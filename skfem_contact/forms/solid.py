@@ -20,9 +20,9 @@ from ..materials import Material, Update
 from ..materials.base import PLASTIC_STRAIN, Flow, updated
 from ..materials.spectral import largest_shear
 from .assembly import Pattern, element_stiffness, force_matrix
-from .base import Coordinates, Form, Response
+from .base import Form, Response
 from .regions import Region, by_region, changed_moduli, check_materials, inherited, region_of
-from .strain import Measure, has_corners_only, strain_of, strain_operator
+from .strain import Coordinates, Measure, has_corners_only, strain_of, strain_operator
 
 #: Round-off of the forces of a displaced body, relative to those of its displacements taken one by one.
 _ROUND_OFF = 8 * np.finfo(float).eps
@@ -160,7 +160,7 @@ class SolidForm(Form):
             raise ValueError(f"{np.isnan(gamma).sum()} elements of the regions {missing} have no unit weight: give one "
                              "for each subdomain, 0 for a weightless one")
         size = float(np.linalg.norm(acceleration))
-        return size * weight(self, self.unit_weight, acceleration / size) if size else np.zeros(self.size)
+        return size * weight(self, self.unit_weight, acceleration / size) if size else np.zeros(self.basis.N)
 
     @override
     def reduced(self, factor: float, flow: str, names: Collection[str]) -> SolidForm:

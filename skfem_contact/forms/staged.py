@@ -135,12 +135,15 @@ class Reducible:
     Attributes
     ----------
     materials
-        Materials by the name of their region.
+        Materials of a solid by the name of their region; empty for other forms.
+    law
+        Law of a contact pair; None for other forms.
     strengths
         Names of the parts whose strength can be reduced, ``""`` for the form as a whole.
     """
 
     materials: Mapping[str, Any] = MappingProxyType({})
+    law: Any = None
     strengths: tuple[str, ...] = ()
 
     def reduced(self: Self, factor: float, flow: str, names: Collection[str]) -> Self:

@@ -13,7 +13,7 @@ from skfem import CellBasis, Mesh
 
 from ..contact.laws import Coulomb, Tied
 from ..contact.pair import ContactPair
-from ..forms.base import reduced_parts
+from ..forms.base import as_forms, pairs_of, reduced_parts
 from ..forms.solid import SolidForm
 from ..materials.base import Flow, Material
 from .model import Loads, Model, Site
@@ -68,8 +68,9 @@ def read(forms: Mapping[str, Any], fixed: ndarray, loads: Callable[[Site], Loads
 
 def _by_kind(forms: Mapping[str, Any]) -> tuple[dict[str, SolidForm], dict[str, ContactPair]]:
     """Return solids and contact pairs; refuse other forms."""
-    solids = {name: form for name, form in forms.items() if isinstance(form, SolidForm)}
-    pairs = {name: form for name, form in forms.items() if isinstance(form, ContactPair)}
+    forms = as_forms(forms)
+    solids: dict[str, Any] = {name: form for name, form in forms.items() if form.materials}
+    pairs = pairs_of(forms)
     for name in set(forms) - set(solids) - set(pairs):
         raise ValueError(f"there are no bounds with '{name}', a {type(forms[name]).__name__}: they know solids and "
                          "contact pairs")
@@ -127,7 +128,7 @@ def _unknowns(fixed: ndarray, basis: CellBasis) -> ndarray:
     """Return fixed dofs, checked."""
     fixed = np.unique(fixed)
     if len(fixed) == 0 or fixed[0] < 0 or fixed[-1] >= basis.N:
-        raise ValueError(f"fixed must hold numbers of unknowns from 0 to {basis.N - 1}"
+        raise ValueError(f"fixed must hold dofs from 0 to {basis.N - 1}"
                          + (": without supports there are no bounds" if len(fixed) == 0 else ""))
     return fixed
 

@@ -11,7 +11,6 @@ import numpy as np
 from numpy import ndarray
 
 from ..checks import check_basis, check_plane, look_up, names_of
-from ..forms.solid import SolidForm
 from ..results.fields import Water, basis_of, quantities, region_field, solids
 from ..results.result import Result, StageResult
 from .marks import Marks
@@ -281,7 +280,7 @@ def _check_dimension(basis: Any, space: bool, marks: dict[str, Any]) -> None:
 def only(stage: StageResult, bodies: Container[str]) -> StageResult:
     """Return a stage with some of its solids."""
     return replace(stage, forms={name: form for name, form in stage.forms.items()
-                                 if name in bodies or not isinstance(form, SolidForm)})
+                                 if name in bodies or not form.materials})
 
 
 def _headline(stage: StageResult, quantity: str, since: StageResult | None, water: Water | None = None) -> str:

@@ -10,6 +10,7 @@ from numpy import ndarray
 from skfem import CellBasis
 
 from ..checks import look_up
+from ..forms.base import solids_of
 from ..forms.solid import SolidForm
 from ..materials.spectral import largest_shear, principal_stresses
 from .files import StageData
@@ -119,7 +120,7 @@ def solids(stage: StageData) -> dict[str, SolidForm]:
     """Return the solids of a stage."""
     if not isinstance(stage, StageData):
         raise ValueError(f"one stage is needed, result[name of the stage], not {type(stage).__name__}")
-    there = {name: form for name, form in stage.forms.items() if isinstance(form, SolidForm) and name in stage.states}
+    there = {name: form for name, form in solids_of(stage.forms).items() if form.materials and name in stage.states}
     if not there:
         raise ValueError(f"there is no SolidForm in stage '{stage.name}', which holds {list(stage.states)}")
     return there

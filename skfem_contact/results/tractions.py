@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from ..contact import ContactPair, ContactState
 from ..contact.laws import Status
+from ..forms.base import pairs_of
 from ..surfaces.material_points import along_chain
 from ..surfaces.vectors import frame
 from .files import StageData
@@ -137,8 +138,8 @@ class Interface(NamedTuple):
 
 def interfaces(stage: StageData) -> dict[str, Interface]:
     """Return the contact pairs of a stage."""
-    return {name: _interface(form, stage.states[name]) for name, form in stage.forms.items()
-            if isinstance(form, ContactPair) and name in stage.states and form.slave.meshed}
+    return {name: _interface(form, stage.states[name]) for name, form in pairs_of(stage.forms).items()
+            if name in stage.states and form.slave.meshed}
 
 
 def _interface(pair: ContactPair, state: ContactState) -> Interface:

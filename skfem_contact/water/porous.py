@@ -11,8 +11,7 @@ from scipy.sparse import coo_matrix, csr_matrix, diags_array
 from skfem import CellBasis, FacetBasis
 
 from ..checks import place
-from ..forms.base import Form
-from ..forms.solid import SolidForm
+from ..forms.base import Form, solids_of
 from ..forms.strain import Coordinates, strain_operator
 from ..layout import elements_of
 from .darcy import radius
@@ -159,7 +158,7 @@ class Surroundings(NamedTuple):
         mesh, here = basis.mesh, elements_of(basis)
         modulus, shear = np.full((2, mesh.nelements), np.nan)
         measures = set()
-        for name, form in [(name, form) for name, form in forms.items() if isinstance(form, SolidForm)]:
+        for name, form in [(name, form) for name, form in solids_of(forms).items() if form.materials]:
             for region in form.regions:
                 elements = form.elements[region.elements]
                 D = region.material.elasticity(4 if mesh.dim() == 2 else 6)
