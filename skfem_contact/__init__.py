@@ -33,9 +33,9 @@ __version__ = "0.2.0"
 
 __all__ = [
     "AnalysisWarning", "AugmentedLagrangian", "Bar", "ContactPair", "Coulomb", "DruckerPrager", "Field", "Form",
-    "HardeningMohrCoulomb", "InterfaceLaw", "Internal", "LinearElastic", "Material", "MatrixForm", "Model", "MohrCoulomb", "Newton",
-    "NoEquilibrium", "NotConverged", "PoreWater", "Response", "RigidBoundary", "Sections", "SolidForm", "Spring",
-    "Stage", "Surface", "Tied", "Tresca", "Undrained", "VonMises", "box_supports", "dofs_at", "hydrostatic",
-    "join_bodies", "load_mesh", "load_result", "mesh", "results", "rigid", "testing", "traction", "water", "water_load",
-    "weight",
+    "HardeningMohrCoulomb", "InterfaceLaw", "Internal", "LinearElastic", "Material", "MatrixForm", "Model",
+    "MohrCoulomb", "Newton", "NoEquilibrium", "NotConverged", "PoreWater", "Response", "RigidBoundary", "Sections",
+    "SolidForm", "Spring", "Stage", "Surface", "Tied", "Tresca", "Undrained", "VonMises", "box_supports", "dofs_at",
+    "hydrostatic", "join_bodies", "load_mesh", "load_result", "mesh", "results", "rigid", "testing", "traction",
+    "water", "water_load", "weight",
 ]

@@ -82,7 +82,7 @@ class Field:
 
 @dataclass(frozen=True)
 class FieldDofs:
-    """Some dofs of a field, which the model numbers: ``Model(forms, [supports, water.dofs("top")])``."""
+    """Dofs of a field, which the model numbers: ``Model(forms, [supports, water.dofs("top")])``."""
 
     field: Field
     indices: ndarray
@@ -105,7 +105,7 @@ class Layout:
 
     @classmethod
     def of(cls, displacements: ndarray, brought: Iterable[Field] = ()) -> Layout:
-        """Number the fields behind the displacements at their coordinates, (dim, N)."""
+        """Number the fields after the displacements at their coordinates, (dim, N)."""
         fields = [Field("displacement", displacements)]
         for new in brought:
             twin = next((f for f in fields if _same(f, new)), None)
@@ -244,7 +244,7 @@ def dofs_at(basis: CellBasis, coordinates: ArrayLike, part: str | None = None) -
         if len(found) != 1:
             at = place(basis.doflocs[:, numbers[tree.query(point)[1]]])
             raise ValueError(f"there are {len(found)} nodes at {place(point)}" + (
-                "; tell by `part` which body is meant" if found else f"; the nearest one is at {at}"))
+                "; say by `part` which body is meant" if found else f"; the nearest one is at {at}"))
     return numbers[tree.query(x)[1]][:, None] + np.arange(dim)
 
 

@@ -14,7 +14,7 @@ from .checks import check_basis, facets_of, look_up, names_of, place
 from .errors import AnalysisWarning
 from .layout import elements_of, linear_element
 
-#: Pressure of water, positive: a function of places (2, ...), or values at the nodes of the mesh, (n_nodes,).
+#: Pressure of water, positive: a function of coordinates (2, ...), or values at the nodes of the mesh, (n_nodes,).
 Pressure = Callable[[ndarray], ndarray] | ndarray
 
 #: A basis, or whatever has a basis and coordinates, as solid forms have.
@@ -28,7 +28,7 @@ class Domain(NamedTuple):
     coordinates: str | None
 
 
-#: Facets that look up by more than this are a surface on which water can stand.
+#: Facets that look up by more than this are a surface that can be under water.
 _UPWARDS = 0.01
 
 
@@ -163,14 +163,14 @@ def hydrostatic(table: float | ArrayLike, unit_weight: float = 9.81) -> Callable
     Parameters
     ----------
     table
-        Height of the water table, or its points (x, height), (n, 2), from left to right; it goes on level at both ends.
+        Height of the water table, or its points (x, height), (n, 2), from left to right; level beyond its ends.
     unit_weight
         Of water (force per volume), positive.
 
     Returns
     -------
     callable
-        The pressure at places (dim, ...): zero above the table, below it the depth times the unit weight. The last
+        The pressure at coordinates (dim, ...): zero above the table, below it the depth times the unit weight. The last
         coordinate is the height.
 
     Raises
@@ -198,7 +198,7 @@ def hydrostatic(table: float | ArrayLike, unit_weight: float = 9.81) -> Callable
 
 
 def water_load(body: Body, pressure: Pressure, boundaries: str | Sequence[str] = ()) -> Load:
-    """Return the load vector of water in the pores and on boundaries, (N,); solids then carry the effective stress.
+    """Return the load vector of water in the pores and on boundaries, (N,); stresses are then effective.
 
     The total stress is the effective stress less the pore pressure in all directions. Soils below the water table
     get their saturated unit weight.
@@ -213,7 +213,7 @@ def water_load(body: Body, pressure: Pressure, boundaries: str | Sequence[str] =
         mesh, (n_nodes,), for example from a seepage analysis.
     boundaries
         Names of boundaries on which the water presses from outside: the surface of ground that is under water, and
-        both sides of a contact, which then carries the effective stress.
+        both sides of a contact, whose pressure is then effective.
 
     Raises
     ------

@@ -80,7 +80,7 @@ class Model(Setup):
                       name: str = "initial") -> Result:
         """Return a start with a given field of stresses; nothing has moved.
 
-        Where a material cannot bear a stress it is returned to the yield surface, and counted as yielded. Contact
+        Where a stress is not admissible it is returned to the yield surface, and counted as yielded. Contact
         pairs get the tractions that balance the stresses on both sides.
 
         Parameters
@@ -98,7 +98,7 @@ class Model(Setup):
         Returns
         -------
         Result
-            A start for :meth:`run`; its residual tells how good the equilibrium is. A stage with the same load, a
+            A start for :meth:`run`; its residual is that of the equilibrium. A stage with the same load, a
             *null step*, removes the rest.
 
         Warns
@@ -128,7 +128,7 @@ class Model(Setup):
             Pressure on the surface, that of water above it included.
         water
             Water at rest: its level, points of it, or the pore pressure as a function of the coordinates. Stresses are
-            then effective, everywhere. A wall that is wished in place begins as the ground in its place. Where the
+            then effective, everywhere. A wall that is wished in place begins as ground. Where the
             forms have unit weights the load of the water is added, otherwise `load` holds it.
 
         Raises
@@ -183,7 +183,7 @@ class Model(Setup):
         stages
             Stages in their order.
         start
-            Result to go on from, whose last stage is where the first stage starts, or one stage of a result. Forms
+            Result to continue, whose last stage is where the first stage starts, or one stage of a result. Forms
             that it does not hold are inactive.
         on_increment
             Function of every accepted increment, a :class:`StageResult`, such as ``sc.results.Append(file)``.
@@ -239,9 +239,9 @@ class Model(Setup):
         tolerance
             Width of the bracket; the curve is followed until a quarter of it is left.
         step
-            First step of the factor, at least `tolerance`: over less than that no curve can be told from its plateau.
+            First step of the factor, at least `tolerance`: over less than that a curve looks like its plateau.
         max_value
-            The search ends above this factor: what stands with so much less strength does not live on it.
+            The search ends above this factor: a structure with so much less strength does not depend on it.
         certify
             Prove bounds as well, :attr:`CollapseResult.proven`, before the search begins. The load must be the
             sum of weights of subdomains and tractions that are linear along named boundaries. Arguments of
@@ -285,7 +285,7 @@ class Model(Setup):
         """Multiply a load until the structure collapses.
 
         The work of the reference load is prescribed and its multiplier follows, until the curve of the multiplier
-        over the work has levelled off. The curve goes on where a load-controlled analysis ends.
+        over the work has levelled off. The curve continues where a load-controlled analysis ends.
 
         Parameters
         ----------
@@ -303,7 +303,7 @@ class Model(Setup):
         flow
             Flow rule. With psi < phi the law as given takes hundreds of iterations or stalls; one that is ``"lagged"``
             (Krabbenhoft and others 2012) does not, but must start from equilibrium with its own friction, and in long
-            steps it carries more than the given law: `max_step` keeps them short.
+            steps it resists more than the given law: `max_step` keeps them short.
         max_step
             Work of the longest step over that of the first one. Steps grow up to it.
         min_displacement
@@ -326,7 +326,7 @@ class Model(Setup):
                           progress)
 
     def is_stable(self, load: Any = None, *, start: Result | StageResult | None = None) -> bool:
-        """Return True if the structure carries its load: a factor of safety above 1, asked in one step.
+        """Return True if the structure resists its load: a factor of safety above 1, asked in one step.
 
         An equilibrium means True; displacements that run away along a mechanism, see :class:`NoEquilibrium`, mean
         False. Iterations that end in neither raise an error.

@@ -36,7 +36,11 @@ def limit() -> int:
     top, load = basis.get_dofs("top").all("u^2"), basis.zeros()
     load[top[basis.doflocs[0, top] < 1.1]] = -1.0
     fixed = np.append(basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1"))
-    return sc.Model({"soil": sc.SolidForm(basis, soil, strain="b_bar")}, fixed, solver="superlu").limit_load(load).iterations
+    return (
+        sc.Model({"soil": sc.SolidForm(basis, soil, strain="b_bar")}, fixed, solver="superlu")
+        .limit_load(load)
+        .iterations
+    )
 
 
 def two_bodies(gap: float, mu: float, penalty: float | None = None, **options: Any) -> tuple[Any, ...]:
@@ -60,14 +64,18 @@ def dropped() -> int:
     """A block that nothing but contact holds, above a gap, then pushed aside."""
     basis, forms, fixed = two_bodies(0.02, 0.4)
     weight, push = sc.weight(basis, {"base": 0.0, "block": 20.0}), traction(basis, "block:left", (4.0, 0.0))
-    return count(sc.Model(forms, fixed).run([sc.Stage("weight", weight), sc.Stage("push", weight + push, increments=3)]))
+    return count(
+        sc.Model(forms, fixed).run([sc.Stage("weight", weight), sc.Stage("push", weight + push, increments=3)])
+    )
 
 
 def hard() -> int:
     """Friction with a penalty a million times the stiffness."""
     basis, forms, fixed = two_bodies(0.0, 0.3, penalty=1e11)
     weight, push = sc.weight(basis, {"base": 0.0, "block": 200.0}), traction(basis, "block:left", (60.0, 0.0))
-    return count(sc.Model(forms, fixed).run([sc.Stage("weight", weight), sc.Stage("push", weight + push, increments=2)]))
+    return count(
+        sc.Model(forms, fixed).run([sc.Stage("weight", weight), sc.Stage("push", weight + push, increments=2)])
+    )
 
 
 def augmented() -> int:

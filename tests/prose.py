@@ -88,12 +88,12 @@ WORDS = {
 }  # fmt: skip
 #: Old names, in code as well.
 NAMES = {
-    "RigidFooting": "RigidBoundary", "PointStatus": "results", "SpaceSectionForces": "SectionForces",
+    "RigidFooting": "RigidBoundary", "SpaceSectionForces": "SectionForces",
     "FirstGeometry": "linearised contact", "HeldState": "linearised contact", "Easing": "regularisation",
-    "Answers": "a base class", "choose_penalties": "Model", "unknowns_at": "dofs_at", "reset_displacements": "reset",
+    "Answers": "a base class", "unknowns_at": "dofs_at", "reset_displacements": "reset",
     "goes_on": "continues", "goes_on_otherwise": "state_changes", "moved_back": "rebased",
-    "first_geometry": "fixed_geometry", "all_unknowns": "Layout", "rollers": "box_supports", "jacked": "prestressed",
-    "nu_u": "nu_undrained", "Kw": "bulk_modulus_water", "first_behind": "Layout",
+    "first_geometry": "fixed_geometry", "all_unknowns": "Layout", "jacked": "prestressed",
+    "Kw": "bulk_modulus_water", "first_behind": "Layout",
 }  # fmt: skip
 _WORDS = {re.compile(rf"(?<![\w.'’-])(?:{pattern})(?![\w-])", re.IGNORECASE): then for pattern, then in WORDS.items()}
 _NAMES = re.compile(rf"(?<!\w)({'|'.join(NAMES)})(?!\w)")

@@ -160,7 +160,9 @@ def test_yielding_soil(psi):
     stages = [sc.Stage("weight", sc.weight(basis, 20.0)),
               sc.Stage("tilted", sc.weight(basis, 20.0, direction=(0.8, 0.0, -0.6)), increments=2)]  # fmt: skip
     newton = sc.Newton(tolerance=1e-11)
-    direct, multigrid = (sc.Model(forms, fixed, solver=solver, newton=newton).run(stages)[-1] for solver in (None, "amg"))
+    direct, multigrid = (
+        sc.Model(forms, fixed, solver=solver, newton=newton).run(stages)[-1] for solver in (None, "amg")
+    )
     assert (direct.states["beam"].internal > 0).any()
     np.testing.assert_allclose(multigrid.x, direct.x, atol=SAME * np.abs(direct.x).max())
 

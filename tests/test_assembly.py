@@ -24,7 +24,7 @@ from skfem import (
 
 import skfem_contact as sc
 from skfem_contact.forms.assembly import Pattern, element_stiffness, force_matrix
-from skfem_contact.forms.strain import strain_operator
+from skfem_contact.forms.assembly import strain_operator
 
 # Both sides sum the same products in another order: some hundred roundings of 1e-16.
 ROUND_OFF = 1e-13
@@ -205,7 +205,9 @@ def smooth_punch(strain, n: int = 10) -> float:
     )
     sunk = basis.zeros()
     sunk[strip] = -0.08
-    stage = sc.Model({"clay": form}, fixed).run([sc.Stage("sink", basis.zeros(), sunk, increments=8)], progress=False)["sink"]
+    stage = sc.Model({"clay": form}, fixed).run([sc.Stage("sink", basis.zeros(), sunk, increments=8)], progress=False)[
+        "sink"
+    ]
     return float(-form.assemble(stage.x, stage.states["clay"]).force[strip].sum())
 
 

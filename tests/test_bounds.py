@@ -307,7 +307,9 @@ def test_what_has_no_bounds() -> None:
     forms, fixed = column(SOIL)
     basis = forms["soil"].basis
     with pytest.raises(ValueError, match="axially symmetric"):
-        sc.Model({"soil": sc.SolidForm(basis, SOIL, coordinates="axisymmetric")}, fixed).bounds(weight=20.0, progress=False)
+        sc.Model({"soil": sc.SolidForm(basis, SOIL, coordinates="axisymmetric")}, fixed).bounds(
+            weight=20.0, progress=False
+        )
     with pytest.raises(ValueError, match="no bounds with 'spring'"):
         spring = sc.Spring(basis, basis.doflocs[:, 0], 1.0)
         sc.Model(forms | {"spring": spring}, fixed).bounds(weight=20.0, progress=False)
@@ -326,7 +328,9 @@ def test_no_collapse() -> None:
     """Soil in a box cannot fail."""
     forms, _ = column(SOIL)
     with pytest.raises(ValueError, match="no collapse"):
-        sc.Model(forms, forms["soil"].basis.get_dofs({"left", "right", "bottom"}).all()).bounds(weight=1.0, progress=False)
+        sc.Model(forms, forms["soil"].basis.get_dofs({"left", "right", "bottom"}).all()).bounds(
+            weight=1.0, progress=False
+        )
 
 
 def test_a_gap_that_was_not_reached_is_warned_of() -> None:

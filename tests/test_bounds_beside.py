@@ -83,7 +83,9 @@ def test_what_is_not_distributed_is_refused() -> None:
         sc.Model(forms, fixed).strength_reduction(sc.weight(basis, 20.0), certify={"weight": 20.0}, progress=False)
     with pytest.raises(ValueError, match="HardeningMohrCoulomb"):
         hard = sc.HardeningMohrCoulomb(1e4, 0.3, c=20.0, c_end=5.0, phi=0.0, phi_end=0.0, strain_end=0.1)
-        sc.Model({"soil": sc.SolidForm(basis, hard)}, fixed).strength_reduction(sc.weight(basis, 20.0), certify=True, progress=False)  # fmt: skip
+        sc.Model({"soil": sc.SolidForm(basis, hard)}, fixed).strength_reduction(
+            sc.weight(basis, 20.0), certify=True, progress=False
+        )
 
 
 # -- bounds beside a search ---------------------------------------------------------------------------------

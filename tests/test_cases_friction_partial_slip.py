@@ -52,7 +52,9 @@ class Cylinders:
 
     def run(self, stages: list[sc.Stage], **options) -> Result:
         """The analysis."""
-        return sc.Model(self.forms, self.fixed, newton=sc.Newton(tolerance=1e-10)).run(stages, progress=False, **options)
+        return sc.Model(self.forms, self.fixed, newton=sc.Newton(tolerance=1e-10)).run(
+            stages, progress=False, **options
+        )
 
 
 def field(exact: PartialSlip, x, y):

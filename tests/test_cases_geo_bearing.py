@@ -45,7 +45,9 @@ def test_prandtl(phi, rough):
 def test_finer_mesh_halves_the_error():
     """[X] Case G1: from above, in proportion to the size of the elements, as the edge is singular."""
     exact = bearing_capacity(20.0)
-    coarse, fine = (analysis("limit_load", *footing(soil(20.0), n=n), progress=False).multiplier / exact - 1 for n in (3, 6))
+    coarse, fine = (
+        analysis("limit_load", *footing(soil(20.0), n=n), progress=False).multiplier / exact - 1 for n in (3, 6)
+    )
     assert 0 < fine < 0.6 * coarse
 
 
@@ -120,7 +122,9 @@ def test_load_beside_a_slope(beta):
 def test_footing_that_just_stands():
     """[X] Case G7: flat clay under (2 + pi) c; the factor is the error of the limit load on the same mesh."""
     forms, fixed, pressure = footing(soil(0.0))
-    result = sc.Model(forms, fixed).strength_reduction(bearing_capacity(0.0) * pressure, progress=False, tolerance=0.004)
+    result = sc.Model(forms, fixed).strength_reduction(
+        bearing_capacity(0.0) * pressure, progress=False, tolerance=0.004
+    )
     limit = sc.Model(forms, fixed).limit_load(pressure, progress=False).multiplier / bearing_capacity(0.0)
     assert result.factor == pytest.approx(limit, abs=0.003)  # both curves end up to 0.001 and 0.002 early
     assert 1.0 < result.factor < 1.02

@@ -23,7 +23,9 @@ def cavity(soil: sc.MohrCoulomb, far: float, pressures, n: int = 40):
     forms = {"ground": sc.SolidForm(basis, soil, coordinates="axisymmetric"), "far": Springs(springs.tocsr())}
     fixed = np.flatnonzero(np.arange(basis.N) % 2 == 1)
     homogeneous = np.array([-far, -far, -far, 0.0])[:, None, None]
-    start = sc.Model(forms, fixed).initial_state(far * (inside + outside), stress=lambda x: homogeneous * np.ones_like(x[0]))
+    start = sc.Model(forms, fixed).initial_state(
+        far * (inside + outside), stress=lambda x: homogeneous * np.ones_like(x[0])
+    )
     assert start[0].residual < 1e-12
     stages = [sc.Stage(f"{p:g}", p * inside + far * outside) for p in pressures]
     result = sc.Model(forms, fixed).run(stages, start=start, progress=False)

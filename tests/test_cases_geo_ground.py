@@ -51,7 +51,9 @@ def test_smooth_silo():
 def test_rough_silo(mu):
     """[X] Case J9: friction on the walls and the base bear the weight together, exactly; the base less than all."""
     basis, forms, load, fixed = silo(mu)
-    step = sc.Model(forms, np.append(fixed, middle(basis))).run([sc.Stage("gravity", load, None, 4)], **QUIET)["gravity"]
+    step = sc.Model(forms, np.append(fixed, middle(basis))).run([sc.Stage("gravity", load, None, 4)], **QUIET)[
+        "gravity"
+    ]
     pairs = choose_penalties(forms)
     vertical = np.arange(basis.N) % 2 == 1
     forces = {name: form.assemble(step.x, step.states[name]).force for name, form in pairs.items()}

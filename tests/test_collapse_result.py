@@ -41,7 +41,9 @@ def locked_ground():
 def test_locked_ground_has_no_factor(method):
     """[X] Full integration admits no mechanism of constant volume: the search ends at its bound, and says so."""
     with pytest.warns(sc.AnalysisWarning, match="no collapse was shown: .* max_value: there is no collapse below 20"):
-        found = analysis("strength_reduction", *locked_ground(), method=method, max_value=20.0, step=0.5, progress=False)
+        found = analysis(
+            "strength_reduction", *locked_ground(), method=method, max_value=20.0, step=0.5, progress=False
+        )
     assert found.stop.kind == "max_value" and 20.0 < found.factor < 200.0  # the last step may double its factor
 
 

@@ -173,7 +173,9 @@ def patch(element: str, quadrature, swapped: bool = False, **options):
     axis, at = np.arange(basis.N) % 3, basis.doflocs
     top = (axis == 2) & np.isclose(at[2], 2.0)
     fixed = np.any([(axis == c) & np.isclose(at[c], 0.0) for c in range(3)], axis=0) | top
-    result = sc.Model(forms, np.flatnonzero(fixed)).run([sc.Stage("press", basis.zeros(), np.where(top, -2e-3, 0.0))], progress=False)
+    result = sc.Model(forms, np.flatnonzero(fixed)).run(
+        [sc.Stage("press", basis.zeros(), np.where(top, -2e-3, 0.0))], progress=False
+    )
     return result[-1].states["blocks"].stress[2]
 
 

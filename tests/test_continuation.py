@@ -41,7 +41,10 @@ def test_column(phi, psi):
 def test_loads_scale():
     """[X] Ten times the reference load, a tenth of the multiplier."""
     forms, fixed, load = column(30.0, 30.0)
-    one, ten = sc.Model(forms, fixed).limit_load(load, progress=False), sc.Model(forms, fixed).limit_load(10 * load, progress=False)
+    one, ten = (
+        sc.Model(forms, fixed).limit_load(load, progress=False),
+        sc.Model(forms, fixed).limit_load(10 * load, progress=False),
+    )
     assert ten.multiplier == pytest.approx(0.1 * one.multiplier, rel=5e-3)  # both brackets are so wide
 
 

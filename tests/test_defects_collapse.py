@@ -119,7 +119,9 @@ def wall(stiffness, law):
         penalty = stiffness * 1e5, stiffness * 1e4
         forms[face] = sc.ContactPair(basis, f"ground:{face}", f"wall:{face}", law, "nodal", penalty=penalty)
     fixed = np.append(basis.get_dofs("bottom").all(), basis.get_dofs("sides").all("u^1"))
-    return sc.Model(forms, fixed).strength_reduction(sc.weight(basis, {"clay": 19.0, "wall": 25.0}), tolerance=0.01, progress=False)
+    return sc.Model(forms, fixed).strength_reduction(
+        sc.weight(basis, {"clay": 19.0, "wall": 25.0}), tolerance=0.01, progress=False
+    )
 
 
 FRICTION = sc.Coulomb(mu=0.3)

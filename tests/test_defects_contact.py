@@ -13,6 +13,7 @@ from skfem import FacetBasis, LinearForm, MeshQuad
 
 import skfem_contact as sc
 from skfem_contact.contact.penalty import choose_penalties
+from skfem_contact.results import StageResult
 
 
 def kinked_blocks(phase: float, mu: float):
@@ -83,7 +84,9 @@ def test_receding_contact(quadrature, element: str, n: int) -> None:
     ends = []
     for load in (1e-4, 1e-6):
         force = traction(basis, "strip", (0.0, -load))
-        stage = sc.Model(forms, basis.get_dofs("left").all("u^1")).run([sc.Stage("press", force)], progress=False)["press"]
+        stage = sc.Model(forms, basis.get_dofs("left").all("u^1")).run([sc.Stage("press", force)], progress=False)[
+            "press"
+        ]
         assert len(stage.iterations) == 1
         joint = stage.tractions("floor")
         ends.append(joint.x[joint.pressure > 1e-3 * joint.pressure.max()].max())
@@ -474,7 +477,9 @@ def test_a_disc_that_springs_hold_does_not_fall_through() -> None:
         "held": sc.Spring(basis, [(-1.0, 1.0), (1.0, 1.0)], stiffness=1.0),
     }
     load = sc.weight(basis, {"base": 0.0, "disc": 7.0})
-    stage = sc.Model(forms, basis.get_dofs("base:bottom").all()).run([sc.Stage("weight", load)], progress=False)["weight"]
+    stage = sc.Model(forms, basis.get_dofs("base:bottom").all()).run([sc.Stage("weight", load)], progress=False)[
+        "weight"
+    ]
     assert abs(stage.report("joint").force[1]) == pytest.approx(-load.sum(), rel=0.01)  # the springs carry a little
 
 

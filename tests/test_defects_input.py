@@ -274,7 +274,9 @@ def test_a_run_that_is_stopped_by_hand():
     basis, forms, load, fixed = model()
     forms["user"] = Impatient(basis.N, 40)
     with pytest.raises(KeyboardInterrupt) as stop:
-        sc.Model(forms, fixed).run([sc.Stage("first", load), sc.Stage("long", 2 * load, increments=1000)], progress=False)
+        sc.Model(forms, fixed).run(
+            [sc.Stage("first", load), sc.Stage("long", 2 * load, increments=1000)], progress=False
+        )
     assert 0.0 < stop.value.result["long"].fraction < 1.0
 
 

@@ -70,12 +70,12 @@ def walled(soil, mu=0.2):
         forms[side] = sc.ContactPair(basis, beam.sides[side], boundary, sc.Coulomb(mu=mu))
     foot = sc.layout.FieldDofs(beam.fields[0], np.array([1]))  # the foot does not sink
     fixed = [basis.get_dofs({"low:bottom", "high:bottom"}).all("u^2"), basis.get_dofs("high:right").all("u^1"), foot]
-    return sc.Model(forms, fixed), basis, beam
+    return sc.Model(forms, fixed), beam
 
 
 def test_beam_touches_soil_on_both_sides(tmp_path):
     """[X] A uniform pressure goes through the beam, which does not bend; a force at its head is borne by both sides."""
-    model, basis, beam = walled(sc.LinearElastic(E=1e3, nu=0.0))
+    model, beam = walled(sc.LinearElastic(E=1e3, nu=0.0))
     push = model.traction("low:left", (10.0, 0.0))
     result = model.run([sc.Stage("push", push)], **QUIET)
     for side in ("left", "right"):
@@ -97,7 +97,7 @@ def test_beam_touches_soil_on_both_sides(tmp_path):
 
 def test_beam_in_a_search():
     """[X] A load that the soil bears by 2 c: the factor with the beam between the blocks is that of the soil alone."""
-    model, basis, _ = walled(sc.Tresca(E=1e4, nu=0.3, c=10.0), mu=0.0)
+    model, _ = walled(sc.Tresca(E=1e4, nu=0.3, c=10.0), mu=0.0)
     found = model.strength_reduction(model.traction("low:left", (10.0, 0.0)), reduce="soil", **QUIET)
     assert found.factor == pytest.approx(2.0, rel=0.02)  # twice the tolerance of the search
 

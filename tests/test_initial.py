@@ -136,7 +136,10 @@ def test_ground_before_the_fill():
              for name in ("lower", "upper")}
     first = {"lower": forms["lower"]}
     load = sc.weight(basis, {"lower": 20.0})
-    for start in (sc.Model(first, fixed).k0_state(load, unit_weights=20.0, K0=3 / 7), sc.Model(first, fixed).gravity_state(load)):
+    for start in (
+        sc.Model(first, fixed).k0_state(load, unit_weights=20.0, K0=3 / 7),
+        sc.Model(first, fixed).gravity_state(load),
+    ):
         assert start[0].residual < 1e-12 and not start[0].x.any()
         y = np.asarray(forms["lower"].basis.global_coordinates())[1]
         np.testing.assert_allclose(start[0].states["lower"].stress[1].mean(axis=1), -20 * (4 - y.mean(axis=1)))

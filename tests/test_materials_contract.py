@@ -110,7 +110,10 @@ def test_memory_is_saved_and_resumed(tmp_path):
 def test_own_law_is_checked_reduced_and_drawn(tmp_path):
     """[X] A block of shear strength k under the pressure q stands with the factor of safety 2 k / q."""
     soft = CapClay(E=6e3, nu=0.25, strength=20 * np.sqrt(3), ocr=100.0)
-    assert sc.testing.check_material(soft, strain=1e-2) < 1e-6 and sc.testing.check_material(soft, strain=1e-2, ncomp=6) < 1e-6
+    assert (
+        sc.testing.check_material(soft, strain=1e-2) < 1e-6
+        and sc.testing.check_material(soft, strain=1e-2, ncomp=6) < 1e-6
+    )
     basis = vector_basis(grid("Q2", [0.0, 1.0], [0.0, 1.0]), "Q2")
     forms = {"block": sc.SolidForm(basis, soft)}
     fixed = np.append(basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1"))

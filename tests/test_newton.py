@@ -151,7 +151,10 @@ def test_block_pushed_off(quadrature):
     own = sc.weight(basis, {"block": 25.0})
     pushed = basis.get_dofs("block:left").all("u^1")
     fixed = np.concatenate((basis.get_dofs("base:bottom").all(), pushed))
-    result = sc.Model(forms, fixed).run([sc.Stage("weight", own)] + [sc.Stage(f"push {k}", own, k * 0.3 * _at(basis, pushed)) for k in (1, 2, 3)], progress=False)
+    result = sc.Model(forms, fixed).run(
+        [sc.Stage("weight", own)] + [sc.Stage(f"push {k}", own, k * 0.3 * _at(basis, pushed)) for k in (1, 2, 3)],
+        progress=False,
+    )
     for stage in list(result)[1:]:
         internal = sum(f.assemble(stage.x, stage.states[k]).force for k, f in forms.items())
         force = internal[pushed].sum()

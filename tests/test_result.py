@@ -134,7 +134,9 @@ def test_load_with_multipliers_and_go_on(tmp_path, quadrature):
     assert result["half"].states["joint"].multiplier.any()
     result.save(tmp_path / "result.npz")
     loaded = sc.load_result(tmp_path / "result.npz", forms)
-    again, direct = (sc.Model(forms, fixed).run([full], start=start, progress=False)["full"] for start in (loaded, result))
+    again, direct = (
+        sc.Model(forms, fixed).run([full], start=start, progress=False)["full"] for start in (loaded, result)
+    )
     np.testing.assert_array_equal(again.x, direct.x)
 
 
@@ -161,7 +163,9 @@ def test_partial_result_can_be_saved(tmp_path):
     _, forms, fixed, stages = blocks()
     with pytest.raises(sc.NotConverged) as error:
         newton = sc.Newton(max_iterations=6)
-        sc.Model(forms, fixed, newton=newton).run([stages[0], sc.Stage("too much", 40 * stages[1].load)], progress=False)
+        sc.Model(forms, fixed, newton=newton).run(
+            [stages[0], sc.Stage("too much", 40 * stages[1].load)], progress=False
+        )
     partial = error.value.result
     partial.save(tmp_path / "partial.npz")
     loaded = sc.load_result(tmp_path / "partial.npz", forms)

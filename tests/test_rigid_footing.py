@@ -93,7 +93,11 @@ def test_a_cap_in_space():
     cap = sc.RigidBoundary(basis, "top")
     at = np.array([0.5, 1.0, 0.5])
     forms = {"block": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.0)), "cap": cap}
-    x = sc.Model(forms, basis.get_dofs("bottom").all()).run([sc.Stage("pull", cap.load((0.0, 10.0, 0.0), at))])["pull"].x
+    x = (
+        sc.Model(forms, basis.get_dofs("bottom").all())
+        .run([sc.Stage("pull", cap.load((0.0, 10.0, 0.0), at))])["pull"]
+        .x
+    )
     assert cap.motion(x, at) == pytest.approx((0.0, 0.01, 0.0), abs=1e-9)
 
 

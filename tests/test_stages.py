@@ -275,7 +275,9 @@ def test_equal_numbers_of_fixed_unknowns_may_repeat():
     """[X] Corner nodes are listed twice where two boundaries meet."""
     basis, forms, fixed = column()
     load = pressed(basis, 1.0)
-    a, b = (sc.Model(forms, f).run([sc.Stage("s", load)], **QUIET)["s"].x for f in (fixed, list(fixed) + list(fixed[:3])))
+    a, b = (
+        sc.Model(forms, f).run([sc.Stage("s", load)], **QUIET)["s"].x for f in (fixed, list(fixed) + list(fixed[:3]))
+    )
     assert np.array_equal(a, b)
 
 
@@ -369,7 +371,9 @@ def test_overlap_at_once_or_ramped(quadrature, overlap):
         }
         smooth = basis.get_dofs({"lower:left", "lower:right", "upper:left", "upper:right"}).all("u^1")
         fixed = np.concatenate((basis.get_dofs({"lower:bottom", "upper:top"}).all(), smooth))
-        results.append(sc.Model(forms, fixed, newton=sc.Newton(1e-11)).run([sc.Stage("fit", basis.zeros())], **QUIET)["fit"])
+        results.append(
+            sc.Model(forms, fixed, newton=sc.Newton(1e-11)).run([sc.Stage("fit", basis.zeros())], **QUIET)["fit"]
+        )
         # two columns of the length 0.5 + overlap / 2 and the penalty in series
         pressure = overlap / (2 * (0.5 + overlap / 2) / 1e4 + 1e-6)
         np.testing.assert_allclose(results[-1].states["joint"].traction[0], -pressure, rtol=1e-6)

@@ -218,7 +218,9 @@ def test_weaker_material_yields_gradually():
     fixed = np.concatenate((basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1")))
     load = own_weight(basis, 3)
     change = {name: form.with_materials({"all": weak}) for name, form in forms.items()}
-    result = sc.Model(forms, fixed).run([sc.Stage("g", load), sc.Stage("weak", load, change=change, increments=3)], **QUIET)
+    result = sc.Model(forms, fixed).run(
+        [sc.Stage("g", load), sc.Stage("weak", load, change=change, increments=3)], **QUIET
+    )
     stress = result["weak"].states["layer 0"].stress
     ratio = (1 - np.sin(np.radians(20))) / (1 + np.sin(np.radians(20)))
     np.testing.assert_allclose(stress[0] / stress[1], ratio, rtol=1e-6)
@@ -314,5 +316,5 @@ def test_start_with_another_penalty():
     _, forms, fixed, top, _ = two_blocks(sc.Coulomb(mu=0.5))
     first = sc.Model(forms, fixed).run([sc.Stage("g", top)], **QUIET)
     harder = {**forms, "joint": forms["joint"].with_penalty(1e7, 1e7)}
-    with pytest.raises(ValueError, match="'joint' cannot go on from the start: its penalty is another one"):
+    with pytest.raises(ValueError, match="'joint' cannot continue the start: its penalty is another one"):
         sc.Model(harder, fixed).run([sc.Stage("more", 2 * top)], start=first, **QUIET)

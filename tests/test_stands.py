@@ -43,7 +43,9 @@ def test_from_a_stage():
     crest = np.flatnonzero((basis.doflocs[1] > 20 - 1e-9) & (basis.doflocs[0] > 10) & (np.arange(basis.N) % 2 == 1))
     surcharge = basis.zeros()
     surcharge[crest] = -1.0
-    limit = sc.Model(forms, fixed).limit_load(surcharge, start=start, tolerance=0.01, step=20.0, progress=False).multiplier
+    limit = (
+        sc.Model(forms, fixed).limit_load(surcharge, start=start, tolerance=0.01, step=20.0, progress=False).multiplier
+    )
     assert sc.Model(forms, fixed).is_stable(weight + 0.97 * limit * surcharge, start=start)
     assert not sc.Model(forms, fixed).is_stable(weight + 1.05 * limit * surcharge, start=start)
 

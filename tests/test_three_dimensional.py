@@ -28,6 +28,7 @@ from skfem.models.elasticity import lame_parameters, linear_elasticity
 
 import skfem_contact as sc
 from skfem_contact import plot
+from skfem_contact.results import StageResult
 from skfem_contact.results.sections import section_forces
 
 #: Elements, their meshes and rules that integrate the stiffness of a box exactly.
@@ -368,7 +369,9 @@ def test_section_forces_of_a_pile(element):
     gamma = 5.0 if kind is MeshHex else 0.0
     at_head = traction(basis, head, lambda w: [2.0 - 6 * w.x[1], 1.0 + 6 * w.x[0], -30.0 + 0 * w.x[0]])
     load = sc.weight(basis, gamma) + at_head
-    step = sc.Model(forms, basis.get_dofs(lambda x: x[2] < 1e-9).all()).run([sc.Stage("load", load)], progress=False)["load"]
+    step = sc.Model(forms, basis.get_dofs(lambda x: x[2] < 1e-9).all()).run([sc.Stage("load", load)], progress=False)[
+        "load"
+    ]
     z = np.array([0.8, 1.6, 2.5, 3.2])  # on layers of nodes, and between them
     found = step.section_forces("pile", sc.Sections.line((0, 0, 0.8), (0, 0, 3.2), depth=1.5, n=4))
     z = 0.8 + found.position

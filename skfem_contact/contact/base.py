@@ -173,7 +173,7 @@ class ContactBase(Form):
     def symmetric(self) -> bool:  # type: ignore[override]
         """Symmetry of the tangent, which the law decides.
 
-        Points that stick have no symmetric tangent once they carry shear or have slipped elastically.
+        Points that stick have no symmetric tangent once they transfer shear or have slipped elastically.
         """
         return self.law.symmetric
 

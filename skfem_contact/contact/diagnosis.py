@@ -21,12 +21,12 @@ PENETRATION = 0.01
 _COMPLIANCE = 0.01
 #: Round-off of a traction that is the penalty times the gap, as a share of it.
 _ELASTIC = 1e-6
-#: Pressure that overlaps of the mesh carry by what they differ within facets, as a share of that found, likewise.
+#: Pressure of overlaps of the mesh from their differences within facets, as a share of that found, likewise.
 _RIPPLE = 0.05
 #: Share of the pressure that acts along the slave where nodes face joints of the master, likewise; and how near to
 #: one, as a share of the facet, they do so: strains move them by less.
 _SIDEWAYS, _AT_JOINT = 1e-3, 0.01
-#: A gap below this share of the coordinates is nothing: bodies that touch unloaded go on touching when they move.
+#: A gap below this share of the coordinates is nothing: bodies that touch unloaded still touch when they move.
 ROUND_OFF = 8 * np.finfo(float).eps
 #: Share of the pressure on points that have only just closed beside others that slide, likewise.
 _CLOSED = 0.05

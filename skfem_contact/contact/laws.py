@@ -60,7 +60,7 @@ class InterfaceLaw:
     n_internal : int
         Number of internal variables of a point; they are zero at first.
     reaches_far : bool
-        True if points at any distance from the master may carry traction; by default points within an element may.
+        True if points at any distance from the master may have traction; by default points within an element may.
     bonds : bool
         True if points near the master are bonded to it as they are meshed.
     symmetric : bool
@@ -78,7 +78,7 @@ class InterfaceLaw:
         return replace(self, **arrays) if arrays else self  # type: ignore[type-var]
 
     def reaches(self, gap: ndarray, internal: ndarray, closed: ndarray) -> ndarray:
-        """Return a mask, shape (n,), of points that may carry traction and get an update; all others are open.
+        """Return a mask, shape (n,), of points that may have traction and get an update; all others are open.
 
         Parameters
         ----------

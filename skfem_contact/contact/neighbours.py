@@ -130,7 +130,7 @@ class Flat(NamedTuple):
 
 def promising(surface: Surface, nodes: ndarray, flat: Flat, points: ndarray, row: ndarray, facet: ndarray,
               foot: ndarray, slack: ndarray | float = 0.0) -> ndarray:
-    """Return a mask of pairs (point, facet) in space that may be the closest, as far as flat facets tell.
+    """Return a mask of pairs (point, facet) in space that may be the closest by the measure of flat facets.
 
     A facet is excluded if the distance of its flat image, less the largest distance between the two and a slack,
     exceeds that of some point on another facet.

@@ -24,7 +24,7 @@ from .laws import InterfaceLaw, Status, Update
 from .penalty import Progress
 from .prestress import LinearisedContact, TractionOperator
 
-#: Largest tractions in the damped tangent's geometric part, over those at which the surfaces give way by a segment.
+#: Largest tractions in the damped tangent's geometric part, over those at which the surfaces yield by a segment.
 _LARGEST_TRACTION = 0.1
 #: Tractions that differ by this share come from another penalty.
 _SAME = 1e-6

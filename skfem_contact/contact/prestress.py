@@ -17,7 +17,7 @@ from .base import ContactBase
 from .interface import ContactState
 from .laws import Status
 
-#: Components of a stress at their places in the tensor.
+#: Components of a stress by their indices in the tensor.
 _TENSOR = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
 _ACCURACY = 1e-14
 _MOST = 10_000

@@ -1,6 +1,6 @@
 """Regularised contact pairs for increments in which Newton's method fails, or bodies overlap at the start.
 
-A family of regularised pairs begins with one that is easier to solve, and proceeds to the pair as given.
+A family of regularised pairs begins with one that Newton's method solves, and proceeds to the pair as given.
 """
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def begin(pair: Pair, accepted: ContactState, failure: Failure | None) -> Pair:
 
 
 def proceed(pair: Pair, accepted: ContactState, found: ContactState) -> Pair:
-    """Return the next pair of the first family that goes on; the pair itself at the end of all families."""
+    """Return the next pair of the first family that continues; the pair itself at the end of all families."""
     for family in pair.families:
         if (step := family.proceed(pair, accepted, found)) is not None:
             after, regularised = step
@@ -79,7 +79,7 @@ def _without(pair: ContactBase, family: Family) -> tuple[Family, ...]:
 
 
 def _start_interference(pair: ContactBase, accepted: ContactState, failure: Failure | None) -> ContactBase | None:
-    """Return a pair without interference, unless closed points carry tractions: then it has been resolved before."""
+    """Return a pair without interference, unless closed points have tractions: then it has been resolved before."""
     untouched = (accepted.status != Status.OPEN).any() and not accepted.traction.any()
     named = isinstance(pair.initial, str)
     wanted = np.zeros_like(accepted.clearance) if named else accepted.clearance + pair.initial

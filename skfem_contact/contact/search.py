@@ -160,7 +160,7 @@ def _on_facets(surface: Surface, nodes: ndarray, points: ndarray, facet: ndarray
 
 def _above(surface: Surface, nodes: ndarray, facet: ndarray, feature: ndarray, xi: ndarray, normal: ndarray,
            offset: ndarray) -> ndarray:
-    if (bent := np.flatnonzero(feature)).size:  # all facets there tell what is outside
+    if (bent := np.flatnonzero(feature)).size:  # all facets there decide what is outside
         normal[bent] = side_of_joint(surface, nodes, facet[bent], feature[bent], xi[bent])
     return np.asarray(dot(normal, offset) >= 0)
 
@@ -249,7 +249,7 @@ def _along_side(surface: Surface, nodes: ndarray, points: ndarray, facet: ndarra
 
 
 def side_of_joint(surface: Surface, nodes: ndarray, facet: ndarray, feature: ndarray, xi: ndarray) -> ndarray:
-    """Return the direction that tells outside from inside at sides and corners: the sum of all normals there.
+    """Return the direction from inside to outside at sides and corners: the sum of all normals there.
 
     At corners in space each normal counts with the angle of its facet (Baerentzen and Aanaes, 2005).
     """

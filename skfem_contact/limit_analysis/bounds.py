@@ -151,7 +151,7 @@ def _tell(search: Search, gap: float, stacklevel: int) -> None:
               f"they need {1 / search.fixed_factor:.4g} times the strength"
         warnings.warn(f"the fixed loads alone cause a collapse: {why}", AnalysisWarning, stacklevel=stacklevel)
     elif (missing := search.problem.missing) and not low > _NOTHING * high:
-        warnings.warn(f"soil without {missing} bears nothing at a free surface, so that there is no lower bound: give "
+        warnings.warn(f"soil without {missing} resists nothing at a free surface, and there is no lower bound: give "
                       f"it a small {missing}; the upper bound is {high:.5g}", AnalysisWarning, stacklevel=stacklevel)
     elif unproven:
         warnings.warn(f"no {' and no '.join(unproven)} bound could be proven", AnalysisWarning, stacklevel=stacklevel)

@@ -5,7 +5,7 @@ r"""Interior points for the programs of both bounds; the factor of strength move
 with multipliers y of equilibrium and z in Q of the strength.  Steps of Mehrotra in the scaling of Nesterov and Todd
 lead to normal equations :math:`A H^{-1} A^T`, a stiffness matrix.  For a limit load :math:`\theta` is its multiplier
 and e = 0.  For a factor of safety it is the share e of strength that is left, which is bounded where multipliers are
-not (friction alone bears any load), and F is moved until none is left.
+not (friction alone resists any load), and F is moved until none is left.
 """
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .strength import FLAT
 
 _MOST = 80
 _SIGNS = np.array([1.0, -1.0, -1.0])
-#: Factor beyond which nothing is looked for: what stands with so much less strength does not live on it.
+#: Largest factor of the search: a structure with so much less strength does not depend on it.
 HIGHEST = 100.0
 #: Distance from the aim of which the gap keeps a share: points at the surface of their cones cannot follow the factor.
 _CENTRED = 0.1

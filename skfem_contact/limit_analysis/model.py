@@ -145,7 +145,7 @@ def _decomposition(site: Site) -> Callable[[ndarray, bool], tuple[ndarray, tuple
     weights, sides = _unit_weights(site, kinds)[free], _unit_tractions(site)
 
     def fitted(names: list[str], target: ndarray) -> tuple[ndarray, ndarray]:
-        """Rest of a vector after the weights and the tractions on some boundaries, and their shares."""
+        """Return the rest of a vector after the weights and the tractions on some boundaries, and their shares."""
         columns = np.column_stack([weights, *(sides[name][free] for name in names)])
         scale = np.linalg.norm(columns, axis=0)
         scale[scale == 0] = 1.0
@@ -154,7 +154,7 @@ def _decomposition(site: Site) -> Callable[[ndarray, bool], tuple[ndarray, tuple
         return target - (columns / scale) @ share, share / scale
 
     def decomposed(load: ndarray, live: bool) -> tuple[ndarray, tuple[Traction, ...]]:
-        """Weights, and boundaries one by one: the best of each time."""
+        """Select weights, and boundaries one by one: the best of each time."""
         target = load[free]
         size, names = float(np.linalg.norm(target)), list[str]()
         left, share = fitted(names, target)

@@ -86,7 +86,7 @@ class Bounds:
         kind = "estimate after Davis (no bound), upper bound" if self.estimate else "gap"
         head = f"{self.what} in [{self.lower:.5g}, {self.upper:.5g}], {kind} {self.gap:.2%}"
         lines = [head, f"reduced: {', '.join(self.reduced)}"] if self.reduced else [head]
-        lines.append("bound  triangles  unknowns      value  residual  iterations   cpu s")
+        lines.append("bound  triangles      dofs      value  residual  iterations   cpu s")
         lines += [f"{c.kind:5}  {c.elements:9d}  {c.unknowns:8d}  {c.value:9.5g}  {c.residual:8.1e}  "
                   f"{c.iterations:10d}  {c.cpu:6.1f}" for c in self.history]
         return "\n".join([*lines, *self.remarks])

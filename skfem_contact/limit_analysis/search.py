@@ -68,7 +68,7 @@ class Search:
         self._began, self._factor, self._gain = process_time(), 1.0, np.inf
         self.lower = self._solve_lower(self.model)
         self.upper = self._solve_upper()
-        #: By what all strength must be divided that the fixed loads are borne, at most; inf where they are.
+        #: Largest factor by which all strength may be divided under the fixed loads; inf where they are admissible.
         self.fixed_factor = self._factor_of_fixed_loads()
         self.last = self.lower, self.upper
 
@@ -145,7 +145,7 @@ class Search:
     def _factor_of_fixed_loads(self) -> float:
         """Return the upper bound of the fixed loads' factor of safety; inf where a multiplier is proven.
 
-        The mechanism of fixed loads that are too much goes on under any live load: its multiplier has no optimum,
+        The mechanism of fixed loads that are too much continues under any live load: its multiplier has no optimum,
         and round-off decides where that iteration ends.
         """
         program = self.upper.program

@@ -131,22 +131,22 @@ class Material:
 
     @property
     def symmetric(self) -> bool:
-        """Whether the tangent is symmetric."""
+        """True if the tangent is symmetric."""
         return False
 
     @property
     def reducible(self) -> bool:
-        """Whether there is a strength to reduce."""
+        """True if there is a strength to reduce."""
         return type(self).reduced is not Material.reduced
 
     @property
     def dilates(self) -> bool:
-        """Whether the volume grows by plastic flow."""
+        """True if the volume grows by plastic flow."""
         return False
 
     @property
     def dilates_less(self) -> bool:
-        """Whether there is an angle of friction and a smaller one of dilatancy."""
+        """True if the dilation angle is smaller than the friction angle."""
         return False
 
     @property
@@ -216,7 +216,7 @@ class Material:
     def associated_bound(self, factor: float) -> float:
         """Return the factor from which the associated material is not stronger than Davis' (B) at another factor.
 
-        Where the soils of Davis collapse at `factor`, associated ones cannot stand at the largest bound of all
+        Where the soils of Davis collapse at `factor`, associated ones are unstable at the largest bound of all
         materials; nor can any with less dilatancy (Radenkovic's theorem).
         """
         return factor

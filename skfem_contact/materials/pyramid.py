@@ -167,7 +167,7 @@ def _to_plane(averaged: Array, weights: _Weights, k: PyramidConstants) -> Array:
 def _to_edge_or_apex(trial: Array, k: PyramidConstants) -> tuple[Array, _Weights, NDArray[np.intp]]:
     """Return trial stresses whose return to the face would change their order.
 
-    Along the flow direction of the face one pair of principal stresses meets first, and the return goes on along that
+    Along the flow direction of the face one pair of principal stresses meets first, and the return continues along that
     edge; the multipliers of both its faces grow all the way. The other pair can meet at the apex only, which the return
     reaches if it would change the order of the largest and the smallest stress. The result holds the stresses, the
     weights of the edges, and the points at the apex.

@@ -1,1 +1,1 @@
-"""Stages of construction: what is there, where it starts, what it leaves."""
+"""Stages of construction: activation, initial states, runs."""

@@ -147,7 +147,7 @@ def _after(stage: Stage, forms: Mapping[str, Form], active: set[str]) -> set[str
 
 
 def _changed(setup: Setup, change: Mapping[str, Any], now: Mapping[str, Form]) -> dict[str, Form]:
-    """Return the new forms in the place of the present ones, from whose states they go on."""
+    """Return the new forms, which continue the states of the present ones."""
     found = {}
     for name, new in change.items():
         try:
@@ -193,7 +193,7 @@ def begin(layout: Layout, phase: Phase, last: StageResult) -> tuple[ndarray, dic
     """Return the start of a stage: displacements, states, and lost forces, (N,), to be released during the stage.
 
     New solids are stress-free in the deformed ground, new water is without excess pressure. A new contact pair has
-    no traction, unless it takes the place of one between the same surfaces: then it takes over its tractions, so that
+    no traction, unless it replaces one between the same surfaces: then it takes over its tractions, so that
     nothing moves. Forces out of balance, because a body, a support, strength or water pressure has gone, are lost.
     """
     new = {name: form for name, form in phase.forms.items() if name not in phase.before}
@@ -215,7 +215,7 @@ def begin(layout: Layout, phase: Phase, last: StageResult) -> tuple[ndarray, dic
 
 
 def _inherited(form: Form, before: Form, last: StageResult, name: str) -> Any:
-    """Return the state that a form goes on from, in the place of the one with which the last stage ended."""
+    """Return the state that a form continues from the end of the last stage."""
     old, state = last.forms.get(name, before), last.states[name]
     return state if form is old else form.inherits(old, state)
 
@@ -253,4 +253,4 @@ def check_start(forms: Mapping[str, Form], start: StageResult) -> None:
         try:
             form.check_start(start.x[:form.size], start.states[name])
         except ValueError as error:
-            raise ValueError(f"'{name}' cannot go on from the start: {error}") from None
+            raise ValueError(f"'{name}' cannot continue the start: {error}") from None

@@ -108,7 +108,7 @@ class Setup:
     def solids(self) -> dict[str, Any]:
         """Forms that give stiffness to elements; a ``ValueError`` where there is none."""
         if not (found := solids_of(self.forms)):
-            raise ValueError("there is no SolidForm among the forms: nothing carries load")
+            raise ValueError("there is no SolidForm among the forms: nothing resists load")
         return found
 
     def weights(self, forms: Mapping[str, Form]) -> ndarray:
@@ -203,7 +203,7 @@ def _check_bases(forms: Mapping[str, Form]) -> None:
     bases = {name: form.basis for name, form in solids_of(forms).items()}
     sizes = {name: form.size for name, form in forms.items() if form.size is not None}
     if not forms:
-        raise ValueError("there is no SolidForm among the forms: nothing carries load")
+        raise ValueError("there is no SolidForm among the forms: nothing resists load")
     if not sizes and not any(form.fields for form in forms.values()):
         raise ValueError("no form knows how many dofs there are: give one of them a `size`")
     if len(set(sizes.values())) > 1:

@@ -38,10 +38,10 @@ class Stage:
         pressure where none was active. Contact starts without traction, with the gaps of the mesh; but where it
         replaces a pair between the same surfaces that is deactivated in this stage, it takes over its tractions.
     deactivate
-        Names of forms that become inactive. The forces that they carried are released in proportion over the stage.
+        Names of forms that become inactive. Their forces are released in proportion over the stage.
     change
         Forms that are replaced from this stage on, with other materials (``form.with_materials``) or another law
-        (``pair.with_law``). They go on from the state of the old ones.
+        (``pair.with_law``). They continue the states of the old ones.
     fixed
         Supported dofs from this stage on; by default those of the stage before. Reactions that are lost are
         released in proportion over the stage.

@@ -26,7 +26,7 @@ def check_supports(forms: Mapping[str, Form], fixed: ndarray) -> None:
     """
     solids = solids_of(forms)
     if not solids and all(form.joins is not None for form in forms.values()):
-        raise ValueError("there is no SolidForm among the forms: nothing carries load")
+        raise ValueError("there is no SolidForm among the forms: nothing resists load")
     if not solids:
         return
     basis = next(solid.basis for solid in solids.values())

@@ -318,7 +318,7 @@ def _surface(name: str, points: ndarray, facets: ndarray, shape: Shape,
 
 
 def _mirror(shape: Shape) -> ndarray:
-    mirrored = shape.nodes[:, ::-1]  # the two local coordinates change places
+    mirrored = shape.nodes[:, ::-1]  # the two local coordinates are exchanged
     return np.argmin(np.abs(mirrored[:, None] - shape.nodes).sum(axis=2), axis=1)
 
 

@@ -20,7 +20,7 @@ from .shape import Shape, rule
 from .topology import Numbers, arms_of, boundary, joined_cells, numbers_of
 from .vectors import across, unit
 
-#: A surface goes on beyond its rim for this share of its last facet: a slave corner that starts flush with
+#: A surface continues beyond its rim for this share of its last facet: a slave corner that starts flush with
 #: the master's end must not lose contact to the lateral strain of the bodies.
 EXTENSION = 0.05
 #: Square of the cosine of the angle to a normal from which on an axis is no direction along a facet.
@@ -61,7 +61,7 @@ class Surface:
     area : ndarray, shape (n_facets,)
         Area of the facets, or length in the plane, in the reference configuration.
     extension : float
-        Share of a facet by which the surface goes on beyond its rim.
+        Share of a facet by which the surface continues beyond its rim.
     meshed : bool
         True if elements adjoin the facets, from whose stiffness a penalty can be chosen.
     stiffness : float, optional

@@ -52,7 +52,9 @@ class Model:
     def run(self, stages: Sequence[sc.Stage] | None = None, start: Result | None = None) -> Result:
         """The analysis, to a residual that the comparisons do not see."""
         newton = sc.Newton(tolerance=1e-10, max_iterations=25)
-        return sc.Model(self.forms, self.fixed, newton=newton).run(list(stages or self.stages), start=start, progress=False)
+        return sc.Model(self.forms, self.fixed, newton=newton).run(
+            list(stages or self.stages), start=start, progress=False
+        )
 
 
 def build(scene: Scene, frame: Frame) -> Model:

@@ -137,7 +137,9 @@ def test_soil_torn_from_all_sides():
     apex = 1.0 / np.tan(np.radians(30.0))
     np.testing.assert_allclose(step.states["soil"].stress[:3], apex, rtol=1e-9)
     np.testing.assert_allclose(step.states["soil"].stress[3], 0.0, atol=1e-9)
-    back = sc.Model(forms, edge).run([sc.Stage("back", basis.zeros(), 0.999 * x)], start=Result((step,)), progress=False)["back"]
+    back = sc.Model(forms, edge).run(
+        [sc.Stage("back", basis.zeros(), 0.999 * x)], start=Result((step,)), progress=False
+    )["back"]
     assert (back.states["soil"].stress[:3] < apex - 1e-3).all()  # unloading is elastic
 
 
