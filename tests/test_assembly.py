@@ -23,8 +23,7 @@ from skfem import (
 )
 
 import skfem_contact as sc
-from skfem_contact.forms.assembly import Pattern, element_stiffness, force_matrix
-from skfem_contact.forms.assembly import strain_operator
+from skfem_contact.forms.assembly import Pattern, element_stiffness, force_matrix, strain_operator
 
 # Both sides sum the same products in another order: some hundred roundings of 1e-16.
 ROUND_OFF = 1e-13

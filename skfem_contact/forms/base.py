@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping
 from functools import cached_property
-from typing import Any, TypeVar
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 from numpy import ndarray
@@ -14,9 +14,10 @@ from ..errors import Remark
 from ..layout import Field, elements_of
 from ..sparse import padded, scattered
 from .staged import InTime, Reducible, Regularised, Staged
-from .strain import Coordinates
 
 Self = TypeVar("Self")
+#: Coordinate systems.
+Coordinates = Literal["plane", "axisymmetric", "space"]
 
 
 class Response:

@@ -19,10 +19,9 @@ from ..loads import by_element, weight
 from ..materials import Material, Update
 from ..materials.base import PLASTIC_STRAIN, Flow, updated
 from ..materials.spectral import largest_shear
-from .assembly import Pattern, element_stiffness, force_matrix
-from .base import Form, Response
+from .assembly import Measure, Pattern, element_stiffness, force_matrix, has_corners_only, strain_of, strain_operator
+from .base import Coordinates, Form, Response
 from .regions import Region, by_region, changed_moduli, check_materials, inherited, region_of
-from .strain import Coordinates, Measure, has_corners_only, strain_of, strain_operator
 
 #: Round-off of the forces of a displaced body, relative to those of its displacements taken one by one.
 _ROUND_OFF = 8 * np.finfo(float).eps

@@ -20,7 +20,7 @@ from scipy.sparse import coo_matrix, csr_matrix, hstack
 from scipy.sparse.csgraph import connected_components
 from skfem import CellBasis, ElementTriP2, ElementVector, MeshTri
 
-from ..forms.strain import strain_operator
+from ..forms.assembly import strain_operator
 from ..layout import rigid_modes
 from ..solvers.direct import as_engine
 from ..sparse import FreeBlock, Gathering, Total

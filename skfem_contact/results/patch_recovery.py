@@ -20,8 +20,8 @@ import numpy as np
 from numpy import ndarray
 from scipy.sparse import coo_matrix, csr_matrix
 
+from ..forms.assembly import strain_operator
 from ..forms.solid import SolidForm
-from ..forms.strain import strain_operator
 from ..layout import nodes
 
 #: Weight of the stresses themselves beside the forces, by the order of the elements and whether they are triangles or

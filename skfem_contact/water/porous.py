@@ -11,8 +11,8 @@ from scipy.sparse import coo_matrix, csr_matrix, diags_array
 from skfem import CellBasis, FacetBasis
 
 from ..checks import place
-from ..forms.base import Form, solids_of
-from ..forms.strain import Coordinates, strain_operator
+from ..forms.assembly import strain_operator
+from ..forms.base import Coordinates, Form, solids_of
 from ..layout import elements_of
 from .darcy import radius
 
