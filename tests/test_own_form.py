@@ -216,7 +216,7 @@ def test_displacements_counted_anew():
     ("make", "message"),
     [
         (lambda b: sc.Spring(b, (0.3, 0.3), 1.0), r"0 nodes at \(0.3, 0.3\); the nearest one is at"),
-        (lambda b: sc.Spring(b, (1.0, 0.0), 1.0), r"2 nodes at \(1, 0\); tell by `part`"),
+        (lambda b: sc.Spring(b, (1.0, 0.0), 1.0), r"2 nodes at \(1, 0\); say by `part`"),
         (lambda b: sc.Spring(b, (1.0, 0.0), 1.0, part="c"), "no subdomain 'c'; existing: a, b"),
         (lambda b: sc.Spring(b, (0.0, 0.0), -1.0), "stiffness must be positive"),
         (lambda b: sc.Spring(b, (np.nan, 0.0), 1.0), "coordinates must be finite"),
