@@ -102,13 +102,13 @@ def test_a_cap_in_space():
 
 
 def test_two_footings_one_after_the_other():
-    """[X] Two footings on one body, the unknowns of the second behind those of the first: both stay straight."""
+    """[X] Two footings on one body, whose dofs the model numbers: both stay straight."""
     mesh = MeshQuad.init_tensor(np.linspace(0, 8, 17), np.linspace(0, 2, 5)).with_boundaries({
         "left": lambda p: (p[1] > 2 - 1e-9) & (abs(p[0] - 2) < 1 + 1e-9),
         "right": lambda p: (p[1] > 2 - 1e-9) & (abs(p[0] - 6) < 1 + 1e-9)})
     basis = Basis(mesh, ElementVector(ElementQuad2()), intorder=4)
     left = sc.RigidBoundary(basis, "left")
-    right = sc.RigidBoundary(basis, "right", after=left)
+    right = sc.RigidBoundary(basis, "right")
     forms = {"soil": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3)), "left": left, "right": right}
     load = left.load((0.0, -10.0), at=(2.3, 2.0)) + right.load((0.0, -10.0), at=(5.7, 2.0))
     stage = sc.Model(forms, sc.box_supports(basis)).run([sc.Stage("load", load)])["load"]
@@ -139,7 +139,7 @@ def test_a_footing_that_is_held_besides():
     across, moved = basis.get_dofs("footing").all("u^1"), basis.zeros()
     moved[across] = 0.1
     stage, fixed = sc.Stage("push", basis.zeros(), prescribed=moved), sc.box_supports(basis)
-    with pytest.raises(sc.NotConverged, match="the force of a rigid footing at"):
+    with pytest.raises(sc.NotConverged, match="the force of a rigid boundary at"):
         sc.Model(forms, np.append(fixed, across)).run([stage], progress=False)
     pushed = sc.Model(forms, np.append(fixed, across[0])).run([stage], progress=False)["push"]
     assert pushed.x[across] == pytest.approx(0.1)

@@ -1,0 +1,163 @@
+"""Findings of trials from outside: each was wrong without a warning once."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from helpers import grid, vector_basis
+from scipy.sparse import csr_matrix
+from skfem import Basis, ElementQuad1, ElementQuad2, ElementTriP2, ElementVector, MeshQuad, MeshTri
+
+import skfem_contact as sc
+
+QUIET = {"progress": False}
+
+
+def disc(width=1.0, n=5):
+    """A disc of height 1 between smooth walls, and the fixed dofs."""
+    mesh = MeshQuad.init_tensor(np.linspace(0, width, n), np.linspace(0, 1, 5)).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementQuad2()), intorder=4)
+    return basis, np.append(basis.get_dofs("bottom").all("u^2"), basis.get_dofs({"left", "right"}).all("u^1"))
+
+
+def test_weight_in_axial_symmetry():
+    """[X] sigma_yy = -gamma (1 - y), whoever makes the load; a plane load vector is refused."""
+    basis, fixed = disc()
+    soil = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.2), coordinates="axisymmetric", unit_weight=20.0)
+    bare = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.2), coordinates="axisymmetric")
+    model = sc.Model({"soil": bare}, fixed)
+    own = sc.Model({"soil": soil}, fixed).run([sc.Stage("weight")], **QUIET)["weight"]
+    given = model.run([sc.Stage("weight", model.weight(20.0))], **QUIET)["weight"]
+    y = np.asarray(bare.basis.global_coordinates())[1]
+    for stage in (own, given):
+        np.testing.assert_allclose(stage.states["soil"].stress[1], -20.0 * (1.0 - y), atol=1e-9)
+    with pytest.raises(ValueError, match="integrated in plane coordinates, but the model is axisymmetric"):
+        model.run([sc.Stage("weight", sc.weight(basis, 20.0))], **QUIET)
+
+
+@pytest.mark.parametrize("by_stage", [False, True])
+def test_water_in_axial_symmetry(by_stage):
+    """[X] Saturated ground with water to its surface: sigma'_yy = -(gamma - gamma_w) (1 - y) for every x."""
+    basis, fixed = disc(2.0)
+    soil = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.2), coordinates="axisymmetric", unit_weight=20.0)
+    model = sc.Model({"soil": soil}, fixed, water_unit_weight=10.0)
+    stage = sc.Stage("wet", water=1.0) if by_stage else \
+        sc.Stage("wet", model.water_load(sc.hydrostatic(1.0, unit_weight=10.0)))
+    y = np.asarray(soil.basis.global_coordinates())[1]
+    stress = model.run([stage], **QUIET)["wet"].states["soil"].stress[1]
+    np.testing.assert_allclose(stress, -10.0 * (1.0 - y), atol=1e-9)
+
+
+def test_pores_in_axial_symmetry():
+    """[X] Terzaghi's column as a disc: half of the settlement at T = .197; the water is as axisymmetric as the solid."""
+    mesh = MeshQuad.init_tensor(np.linspace(0, 1, 4), 1 - np.linspace(1, 0, 13) ** 1.5).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementQuad2()), intorder=4)
+    E, nu, k = 1e3, 0.2, 1e-4
+    M = E * (1 - nu) / (1 + nu) / (1 - 2 * nu)
+    time = 0.197 / (k / 10.0 * M)
+    soil = sc.SolidForm(basis, sc.LinearElastic(E=E, nu=nu), coordinates="axisymmetric")
+    water = sc.PoreWater(basis, permeability=k, unit_weight=10.0)
+    fixed = [basis.get_dofs("bottom").all("u^2"), basis.get_dofs({"left", "right"}).all("u^1"), water.dofs("top")]
+    model = sc.Model({"soil": soil, "water": water}, fixed)
+    load = model.traction("top", (0.0, -10.0))
+    stages = [sc.Stage("load", load, duration=0.01 * time), sc.Stage("wait", load, duration=0.99 * time)]
+    x = model.run(stages, **QUIET)["wait"].x
+    assert -x[basis.get_dofs("top").all("u^2")].mean() / (10.0 / M) == pytest.approx(0.5, abs=0.01)
+
+
+class Held(sc.Form):
+    """A spring without `rebased`, as a user writes it first."""
+
+    def __init__(self, n, dofs, stiffness):
+        self.size, self.K = n, csr_matrix((np.full(len(dofs), stiffness), (dofs, dofs)), shape=(n, n))
+
+    def initial_state(self, x=None):
+        return None
+
+    def assemble(self, x, state):
+        return sc.Response(self.K @ x, lambda: state, lambda: self.K)
+
+
+def test_reset_of_an_own_form():
+    """A form whose force would change when displacements are reset is refused by name."""
+    basis = vector_basis(grid("Q1", np.linspace(0, 1, 5), np.linspace(0, 1, 5)), "Q1", intorder=2)
+    forms = {"body": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.0)),
+             "spring": Held(basis.N, basis.get_dofs("bottom").all("u^2"), 100.0)}  # fmt: skip
+    result = sc.Model(forms, basis.get_dofs().all("u^1")).run([sc.Stage("weight", sc.weight(basis, 20.0))], **QUIET)
+    with pytest.raises(ValueError, match="force of 'spring' changes .* rebased"):
+        result.reset()
+
+
+def test_two_rigid_boundaries():
+    """[X] Two equal footings share no dofs: the loaded one stays straight."""
+    mesh = MeshQuad.init_tensor(np.linspace(0, 4, 17), np.linspace(0, 2, 9)).with_boundaries({
+        "bottom": lambda x: x[1] < 1e-9,
+        "left footing": lambda x: (x[1] > 2 - 1e-9) & (x[0] < 1 + 1e-9),
+        "right footing": lambda x: (x[1] > 2 - 1e-9) & (x[0] > 3 - 1e-9)})  # fmt: skip
+    basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+    left, right = (sc.RigidBoundary(basis, f"{side} footing") for side in ("left", "right"))
+    forms = {"soil": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3)), "left": left, "right": right}
+    stage = sc.Stage("load", left.load((0.0, -10.0), at=(0.5, 2.0)))
+    x = sc.Model(forms, basis.get_dofs("bottom").all()).run([stage], **QUIET)["load"].x
+    dofs = basis.get_dofs("left footing").all("u^2")
+    at, down = basis.doflocs[0, dofs], x[dofs]
+    assert np.abs(down - np.polyval(np.polyfit(at, down, 1), at)).max() < 1e-9 * np.abs(down).max()
+
+
+class Renamed:
+    """Tresca's law behind a class of another name, by the documented calls alone."""
+
+    n_internal = 1
+
+    def __init__(self, law):
+        self._law = law
+
+    def elasticity(self, ncomp):
+        return self._law.elasticity(ncomp)
+
+    def update(self, strain_increment, stress, internal):
+        return self._law.update(strain_increment, stress, internal)
+
+
+class Remembers(sc.LinearElastic):
+    """An elastic law that remembers the largest strain."""
+
+    internal = (sc.Internal("largest strain"),)
+
+    def update(self, strain_increment, stress, internal):
+        new = super().update(strain_increment, stress, internal[:0])
+        return new._replace(internal=internal + np.abs(strain_increment[1:2]))
+
+
+def test_figures_of_own_laws():
+    """A law that does not define its strength shows none, and an elastic law with memory has no point that yields."""
+    basis = Basis(MeshTri().refined(2).with_defaults(), ElementVector(ElementTriP2()), intorder=2)
+    fixed = np.append(basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1"))
+    for law, push in ((Renamed(sc.Tresca(E=1e3, nu=0.3, c=10.0)), -19.9), (Remembers(E=1e3, nu=0.3), -1.0)):
+        model = sc.Model({"body": sc.SolidForm(basis, law)}, fixed)
+        stage = model.run([sc.Stage("press", model.traction("top", (0.0, push)))], **QUIET)["press"]
+        assert "yielded" not in stage.summary["body"]
+        mobilised = stage.field("mobilised") if isinstance(law, Remembers) else np.zeros(1)
+        assert not mobilised.any()  # an elastic body mobilises nothing
+        if isinstance(law, Renamed):
+            assert not np.isfinite(stage.field("mobilised")).any()
+
+
+class Own:
+    """Linear elasticity by the documented calls alone."""
+
+    law = sc.LinearElastic(E=1e4, nu=0.3)
+
+    def elasticity(self, ncomp):
+        return self.law.elasticity(ncomp)
+
+    def update(self, strain_increment, stress, internal):
+        return self.law.update(strain_increment, stress, internal)
+
+
+def test_gravity_with_an_own_material():
+    """[X] Elastic ground with Poisson's ratio K0 / (1 + K0) has this ratio of stresses, whoever wrote the law."""
+    basis = Basis(MeshQuad().refined(1), ElementVector(ElementQuad2()), intorder=4)
+    model = sc.Model({"ground": sc.SolidForm(basis, Own(), unit_weight=20.0)}, sc.box_supports(basis))
+    stress = model.gravity_state(K0=0.5)["initial"].states["ground"].stress
+    np.testing.assert_allclose((stress[0] / stress[1]).mean(), 0.5, rtol=1e-6)
