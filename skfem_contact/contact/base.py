@@ -1,7 +1,7 @@
 """Data of a contact pair: surfaces, law, quadrature and settings, checked and connected once."""
 from __future__ import annotations
 
-from collections.abc import Collection, Hashable, Mapping
+from collections.abc import Collection, Mapping
 from copy import copy
 from dataclasses import replace
 from typing import Any, Literal, get_args
@@ -111,11 +111,11 @@ class ContactBase(Form):
         return new
 
     @property
-    def borrowed(self) -> tuple[Any, ...]:
+    def borrowed(self) -> tuple[Any, ...]:  # type: ignore[override]
         """Fields of other forms whose dofs the surfaces have."""
         return tuple(dict.fromkeys((*self.slave.fields, *self.facets.fields)))
 
-    def numbered(self, numbers: Mapping[Hashable, ndarray]) -> Self:
+    def numbered(self, numbers: Mapping[Any, ndarray]) -> Self:
         """Return a copy whose surfaces have global dofs, numbers[field] : ndarray, shape (n,)."""
         if not self.borrowed:
             return self
@@ -134,7 +134,7 @@ class ContactBase(Form):
         return new.with_penalty(*penalty, stiffness=stiffness)
 
     @property
-    def axisymmetric(self) -> bool:  # type: ignore[override]
+    def axisymmetric(self) -> bool:
         """True if forces are per radian about the axis x = 0, as those of the solids."""
         return self.slave.axisymmetric
 

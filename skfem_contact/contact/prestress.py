@@ -78,7 +78,7 @@ class TractionOperator:
     def forces_on(self, n: int) -> csr_matrix:
         """Return the map to forces on n dofs, of which the pair knows the first ones."""
         forces = self.forces.copy()
-        forces.resize(n, forces.shape[1])
+        forces.resize((n, forces.shape[1]))  # type: ignore[call-arg, arg-type, unused-ignore]
         return forces
 
     def of_stress(self, stress: ndarray) -> ndarray:

@@ -121,7 +121,7 @@ def _incidence(cells: ndarray, n: int) -> csr_matrix:
 
 def _compatible(form: SolidForm) -> ndarray:
     """Return strain-displacement matrices without averaged volumes."""
-    return strain_operator(form.basis, "full", form.coordinates).B
+    return strain_operator(form.basis, "full", str(form.coordinates)).B
 
 
 def _balance(patch: ndarray, cells: ndarray, B: ndarray, p: ndarray, w: ndarray, forces: ndarray

@@ -98,8 +98,9 @@ def among(setup: Setup, start: StageResult) -> StageResult:
 
 def _keeps(stage: Stage, accepted: StageResult) -> bool:
     """Return True if a stage keeps an accepted increment."""
-    every = {"last": 0, "all": 1}.get(stage.keep, stage.keep)  # type: ignore[call-overload]
-    return bool(every) and len(accepted.iterations) % int(every) == 0
+    if stage.keep == "last":
+        return False
+    return stage.keep == "all" or len(accepted.iterations) % stage.keep == 0
 
 
 def _increments(system: System, predictor: Predictor, stage: Stage, path: Path, last: StageResult, newton: Newton
