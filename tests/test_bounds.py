@@ -318,7 +318,7 @@ def test_what_has_no_bounds() -> None:
 def test_clean_sand() -> None:
     """[X] The factor tan 30 / tan 20 = 1.5863 is met from above; there is no lower bound, and a remark says so."""
     mesh = slope_mesh(3.0, 3.0 / np.tan(np.radians(20.0)), 4.0, 1.0, 3.0)
-    with pytest.warns(sc.AnalysisWarning, match="without cohesion bears nothing at a free surface"):
+    with pytest.warns(sc.AnalysisWarning, match="without cohesion resists nothing at a free surface"):
         found = bounds(**ground(mesh, 0.0, 30.0, 20.0), elements=500)
     assert 1.5863 < found.upper < 1.61 and found.lower < 1.5863
     assert any("without cohesion" in remark for remark in found.remarks)

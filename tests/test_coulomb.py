@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from helpers import body_along, facing, unknowns_of
 
-from skfem_contact import ContactPair, Coulomb, Status, Tied
+from skfem_contact import ContactPair, Coulomb, Tied
+from skfem_contact.contact.laws import Status
 from skfem_contact.results.tractions import tractions
 
 WHOLE = np.zeros((1, 1))

@@ -133,3 +133,31 @@ def test_rooms_modules_and_functions_are_small() -> None:
                 if (length := node.end_lineno - node.lineno + 1 - doc) > 40:
                     long[f"{name}.{node.name}"] = length
     assert not long
+
+
+def test_package_does_not_grow() -> None:
+    """No more lines and files than today, no names that only types need, few names at the top, one class a name."""
+    total = sum(lines(name) for name in TREES)
+    assert total <= 21_900 and len(TREES) <= 120, (total, len(TREES))
+    assert len(skfem_contact.__all__) <= 45
+    text = {name: ast.dump(tree) for name, tree in TREES.items()}
+    assert not [name for name, dump in text.items() if "TYPE_CHECKING" in dump]
+    classes = [node.name for tree in TREES.values() for node in tree.body if isinstance(node, ast.ClassDef)]
+    public = [name for name in classes if not name.startswith("_")]
+    assert not {name for name in public if public.count(name) > 1}
+
+
+def test_a_form_has_few_members() -> None:
+    """At most 12 public members outside its four optional parts."""
+    assert len([name for name in vars(skfem_contact.Form) if not name.startswith("_")]) <= 12
+
+
+def test_materials_and_laws_are_asked_by_their_calls() -> None:
+    """No `hasattr` on a material or a law."""
+    found = {}
+    for name, tree in TREES.items():
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "hasattr":
+                found[name] = ast.unparse(node)
+    allowed = {"forms.base", "forms.staged", "materials.base"}  # objects that derive from no base class; named tuples
+    assert set(found) <= allowed, found

@@ -27,8 +27,8 @@ from skfem import (
 from skfem.models.elasticity import lame_parameters, linear_elasticity
 
 import skfem_contact as sc
-from skfem_contact.forms.assembly import strain_operator
 from skfem_contact import plot
+from skfem_contact.forms.assembly import strain_operator
 from skfem_contact.results import StageResult
 from skfem_contact.results.sections import section_forces
 

@@ -49,7 +49,7 @@ def test_water_in_axial_symmetry(by_stage):
 
 
 def test_pores_in_axial_symmetry():
-    """[X] Terzaghi's column as a disc: half of the settlement at T = .197; the water is as axisymmetric as the solid."""
+    """[X] Terzaghi's column as a disc: half of the settlement at T = .197; the water takes its coordinates."""
     mesh = MeshQuad.init_tensor(np.linspace(0, 1, 4), 1 - np.linspace(1, 0, 13) ** 1.5).with_defaults()
     basis = Basis(mesh, ElementVector(ElementQuad2()), intorder=4)
     E, nu, k = 1e3, 0.2, 1e-4
@@ -84,7 +84,7 @@ def test_reset_of_an_own_form():
     forms = {"body": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.0)),
              "spring": Held(basis.N, basis.get_dofs("bottom").all("u^2"), 100.0)}  # fmt: skip
     result = sc.Model(forms, basis.get_dofs().all("u^1")).run([sc.Stage("weight", sc.weight(basis, 20.0))], **QUIET)
-    with pytest.raises(ValueError, match="force of 'spring' changes .* rebased"):
+    with pytest.raises(ValueError, match=r"force of 'spring' changes .* rebased"):
         result.reset()
 
 

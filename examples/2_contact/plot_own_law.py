@@ -19,7 +19,7 @@ import numpy as np
 from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
 
 import skfem_contact as sc
-from skfem_contact.contact import Update
+from skfem_contact.contact import LawUpdate
 from skfem_contact.contact.laws import Status
 
 # %%
@@ -27,7 +27,7 @@ from skfem_contact.contact.laws import Status
 # -------------------
 # ``update(jump, internal, penalty)`` is called with the gap, negative in penetration, and the slip from the stick
 # point, ``jump`` of shape (dim, n); with the accepted internal variables, (n_internal, n); and with the penalties,
-# which are tractions per gap and per elastic slip. It answers with an ``Update`` of
+# which are tractions per gap and per elastic slip. It answers with an ``LawUpdate`` of
 #
 # * ``traction``, (dim, n): a negative number presses, a positive shear drags a slave back that slid forward;
 # * ``internal``, the new internal variables;
@@ -85,7 +85,7 @@ class Dilatant(sc.InterfaceLaw):
         apart = traction[0] > 0
         traction[:, apart], tangent[:, :, apart], plastic[apart] = 0.0, 0.0, 0.0
         status = np.where(apart, Status.OPEN, np.where(slides, Status.SLIP, Status.STICK))
-        return Update(traction, internal + rise * plastic, tangent, traction[1:] / by_slip, status)
+        return LawUpdate(traction, internal + rise * plastic, tangent, traction[1:] / by_slip, status)
 
 
 # %%
@@ -132,7 +132,7 @@ class Cohesive(sc.InterfaceLaw):
         tangent -= rate * (stiffness * apart)[:, None] * apart / np.where(separation > 0, separation, 1.0)
 
         status = np.where(damage < 1, Status.STICK, np.where(jump[0] > 0, Status.OPEN, Status.SLIP))
-        return Update(secant * jump, largest[None], tangent, jump[1:].copy(), status)
+        return LawUpdate(secant * jump, largest[None], tangent, jump[1:].copy(), status)
 
 
 # %%

@@ -78,9 +78,9 @@ class CapClay(sc.VonMises):
 # %%
 # Is it right?
 # ------------
-# :func:`~skfem_contact.testing.check_material` tries the law on random paths: whether it is pure, whether its results are
-# admissible, whether the tangent is the derivative of the stress, whether plastic flow dissipates. It returns the error
-# of the tangent.
+# :func:`~skfem_contact.testing.check_material` checks the law on random paths. Arguments must not change, the returned
+# stress must be admissible, the tangent must be the derivative of the stress, and plastic flow must dissipate. The
+# largest error of the tangent is returned.
 
 clay = CapClay(E=6e3, nu=0.25, strength=70.0)
 for components in (4, 6):

@@ -1,9 +1,16 @@
 """Contact between bodies: closest points, kinematics, interface laws and the contact pair."""
 from ..surfaces.surface import Surface
 from .interface import ContactState
-from .laws import InterfaceLaw, Update
+from .laws import InterfaceLaw, LawUpdate
 from .pair import ContactPair
 from .penalty import AugmentedLagrangian, choose_penalties
 
-__all__ = ["AugmentedLagrangian", "ContactPair", "ContactState", "InterfaceLaw", "Surface", "Update",
-           "choose_penalties"]
+__all__ = [
+           "AugmentedLagrangian",
+           "ContactPair",
+           "ContactState",
+           "InterfaceLaw",
+           "LawUpdate",
+           "Surface",
+           "choose_penalties",
+]

@@ -14,7 +14,7 @@ from ..surfaces.material_points import MaterialPoints, along_chain, arc_distance
 from ..surfaces.surface import Surface
 from ..surfaces.vectors import frame
 from .kinematics import Kinematics, variations
-from .laws import Status, Update
+from .laws import LawUpdate, Status
 from .neighbours import NeighbourList, Neighbours
 from .quadrature import SlavePoints, between, changed, common_cuts, gauss, nodal, piecewise
 from .search import Projection, merged, project
@@ -83,7 +83,7 @@ class ContactState:
         """Stick points on the master."""
         return MaterialPoints(self.stick_facet, self.stick_point.T)
 
-    def after(self, found: Projection, at: ndarray, update: Update, stick: MaterialPoints, slip: ndarray
+    def after(self, found: Projection, at: ndarray, update: LawUpdate, stick: MaterialPoints, slip: ndarray
               ) -> ContactState:
         """Return the candidate state after the update of the points `at`; open points stick to their closest points."""
         closest, traction, internal = found.closest, np.zeros_like(self.traction), self.internal.copy()

@@ -25,7 +25,7 @@ class Status(IntEnum):
     SLIP = 2
 
 
-class Update(NamedTuple):
+class LawUpdate(NamedTuple):
     """Result of an interface law at ``n`` points; the plane has ``dim = 2``, space 3.
 
     Attributes
@@ -91,7 +91,7 @@ class InterfaceLaw:
         """
         return gap <= 0.0
 
-    def update(self, jump: ndarray, internal: ndarray, penalty: tuple[float, float]) -> Update:
+    def update(self, jump: ndarray, internal: ndarray, penalty: tuple[float, float]) -> LawUpdate:
         """Return tractions, tangent and new internal variables, without side effects.
 
         Parameters
@@ -176,7 +176,7 @@ class Coulomb(InterfaceLaw):
         return (gap <= 0.0) | (closed & (internal[0] == 0.0)) if self._has_bond else gap <= 0.0
 
     @override
-    def update(self, jump: ndarray, internal: ndarray, penalty: tuple[float, float]) -> Update:
+    def update(self, jump: ndarray, internal: ndarray, penalty: tuple[float, float]) -> LawUpdate:
         gap, slip, (by_gap, by_slip) = jump[0], jump[1:], penalty
         normal, pulls = by_gap * gap, gap > 0.0  # eq. 4
         whole = internal[0] == 0.0
@@ -199,7 +199,7 @@ class Coulomb(InterfaceLaw):
         tangent[1:, 1:] = np.where(stick, by_slip * along, returned * (along - direction[:, None] * direction))
         traction = np.where(opens, 0.0, np.concatenate((normal[None], shear)))
         status = np.where(opens, int(Status.OPEN), np.where(stick, int(Status.STICK), int(Status.SLIP)))
-        return Update(traction, np.where(opens, 1.0, internal), np.where(opens, 0.0, tangent),
+        return LawUpdate(traction, np.where(opens, 1.0, internal), np.where(opens, 0.0, tangent),
                       traction[1:] / by_slip, status)  # eq. 10
 
     @override
@@ -229,8 +229,9 @@ class Tied(InterfaceLaw):
         return closed
 
     @override
-    def update(self, jump: ndarray, internal: ndarray, penalty: tuple[float, float]) -> Update:
+    def update(self, jump: ndarray, internal: ndarray, penalty: tuple[float, float]) -> LawUpdate:
         stiffness, tangent = np.ones_like(jump), np.zeros((len(jump), *jump.shape))
         stiffness[0], stiffness[1:] = penalty
         tangent[np.arange(len(jump)), np.arange(len(jump))] = stiffness
-        return Update(stiffness * jump, internal, tangent, jump[1:].copy(), np.full(jump.shape[1], int(Status.STICK)))
+        status = np.full(jump.shape[1], int(Status.STICK))
+        return LawUpdate(stiffness * jump, internal, tangent, jump[1:].copy(), status)

@@ -20,7 +20,7 @@ from .base import ContactBase, initial_clearance
 from .diagnosis import ROUND_OFF, remarks
 from .interface import RECUTS, ContactState
 from .kinematics import Kinematics, dragged, tangents, variations
-from .laws import InterfaceLaw, Status, Update
+from .laws import InterfaceLaw, LawUpdate, Status
 from .penalty import Progress
 from .prestress import LinearisedContact, TractionOperator
 
@@ -178,11 +178,11 @@ class ContactPair(ContactBase):
                         round_off=max(penalties) * exact * float(np.linalg.norm(weight)),
                         active=at.tobytes() + update.status.tobytes())
 
-    def _stiffness(self, kinematics: Kinematics, update: Update, weight: ndarray, exact: bool) -> csr_matrix:
+    def _stiffness(self, kinematics: Kinematics, update: LawUpdate, weight: ndarray, exact: bool) -> csr_matrix:
         K = tangents(kinematics, update.traction, update.tangent, exact) * weight[:, None, None]
         return self._gathering.matrix(kinematics.dofs, K)
 
-    def _limited(self, update: Update) -> Update:
+    def _limited(self, update: LawUpdate) -> LawUpdate:
         """Return the update with tractions limited to what the bodies resist; without any a round body turns freely."""
         if self.stiffness is None:
             return update

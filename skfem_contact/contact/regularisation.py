@@ -17,7 +17,7 @@ from ..errors import Failure
 from .base import ContactBase
 from .diagnosis import PENETRATION
 from .interface import ContactState
-from .laws import InterfaceLaw, Status, Update
+from .laws import InterfaceLaw, LawUpdate, Status
 from .quadrature import SlavePoints
 
 logger = logging.getLogger("skfem_contact")
@@ -154,7 +154,7 @@ class Stabilised(InterfaceLaw):
         return np.ones(len(gap), bool)
 
     @override
-    def update(self, jump: ndarray, internal: ndarray, penalty: tuple[float, float]) -> Update:
+    def update(self, jump: ndarray, internal: ndarray, penalty: tuple[float, float]) -> LawUpdate:
         is_open, pressed = jump[0] > 0.0, np.zeros_like(jump)
         law = self.law.update(np.concatenate((np.minimum(jump[:1], 0.0), jump[1:])), internal, penalty)
         pressed[0] = -1.0
@@ -163,7 +163,7 @@ class Stabilised(InterfaceLaw):
         springs[0] = np.where(is_open, self.share * penalty[0], 0.0)
         tangent = np.where(is_open, 0.0, law.tangent)
         tangent[np.arange(len(jump)), np.arange(len(jump))] += springs
-        return Update(np.where(is_open, 0.0, law.traction) + springs * jump, law.internal, tangent,
+        return LawUpdate(np.where(is_open, 0.0, law.traction) + springs * jump, law.internal, tangent,
                       np.where(is_open, 0.0, law.elastic_slip), np.where(is_open, int(Status.OPEN), law.status))
 
     @override

@@ -13,7 +13,8 @@ from tqdm import tqdm
 
 from ..checks import names_of
 from ..errors import AnalysisWarning
-from ..loads import Pressure
+from ..forms.base import solids_of
+from ..loads import Pressure, by_element
 from ..solvers import single_threaded
 from .certify import dissipation
 from .model import Loads, Site, TractionLike, named_loads, vector_loads
@@ -29,7 +30,7 @@ _OPTIONS = ("water", "submerged", "gap", "elements", "seconds")
 
 
 @single_threaded
-def bounds(forms: Mapping[str, Any], fixed: ndarray, weight: float | Mapping[str, float] = 0.0, *,
+def bounds(forms: Mapping[str, Any], fixed: ndarray, weight: float | Mapping[str, float] | None = None, *,
            tractions: Mapping[str, TractionLike] | None = None, water: Pressure | None = None,
            submerged: str | Collection[str] = (), seismic: float = 0.0, reduce: str | Collection[str] | None = None,
            exclude: str | Collection[str] = (), live: str | Collection[str] = (),
@@ -50,7 +51,7 @@ def bounds(forms: Mapping[str, Any], fixed: ndarray, weight: float | Mapping[str
     fixed
         Dofs that are held, along whole facets.
     weight
-        Weight per volume: one number, or by subdomain.
+        Weight per volume: one number, or by subdomain; by default the unit weights of the solids.
     tractions
         Forces per area on boundaries, (t_x, t_y) or a function of coordinates (2, n) with values (2, n).
     water
@@ -80,7 +81,7 @@ def bounds(forms: Mapping[str, Any], fixed: ndarray, weight: float | Mapping[str
     Raises
     ------
     ValueError
-        Model without bounds (space, axial symmetry, other materials or forms), bad input, or no collapse.
+        LimitModel without bounds (space, axial symmetry, other materials or forms), bad input, or no collapse.
 
     Warns
     -----
@@ -102,10 +103,21 @@ def bounds(forms: Mapping[str, Any], fixed: ndarray, weight: float | Mapping[str
     """
     if flow not in ("given", "associated"):
         raise ValueError(f"flow must be 'given' or 'associated', not {flow!r}")
-    loads = partial(named_loads, weight=weight, tractions=dict(tractions or {}), water=water,
+    loads = partial(named_loads, weight=_own(forms) if weight is None else weight, tractions=dict(tractions or {}), water=water,
                     submerged=names_of(submerged), seismic=seismic, live=names_of(live))
     return _bracket(forms, fixed, loads, bool(names_of(live)), reduce=reduce, exclude=exclude, flow=flow, gap=gap,
                     elements=elements, seconds=seconds, progress=progress, stacklevel=5)
+
+
+def _own(forms: Mapping[str, Any]) -> ndarray | float:
+    """Return the unit weights that the solids bring, (n_elements,), or zero."""
+    solids = [form for form in solids_of(forms).values() if form.unit_weight is not None]
+    if not solids:
+        return 0.0
+    weights = np.zeros(solids[0].basis.mesh.nelements)
+    for form in solids:
+        weights[form.elements] = by_element(form.basis.mesh, form.unit_weight)[form.elements]
+    return weights
 
 
 def beside(certify: bool | Mapping[str, Any], forms: Mapping[str, Any], fixed: ndarray, dead: ndarray,

@@ -216,7 +216,7 @@ def _linear(mesh: Mesh, coefficients: ndarray) -> Field:
 
 
 @dataclass(frozen=True)
-class Model:
+class LimitModel:
     """Strength and loads; lengths and stresses are of order one.
 
     All arrays have one value for each element of the first mesh, (n_first,): triangles know their `origin`.
@@ -259,7 +259,7 @@ class Model:
         return elements.of_body(body) + elements.of_tractions(facets, pressed)
 
 
-def discretise(model: Model, triangles: Triangles, elements: Elements) -> Program:
+def discretise(model: LimitModel, triangles: Triangles, elements: Elements) -> Program:
     """Return the program of some elements' bound, on a refinement of the first mesh whose contacts match."""
     rigid = model.rigid[triangles.origin]
     soft = np.flatnonzero(rigid < 0)

@@ -16,17 +16,17 @@ from ..contact.pair import ContactPair
 from ..forms.base import as_forms, pairs_of, reduced_parts
 from ..forms.solid import SolidForm
 from ..materials.base import Flow, Material
-from .model import Loads, Model, Site
+from .model import LimitModel, Loads, Site
 from .strength import FLAT, Strength
 from .triangles import Contact, Geometry, Tag, Triangles, geometry
 
 
 @dataclass(frozen=True)
 class Problem:
-    """Model, its units, and the simplifications that led to it."""
+    """LimitModel, its units, and the simplifications that led to it."""
 
-    model: Model  # in units of its size and of a stress
-    davis: Model | None  # with the associated soil of less strength after Davis, where the flow is not associated
+    model: LimitModel  # in units of its size and of a stress
+    davis: LimitModel | None  # with the associated soil of less strength after Davis, where the flow is not associated
     mesh: Mesh
     geometry: Geometry
     stress: float  # unit of stress
@@ -52,7 +52,7 @@ def read(forms: Mapping[str, Any], fixed: ndarray, loads: Callable[[Site], Loads
     for tag in (*(traction.tag for traction in given.tractions), *given.submerged):
         _check_boundary(tag, shape.triangles)
     unit = _unit_of_stress(soil, given, shape)
-    model = Model(shape.triangles, soil.over(unit), _rigid_bodies(shape.triangles, soil.rigid),
+    model = LimitModel(shape.triangles, soil.over(unit), _rigid_bodies(shape.triangles, soil.rigid),
                   given.scaled(shape.centre, shape.size, unit), _contacts(pairs, targets, unit))
     less = any(material.dilates_less for form in solids.values() for material in form.materials.values())
     davis = None

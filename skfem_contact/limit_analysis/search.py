@@ -12,7 +12,7 @@ from tqdm import tqdm
 from .certify import UNBALANCED, Proof, dissipation, prove_lower, prove_upper
 from .elements import Joint, Program, stress_elements, velocity_elements
 from .interior_point import HIGHEST, Goal, Solution, solve
-from .model import Model, discretise
+from .model import LimitModel, discretise
 from .reading import Problem
 from .result import Certificate, relative_gap
 from .triangles import Triangles, check_closed, gradients, matched, outward_normals
@@ -110,7 +110,7 @@ class Search:
     def _accuracy(self) -> float:
         return float(np.clip(_ACCURACY * self.gap, _FINE, _COARSE)) if self.history[2:] else _COARSE
 
-    def _solve_lower(self, model: Model) -> Bound:
+    def _solve_lower(self, model: LimitModel) -> Bound:
         """Return the lower bound on the present triangles, which become the parents of later ones."""
         self.triangles = replace(self.triangles, parent=np.arange(len(self.triangles.origin)))
         program = discretise(model, self.triangles, stress_elements(self.triangles.mesh))
@@ -163,7 +163,7 @@ class Search:
         self._bar.set_postfix_str(f"{kind} bound {proof.value:.5g}, {n} triangles")
         return Bound(self.triangles, program, solution, proof)
 
-    def estimate(self, weaker: Model) -> float:
+    def estimate(self, weaker: LimitModel) -> float:
         """Return the lower bound of a weaker model on the last triangles."""
         return self._solve_lower(weaker).proof.value
 
@@ -251,7 +251,7 @@ def _fanned(triangles: Triangles, points: ndarray) -> Triangles:
     return triangles.fanned(few) if len(few) else triangles
 
 
-def _singular_points(model: Model, triangles: Triangles) -> ndarray:
+def _singular_points(model: LimitModel, triangles: Triangles) -> ndarray:
     """Return corners that point into the ground, and changes of loads or supports at its surface, (2, n)."""
     mesh, rigid = triangles.mesh, model.rigid[triangles.origin]
     soft = np.where(mesh.f2t >= 0, rigid[mesh.f2t] < 0, False)
@@ -268,7 +268,7 @@ def _singular_points(model: Model, triangles: Triangles) -> ndarray:
     return mesh.p[:, np.unique(vertex[changes | (angle > _REENTRANT)])]
 
 
-def _kinds(model: Model, triangles: Triangles) -> ndarray:
+def _kinds(model: LimitModel, triangles: Triangles) -> ndarray:
     """Return the supports, loads, contacts and rigid bodies on every facet, (n_facets, n_kinds)."""
     mesh, tags = triangles.mesh, triangles.tags
     names = [("held", 0), ("held", 1), *(t.tag for t in model.loads.tractions)]

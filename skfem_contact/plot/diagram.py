@@ -111,7 +111,9 @@ def history(result: Result, quantity: str, points: Mapping[str, ArrayLike], *, t
     """
     basis, field = basis_of(result[-1]), quantities(result[-1])[quantity]
     tree = cKDTree(basis.doflocs[:, ::basis.mesh.dim()].T)
-    values = [nodal_field(stage, quantity) for stage in result]
+    later = quantity == "pore" and has_excess(result[-1])  # there is no excess pressure before the first water
+    values = [0.0 * basis.doflocs[0] if later and not has_excess(stage) else nodal_field(stage, quantity)
+              for stage in result]
     times = [stage.time for stage in result] if time else list(range(len(result)))
     figure, ax = plt.subplots(figsize=(8.0, 4.2), layout="constrained")
     for style, (label, point) in zip(styles(len(points)), points.items()):

@@ -106,7 +106,7 @@ def _consistent(pair: ContactPair, state: ContactState, values: ndarray) -> ndar
     return np.asarray(np.where(smooth.reshape(-1, *[1] * (values.ndim - 1)), projected, values))
 
 
-class Interface(NamedTuple):
+class ContactFacets(NamedTuple):
     """Contact pair in a stage: points with their normals, nodes and shape functions, and facets with their nodes."""
 
     tractions: Tractions
@@ -136,13 +136,13 @@ class Interface(NamedTuple):
         return data | {"status": status}
 
 
-def interfaces(stage: StageData) -> dict[str, Interface]:
+def interfaces(stage: StageData) -> dict[str, ContactFacets]:
     """Return the contact pairs of a stage."""
     return {name: _interface(form, stage.states[name]) for name, form in pairs_of(stage.forms).items()
             if name in stage.states and form.slave.meshed}
 
 
-def _interface(pair: ContactPair, state: ContactState) -> Interface:
+def _interface(pair: ContactPair, state: ContactState) -> ContactFacets:
     points, slave = pair.points(state), pair.slave
     at = tractions(pair, state)
     node, normal = slave.dofs[:, 0] // slave.dim, slave.at(points.facet, points.xi, slave.nodes).normal
@@ -152,7 +152,7 @@ def _interface(pair: ContactPair, state: ContactState) -> Interface:
         number[points.nodes[:, 0]] = np.arange(len(points.nodes))
         facet = np.repeat(np.arange(len(slave.facets)), slave.facets.shape[1])
         members = np.stack((facet, number[slave.facets.ravel()]))[:, number[slave.facets.ravel()] >= 0]
-    return Interface(at, normal, node[points.nodes], points.values, node[slave.facets], members)
+    return ContactFacets(at, normal, node[points.nodes], points.values, node[slave.facets], members)
 
 
 @dataclass(frozen=True)

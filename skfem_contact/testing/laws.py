@@ -9,7 +9,7 @@ import numpy as np
 from numpy import ndarray
 
 from ..contact.laws import InterfaceLaw, Status
-from ..contact.laws import Update as Traction
+from ..contact.laws import LawUpdate as Traction
 from ..materials.base import Material, Update, as_material, updated
 
 #: Steps of the differences, relative to the size of what is varied.
