@@ -21,15 +21,15 @@ welded = sc.load_mesh("block_on_sand.msh")
 mesh = sc.join_bodies(welded, bodies={"sand": "sand", "block": "concrete"})
 basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=4)
 
+sand = sc.MohrCoulomb(E=3e4, nu=0.3, c=2.0, phi=33.0, psi=3.0)
 forms = {
-    "sand": sc.SolidForm(basis.with_elements("sand"), sc.MohrCoulomb(E=3e4, nu=0.3, c=2.0, phi=33.0, psi=3.0)),
-    "block": sc.SolidForm(basis.with_elements("block"), sc.LinearElastic(E=3e7, nu=0.2)),
+    "sand": sc.SolidForm(basis.with_elements("sand"), sand, unit_weight=18.0),
+    "block": sc.SolidForm(basis.with_elements("block"), sc.LinearElastic(E=3e7, nu=0.2), unit_weight=24.0),
     "joint": sc.ContactPair(basis, slave="sand|block", master="block|sand", law=sc.Coulomb(mu=0.5), quadrature=3),
 }
-fixed = sc.box_supports(basis)
-weight = sc.weight(basis, {"sand": 18.0, "block": 24.0})
 push = sc.traction(basis, "top", (12.0, -40.0))
-result = sc.Model(forms, fixed).run([sc.Stage("weight", weight), sc.Stage("push", weight + push, increments=3)])
+stages = [sc.Stage("weight"), sc.Stage("push", push, increments=3)]
+result = sc.Model(forms, sc.box_supports(basis)).run(stages)
 print(result)
 print(result["push"].report("joint"))
 

@@ -25,10 +25,10 @@ mesh = mesh.with_boundaries({"footing": lambda x: (x[1] > -1e-9) & (abs(x[0]) < 
 basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
 
 footing = sc.RigidBoundary(basis, "footing")
-forms = {"clay": sc.SolidForm(basis, sc.Tresca(E=1e4, nu=0.45, c=c)), "footing": footing}
+clay = sc.SolidForm(basis, sc.Tresca(E=1e4, nu=0.45, c=c))
+model = sc.Model({"clay": clay, "footing": footing}, sc.box_supports(basis))
 levers = np.array([0.0, 0.1, 0.2, 0.3, 0.4]) * width
-found = [sc.Model(forms, sc.box_supports(basis)).limit_load(footing.load((0, -1), at=(lever, 0)), step=20.0, progress=False)
-         for lever in levers]  # fmt: skip
+found = [model.limit_load(footing.load((0, -1), at=(lever, 0)), step=20.0, progress=False) for lever in levers]
 carried = np.array([collapse.multiplier for collapse in found])
 
 fig, ax = plt.subplots(figsize=(6, 4), layout="constrained")

@@ -28,11 +28,9 @@ at = (basis.doflocs[1] > -1e-9) & (basis.doflocs[0] < width + 1e-9)
 footing = np.flatnonzero(at)
 down = footing[footing % 2 == 1]
 settlements = np.array([0.005, 0.01, 0.015, 0.02, 0.03, 0.04, 0.06])
-stages = []
-for s in settlements:
-    moved = basis.zeros()
-    moved[down] = -s
-    stages.append(sc.Stage(f"{1e3 * s:g} mm", basis.zeros(), prescribed=moved))
+unit = basis.zeros()
+unit[down] = -1.0
+stages = [sc.Stage(f"{1e3 * s:g} mm", prescribed=s * unit) for s in settlements]
 result = sc.Model(forms, np.union1d(sc.box_supports(basis), footing)).run(stages)
 load = [-stage.reactions()[down].sum() / width for stage in result]
 

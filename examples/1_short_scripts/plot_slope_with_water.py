@@ -23,16 +23,14 @@ upper = flat.p[1, flat.t].mean(axis=0) > 0.5
 mesh = MeshTri(np.stack((40 * flat.p[0], crest * flat.p[1])), flat.t).with_subdomains(
     {"clay": np.flatnonzero(~upper), "sand": np.flatnonzero(upper)})
 basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
-fixed = sc.box_supports(basis)
 
 clay = sc.MohrCoulomb(E=2e4, nu=0.3, c=12.0, phi=22.0, psi=22.0)
 sand = sc.MohrCoulomb(E=4e4, nu=0.3, c=3.0, phi=34.0, psi=34.0)
-slope = {"slope": sc.SolidForm(basis, {"clay": clay, "sand": sand})}
+slope = sc.SolidForm(basis, {"clay": clay, "sand": sand}, unit_weight={"clay": 20.0, "sand": 19.0})
 water = sc.hydrostatic([(0, 10), (12, 9), (30, 5)], unit_weight=9.81)
-load = sc.weight(basis, {"clay": 20.0, "sand": 19.0}) + sc.water_load(basis, water)
 
-wet = sc.Model(slope, fixed).strength_reduction(load, tolerance=0.01)
-dry = sc.Model(slope, fixed).strength_reduction(sc.weight(basis, {"clay": 20.0, "sand": 19.0}), tolerance=0.01)
+model = sc.Model({"slope": slope}, sc.box_supports(basis))
+wet, dry = model.strength_reduction(sc.water_load(basis, water)), model.strength_reduction()
 print(f"with water {wet.factor:.2f}, without {dry.factor:.2f}")
 
 # %%

@@ -218,7 +218,9 @@ def dig(wet: bool):
     whole = sc.weight(basis, WEIGHT)
     if wet:
         whole = whole + sc.water_load(basis, still, ["ground|piles", "piles|ground"])
-    start = sc.Model(forms, fixed).k0_state(whole, unit_weights=WEIGHT, K0=K0, water=still if wet else None, name="at rest")
+    start = sc.Model(forms, fixed).k0_state(
+        whole, unit_weights=WEIGHT, K0=K0, water=still if wet else None, name="at rest"
+    )
     print(f"out of balance at rest: {start['at rest'].residual:.1e}")
     stages = [sc.Stage("wall", load(0, 0, wet))]
     for i, lift in enumerate(LIFTS):
@@ -396,7 +398,14 @@ def in_pores(x):
 
 began, found = process_time(), {}
 for key in ("associated", "given"):
-    found[key] = sc.Model(bodies, held).bounds(weight={"sand": WEIGHT, "wall": WALL_WEIGHT}, water=in_pores, submerged=("sand|wall", "wall|sand"), flow=key, gap=0.1, elements=1300)
+    found[key] = sc.Model(bodies, held).bounds(
+        weight={"sand": WEIGHT, "wall": WALL_WEIGHT},
+        water=in_pores,
+        submerged=("sand|wall", "wall|sand"),
+        flow=key,
+        gap=0.1,
+        elements=1300,
+    )
 proven, davis = found["associated"], found["given"].lower
 rows.append(
     {

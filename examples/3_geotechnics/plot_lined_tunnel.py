@@ -119,7 +119,9 @@ def release(forms, shares, at_rest=AT_REST):
     """Take the support of the wall back to shares of S."""
     wall = FacetBasis(basis.mesh, basis.elem, facets="ground|lining", intorder=6)
     S = LinearForm(lambda v, w: at_rest[0] * w.n[0] * v[0] + at_rest[1] * w.n[1] * v[1]).assemble(wall)
-    start = sc.Model({"ground": forms["ground"]}, fixed).initial_state(S, stress=lambda x: np.multiply.outer(at_rest, np.ones(x.shape[1:])), name="at rest")  # fmt: skip
+    start = sc.Model({"ground": forms["ground"]}, fixed).initial_state(
+        S, stress=lambda x: np.multiply.outer(at_rest, np.ones(x.shape[1:])), name="at rest"
+    )
     return sc.Model(forms, fixed).run([sc.Stage(f"{share:g} S", share * S) for share in shares], start=start)
 
 
