@@ -17,7 +17,7 @@ from scipy.spatial import cKDTree
 
 from ..checks import check_plane, look_up
 from ..contact.laws import Status
-from ..results.fields import basis_of, nodal_field, quantities
+from ..results.fields import basis_of, has_excess, nodal_field, quantities
 from ..results.result import Result, StageResult
 from ..results.sections import SectionForces
 from ..results.tractions import Tractions
