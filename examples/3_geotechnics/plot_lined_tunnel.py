@@ -7,8 +7,8 @@ the nodal forces :math:`S` of the stresses at rest on the wall stand for the gro
 before the lining is there, and the lining takes its share of the rest. The stages are
 
 1. the ground alone, in equilibrium with :math:`S`,
-2. 60 % released: the load falls to :math:`0.4\,S`,
-3. the lining and its contact become active, and the load falls to nothing.
+2. 60 % released: the support falls to :math:`0.4\,S`,
+3. the lining and its contact become active, and the support falls to nothing.
 
 The lining is stress-free when it is placed, and fits into the wall where this has got to. The tunnel is so deep that
 the stresses around it count as uniform; in ground with weight its load :math:`W` is added in every stage.
@@ -26,7 +26,7 @@ from time import process_time
 import matplotlib.pyplot as plt
 import numpy as np
 from michell_fields import DECAYING, WAVY, harmonics, michell, thrust_and_moment
-from skfem import Basis, ElementQuad2, ElementVector, FacetBasis, LinearForm, MeshQuad, MeshQuad2
+from skfem import Basis, ElementQuad2, ElementVector, MeshQuad, MeshQuad2
 
 import skfem_contact as sc
 import skfem_contact.plot as plot
@@ -111,23 +111,24 @@ def tunnel(ground, mu):
 
 
 # %%
-# The nodal forces S are those of the stresses at rest on the wall of the ground. Only the ground is there at first:
-# ``given_state`` gets no other form, and finds it in equilibrium with S. The lining can go on from any of the stages.
+# At first only the ground is there, and its wall is held: the model of the initial state has no other form, and one
+# support more. Then this support goes, and its forces S are released share by share. A stage releases a share of what
+# is left. The lining can go on from any of the stages.
 
 
 def release(forms, shares, at_rest=AT_REST):
     """Take the support of the wall back to shares of S."""
-    wall = FacetBasis(basis.mesh, basis.elem, facets="ground|lining", intorder=6)
-    S = LinearForm(lambda v, w: at_rest[0] * w.n[0] * v[0] + at_rest[1] * w.n[1] * v[1]).assemble(wall)
-    start = sc.Model({"ground": forms["ground"]}, fixed).initial_state(
-        S, stress=lambda x: np.multiply.outer(at_rest, np.ones(x.shape[1:])), name="at rest"
-    )
-    return sc.Model(forms, fixed).run([sc.Stage(f"{share:g} S", share * S) for share in shares], start=start)
+    held = [fixed, basis.get_dofs("ground|lining").all()]
+    start = sc.Model({"ground": forms["ground"]}, held).initial_state(
+        stress=lambda x: np.multiply.outer(at_rest, np.ones(x.shape[1:])), name="at rest")
+    stages = [sc.Stage(f"{share:g} S", fixed=None if k else fixed, release=1 - share / before)
+              for k, (before, share) in enumerate(zip([1.0, *shares], shares))]
+    return sc.Model(forms, held).run(stages, start=start)
 
 
 def line(forms, placed):
     """Place the lining in a stage, and take away the support that is left there."""
-    stage = sc.Stage("lined", 0 * placed.load, activate=("lining", "skin"), increments=4)
+    stage = sc.Stage("lined", activate=("lining", "skin"), increments=4)
     return sc.Model(forms, fixed).run([stage], start=placed)["lined"]
 
 

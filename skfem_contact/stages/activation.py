@@ -71,6 +71,7 @@ def plan(setup: Setup, stages: Sequence[Stage], start: StageResult | None) -> li
     active = _at_first(now, stages, start)
     phases: list[Phase] = []
     time, water = 0.0, None
+    left = start is not None and start.unreleased is not None
     for stage in stages:
         before = {name: now[name] for name in now if name in active}
         changes = bool(stage.activate or stage.deactivate or stage.change or stage.fixed is not None)
@@ -89,11 +90,12 @@ def plan(setup: Setup, stages: Sequence[Stage], start: StageResult | None) -> li
         load, on_top = _loads(setup, stage, there, water, held, [name for name in now if name not in active])
         prescribed = None if stage.prescribed is None else \
             setup.vector(stage.prescribed, f"stage '{stage.name}': the prescribed displacement")
-        waits = bool(phases) and not changes and prescribed is None and on_top is None \
+        waits = bool(phases) and not (changes or left) and prescribed is None and on_top is None \
             and np.array_equal(load, phases[-1].load)
         time = time + stage.duration if waits else stage.duration
-        remarks = (*_idle(stage, load, prescribed, phases, np.array_equal(supported, fixed)),
+        remarks = (*_idle(stage, load, prescribed, phases, np.array_equal(supported, fixed), left),
                    *_of_forms(stage, there, fixed, held, time))
+        left = (changes or left) and stage.release < 1.0
         phases.append(Phase(before, there, np.union1d(fixed, held), load, prescribed,
                             changes and bool(phases or start is not None), on_top, remarks))
     return phases
@@ -165,12 +167,12 @@ def check_contacts(there: Mapping[str, Form], held: ndarray) -> None:
             raise ValueError(f"'{name}' is active, but acts on an inactive body: {form!r}")
 
 
-def _idle(stage: Stage, load: ndarray, prescribed: ndarray | None, before: list[Phase], same_supports: bool
-          ) -> Iterator[Remark]:
+def _idle(stage: Stage, load: ndarray, prescribed: ndarray | None, before: list[Phase], same_supports: bool,
+          left: bool) -> Iterator[Remark]:
     """Yield remarks on supports that are those of before, and on a stage that changes nothing."""
     if stage.fixed is not None and same_supports:
         yield Remark("supports", 0.0, "`fixed` holds what is supported already: a boundary is empty")
-    others = stage.activate or stage.deactivate or stage.change or stage.duration
+    others = stage.activate or stage.deactivate or stage.change or stage.duration or left
     if before and not others and same_supports and np.array_equal(load, before[-1].load) and prescribed is None:
         yield Remark("nothing", 0.0, "it changes nothing: its load and its supports are those of the stage before")
 
