@@ -27,7 +27,7 @@ from time import process_time
 
 import matplotlib.pyplot as plt
 import numpy as np
-from skfem import Basis, ElementQuad2, ElementVector, FacetBasis, LinearForm, MeshQuad, MeshQuad2
+from skfem import Basis, ElementQuad2, ElementVector, MeshQuad, MeshQuad2
 
 import skfem_contact as sc
 from skfem_contact.forms.solid import SolidState
@@ -126,15 +126,15 @@ def solid(basis: Basis, g: Ground) -> sc.SolidForm:
 
 def excavate(basis: Basis, g: Ground, pressures: list[float], axial: float) -> tuple[sc.SolidForm, sc.results.Result]:
     """Start from p0, and the pressure ``axial`` along the tunnel, and lower the pressure on the wall."""
-    wall = FacetBasis(basis.mesh, basis.elem, facets="wall", intorder=6)
-    load = LinearForm(lambda v, w: -(v[0] * w.n[0] + v[1] * w.n[1])).assemble(wall)
     fixed = np.concatenate((basis.get_dofs("x axis").all("u^2"), basis.get_dofs("y axis").all("u^1"),
                             basis.get_dofs("end").all()))
     forms = {"ground": solid(basis, g)}
     pressed = -np.array([g.p0, g.p0, axial, 0.0])[:, None, None]
-    start = sc.Model(forms, fixed).initial_state(g.p0 * load, stress=lambda x: pressed * np.ones(x.shape[1:]))
-    stages = [sc.Stage(f"{p:g}", p * load) for p in pressures]
-    return forms["ground"], sc.Model(forms, fixed).run(stages, start=start)
+    model = sc.Model(forms, [fixed, basis.get_dofs("wall").all()])  # the wall is held at first
+    start = model.initial_state(stress=lambda x: pressed * np.ones(x.shape[1:]))
+    stages = [sc.Stage(f"{p:g}", fixed=None if k else fixed, release=1 - p / before)
+              for k, (before, p) in enumerate(zip([g.p0, *pressures], pressures))]
+    return forms["ground"], model.run(stages, start=start)
 
 
 def wall_displacement(basis: Basis, x: np.ndarray) -> float:
