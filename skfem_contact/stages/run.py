@@ -49,7 +49,7 @@ def run(setup: Setup, stages: Sequence[Stage], start: Result | StageResult | Non
             if system is None or predictor is None or phase.changed:
                 system = setup.system(phase.forms, phase.fixed)
                 predictor = Predictor(system.fixed)
-                predictor.accept(last.x, last.load, last.time)
+                predictor.accept(last.x, last.load - lost, last.time)
             remarks.add(stage.name, "the stage", phase.remarks)
             last = replace(last, name=stage.name, iterations=(), fraction=0.0, forms=system.forms, increments=())
             unreleased = lost if last.unreleased is None else lost + last.unreleased
