@@ -42,6 +42,9 @@ class Phase:
         Load at the end and prescribed displacements of all dofs, (N,).
     changed
         True if the stage begins with anything else than the one before ended with.
+    gone
+        Weight and water load that vanish with deactivated bodies at the dofs that stay, where they are released in
+        part, (N,).
     on_top
         Load as a function of the share of the stage, where it is given as one.
     remarks
@@ -54,6 +57,7 @@ class Phase:
     load: ndarray
     prescribed: ndarray | None
     changed: bool
+    gone: ndarray | float = 0.0
     on_top: Callable[[float], ndarray] | None = None
     remarks: tuple[Remark, ...] = ()
 
@@ -96,8 +100,12 @@ def plan(setup: Setup, stages: Sequence[Stage], start: StageResult | None) -> li
         remarks = (*_idle(stage, load, prescribed, phases, np.array_equal(supported, fixed), left),
                    *_of_forms(stage, there, fixed, held, time))
         left = (changes or left) and stage.release < 1.0
+        gone: ndarray | float = 0.0
+        if left and stage.deactivate:
+            gone = _at_rest(setup, before, water, held) - _at_rest(setup, there, water, held)
+            gone[np.union1d(fixed, held)] = 0.0
         phases.append(Phase(before, there, np.union1d(fixed, held), load, prescribed,
-                            changes and bool(phases or start is not None), on_top, remarks))
+                            changes and bool(phases or start is not None), gone, on_top, remarks))
     return phases
 
 
@@ -105,11 +113,7 @@ def _loads(setup: Setup, stage: Stage, active: Mapping[str, Form], water: Any, h
            ) -> tuple[ndarray, Callable[[float], ndarray] | None]:
     """Return the whole load at the end of a stage, and as a function of its share where it is given as one."""
     what = f"stage '{stage.name}': the load"
-    rest = setup.weights(active)
-    if water is not None and water is not False:
-        wet = water_at_rest(solids_of(active), water, setup.water_unit_weight)
-        rest[:len(wet)] += wet
-        rest[held] = 0.0
+    rest = _at_rest(setup, active, water, held)
 
     def on_top(share: float) -> ndarray:
         load = setup.load(stage.load(share) if callable(stage.load) else stage.load, what)
@@ -119,6 +123,16 @@ def _loads(setup: Setup, stage: Stage, active: Mapping[str, Form], water: Any, h
         return load + rest
 
     return on_top(1.0), on_top if callable(stage.load) else None
+
+
+def _at_rest(setup: Setup, active: Mapping[str, Form], water: Any, held: ndarray) -> ndarray:
+    """Return the weights of active forms and the load of water on them, (N,)."""
+    rest = setup.weights(active)
+    if water is not None and water is not False:
+        wet = water_at_rest(solids_of(active), water, setup.water_unit_weight)
+        rest[:len(wet)] += wet
+        rest[held] = 0.0
+    return rest
 
 
 def _at_first(forms: Mapping[str, Form], stages: Sequence[Stage], start: StageResult | None) -> set[str]:

@@ -53,7 +53,7 @@ def run(setup: Setup, stages: Sequence[Stage], start: Result | StageResult | Non
             remarks.add(stage.name, "the stage", phase.remarks)
             last = replace(last, name=stage.name, iterations=(), fraction=0.0, forms=system.forms, increments=())
             unreleased = lost if last.unreleased is None else lost + last.unreleased
-            left = (1.0 - stage.release) * unreleased
+            left = (1.0 - stage.release) * (unreleased - phase.gone)
             path = _path(phase, last, system.fixed, lost, left)
             increments = _increments(system, predictor, stage, path, last, setup.newton or Newton())
             try:
