@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from helpers import grid, unknowns_of, vector_basis
-from skfem import Basis, ElementQuad1, ElementVector, FacetBasis, LinearForm, MeshQuad
+from skfem import Basis, ElementQuad1, ElementTriP2, ElementVector, FacetBasis, LinearForm, MeshQuad
 
 import skfem_contact as sc
 from skfem_contact.contact.laws import Status
@@ -333,3 +333,18 @@ def test_forces_of_a_lost_body_are_released_in_shares_over_stages():
     alone = model.run([sc.Stage("filled"), sc.Stage("cleared", deactivate="fill")])["cleared"].x[surface].mean()
     assert abs(half - (0.6 * filled + 0.4 * alone)) < 1e-12 * abs(filled)
     assert abs(cleared - alone) < 1e-12 * abs(filled)
+
+
+def test_water_of_a_stage_is_that_of_a_seepage_in_its_own_ground():
+    """[X] Ground above the flow is dry, and its weight and that of the wet ground under water are carried."""
+    mesh = MeshQuad.init_tensor(np.linspace(0, 4, 5), np.linspace(0, 4, 9)).to_meshtri().with_defaults()
+    mesh = mesh.with_subdomains({"wet": lambda x: x[1] < 2, "dry": lambda x: x[1] > 2}).with_boundaries(
+        {"table": mesh.facets_satisfying(lambda x: abs(x[1] - 2) < 1e-9)})
+    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
+    forms = {name: sc.SolidForm(basis.with_elements(name), sc.LinearElastic(E=1e4, nu=0.3), unit_weight=20.0)
+             for name in ("wet", "dry")}
+    flow = sc.water.seepage(basis.with_elements("wet"), 1e-4, {"table": 2.0}, unit_weight=10.0)
+    model = sc.Model(forms, sc.box_supports(basis), water_unit_weight=10.0)
+    one, other = model.run([sc.Stage("flow", water=flow)])["flow"], model.run([sc.Stage("level", water=2.0)])["level"]
+    np.testing.assert_allclose(one.load, other.load, atol=1e-9)
+    assert abs(one.load[1::2].sum() + 4 * 4 * 20 - 4 * 2 * 10) < 1e-9

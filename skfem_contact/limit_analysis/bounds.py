@@ -103,8 +103,9 @@ def bounds(forms: Mapping[str, Any], fixed: ndarray, weight: float | Mapping[str
     """
     if flow not in ("given", "associated"):
         raise ValueError(f"flow must be 'given' or 'associated', not {flow!r}")
-    loads = partial(named_loads, weight=_own(forms) if weight is None else weight, tractions=dict(tractions or {}),
-                    water=water, submerged=names_of(submerged), seismic=seismic, live=names_of(live))
+    gamma: Any = _own(forms) if weight is None else weight
+    loads = partial(named_loads, weight=gamma, tractions=dict(tractions or {}), water=water,
+                    submerged=names_of(submerged), seismic=seismic, live=names_of(live))
     return _bracket(forms, fixed, loads, bool(names_of(live)), reduce=reduce, exclude=exclude, flow=flow, gap=gap,
                     elements=elements, seconds=seconds, progress=progress, stacklevel=5)
 

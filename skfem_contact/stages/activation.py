@@ -57,7 +57,7 @@ class Phase:
     load: ndarray
     prescribed: ndarray | None
     changed: bool
-    gone: ndarray | float = 0.0
+    gone: ndarray
     on_top: Callable[[float], ndarray] | None = None
     remarks: tuple[Remark, ...] = ()
 
@@ -100,7 +100,7 @@ def plan(setup: Setup, stages: Sequence[Stage], start: StageResult | None) -> li
         remarks = (*_idle(stage, load, prescribed, phases, np.array_equal(supported, fixed), left),
                    *_of_forms(stage, there, fixed, held, time))
         left = (changes or left) and stage.release < 1.0
-        gone: ndarray | float = 0.0
+        gone = np.zeros(setup.layout.size)
         if left and stage.deactivate:
             gone = _at_rest(setup, before, water, held) - _at_rest(setup, there, water, held)
             gone[np.union1d(fixed, held)] = 0.0

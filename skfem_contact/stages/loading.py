@@ -11,6 +11,7 @@ from skfem import FacetBasis, Mesh
 from skfem.generic_utils import OrientedBoundary
 
 from ..checks import look_up
+from ..layout import elements_of
 from ..loads import at_points, face_load, hydrostatic, pore_load
 
 #: Pore pressure at coordinates, (dim, n, m), in elements of the mesh, (n, 1).
@@ -18,25 +19,25 @@ _Pressure = Callable[[ndarray, ndarray], ndarray]
 
 
 def as_pressure(water: Any, mesh: Mesh, unit_weight: float | None) -> Any:
-    """Return water as a function of the coordinates, pressures at the vertices, or a dictionary of such by region."""
+    """Return water as a seepage, a function of the coordinates, pressures at the vertices, or such by region."""
     if isinstance(water, Mapping):
         for name in water:
             look_up(name, mesh.subdomains or {}, "subdomain")
-        return {name: as_pressure(level, mesh, unit_weight) for name, level in water.items()}
-    given = getattr(water, "pressure", water)
-    if callable(given) or np.shape(given) == (mesh.nvertices,):
-        return given
+        given = {name: getattr(level, "pressure", level) for name, level in water.items()}
+        return {name: as_pressure(level, mesh, unit_weight) for name, level in given.items()}
+    if hasattr(water, "pressure_at") or callable(water) or np.shape(water) == (mesh.nvertices,):
+        return water
     if unit_weight is None:
         raise ValueError("a water level needs the unit weight of water: give the model `water_unit_weight`")
-    return hydrostatic(given, unit_weight=unit_weight)
+    return hydrostatic(water, unit_weight=unit_weight)
 
 
 def water_at_rest(solids: Mapping[str, Any], water: Any, unit_weight: float | None) -> ndarray:
     """Return the load of water in the pores and on all boundaries of active bodies, (N,).
 
     The pressure acts on every facet that bounds the active elements: free surfaces, excavated faces, both sides of
-    contacts. Levels by region apply to the elements of these regions; a facet of a body without pores takes the
-    pressure of the nearest facet of a porous one.
+    contacts. Levels by region apply to the elements of these regions, a seepage to the elements of its basis: others
+    are dry. A facet of a body without pores takes the pressure of the nearest facet of a porous one.
     """
     first = next(iter(solids.values()))
     mesh, axisymmetric = first.basis.mesh, first.coordinates == "axisymmetric"
@@ -47,7 +48,7 @@ def water_at_rest(solids: Mapping[str, Any], water: Any, unit_weight: float | No
             total += pore_load(form.basis, _in_elements(form.basis, pressure, form.elements), axisymmetric)
     outside = FacetBasis(mesh, first.basis.elem, facets=_bounding(mesh, solids))
     owner = np.asarray(outside.tind)
-    if isinstance(pressure, Mapping):
+    if isinstance(pressure, Mapping) or hasattr(pressure, "pressure_at"):
         owner = _porous_owner(outside, owner, np.concatenate([f.elements for f in solids.values() if f.porous]))
     return total + face_load(outside, _in_elements(outside, pressure, owner), axisymmetric)
 
@@ -72,9 +73,15 @@ def _porous_owner(outside: FacetBasis, owner: ndarray, porous: ndarray) -> ndarr
 
 def _in_elements(basis: Any, pressure: Any, elements: ndarray) -> ndarray:
     """Return the pressure at the integration points of elements or facets, by the region of given elements."""
+    x = np.asarray(basis.global_coordinates())
+    values = np.zeros(x.shape[1:])
+    if hasattr(pressure, "pressure_at"):
+        wet = np.isin(elements, elements_of(pressure.basis))
+        if wet.any():
+            values[wet] = pressure.pressure_at(x[:, wet])
+        return values
     if not isinstance(pressure, Mapping):
         return at_points(basis, pressure)
-    values = np.zeros(np.asarray(basis.global_coordinates()).shape[1:])
     for name, given in pressure.items():
         here = np.isin(elements, basis.mesh.subdomains[name])
         values[here] = at_points(basis, given)[here]
