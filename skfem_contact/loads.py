@@ -9,6 +9,7 @@ import numpy as np
 from numpy import ndarray
 from numpy.typing import ArrayLike
 from skfem import CellBasis, FacetBasis, LinearForm, Mesh
+from typing_extensions import override
 
 from .checks import check_basis, facets_of, look_up, names_of, place
 from .errors import AnalysisWarning
@@ -81,6 +82,14 @@ class Load(ndarray):
 
     def __array_finalize__(self, other: Any) -> None:
         self.coordinates = getattr(other, "coordinates", None)
+
+    @override
+    def __array_wrap__(self, array: Any, context: Any = None, *scalar: Any) -> Any:
+        used = {one.coordinates for one in (context[1] if context else ()) if isinstance(one, Load)} - {None}
+        if len(used) > 1:
+            raise ValueError("a load in plane coordinates cannot be combined with an axisymmetric one: make loads by "
+                             "the model, or from a solid form in place of a basis")
+        return super().__array_wrap__(array, context, *scalar)
 
     @classmethod
     def of(cls, values: Any, axisymmetric: bool) -> Load:

@@ -35,6 +35,21 @@ def test_weight_in_axial_symmetry():
         model.run([sc.Stage("weight", sc.weight(basis, 20.0))], **QUIET)
 
 
+def test_sums_of_loads_in_axial_symmetry():
+    """A plane load vector does not pass in the sum with another one, on either side."""
+    basis, _ = disc()
+    soil = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.2), coordinates="axisymmetric")
+    own, plane = sc.weight(soil, 20.0), sc.traction(basis, "top", (0.0, -5.0))
+    for combine in (lambda: own + plane, lambda: plane + own, lambda: own - 2.0 * plane, lambda: sum([own, plane])):
+        with pytest.raises(ValueError, match="plane coordinates cannot be combined with an axisymmetric one"):
+            combine()
+    with pytest.raises(ValueError, match="axisymmetric"):
+        own += plane
+    total = basis.zeros() + 2.0 * own + own
+    assert total.coordinates == "axisymmetric"
+    np.testing.assert_allclose(total, 3.0 * np.asarray(own))
+
+
 @pytest.mark.parametrize("by_stage", [False, True])
 def test_water_in_axial_symmetry(by_stage):
     """[X] Saturated ground with water to its surface: sigma'_yy = -(gamma - gamma_w) (1 - y) for every x."""

@@ -88,3 +88,26 @@ def test_soil_without_tension() -> None:
         warnings.simplefilter("always")
         found = sc.Model({"soil": soil}, fixed).bounds(weight=20.0, gap=0.1, elements=60, progress=False)
     assert found.lower > 1.0 or any("a small tension" in str(one.message) for one in told)
+
+
+def test_joints_that_open_as_they_slip() -> None:
+    """A plug jams between rough walls if joints open by mu times their slip, and falls at .300 in contact: a remark."""
+    up = np.append([-0.5, -0.25], np.linspace(0, 1, 5))
+    sides = {"left": lambda x: (x[0] < 1e-9) & (x[1] > 0), "right": lambda x: (x[0] > 1 - 1e-9) & (x[1] > 0),
+             "bottom": lambda x: x[1] < -0.5 + 1e-9, "top": lambda x: x[1] > 1 - 1e-9}  # fmt: skip
+    block = MeshTri.init_tensor(np.linspace(0, 1, 5), up).with_boundaries(sides)
+    block = block.with_subdomains({"pad": lambda x: x[1] < 0, "plug": lambda x: x[1] > 0})
+    wall = MeshTri.init_tensor(np.linspace(-0.5, 0, 2), np.linspace(0, 1.5, 7)).with_defaults()
+    mesh = sc.join_bodies({"block": block, "west": wall, "east": wall.translated((1.5, 0.0))})
+    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
+    clay = {"block:plug": sc.Tresca(1e4, 0.3, c=10.0), "block:pad": sc.Tresca(1e3, 0.3, c=0.05)}
+    forms = {"block": sc.SolidForm(basis.with_elements("block"), clay)}
+    for name, side, face in (("west", "left", "right"), ("east", "right", "left")):
+        forms[name] = sc.SolidForm(basis.with_elements(name), sc.LinearElastic(1e6, 0.0))
+        forms[side] = sc.ContactPair(basis, f"block:{side}", f"{name}:{face}", sc.Coulomb(mu=0.6), "nodal",
+                                     penalty=(1e6, 1e6))  # fmt: skip
+    model = sc.Model(forms, [basis.get_dofs(name).all() for name in ("west:left", "east:right", "block:bottom")])
+    found = model.bounds(tractions={"block:top": (0.0, -1.0)}, live="block:top", gap=0.1, elements=150, progress=False)
+    limit = model.limit_load(model.traction("block:top", (0.0, -1.0)), step=0.2, progress=False)
+    assert limit.multiplier == pytest.approx(0.300, abs=0.002) and found.lower > 10.0
+    assert any("joints left, right open by mu times their slip" in remark for remark in found.remarks)

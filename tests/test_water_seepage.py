@@ -190,6 +190,12 @@ def test_any_direction(kind, rng):
     np.testing.assert_allclose(water.velocity, np.tile(-(tensor @ slope)[:, None], mesh.nelements), rtol=1e-9)
 
 
+@pytest.mark.parametrize("kind, coordinates", [(MeshTri, "axial"), (MeshTri, "space"), (MeshTet, "axisymmetric")])
+def test_coordinates_that_do_not_suit_the_mesh(kind, coordinates):
+    with pytest.raises(ValueError, match=rf"coordinates of a {kind.__name__}.* must be .*, not '{coordinates}'"):
+        sc.water.seepage(Basis(kind(), ELEMENTS[kind]()), 1.0, {}, unit_weight=9.81, coordinates=coordinates)
+
+
 @pytest.mark.parametrize("confined", [True, False])
 def test_well(confined):
     """[X] Thiem's well in a confined layer and Dupuit's discharge of a well with a free surface (exact by Charny)."""
@@ -198,7 +204,7 @@ def test_well(confined):
     mesh = box(MeshQuad, r, np.linspace(0, 10, n + 1))
     high, low = (15.0, 12.0) if confined else (10.0, 3.0)
     water = sc.water.seepage(Basis(mesh, ElementQuad1()), 1e-4, {"right": high, "left": low}, seepage_face="left",
-                       axisymmetric=True, unit_weight=9.81)  # fmt: skip
+                       coordinates="axisymmetric", unit_weight=9.81)  # fmt: skip
     depth = 10 * (high - low) if confined else (high**2 - low**2) / 2
     assert water.discharge("left") == pytest.approx(-1e-4 * depth / np.log(far / radius), rel=3e-3)
     if confined:

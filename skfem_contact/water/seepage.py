@@ -12,6 +12,8 @@ from skfem import CellBasis, FacetBasis, LinearForm, Mesh
 
 from ..checks import look_up, place, positive
 from ..errors import AnalysisWarning
+from ..forms.assembly import strain_of
+from ..forms.base import Coordinates
 from ..layout import elements_of
 from .balance import WaterBalance
 from .boundary import Given, check_heads, conditions, tied_heads
@@ -136,7 +138,7 @@ class Seepage:
 
 def seepage(basis: CellBasis, permeability: Permeability | Mapping[str, Permeability], head: Mapping[str, Given], *,
             unit_weight: float, seepage_face: str | Sequence[str] = (), connected: Sequence[tuple[str, str]] = (),
-            retention: Retention | Mapping[str, Retention] = _RAMP, axisymmetric: bool = False) -> Seepage:
+            retention: Retention | Mapping[str, Retention] = _RAMP, coordinates: Coordinates | None = None) -> Seepage:
     """Solve the steady flow of water through the ground, confined or with a free surface.
 
     The flow follows Darcy's law, v = -k grad h, with the head h at the corners of the elements. The problem is linear
@@ -165,8 +167,9 @@ def seepage(basis: CellBasis, permeability: Permeability | Mapping[str, Permeabi
         freely: the nodes of the side with the smaller facets take the heads of the other. Other joints are tight.
     retention
         :class:`Ramp` or :class:`VanGenuchten`, for all ground or by subdomain.
-    axisymmetric
-        Flow per radian towards or from the axis x = 0.
+    coordinates
+        ``"axisymmetric"`` for flow per radian towards or from the axis x = 0. By default ``"plane"`` or ``"space"``, as
+        the mesh.
 
     Returns
     -------
@@ -206,6 +209,7 @@ def seepage(basis: CellBasis, permeability: Permeability | Mapping[str, Permeabi
     positive(unit_weight, "unit_weight")
     if not isinstance(basis, CellBasis):
         raise ValueError(f"a Basis of elements is needed, not {type(basis).__name__}")
+    axisymmetric = strain_of(basis, None, coordinates, False)[1] == "axisymmetric"
     porous = head_basis(basis)
     given = conditions(porous, head, seepage_face)
     tensors = permeability_tensors(porous, permeability)
