@@ -235,3 +235,18 @@ def run_stages(forms: dict, stages: list, fixed, newton=None, solver=None, **set
 def bounds_of(forms: dict, fixed, **settings):
     """Bounds of the model of some forms and supports."""
     return sc.Model(forms, fixed).bounds(**settings)
+
+
+class PlainLaw:
+    """A law behind a class that knows nothing of the package, with memory by number alone."""
+
+    n_internal = 1
+
+    def __init__(self, law):
+        self._law = law
+
+    def elasticity(self, ncomp):
+        return self._law.elasticity(ncomp)
+
+    def update(self, strain_increment, stress, internal):
+        return self._law.update(strain_increment, stress, internal)

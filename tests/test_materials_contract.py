@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers import grid, vector_basis
+from helpers import PlainLaw, grid, vector_basis
 
 import skfem_contact as sc
 from skfem_contact import plot
@@ -238,26 +238,11 @@ def test_bad_materials(law, found):
         sc.SolidForm(vector_basis(mesh, "Q2"), {"stiff": CLAY, "soft": law})
 
 
-class Plain:
-    """Tresca's law behind a class that knows nothing of the package, with memory by number alone."""
-
-    n_internal = 1
-
-    def __init__(self, law):
-        self._law = law
-
-    def elasticity(self, ncomp):
-        return self._law.elasticity(ncomp)
-
-    def update(self, strain_increment, stress, internal):
-        return self._law.update(strain_increment, stress, internal)
-
-
 def test_law_that_does_not_derive_from_material(tmp_path):
     """[X] It computes the same; figures that it does not define are NaN or nothing, and can be drawn all the same."""
     known = sc.Tresca(E=1e3, nu=0.3, c=10.0)
     stages = []
-    for law in (known, Plain(known)):
+    for law in (known, PlainLaw(known)):
         forms, fixed, load = column(law)
         stages.append(sc.Model(forms, fixed).run([sc.Stage("press", 50 * load)], **QUIET)["press"])
     one, other = (stage.states["clay"].stress for stage in stages)
@@ -266,15 +251,15 @@ def test_law_that_does_not_derive_from_material(tmp_path):
     assert np.isnan(stages[1].field("mobilised")).all()
     assert not forms["clay"].strengths
     assert pickle.loads(pickle.dumps(copy.deepcopy(forms["clay"].materials["all"]))).n_internal == 1
-    with pytest.raises(ValueError, match="Plain has no strength to reduce"):
+    with pytest.raises(ValueError, match="PlainLaw has no strength to reduce"):
         forms["clay"].materials["all"].reduced(2.0)
-    with pytest.raises(ValueError, match="no bounds for Plain"):
+    with pytest.raises(ValueError, match="no bounds for PlainLaw"):
         sc.Model(forms, fixed).bounds(weight=load)
     with pytest.raises(ValueError, match="no material of these bodies defines this field"):
         plot.contour(stages[1], "mobilised", file=tmp_path / "none.png")
     mesh = grid("Q2", [0.0, 1.0, 2.0], [0.0, 1.0]).with_subdomains({"plain": [0], "known": [1]})
     basis = vector_basis(mesh, "Q2")
-    forms = {"both": sc.SolidForm(basis, {"plain": Plain(known), "known": known})}
+    forms = {"both": sc.SolidForm(basis, {"plain": PlainLaw(known), "known": known})}
     load = sc.traction(basis, "top", (0.0, -15.0))
     stage = sc.Model(forms, sc.box_supports(basis, base="rollers")).run([sc.Stage("press", load)], **QUIET)["press"]
     assert 0 < np.isnan(stage.field("mobilised")).mean() < 1

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from helpers import grid, vector_basis
+from helpers import PlainLaw, grid, vector_basis
 from scipy.sparse import csr_matrix
 from skfem import Basis, ElementQuad1, ElementQuad2, ElementTriP2, ElementVector, MeshQuad, MeshTri
 
@@ -119,21 +119,6 @@ def test_two_rigid_boundaries():
     assert np.abs(down - np.polyval(np.polyfit(at, down, 1), at)).max() < 1e-9 * np.abs(down).max()
 
 
-class Renamed:
-    """Tresca's law behind a class of another name, by the documented calls alone."""
-
-    n_internal = 1
-
-    def __init__(self, law):
-        self._law = law
-
-    def elasticity(self, ncomp):
-        return self._law.elasticity(ncomp)
-
-    def update(self, strain_increment, stress, internal):
-        return self._law.update(strain_increment, stress, internal)
-
-
 class Remembers(sc.LinearElastic):
     """An elastic law that remembers the largest strain."""
 
@@ -148,13 +133,13 @@ def test_figures_of_own_laws():
     """A law that does not define its strength shows none, and an elastic law with memory has no point that yields."""
     basis = Basis(MeshTri().refined(2).with_defaults(), ElementVector(ElementTriP2()), intorder=2)
     fixed = np.append(basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1"))
-    for law, push in ((Renamed(sc.Tresca(E=1e3, nu=0.3, c=10.0)), -19.9), (Remembers(E=1e3, nu=0.3), -1.0)):
+    for law, push in ((PlainLaw(sc.Tresca(E=1e3, nu=0.3, c=10.0)), -19.9), (Remembers(E=1e3, nu=0.3), -1.0)):
         model = sc.Model({"body": sc.SolidForm(basis, law)}, fixed)
         stage = model.run([sc.Stage("press", model.traction("top", (0.0, push)))], **QUIET)["press"]
         assert "yielded" not in stage.summary["body"]
         mobilised = stage.field("mobilised") if isinstance(law, Remembers) else np.zeros(1)
         assert not mobilised.any()  # an elastic body mobilises nothing
-        if isinstance(law, Renamed):
+        if isinstance(law, PlainLaw):
             assert not np.isfinite(stage.field("mobilised")).any()
 
 

@@ -91,7 +91,9 @@ def plan(setup: Setup, stages: Sequence[Stage], start: StageResult | None) -> li
         except ValueError as error:
             raise (ValueError(f"stage '{stage.name}': {error}") if changes else error) from None
         water = water if stage.water is None else stage.water
-        load, on_top = _loads(setup, stage, there, water, held, [name for name in now if name not in active])
+        if changes or not phases or stage.water is not None:
+            rest = _at_rest(setup, there, water, held)
+        load, on_top = _loads(setup, stage, rest, held, [name for name in now if name not in active])
         prescribed = None if stage.prescribed is None else \
             setup.vector(stage.prescribed, f"stage '{stage.name}': the prescribed displacement")
         waits = bool(phases) and not (changes or left) and prescribed is None and on_top is None \
@@ -102,18 +104,17 @@ def plan(setup: Setup, stages: Sequence[Stage], start: StageResult | None) -> li
         left = (changes or left) and stage.release < 1.0
         gone = np.zeros(setup.layout.size)
         if left and stage.deactivate:
-            gone = _at_rest(setup, before, water, held) - _at_rest(setup, there, water, held)
+            gone = _at_rest(setup, before, water, held) - rest
             gone[np.union1d(fixed, held)] = 0.0
         phases.append(Phase(before, there, np.union1d(fixed, held), load, prescribed,
                             changes and bool(phases or start is not None), gone, on_top, remarks))
     return phases
 
 
-def _loads(setup: Setup, stage: Stage, active: Mapping[str, Form], water: Any, held: ndarray, absent: list[str]
+def _loads(setup: Setup, stage: Stage, rest: ndarray, held: ndarray, absent: list[str]
            ) -> tuple[ndarray, Callable[[float], ndarray] | None]:
     """Return the whole load at the end of a stage, and as a function of its share where it is given as one."""
     what = f"stage '{stage.name}': the load"
-    rest = _at_rest(setup, active, water, held)
 
     def on_top(share: float) -> ndarray:
         load = setup.load(stage.load(share) if callable(stage.load) else stage.load, what)

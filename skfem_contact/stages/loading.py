@@ -1,7 +1,7 @@
 """Loads of a stage: weights of active bodies and water at rest, beside the loads on top."""
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -13,9 +13,6 @@ from skfem.generic_utils import OrientedBoundary
 from ..checks import look_up
 from ..layout import elements_of
 from ..loads import at_points, face_load, hydrostatic, pore_load
-
-#: Pore pressure at coordinates, (dim, n, m), in elements of the mesh, (n, 1).
-_Pressure = Callable[[ndarray, ndarray], ndarray]
 
 
 def as_pressure(water: Any, mesh: Mesh, unit_weight: float | None) -> Any:

@@ -192,9 +192,10 @@ def _check_fields(forms: Mapping[str, Form]) -> None:
             if not field.shared and owner.setdefault(field, name) != name:
                 raise ValueError(f"'{owner[field]}' and '{name}' bring the same field '{field.name}': build two forms, "
                                  "or share it by Field(..., shared=...)")
+    brought = {field for form in forms.values() for field in form.fields}
     for name, form in forms.items():
         for field in form.borrowed:
-            if field not in owner and not any(field == f for other in forms.values() for f in other.fields):
+            if field not in brought:
                 raise ValueError(f"'{name}' acts on the field '{field.name}', which no form of the model brings")
 
 
