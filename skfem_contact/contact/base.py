@@ -194,7 +194,7 @@ class ContactBase(Form):
         """Return the normal and the tangential penalty in a state."""
         if self.penalty is None:
             raise ValueError(f"contact of '{self.slave.name}' on '{self.master.name}' has no penalty yet: give "
-                             "`penalty=`, or call choose_penalties(forms), which `run` does for you")
+                             "`penalty=`, or take the pair from Model(forms).forms")
         normal, tangential = self.penalty * state.penalty_factor
         return float(normal), float(tangential)
 

@@ -258,8 +258,8 @@ class ContactPair(ContactBase):
         new, pressure = self.assemble(x, state).state, state.traction[0]
         both = (new.status != Status.OPEN) & (state.status != Status.OPEN)
         if np.abs(new.traction[0] - pressure)[both].max(initial=0.0) > _SAME * np.abs(pressure).max(initial=0.0):
-            raise ValueError("its penalty is another one than in the start: give `penalty=`, or use "
-                             "choose_penalties(forms) of the same forms in both analyses")
+            raise ValueError("its penalty is another one than in the start: give `penalty=`, or build "
+                             "both models from the same forms")
 
     @override
     def tractions_at(self, x: ndarray, state: ContactState) -> TractionOperator:
