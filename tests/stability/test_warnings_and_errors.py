@@ -15,6 +15,9 @@ from skfem import Basis, ElementTriCR, ElementVector, MeshQuad, MeshTri
 import skfem_contact as sc
 from skfem_contact.contact.penalty import choose_penalties
 
+#: Relative noise of `tests/jitter.py`, 45 times round-off.
+NOISE = 1e-14
+
 QUADRATURES = ["nodal", 2, "segments"]
 ELASTIC = sc.LinearElastic(E=1e3, nu=0.0)
 
@@ -125,7 +128,7 @@ def test_penalty_that_is_too_soft(quadrature):
 
 @pytest.mark.parametrize("quadrature", QUADRATURES)
 @pytest.mark.parametrize("decade", range(0, 13, 2))
-def test_penalty_from_soft_to_round_off(decade, quadrature):
+def test_penalty_from_soft_to_round_off(decade, quadrature, request):
     """[X] Case S1: 1 to 1e12 times E/h: three springs in series, then round-off, which is warned of beforehand."""
     penalty = 10.0**decade * 1e3 / 0.2
     basis = blocks(overhang=0.0)
@@ -144,6 +147,8 @@ def test_penalty_from_soft_to_round_off(decade, quadrature):
         force = force_on(forms, result["press"])[1]
     # nodes and Gauss points carry a uniform pressure to 2 % only; where round-off is warned of, it costs a thousandth
     rel = 0.02 if quadrature != "segments" else 1e-4 if decade < 10 else 2e-3
+    if decade >= 10 and request.config.getoption("--jitter", default=None) is not None:
+        rel += penalty * 0.01 * NOISE / 5.0  # noise of displacements of 0.01 is that of the penetration; the force is 5
     assert force == pytest.approx(0.01 / (2 / 1e3 + 1 / penalty), rel=rel)
 
 
