@@ -69,15 +69,8 @@ def traction(basis: Basis, facets: str, force) -> ndarray:
     return form.assemble(FacetBasis(basis.mesh, basis.elem, facets=facets))
 
 
-class WithoutState(sc.Form):
-    """A form of the user's own that remembers nothing: what is left to write is ``assemble``."""
-
-    def initial_state(self, x=None):
-        return None
-
-
 @dataclass(frozen=True)
-class Springs(WithoutState):
+class Springs(sc.Form):
     """Linear springs between unknowns, or to the ground."""
 
     matrix: csr_matrix

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from helpers import WithoutState, body_along, vector_basis
+from helpers import body_along, vector_basis
 from scipy.sparse import coo_matrix
 
 import skfem_contact as sc
@@ -15,7 +15,7 @@ from skfem_contact.results import Result, StageResult
 
 
 @dataclass(frozen=True)
-class String(WithoutState):
+class String(sc.Form):
     """Straight, elastic bars that turn with their ends.
 
     Attributes

@@ -30,9 +30,6 @@ class Block(sc.Form):
         self.numbers = np.asarray(numbers[self.fields[0]])
         return self
 
-    def initial_state(self, x=None):
-        return None
-
     def assemble(self, x, state):
         return sc.Response(self.K @ x[self.numbers] - self.load, lambda: state, lambda: self.K, dofs=self.numbers)
 

@@ -259,9 +259,6 @@ class Impatient(sc.Form):
     def __init__(self, n, calls):
         self.K, self.calls = csr_matrix((n, n)), calls
 
-    def initial_state(self, x=None):
-        return None
-
     def assemble(self, x, state):
         self.calls -= 1
         if self.calls < 0:

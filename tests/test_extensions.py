@@ -51,9 +51,6 @@ class Beam(sc.Form):
         new.dofs = np.concatenate([numbers[field] for field in self.fields])
         return new
 
-    def initial_state(self, x=None):
-        return None
-
     def assemble(self, x, state):
         return sc.Response(self.K @ x[self.dofs], lambda: None, lambda: self.K, dofs=self.dofs)
 

@@ -210,9 +210,6 @@ class _Anchor(sc.Form):
     def __init__(self, n, dofs, stiffness):
         self.K = csr_matrix((np.full(len(dofs), stiffness), (dofs, dofs)), shape=(n, n))
 
-    def initial_state(self, x=None):
-        return None
-
     def assemble(self, x, state):
         return sc.Response(self.K @ x, lambda: state, lambda: self.K)
 

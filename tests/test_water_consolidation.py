@@ -200,9 +200,6 @@ def test_beside_a_form_of_first_order():
             self.taken.append(duration)
             return self
 
-        def initial_state(self, x=None):
-            return None
-
         def assemble(self, x, state):
             K = csr_matrix(([1e-6], ([top], [top])), shape=(basis.N, basis.N))
             return sc.Response(K @ x, lambda: None, lambda: K)

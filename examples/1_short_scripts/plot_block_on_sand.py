@@ -17,8 +17,7 @@ import skfem_contact as sc
 import skfem_contact.plot as plot
 
 plot.set_units("kN", "m")
-welded = sc.load_mesh("block_on_sand.msh")
-mesh = sc.join_bodies(welded, bodies={"sand": "sand", "block": "concrete"})
+mesh = sc.join_bodies(sc.load_mesh("block_on_sand.msh"), bodies={"sand": "sand", "block": "concrete"})
 basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=4)
 
 sand = sc.MohrCoulomb(E=3e4, nu=0.3, c=2.0, phi=33.0, psi=3.0)
@@ -28,8 +27,7 @@ forms = {
     "joint": sc.ContactPair(basis, slave="sand|block", master="block|sand", law=sc.Coulomb(mu=0.5), quadrature=3),
 }
 push = sc.traction(basis, "top", (12.0, -40.0))
-stages = [sc.Stage("weight"), sc.Stage("push", push, increments=3)]
-result = sc.Model(forms, sc.box_supports(basis)).run(stages)
+result = sc.Model(forms, sc.box_supports(basis)).run([sc.Stage("weight"), sc.Stage("push", push, increments=3)])
 print(result)
 print(result["push"].report("joint"))
 

@@ -24,10 +24,6 @@ class Bed(sc.Form):
     def __init__(self, basis, k):
         self.k = -k * sc.traction(basis, "bottom", (0.0, -1.0))  # of every node, by its share of the length
 
-    def initial_state(self, x=None):
-        """Springs remember nothing."""
-        return None
-
     def assemble(self, x, state):
         """Force and tangent at the displacements x."""
         pressed = self.k * (x <= 0.0)

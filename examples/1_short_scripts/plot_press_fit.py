@@ -34,10 +34,8 @@ forms = {
     "bodies": sc.SolidForm(basis, {"shaft": steel, "ring": bronze}),
     "fit": sc.ContactPair(basis, "ring:inner", "shaft:outer", sc.Coulomb(), quadrature=3, initial=interference),
 }
-x, y = basis.doflocs
-number = np.arange(basis.N)
-fixed = number[((x < 1e-9) & (number % 2 == 0)) | ((y < 1e-9) & (number % 2 == 1))]  # symmetry
-result = sc.Model(forms, fixed).run([sc.Stage("fit")])
+left, bottom = basis.get_dofs(lambda x: x[0] < 1e-9), basis.get_dofs(lambda x: x[1] < 1e-9)  # symmetry
+result = sc.Model(forms, [left.all("u^1"), bottom.all("u^2")]).run([sc.Stage("fit")])
 pressure = result["fit"].tractions("fit").pressure
 print(f"pressure {pressure.mean():.1f} MPa, between {pressure.min():.1f} and {pressure.max():.1f}")
 

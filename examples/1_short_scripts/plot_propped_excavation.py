@@ -24,9 +24,8 @@ mesh = mesh.with_subdomains({"soil": np.setdiff1d(np.arange(mesh.nelements), dug
 mesh = sc.join_bodies(mesh, bodies={"ground": ["soil", "lift 1", "lift 2"], "wall": "concrete"})
 basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
 
-sand, skin = sc.MohrCoulomb(E=4e4, nu=0.3, c=2.0, phi=30.0), sc.Coulomb(mu=0.36)
-parts = ("soil", "lift 1", "lift 2")
-concrete = sc.LinearElastic(E=3e7, nu=0.2)
+sand, concrete = sc.MohrCoulomb(E=4e4, nu=0.3, c=2.0, phi=30.0), sc.LinearElastic(E=3e7, nu=0.2)
+parts, skin = ("soil", "lift 1", "lift 2"), sc.Coulomb(mu=0.36)
 forms = {name: sc.SolidForm(basis.with_elements(name), sand, "b_bar", unit_weight=20.0) for name in parts}
 forms["wall"] = sc.SolidForm(basis.with_elements("wall"), concrete, "b_bar", unit_weight=20.0)
 forms |= {f"{name}|wall": sc.ContactPair(basis, f"{name}|wall", "wall|ground", skin, quadrature=2) for name in parts}
@@ -45,8 +44,7 @@ print(result)
 print(f"prop {result['lift 2'].reactions()[prop][0]:.1f} kN/m")
 
 # %%
-both = [result["lift 1"], result["lift 2"]]
-plot.stages(both, "ux", since=result["wall"], deformed="auto", window=(0, 14, 4, 17))
+plot.stages([result["lift 1"], result["lift 2"]], "ux", since=result["wall"], deformed="auto", window=(0, 14, 4, 17))
 
 # %%
 cuts = sc.Sections.line((6.25, 16.0), (6.25, 6.0), depth=0.5, n=41)

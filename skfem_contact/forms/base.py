@@ -119,8 +119,6 @@ class Form(Staged, InTime, Reducible, Regularised):
     >>> import skfem_contact as sc
     >>> class Spring(sc.Form):
     ...     size = 1
-    ...     def initial_state(self, x=None):
-    ...         return None
     ...     def assemble(self, x, state):
     ...         return sc.Response(20. * x, lambda: state, lambda: csr_matrix([[20.]]))
     >>> result = sc.Model({"spring": Spring()}).run([sc.Stage("pull", np.array([5.]))])
@@ -140,8 +138,8 @@ class Form(Staged, InTime, Reducible, Regularised):
         raise NotImplementedError
 
     def initial_state(self, x: ndarray | None = None) -> Any:
-        """Return the state of unstrained bodies, or of those that become active at the displacements x."""
-        raise NotImplementedError
+        """Return the state of unstrained bodies, or of those active from displacements x on; None: no memory."""
+        return None
 
     @property
     def elements(self) -> ndarray:
@@ -172,12 +170,11 @@ def as_forms(forms: Mapping[str, Any]) -> dict[str, Form]:
     if not isinstance(forms, Mapping):
         raise ValueError(f"forms must be a dictionary {{name: form}}, not {type(forms).__name__}")
     for name, form in forms.items():
-        given = {call: getattr(form, call, None) for call in ("assemble", "initial_state")}
-        missing = [name for name, call in given.items()
-                   if not callable(call) or getattr(call, "__func__", None) is getattr(Form, name)]
+        call = getattr(form, "assemble", None)
+        missing = not callable(call) or getattr(call, "__func__", None) is Form.assemble
         if missing or isinstance(form, type):
-            raise ValueError(f"'{name}' is no form: {form!r} has no {' and no '.join(missing) or 'values'}; every form "
-                             "has assemble(x, state) and initial_state()")
+            raise ValueError(f"'{name}' is no form: {form!r} has no {'assemble' if missing else 'values'}; every form "
+                             "has assemble(x, state)")
     return {name: form if isinstance(form, Form) else _Completed(form) for name, form in forms.items()}
 
 

@@ -100,10 +100,6 @@ class SeepageFace(Form):
         return new
 
     @override
-    def initial_state(self, x: ndarray | None = None) -> None:
-        return None
-
-    @override
     def assemble(self, x: ndarray, state: Any) -> Response:
         above, n = x[self._at] - self._limit, len(x)
         force, slope = np.zeros(n), np.where(above > 0.0, -self._duration * self._conductance, 0.0)
