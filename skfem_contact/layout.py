@@ -167,9 +167,12 @@ class Layout:
     @property
     def still(self) -> ndarray:
         """Dofs that are no motions, such as pressures and multipliers."""
-        parts = [np.arange(part.start, part.stop) for f, part in zip(self.fields, self.parts, strict=True)
-                 if not f.moves]
-        return np.concatenate(parts) if parts else np.zeros(0, int)
+        return np.flatnonzero(np.repeat([not f.moves for f in self.fields], [f.n for f in self.fields]))
+
+    @property
+    def displacements(self) -> ndarray:
+        """Dofs that are lengths of motions: neither rotations nor pressures nor multipliers."""
+        return np.flatnonzero(np.repeat([f.kind == "displacement" for f in self.fields], [f.n for f in self.fields]))
 
     def describe(self, dof: int) -> str:
         """Return the coordinates of a dof, and its field unless it is a displacement, for a message."""

@@ -160,3 +160,14 @@ def test_a_footing_on_contact_goes_on_from_a_start():
     start = sc.Model(forms, fixed).run(stages[:1], progress=False)
     again = sc.Model(forms, fixed).run(stages[1:], start=start, progress=False)
     assert again["whole"].x == pytest.approx(both["whole"].x, abs=1e-12)
+
+
+def test_displacements_of_a_limit_load():
+    """Those of the ground and the footing, in metres: multipliers, which are forces, do not count."""
+    basis = Basis(ground(4, 5.0), ElementVector(ElementQuad2()), intorder=4)
+    footing = sc.RigidBoundary(basis, "footing")
+    clay = sc.SolidForm(basis, sc.Tresca(E=1e5, nu=0.45, c=20.0))
+    found = sc.Model({"clay": clay, "footing": footing}, sc.box_supports(basis)).limit_load(
+        footing.load((0.0, -1.0), at=(LEVER, 0.0)), step=20.0, progress=False
+    )
+    assert found.curve[-1, 2] == pytest.approx(np.abs(found.end.x[: basis.N]).max(), rel=1e-12)

@@ -157,7 +157,7 @@ def follow(branch: Branch, control: ndarray, points: list[Point], newton: Newton
         points.append(point)
         log.accept(point)
         left = remainder(points)
-        reached = np.abs(point.x - points[0].x).max() >= min_displacement
+        reached = log.moved(point.x) >= min_displacement
         if reached and left < margin:
             best = max(point.parameter for point in points)
             stop = Stop("plateau", f"the curve may rise by {max(left, 0.0):.2g} more")

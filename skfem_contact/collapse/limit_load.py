@@ -59,7 +59,7 @@ def limit_load(setup: Setup, load: Any, start: Result | StageResult | None, tole
     branch = _Load(system, dead, reference)
     newton = setup.newton or Newton(tolerance=0.03 * tolerance, max_iterations=30)
     with progress_bar(progress, desc=LOAD, bar_format="{desc} {postfix} {elapsed}") as bar:
-        log = SearchLog(system.forms, bar, begun.origin)
+        log = SearchLog(system, bar, begun.origin)
         points = [begun.origin, _first(branch, begun.origin, step, newton, log)]
         found = follow(branch, reference, points, newton, tolerance, log, relative=True, max_value=max_value,
                        growth=_SMALL_GROWTH if flow == "lagged" else GROWTH, max_step=max_step * points[-1].work,

@@ -77,9 +77,10 @@ class Step:
 class SearchLog:
     """Steps of a search, also shown in a progress bar."""
 
-    def __init__(self, forms: Mapping[str, Form], bar: Any, origin: Point) -> None:
+    def __init__(self, system: System, bar: Any, origin: Point) -> None:
         self.steps: list[Step] = []
-        self._forms, self._bar = forms, bar
+        self._forms, self._bar = system.forms, bar
+        self._displacements = system.layout.displacements
         self.begin(origin)
 
     def begin(self, point: Point) -> None:
@@ -89,16 +90,17 @@ class SearchLog:
     def accept(self, point: Point) -> None:
         """Add an equilibrium."""
         self._add(Step(point.parameter, "equilibrium", point.iterations, point.residuals[-1],
-                       self._moved(point.x), self._yielding(point.states), point.work))
+                       self.moved(point.x), self._yielding(point.states), point.work))
         self._states = point.states
 
     def reject(self, parameter: float, error: NotConverged, work: float) -> None:
         """Add a step without equilibrium."""
         self._add(Step(parameter, kind_of(error), max(len(error.residuals) - 1, 0),
-                       error.residuals[-1] if error.residuals else np.nan, self._moved(error.x), np.nan, work))
+                       error.residuals[-1] if error.residuals else np.nan, self.moved(error.x), np.nan, work))
 
-    def _moved(self, x: ndarray | None) -> float:
-        return np.nan if x is None else float(np.abs(x - self._origin).max(initial=0.0))
+    def moved(self, x: ndarray | None) -> float:
+        """Return the largest displacement from where counting began; pressures and multipliers do not count."""
+        return np.nan if x is None else float(np.abs((x - self._origin)[self._displacements]).max(initial=0.0))
 
     def _yielding(self, states: Mapping[str, Any]) -> float:
         """Return the share of the points of all solids that have flowed since the last equilibrium."""

@@ -119,7 +119,7 @@ def strength_reduction(setup: Setup, load: Any, start: Result | StageResult | No
 
 def _search(branch: _Strength, origin: Point, newton: Newton, tolerance: float, step: float, max_value: float,
             method: str, bar: Any, davis: CollapseResult | None = None) -> CollapseResult:
-    log = SearchLog(branch.whole.forms, bar, origin)
+    log = SearchLog(branch.whole, bar, origin)
     if davis is not None:
         branch.safe, branch.above = davis.factor, branch.bound(davis)
     first = _first(branch, origin, newton, log)
