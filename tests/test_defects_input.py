@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import json
+import os
 import warnings
+import zipfile
 from concurrent.futures import ThreadPoolExecutor
+from zlib import crc32
 
 import numpy as np
 import pytest
@@ -112,6 +116,82 @@ def test_altered_files(saved, key):
     np.savez_compressed(file, **arrays)
     with pytest.raises(ValueError, match=rf"good.npz cannot be read .*\['{key}'\] are not what was written"):
         sc.load_result(file, forms)
+
+
+@pytest.mark.parametrize(
+    ("key", "value"), [("0/x", np.nan), ("0/load", np.inf), ("0/bodies/stress", np.nan), ("0/joint/status", 7)]
+)
+def test_altered_numbers_with_their_checksum(saved, key, value):
+    """Values are checked, not only whether they are those that were written."""
+    file, forms = saved
+    with np.load(file) as data:
+        arrays = {name: data[name].copy() for name in data.files}
+    head = json.loads(str(arrays["head"]))
+    arrays[key].flat[0] = value
+    head["sums"][key] = crc32(arrays[key].tobytes())
+    np.savez_compressed(file, **{**arrays, "head": np.array(json.dumps(head))})
+    with pytest.raises(ValueError, match=rf"good.npz cannot be read .*'{key.split('/')[-1]}' of "):
+        sc.load_result(file, forms)
+
+
+def test_shorter_displacements_with_their_checksum(saved):
+    file, forms = saved
+    with np.load(file) as data:
+        arrays = {name: data[name].copy() for name in data.files}
+    head = json.loads(str(arrays["head"]))
+    arrays["0/x"] = arrays["0/x"][:-1]
+    head["sums"]["0/x"] = crc32(arrays["0/x"].tobytes())
+    np.savez_compressed(file, **{**arrays, "head": np.array(json.dumps(head))})
+    with pytest.raises(ValueError, match=r"good.npz cannot be read .*displacements and loads of shapes"):
+        sc.load_result(file, forms)
+
+
+def test_flipped_bits(saved):
+    """Whatever the damage breaks, the error names the file; a bit that nothing reads may be another."""
+    file, forms = saved
+    written, rng = file.read_bytes(), np.random.default_rng(1)
+    refused = 0
+    for at, bit in zip(rng.integers(len(written), size=100), rng.integers(8, size=100), strict=True):
+        flipped = bytearray(written)
+        flipped[at] ^= 1 << int(bit)
+        file.write_bytes(flipped)
+        try:
+            sc.load_result(file, forms)
+        except ValueError as error:
+            assert "good.npz" in str(error)
+            refused += 1
+    assert refused > 50
+
+
+def test_size_beyond_the_memory(saved, tmp_path):
+    file, forms = saved
+    with zipfile.ZipFile(file) as old, zipfile.ZipFile(tmp_path / "huge.npz", "w") as new:
+        for name in old.namelist():
+            content = old.read(name)
+            if name == "0/x.npy":
+                start, end = content.index(b"(") + 1, content.index(b",)")
+                shape = str(2**50).encode()
+                content = content[:start] + shape + content[end:].replace(b" " * (len(shape) - end + start), b"", 1)
+            new.writestr(name, content)
+    with pytest.raises(ValueError, match=r"huge.npz cannot be read as a result"):
+        sc.load_result(tmp_path / "huge.npz", forms)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="modes and links are those of POSIX")
+def test_saving_keeps_mode_and_link(saved, tmp_path):
+    file, forms = saved
+    other = tmp_path / "new.npz"
+    other.touch()
+    usual = other.stat().st_mode
+    result = sc.load_result(file, forms)
+    assert file.stat().st_mode == usual
+    file.chmod(0o640)
+    link = tmp_path / "link.npz"
+    link.symlink_to(file)
+    result.save(link)
+    assert link.is_symlink()
+    assert file.stat().st_mode & 0o777 == 0o640
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["good.npz", "link.npz", "new.npz"]
 
 
 @pytest.mark.parametrize(("shift", "stretch"), [(100.0, 1.0), (0.0, 2.0)])

@@ -4,21 +4,22 @@ from __future__ import annotations
 import io
 import json
 import os
+import shutil
 import struct
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from tempfile import NamedTemporaryFile
 from typing import Any, BinaryIO, TypeVar
-from zipfile import BadZipFile
+from uuid import uuid4
 from zlib import crc32
 
 import numpy as np
 from numpy import ndarray
 from typing_extensions import Self
 
+from ..contact.laws import Status
 from ..contact.penalty import choose_penalties
 from ..forms.base import Form
 from ..forms.staged import arrays_of, with_arrays
@@ -97,15 +98,18 @@ class Append:
 
 
 def write(file: str | Path, stages: Iterable[StageData]) -> None:
-    """Write stages to one compressed archive, which replaces an older one once it is complete."""
-    path = Path(_with_end(file))
-    with NamedTemporaryFile(dir=path.parent, suffix=".npz", delete=False) as part:
-        try:
-            _write_arrays(part, stages)
-        except BaseException:
-            os.unlink(part.name)
-            raise
-    os.replace(part.name, path)
+    """Write stages to one compressed archive, which replaces an older one of the same mode once it is complete."""
+    path = Path(os.path.realpath(_with_end(file)))
+    part = path.with_name(f"{path.stem}.{uuid4().hex}.npz")
+    try:
+        with part.open("xb") as stream:
+            _write_arrays(stream, stages)
+        if path.exists():
+            shutil.copymode(path, part)
+        os.replace(part, path)
+    except BaseException:
+        part.unlink(missing_ok=True)
+        raise
 
 
 def read(file: str | Path, forms: Any, make: Callable[..., _Stage]) -> tuple[_Stage, ...]:
@@ -122,7 +126,7 @@ def read(file: str | Path, forms: Any, make: Callable[..., _Stage]) -> tuple[_St
         return tuple(_read_arrays(path, given, make))
     except FileNotFoundError:
         raise
-    except (ValueError, OSError, EOFError, BadZipFile, KeyError, TypeError) as error:
+    except Exception as error:  # damage shows as errors of many kinds: of zip, zlib, json, memory or the system
         raise ValueError(f"{path} cannot be read as a result of these forms: {error}") from error
 
 
@@ -209,11 +213,27 @@ def _stage(arrays: Mapping[str, ndarray], key: str, head: Mapping[str, Any], giv
         parts = {part: arrays[path] for part, path in keys.items() if path in arrays}
         if set(parts) != set(arrays_of(initial)) or not form.fits(states.setdefault(name, with_arrays(initial, parts))):
             raise ValueError(f"'{name}' is another form there: its mesh, its element or its settings differ")
+        _check_numbers(f"'{name}'", arrays_of(states[name]))
+    vectors = {part: arrays[f"{key}/{part}"] for part in ("x", "load", "unreleased") if f"{key}/{part}" in arrays}
+    _check_numbers("the stage", vectors)
+    shapes = {np.shape(values) for values in vectors.values()}
+    if len(shapes) > 1 or any(vectors["x"].shape < (form.size or 0,) for form in forms.values()):
+        raise ValueError(f"stage '{head['name']}' has displacements and loads of shapes {sorted(shapes)}")
     increments = tuple(_stage(arrays, f"{key}.{k}", part, given, make)
                        for k, part in enumerate(head.get("increments", ())))
-    return make(head["name"], arrays[f"{key}/x"], arrays[f"{key}/load"], states, tuple(head["iterations"]),
+    return make(head["name"], vectors["x"], vectors["load"], states, tuple(head["iterations"]),
                 head["residual"], head["fraction"], head["summary"], forms, head.get("time", 0.0), increments,
-                arrays.get(f"{key}/unreleased"))
+                vectors.get("unreleased"))
+
+
+def _check_numbers(whose: str, arrays: Mapping[str, Any]) -> None:
+    """Raise a ``ValueError`` where values are not finite numbers, or a contact point has no known status."""
+    for part, values in arrays.items():
+        kind = np.asarray(values).dtype.kind
+        if kind not in "biuf" or not np.isfinite(values).all():
+            raise ValueError(f"'{part}' of {whose} has values that are not finite numbers")
+        if part == "status" and not np.isin(values, list(Status)).all():
+            raise ValueError(f"'status' of {whose} has values other than {[int(status) for status in Status]}")
 
 
 def _version() -> str:
