@@ -91,29 +91,8 @@ def _draw(result: sc.results.Result, out: Path) -> dict[str, str]:
     return written
 
 
-def _save(model: Culvert, out: Path) -> dict[str, str]:
-    """Write the result and a VTU file of every stage into a folder; return names of the files and their contents."""
-    written = {}
-    for stage in model.result:
-        stage.to_vtu(out / f"{stage.name}.vtu")
-        written[f"{stage.name}.vtu"] = f"displacements, stresses and contact of '{stage.name}', for ParaView"
-    model.result.save(out / "culvert.npz")
-    return {**written, "culvert.npz": "the whole result, for load_result"}
-
-
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the demonstration from the command line.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from skfem_contact.demo import main
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     status = main(["--out", folder])    # doctest: +ELLIPSIS
-    A buried culvert ...
-    >>> status
-    0
-    """
+    """Run the demonstration from the command line."""
     begin = perf_counter()
     parser = argparse.ArgumentParser(
         prog="python -m skfem_contact.demo",
@@ -126,9 +105,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     out.mkdir(parents=True, exist_ok=True)
 
     print("A buried culvert under its own weight and a one-sided surcharge\n", flush=True)
-    model = culvert()
-    written = _save(model, out) | _draw(model.result, out)
-    print(f"{model.result}\n\nWritten to {out}:")
+    result = culvert().result
+    for stage in result:
+        stage.to_vtu(out / f"{stage.name}.vtu")
+    result.save(out / "culvert.npz")
+    written = {f"{stage.name}.vtu": f"displacements, stresses and contact of '{stage.name}', for ParaView"
+               for stage in result} | {"culvert.npz": "the whole result, for load_result"} | _draw(result, out)
+    print(f"{result}\n\nWritten to {out}:")
     for name, text in written.items():
         print(f"  {name:16}{text}")
     if "culvert.png" not in written:

@@ -20,7 +20,7 @@ ROOMS = (
 #: A stage's result draws itself: the only call that goes up, and at run time only.
 SHORTCUTS = {("results.result", "plot")}
 #: What these rooms ask a form, a state or a law they ask by its calls.
-ASKING = ("solvers", "nonlinear", "stages", "collapse")
+ASKING = ("solvers", "nonlinear", "stages", "collapse", "results")
 KINDS = {"Form", "SolidForm", "ContactPair", "SolidState", "ContactState", "Bar", "MatrixForm", "Coulomb", "Tied"}
 
 

@@ -79,8 +79,7 @@ class SearchLog:
 
     def __init__(self, system: System, bar: Any, origin: Point) -> None:
         self.steps: list[Step] = []
-        self._forms, self._bar = system.forms, bar
-        self._displacements = system.layout.displacements
+        self._forms, self._bar, self._displacements = system.forms, bar, system.layout.displacements
         self.begin(origin)
 
     def begin(self, point: Point) -> None:
@@ -104,14 +103,13 @@ class SearchLog:
 
     def _yielding(self, states: Mapping[str, Any]) -> float:
         """Return the share of the points of all solids that have flowed since the last equilibrium."""
-        counts = [form.yielding(self._states[name], states[name]) for name, form in self._forms.items()]
-        flowed, points = (sum(numbers) for numbers in zip(*counts, strict=True))
-        return flowed / points if points else 0.0
+        flowed, points = np.sum([f.yielding(self._states[k], states[k]) for k, f in self._forms.items()], axis=0)
+        return float(flowed / points) if points else 0.0
 
     def _add(self, step: Step) -> None:
         self.steps.append(step)
-        iterations = sum(s.iterations for s in self.steps)
-        self._bar.set_postfix_str(f"{step.parameter:.4f} {step.outcome}, {iterations} iterations")
+        total = sum(s.iterations for s in self.steps)
+        self._bar.set_postfix_str(f"{step.parameter:.4f} {step.outcome}, {total} iterations")
 
 
 @dataclass(frozen=True)

@@ -213,15 +213,17 @@ def _stage(arrays: Mapping[str, ndarray], key: str, head: Mapping[str, Any], giv
         parts = {part: arrays[path] for part, path in keys.items() if path in arrays}
         if set(parts) != set(arrays_of(initial)) or not form.fits(states.setdefault(name, with_arrays(initial, parts))):
             raise ValueError(f"'{name}' is another form there: its mesh, its element or its settings differ")
-        _check_numbers(f"'{name}'", arrays_of(states[name]))
+        if form.materials or form.law is not None:  # what own forms and internal variables hold is theirs
+            _check_numbers(f"'{name}'", {k: a for k, a in arrays_of(states[name]).items() if k != "internal"})
     vectors = {part: arrays[f"{key}/{part}"] for part in ("x", "load", "unreleased") if f"{key}/{part}" in arrays}
     _check_numbers("the stage", vectors)
     shapes = {np.shape(values) for values in vectors.values()}
-    if len(shapes) > 1 or any(vectors["x"].shape < (form.size or 0,) for form in forms.values()):
+    x = vectors["x"]
+    if len(shapes) > 1 or x.ndim != 1 or any(len(x) < (form.size or 0) for form in forms.values()):
         raise ValueError(f"stage '{head['name']}' has displacements and loads of shapes {sorted(shapes)}")
     increments = tuple(_stage(arrays, f"{key}.{k}", part, given, make)
                        for k, part in enumerate(head.get("increments", ())))
-    return make(head["name"], vectors["x"], vectors["load"], states, tuple(head["iterations"]),
+    return make(head["name"], x, vectors["load"], states, tuple(head["iterations"]),
                 head["residual"], head["fraction"], head["summary"], forms, head.get("time", 0.0), increments,
                 vectors.get("unreleased"))
 

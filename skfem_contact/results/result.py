@@ -10,10 +10,8 @@ import numpy as np
 from numpy import ndarray
 
 from ..checks import look_up
-from ..contact import ContactPair
 from ..display import html_table
-from ..forms.base import Form, as_forms, internal_force
-from ..forms.solid import SolidForm
+from ..forms.base import Form, as_forms, internal_force, pairs_of, solids_of
 from . import export, fields, files, strength
 from .sections import SectionForces, Sections, section_forces
 from .tractions import ContactReport, Tractions, contact_report, tractions
@@ -70,11 +68,11 @@ class StageResult(files.StageData):
 
     def tractions(self, pair: str) -> Tractions:
         """Return tractions, gaps and slips of a contact pair."""
-        return tractions(*self._of(pair, ContactPair))
+        return tractions(*self._pair(pair))
 
     def report(self, pair: str) -> ContactReport:
         """Return resultants, status and penetration of a contact pair."""
-        form, state = self._of(pair, ContactPair)
+        form, state = self._pair(pair)
         return contact_report(form, self.x[:form.size], state)
 
     def section_forces(self, solid: str, sections: Sections) -> SectionForces:
@@ -93,7 +91,7 @@ class StageResult(files.StageData):
         of the last layer of elements. A curved body whose elements form no layers has chords for its arcs: with
         elements of length h its moment is uncertain by ``N h**2 / 8 R``.
         """
-        return section_forces(*self._of(solid, SolidForm), sections)
+        return section_forces(*self._solid(solid), sections)
 
     def field(self, name: str, since: StageResult | None = None, *, water: fields.Water | None = None) -> ndarray:
         """Return a field at the nodes, shape (N / dim,), the mesh's vertices first; NaN at nodes of no solid.
@@ -125,7 +123,7 @@ class StageResult(files.StageData):
 
         Compression is positive. The pressure of :func:`water_load`, which is part of the load, is not included.
         """
-        return strength.pore_pressure(*self._of(solid, SolidForm))
+        return strength.pore_pressure(*self._solid(solid))
 
     def undrained_strength(self, solid: str) -> dict[str, ndarray]:
         r"""Return the undrained shear strength in plane strain that follows from the stresses in the ground.
@@ -138,7 +136,7 @@ class StageResult(files.StageData):
         Stresses are effective where :func:`water_load` acts. Every region with `c` and `phi` has an array, shape
         (n_elements,): means of the points of each element, at least zero, to be the `c` of :class:`Tresca`.
         """
-        return strength.undrained_strength(*self._of(solid, SolidForm))
+        return strength.undrained_strength(*self._solid(solid))
 
     def to_vtu(self, file: str | Path) -> None:
         """Write the solids and the contact to a ``.vtu`` file.
@@ -161,8 +159,7 @@ class StageResult(files.StageData):
     def to_frame(self) -> Any:
         """Return coordinates and all fields at the nodes of solids as a pandas data frame, a row for each node.
 
-        Tractions, section forces and other dataclasses of arrays become a frame by
-        ``pandas.DataFrame(vars(tractions))``.
+        Tractions and section forces become a frame by ``pandas.DataFrame(vars(tractions))``.
         """
         return export.frame(self)
 
@@ -172,12 +169,19 @@ class StageResult(files.StageData):
 
         return contour(self, quantity, **options)
 
-    def _of(self, name: str, kind: type) -> tuple[Any, Any]:
-        """Return a form of a kind, and its state."""
+    def _solid(self, name: str) -> tuple[Any, Any]:
+        """Return a solid and its state."""
+        return self._of(name, "SolidForm", {key: form for key, form in solids_of(self.forms).items() if form.materials})
+
+    def _pair(self, name: str) -> tuple[Any, Any]:
+        """Return a contact pair and its state."""
+        return self._of(name, "ContactPair", pairs_of(self.forms))
+
+    def _of(self, name: str, kind: str, there: Mapping[str, Any]) -> tuple[Any, Any]:
+        """Return one of the forms of a kind, and its state."""
         form = look_up(name, self.forms, f"form in stage '{self.name}'")
-        if not isinstance(form, kind):
-            raise ValueError(f"'{name}' is a {type(form).__name__}, no {kind.__name__}; there are "
-                             f"{[key for key, other in self.forms.items() if isinstance(other, kind)]}")
+        if name not in there:
+            raise ValueError(f"'{name}' is a {type(form).__name__}, no {kind}; there are {list(there)}")
         return form, self.states[name]
 
     def __repr__(self) -> str:
@@ -209,9 +213,8 @@ class Result:
     def __getitem__(self, key: str | int) -> StageResult:
         if isinstance(key, int):
             return self.stages[key]
-        for stage in self.stages:
-            if stage.name == key:
-                return stage
+        if found := [stage for stage in self.stages if stage.name == key]:
+            return found[0]
         raise KeyError(f"there is no stage '{key}'; existing: {[s.name for s in self.stages]}")
 
     def __iter__(self) -> Iterator[StageResult]:
