@@ -191,3 +191,10 @@ def test_reduced_strength() -> None:
     tangents = np.tan(np.radians([law.phi, law.phi_end]))
     np.testing.assert_allclose(tangents, np.tan(np.radians([20.0, 40.0])) / 2, rtol=1e-14)
     assert law.psi == law.phi  # it was associated
+
+
+def test_mobilised_strength_follows_the_softening() -> None:
+    """[X] Half way from c = 20 to c = 5 without friction the shear strength is 12.5."""
+    clay = HardeningMohrCoulomb(1e4, 0.3, c=20.0, c_end=5.0, phi=0.0, phi_end=0.0, strain_end=0.1)
+    _, limit = clay.mobilised(np.zeros((4, 1)), np.full((1, 1), 0.05))
+    np.testing.assert_allclose(limit, 12.5, rtol=1e-12)  # three operations
