@@ -74,7 +74,10 @@ def test_killed_run_leaves_all_accepted_increments(tmp_path):
     assert [stage.name for stage in result] == ["fill", "dig"]
     assert [len(stage.increments) for stage in result] == [2, 3]
     for part, other in zip([*result["fill"].increments, *result["dig"].increments], expected, strict=True):
-        same(part, other)
+        assert (part.name, part.fraction) == (other.name, other.fraction)
+        np.testing.assert_allclose(part.x, other.x, atol=1e-12)  # another process may differ by round-off
+        for key, values in vars(other.states["soil"]).items():
+            np.testing.assert_allclose(getattr(part.states["soil"], key), values, rtol=1e-9, atol=1e-9)
     again = sc.Model(forms, fixed).run([sc.Stage("next", load)], start=result, progress=False)
     np.testing.assert_allclose(again["next"].x, expected[-1].x, atol=1e-12)
 
