@@ -211,7 +211,7 @@ class Model(Setup):
         """
         return run(self, stages, start, on_increment, progress)
 
-    def strength_reduction(self, load: Any = None, *, start: Result | StageResult | None = None,
+    def strength_reduction(self, load: Any = None, *, start: Result | StageResult | None = None, water: Any = None,
                            reduce: str | Collection[str] | None = None, exclude: str | Collection[str] = (),
                            method: Literal["continuation", "bracket"] = "continuation", flow: Flow = "given",
                            tolerance: float = 0.01, step: float = 0.1, max_value: float = 100.0,
@@ -221,10 +221,12 @@ class Model(Setup):
         Parameters
         ----------
         load
-            External forces besides the weight of the forms, (N,); by default those of ``start``.
+            External forces besides the weight of the forms and the water, (N,); by default those of ``start``.
         start
             Where to start: a result (its last stage) or a stage. By default the load is applied to the unstrained
             bodies first.
+        water
+            Water at rest, as of a :class:`Stage`; by default that of ``start``. ``False``: none.
         reduce
             Names of forms and of regions whose strength is reduced, or one; by default all that have a strength:
             regions of solids, and friction and adhesion of contact pairs.
@@ -275,8 +277,8 @@ class Model(Setup):
         >>> f"{model.strength_reduction(load).factor:.2f} {model.limit_load(load).multiplier:.2f}"
         '2.00 2.00'
         """
-        return strength_reduction(self, load, start, reduce, exclude, method, flow, tolerance, step, max_value, certify,
-                                  progress)
+        return strength_reduction(self, load, start, water, reduce, exclude, method, flow, tolerance, step, max_value,
+                                  certify, progress)
 
     def limit_load(self, load: Any, *, start: Result | StageResult | None = None, tolerance: float = 0.005,
                    step: float = 1.0, max_value: float = np.inf, flow: Flow = "given", max_step: float = np.inf,
@@ -325,7 +327,7 @@ class Model(Setup):
         return limit_load(self, load, start, tolerance, step, max_value, flow, max_step, min_displacement, certify,
                           progress)
 
-    def is_stable(self, load: Any = None, *, start: Result | StageResult | None = None) -> bool:
+    def is_stable(self, load: Any = None, *, start: Result | StageResult | None = None, water: Any = None) -> bool:
         """Return True if the structure resists its load: a factor of safety above 1, asked in one step.
 
         An equilibrium means True; displacements that run away along a mechanism, see :class:`NoEquilibrium`, mean
@@ -333,7 +335,7 @@ class Model(Setup):
 
         Parameters
         ----------
-        load, start
+        load, start, water
             As for :meth:`strength_reduction`.
 
         Raises
@@ -341,7 +343,7 @@ class Model(Setup):
         NotConverged
             Neither an equilibrium nor a collapse was found; :meth:`limit_load` goes there step by step.
         """
-        return is_stable(self, load, start)
+        return is_stable(self, load, start, water)
 
     def bounds(self, **options: Any) -> Bounds:
         """Return proven bounds of the factor of safety or of the limit load, see :func:`~.limit_analysis.bounds`."""

@@ -87,3 +87,80 @@ def test_water_above_the_ground_is_warned_of():
         warnings.simplefilter("error")
         load = sc.water_load(basis, water.pressure, ["top", "bottom", "left", "right"])
     assert load[1::2].sum() == pytest.approx(2 * WATER, rel=1e-12)
+
+
+def flooded():
+    """Model of level ground with its own weight, whose water stands at y = 2 of 3, and the K0 state."""
+    basis = vector_basis(grid("Q1", np.linspace(0, 2, 3), np.linspace(0, 3, 7)), "Q1", intorder=2)
+    sand = sc.SolidForm(basis, sc.MohrCoulomb(E=1e4, nu=0.3, c=5.0, phi=30.0), unit_weight=20.0)
+    model = sc.Model({"sand": sand}, sc.box_supports(basis), water_unit_weight=WATER)
+    return model, model.k0_state(K0=0.5, water=2.0)
+
+
+def test_water_of_the_start_stays(tmp_path):
+    """[X] A stage that says nothing of water changes nothing; one without water, or at another level, does."""
+    model, start = flooded()
+    result = model.run([sc.Stage("on top", model.traction("top", (0.0, -1.0))), sc.Stage("as before")], start=start)
+    assert np.abs(result["as before"].x).max() < 1e-12 * 3.0  # the traction of the first stage is gone again
+    np.testing.assert_allclose(result["as before"].load, start["initial"].load, atol=1e-12)
+    start.save(tmp_path / "start")
+    again = sc.load_result(tmp_path / "start", model)
+    np.testing.assert_allclose(model.run([sc.Stage("same")], start=again)["same"].load, start["initial"].load)
+    dry = model.run([sc.Stage("dry", water=False)], start=start)["dry"]
+    np.testing.assert_allclose(dry.load, sc.weight(model.forms["sand"].basis, 20.0), atol=1e-12)
+
+
+def test_water_that_a_file_does_not_hold(tmp_path):
+    """A function is not saved: the first stage is asked for its water."""
+    model, _ = flooded()
+    start = model.k0_state(K0=0.5, water=sc.hydrostatic(2.0, unit_weight=WATER))
+    start.save(tmp_path / "start")
+    again = sc.load_result(tmp_path / "start", model)
+    with pytest.raises(ValueError, match="which files do not hold: give the first stage its `water`"):
+        model.run([sc.Stage("same")], start=again)
+    assert model.run([sc.Stage("same", water=2.0)], start=again)["same"].fraction == 1.0
+
+
+def test_searches_keep_the_water_of_the_start():
+    """[X] A cut of half its height in water: the load on top does not take the water away."""
+    basis = vector_basis(grid("Q2", np.linspace(0, 1, 3), np.linspace(0, 1, 3)), "Q2", intorder=4)
+    clay = sc.SolidForm(basis, sc.Tresca(E=1e3, nu=0.3, c=10.0), unit_weight=20.0)
+    fixed = [basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1")]
+    model = sc.Model({"clay": clay}, fixed, water_unit_weight=10.0)
+    push = model.traction("top", (0.0, -6.0))
+    by_load = model.strength_reduction(push + model.water_load(sc.hydrostatic(0.5, unit_weight=10.0),
+                                                               ["right", "top"]), progress=False)  # fmt: skip
+    wet = model.strength_reduction(push, water=0.5, progress=False)
+    start = model.run([sc.Stage("wet", water=0.5)], progress=False)
+    later = model.strength_reduction(push, start=start, progress=False)
+    dry = model.strength_reduction(push, start=start, water=False, progress=False)
+    assert wet.factor == pytest.approx(by_load.factor, rel=1e-6)
+    assert later.factor == pytest.approx(wet.factor, rel=0.01) and dry.factor != pytest.approx(wet.factor, rel=0.02)
+    assert model.is_stable(push, water=0.5)
+
+
+def test_wall_above_the_ground_of_a_seepage():
+    """[X] A wall between a lake and a pit: the pit's side is dry above the floor, or has the head of the floor."""
+    mesh = grid("Q1", np.array([0.0, 1.0, 2.0, 2.2, 3.0, 4.0]), np.linspace(0, 4, 9))
+    mesh = mesh.with_subdomains({"wall": lambda x: (x[0] > 2) & (x[0] < 2.2) & (x[1] > 1),
+                                 "pit": lambda x: (x[0] < 2) & (x[1] > 2)})  # fmt: skip
+    others = np.setdiff1d(np.arange(mesh.nelements), np.concatenate(list(mesh.subdomains.values())))
+    mesh = mesh.with_subdomains({"soil": others})
+    mesh = sc.join_bodies(mesh, bodies={"ground": ["soil", "pit"], "piles": "wall"})
+    mesh = mesh.with_boundaries({"lake": mesh.facets_satisfying(lambda x: (x[1] > 3.99) & (x[0] > 2.2), True),
+                                 "floor": mesh.facets_satisfying(lambda x: (abs(x[1] - 2) < 1e-9) & (x[0] < 2))})
+    basis = vector_basis(mesh, "Q1", intorder=2)
+    elastic = sc.LinearElastic(E=1e4, nu=0.3)
+    forms = {"soil": sc.SolidForm(basis.with_elements("soil"), elastic, unit_weight=20.0),
+             "wall": sc.SolidForm(basis.with_elements("wall"), elastic, unit_weight=20.0, porous=False)}  # fmt: skip
+    of_wall = np.unique(basis.element_dofs[:, mesh.subdomains["wall"]])
+    of_wall = of_wall[of_wall % 2 == 0]
+    model = sc.Model(forms, np.arange(basis.N), water_unit_weight=10.0)
+    for level in (2.0, 2.5):
+        flow = sc.water.seepage(basis.with_elements("soil"), 1e-5, {"lake": 4.0, "floor": level}, unit_weight=10.0)
+        load = model.run([sc.Stage("flow", water=flow)], progress=False)["flow"].load
+        y, below = np.linspace(1, 4, 2001), np.linspace(1, 2, 2001)
+        behind = np.trapezoid(flow.pressure_at(np.array([np.full(2001, 2.2), y])), y)
+        before = np.trapezoid(flow.pressure_at(np.array([np.full(2001, 2.0), below])), below)
+        standing = 10.0 * (level - 2.0) ** 2 / 2
+        assert -load[of_wall].sum() == pytest.approx(behind - before - standing, rel=1e-6)  # the sums

@@ -47,8 +47,7 @@ WALL_WEIGHT = 6.0
 # Mesh and forms
 # --------------
 # The lifts are bodies that go, and so is their contact with the wall. Both sides of the
-# joint are cut into the parts that belong to the lifts and to the rest: these are the
-# boundaries on which water presses.
+# joint are cut into the parts that belong to the lifts and to the rest.
 
 
 def is_wall(x):
@@ -107,8 +106,14 @@ def ground_and_wall():
 GROUND = ("sand", *LIFTS)
 mesh = ground_and_wall()
 basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
-forms = {name: sc.SolidForm(basis.with_elements(name), SOIL) for name in GROUND}
-forms["wall"] = sc.SolidForm(basis.with_elements("wall"), WALL)
+materials = dict.fromkeys(GROUND, SOIL) | {"wall": WALL}
+forms = {
+    name: sc.SolidForm(basis.with_elements(name), material, unit_weight=WEIGHT)
+    for name, material in materials.items()
+}
+steel = sc.SolidForm(
+    basis.with_elements("wall"), WALL, unit_weight=WALL_WEIGHT, porous=False
+)
 friction = sc.Coulomb(mu=float(np.tan(np.radians(20))))
 forms |= {
     f"{name}|wall": sc.ContactPair(
@@ -189,54 +194,25 @@ for lift in (1, 2, 3):
 # Stages
 # ------
 # At rest the water is still. The wall is wished in place: it begins as the ground around
-# it, with water in its pores, which the first stage takes out. From then on water presses
+# it, with water in its pores; the first stage replaces it by steel without pores. From then
+# on water presses
 # on it from outside only, and the contact carries the effective stress. Pumping lowers the
 # water to the bottom of the lift, digging takes the lift away.
 
 
-def load(pumped: int, dug: int, wet: bool):
-    """Weight of what is there, and the water when so many lifts have been pumped dry."""
-    there = dict.fromkeys(["sand", *list(LIFTS)[dug:]], WEIGHT)
-    weight = sc.weight(basis, there | {"wall": WALL_WEIGHT})
-    return weight + water_on(left_after(pumped), pressure(pumped)) if wet else weight
-
-
-def pressure(pumped: int):
-    """Pore pressure as a function of the place."""
-    return flows[pumped].pressure_at if pumped else sc.hydrostatic(0.0, unit_weight=WATER)
-
-
-def water_on(parts, function):
-    """Load of water in parts of the ground and on both sides of their joints."""
-    sides = [f"{part}|wall" for part in parts] + [f"wall|{part}" for part in parts]
-    return sc.water_load(basis.with_elements(parts), function, sides)
-
-
 def dig(wet: bool):
     """Result of all stages."""
-    still = sc.hydrostatic(0.0, unit_weight=WATER)
-    whole = sc.weight(basis, WEIGHT)
-    if wet:
-        whole = whole + sc.water_load(basis, still, ["ground|piles", "piles|ground"])
-    start = sc.Model(forms, fixed).k0_state(
-        whole, unit_weights=WEIGHT, K0=K0, water=still if wet else None, name="at rest"
-    )
+    model = sc.Model(forms, fixed, water_unit_weight=WATER)
+    start = model.k0_state(K0=K0, water=LEVELS[0] if wet else None, name="at rest")
     print(f"out of balance at rest: {start['at rest'].residual:.1e}")
-    stages = [sc.Stage("wall", load(0, 0, wet))]
-    for i, lift in enumerate(LIFTS):
+    stages = [sc.Stage("wall", change={"wall": steel})]
+    for i, lift in enumerate(LIFTS, 1):
         if wet:
-            stages.append(sc.Stage(f"pump {i + 1}", load(i + 1, i, wet), increments=2))
-        stages.append(
-            sc.Stage(
-                f"dig {i + 1}",
-                load(i + 1, i + 1, wet),
-                increments=4,
-                deactivate=(lift, f"{lift}|wall"),
-            )
-        )
-        if i == 0:
-            stages.append(sc.Stage("strut", stages[-1].load, fixed=np.append(fixed, strut)))
-    return sc.Model(forms, fixed).run(stages, start=start)
+            stages.append(sc.Stage(f"pump {i}", water=flows[i], increments=2))
+        stages.append(sc.Stage(f"dig {i}", increments=4, deactivate=(lift, f"{lift}|wall")))
+        if i == 1:
+            stages.append(sc.Stage("strut", fixed=[fixed, strut]))
+    return model.run(stages, start=start)
 
 
 results = {}
@@ -260,22 +236,23 @@ for key in ("without water", "with water"):
 # ------------------
 # The water alone: the load of the analysis against the pressures of the flow, integrated
 # along both faces. Then all that acts on the wall, water, contact and strut, must be in
-# balance; and below, the sand carries the whole weight.
+# balance; and below, sand and water carry the whole weight.
 
 last, flow = results["with water"]["dig 3"], flows[3]
 on_wall = of_wall[of_wall % 2 == 0]
-pushed = float(water_on(["sand"], pressure(3))[on_wall].sum())
+sides = ["sand|wall", "wall|sand"]
+of_sand = sc.water_load(basis.with_elements("sand"), flow.pressure_at, sides)
+pushed = float(of_sand[on_wall].sum())
 y, below = np.linspace(TOE, 0, 4001), np.linspace(TOE, LEVELS[3], 4001)
 outside = np.trapezoid(flow.pressure_at(np.array([np.full(4001, OUTER), y])), y)
 inside = np.trapezoid(flow.pressure_at(np.array([np.full(4001, INNER), below])), below)
 contact = [last.report(name) for name in last.states if name.endswith("|wall")]
 strutted = float(last.reactions()[strut][0])
 balance = abs(pushed - sum(c.force[0] for c in contact) + strutted) / strutted
-carried = (
-    last.reactions()[fixed[fixed % 2 == 1]].sum()
-    / sc.weight(basis, {"sand": WEIGHT, "wall": WALL_WEIGHT}).sum()
-    + 1
-)
+weight = -sc.weight(basis, {"sand": WEIGHT, "wall": WALL_WEIGHT}).sum()
+x = np.unique(mesh.p[0, mesh.p[1] < BASE + 1e-9])
+uplift = np.trapezoid(flow.pressure_at(np.array([x, np.full(len(x), BASE)])), x)
+carried = (last.reactions()[fixed[fixed % 2 == 1]].sum() + uplift) / weight - 1
 print(
     f"water pushes with {-pushed:.1f} kN/m, "
     f"{outside:.1f} - {inside:.1f} from the pressures; "

@@ -16,7 +16,7 @@ from ..nonlinear.system import System
 from ..results.result import Result, StageResult
 from ..solvers import single_threaded
 from ..stages.setup import Setup
-from .continuation import GROWTH, as_collapse, follow, last_stage, loaded_start
+from .continuation import GROWTH, as_collapse, follow, last_stage, loaded_start, water_of
 from .result import LOAD, CollapseResult, Point, SearchLog, conclude
 
 _CUTS = 10
@@ -89,9 +89,9 @@ def _first(branch: _Load, origin: Point, step: float, newton: Newton, log: Searc
 
 
 @single_threaded
-def is_stable(setup: Setup, load: Any, start: Result | StageResult | None) -> bool:
+def is_stable(setup: Setup, load: Any, start: Result | StageResult | None, water: Any) -> bool:
     """Return True if a structure resists its load, see :meth:`skfem_contact.Model.is_stable`."""
-    begun = loaded_start(setup, load, start)
+    begun = loaded_start(setup, load, start, water_of(start, water))
     system, origin = begun.system, begun.origin
     try:
         system.equilibrium(origin.x, origin.states, begun.weight + begun.load, origin.x[system.fixed],

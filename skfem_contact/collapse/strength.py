@@ -20,7 +20,7 @@ from ..nonlinear.system import System
 from ..results.result import Result, StageResult
 from ..solvers import single_threaded
 from ..stages.setup import Setup
-from .continuation import as_collapse, follow, loaded_start
+from .continuation import as_collapse, follow, loaded_start, water_of
 from .result import FACTOR, CollapseResult, Point, SearchLog, SearchResult, Stop, conclude, no_collapse_below
 
 logger = logging.getLogger("skfem_contact")
@@ -92,7 +92,7 @@ class _Strength:
 
 
 @single_threaded
-def strength_reduction(setup: Setup, load: Any, start: Result | StageResult | None,
+def strength_reduction(setup: Setup, load: Any, start: Result | StageResult | None, water: Any,
                        reduce: str | Collection[str] | None, exclude: str | Collection[str],
                        method: Literal["continuation", "bracket"], flow: Flow, tolerance: float, step: float,
                        max_value: float, certify: bool | Mapping[str, Any], progress: bool | None) -> CollapseResult:
@@ -103,7 +103,7 @@ def strength_reduction(setup: Setup, load: Any, start: Result | StageResult | No
     if not tolerance > 0 or not step > 0 or not max_value > 1:
         raise ValueError(f"tolerance and step must be positive and max_value above 1, not {tolerance!r}, {step!r} and "
                          f"{max_value!r}")
-    begun = loaded_start(setup, load, start)
+    begun = loaded_start(setup, load, start, water_of(start, water))
     whole = begun.weight + begun.load
     branch = _Strength(begun.system, whole, reduced_parts(begun.system.forms, reduce, exclude), flow)
     free = flow == "given" and any(material.dilates_less for material in branch.materials)

@@ -48,6 +48,7 @@ class StageData:
     increments: tuple[Self, ...] = field(default=(), repr=False)
     unreleased: ndarray | None = field(default=None, repr=False)
     layout: Layout | None = field(default=None, repr=False)
+    water: Any = field(default=None, repr=False)
 
 
 _Stage = TypeVar("_Stage", bound=StageData)
@@ -180,7 +181,7 @@ def _described(stage: StageData, key: str, arrays: dict[str, ndarray]) -> dict[s
         arrays |= {f"{key}/{name}/{part}": np.asarray(values) for part, values in arrays_of(state).items()}
     return {"name": stage.name, "iterations": stage.iterations, "residual": stage.residual, "fraction": stage.fraction,
             "time": stage.time, "summary": dict(stage.summary), "forms": list(stage.states),
-            "meshes": {name: _fingerprint(form) for name, form in stage.forms.items()},
+            "meshes": {name: _fingerprint(form) for name, form in stage.forms.items()}, "water": _in_words(stage.water),
             "increments": [_described(part, f"{key}.{k}", arrays) for k, part in enumerate(stage.increments)]}
 
 
@@ -225,7 +226,7 @@ def _stage(arrays: Mapping[str, ndarray], key: str, head: Mapping[str, Any], giv
                        for k, part in enumerate(head.get("increments", ())))
     return make(head["name"], x, vectors["load"], states, tuple(head["iterations"]),
                 head["residual"], head["fraction"], head["summary"], forms, head.get("time", 0.0), increments,
-                vectors.get("unreleased"))
+                vectors.get("unreleased"), water=head.get("water"))
 
 
 def _check_numbers(whose: str, arrays: Mapping[str, Any]) -> None:
@@ -236,6 +237,14 @@ def _check_numbers(whose: str, arrays: Mapping[str, Any]) -> None:
             raise ValueError(f"'{part}' of {whose} has values that are not finite numbers")
         if part == "status" and not np.isin(values, list(Status)).all():
             raise ValueError(f"'status' of {whose} has values other than {[int(status) for status in Status]}")
+
+
+def _in_words(water: Any) -> Any:
+    """Return levels and pressures of water as lists; functions are not saved, but a text that stages refuse."""
+    try:
+        return json.loads(json.dumps(water, default=np.ndarray.tolist))
+    except TypeError:
+        return "a function or a seepage, which files do not hold"
 
 
 def _version() -> str:

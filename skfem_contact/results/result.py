@@ -42,6 +42,8 @@ class StageResult(files.StageData):
         Forces of deactivated bodies that the load still holds, see ``Stage.release``.
     layout
         Numbers of the dofs of all fields.
+    water
+        Water at rest whose load is part of ``load``; a stage that follows keeps it.
 
     Examples
     --------

@@ -17,7 +17,6 @@ from ..layout import Layout
 from ..results.result import StageResult
 from ..solvers.choice import as_solver
 from ..sparse import padded
-from .loading import water_at_rest
 from .setup import Setup, dofs_of
 from .stage import Stage
 from .supports import check_supports
@@ -49,6 +48,8 @@ class Phase:
         Load as a function of the share of the stage, where it is given as one.
     remarks
         Remarks on what changes nothing in the stage, and was probably meant to.
+    water
+        Water at rest, as the stage or one before gave it.
     """
 
     before: dict[str, Form]
@@ -60,6 +61,7 @@ class Phase:
     gone: ndarray
     on_top: Callable[[float], ndarray] | None = None
     remarks: tuple[Remark, ...] = ()
+    water: Any = None
 
 
 def plan(setup: Setup, stages: Sequence[Stage], start: StageResult | None) -> list[Phase]:
@@ -74,7 +76,7 @@ def plan(setup: Setup, stages: Sequence[Stage], start: StageResult | None) -> li
     now, fixed = dict(setup.forms), setup.fixed
     active = _at_first(now, stages, start)
     phases: list[Phase] = []
-    time, water = 0.0, None
+    time, water = 0.0, None if start is None else start.water
     left = start is not None and start.unreleased is not None
     for stage in stages:
         before = {name: now[name] for name in now if name in active}
@@ -107,7 +109,7 @@ def plan(setup: Setup, stages: Sequence[Stage], start: StageResult | None) -> li
             gone = _at_rest(setup, before, water, held) - rest
             gone[np.union1d(fixed, held)] = 0.0
         phases.append(Phase(before, there, np.union1d(fixed, held), load, prescribed,
-                            changes and bool(phases or start is not None), gone, on_top, remarks))
+                            changes and bool(phases or start is not None), gone, on_top, remarks, water))
     return phases
 
 
@@ -128,12 +130,9 @@ def _loads(setup: Setup, stage: Stage, rest: ndarray, held: ndarray, absent: lis
 
 def _at_rest(setup: Setup, active: Mapping[str, Form], water: Any, held: ndarray) -> ndarray:
     """Return the weights of active forms and the load of water on them, (N,)."""
-    rest = setup.weights(active)
-    if water is not None and water is not False:
-        wet = water_at_rest(solids_of(active), water, setup.water_unit_weight)
-        rest[:len(wet)] += wet
-        rest[held] = 0.0
-    return rest
+    wet = setup.water_on(active, water)
+    wet[held] = 0.0
+    return setup.weights(active) + wet
 
 
 def _at_first(forms: Mapping[str, Form], stages: Sequence[Stage], start: StageResult | None) -> set[str]:

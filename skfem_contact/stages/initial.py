@@ -22,7 +22,7 @@ from ..nonlinear.newton import Evaluation
 from ..nonlinear.system import System
 from ..results.result import Result, StageResult
 from .activation import acts_on, check_contacts
-from .loading import as_pressure, water_at_rest
+from .loading import as_pressure
 from .run import run
 from .setup import Setup, dofs_of
 from .stage import Stage
@@ -38,7 +38,7 @@ _StressField = Callable[[ndarray, ndarray], ndarray]
 
 def initial_state(setup: Setup, load: Any, stress: Callable[[ndarray], ndarray], water: Any, name: str) -> Result:
     """Return a given field of stresses, see :meth:`skfem_contact.Model.initial_state`."""
-    return _balanced(setup, _whole(setup, load, water), lambda x, elements: stress(x), name)
+    return _wet(_balanced(setup, _whole(setup, load, water), lambda x, elements: stress(x), name), water)
 
 
 def k0_state(setup: Setup, load: Any, K0: float | Mapping[str, float], unit_weights: float | Mapping[str, float] | None,
@@ -67,7 +67,7 @@ def k0_state(setup: Setup, load: Any, K0: float | Mapping[str, float], unit_weig
         return np.stack(plane if len(x) == 2 else (horizontal, horizontal, vertical, none, none, none))
 
     carried = water if any(form.unit_weight is not None for form in solids.values()) else None
-    return _balanced(setup, _whole(setup, load, carried), stress, name)
+    return _wet(_balanced(setup, _whole(setup, load, carried), stress, name), carried)
 
 
 def gravity_state(setup: Setup, load: Any, K0: float | Mapping[str, float] | None, water: Any, name: str,
@@ -78,7 +78,7 @@ def gravity_state(setup: Setup, load: Any, K0: float | Mapping[str, float] | Non
     dry, kept = _without_still_fields(setup)
     load = whole[kept]
     if K0 is None:
-        return _among_all(setup, kept, _at_rest(dry, _loaded(dry, name, load, increments, None)))
+        return _wet(_among_all(setup, kept, _at_rest(dry, _loaded(dry, name, load, increments, None))), water)
     elastic = dict(dry.forms)
     regions = {region for form in dry.solids.values() for region in form.materials}
     for region in K0 if isinstance(K0, Mapping) else ():
@@ -88,7 +88,7 @@ def gravity_state(setup: Setup, load: Any, K0: float | Mapping[str, float] | Non
         given = {region: _elastic(m, ratios[region]) for region, m in form.materials.items() if region in ratios}
         elastic[key] = form.with_materials(given)
     first = _loaded(_with(dry, elastic), f"{name}, elastic", load, 1, None)
-    return _among_all(setup, kept, _at_rest(dry, _loaded(dry, name, load, increments, first)))
+    return _wet(_among_all(setup, kept, _at_rest(dry, _loaded(dry, name, load, increments, first))), water)
 
 
 def _loaded(setup: Setup, name: str, load: ndarray, increments: int, start: StageResult | None) -> StageResult:
@@ -98,11 +98,12 @@ def _loaded(setup: Setup, name: str, load: ndarray, increments: int, start: Stag
 
 def _whole(setup: Setup, load: Any, water: Any) -> ndarray:
     """Return the load on top, the weights of all forms and the load of water, (N,)."""
-    whole = setup.load(load) + setup.weights(setup.forms)
-    if water is not None:
-        wet = water_at_rest(setup.solids, water, setup.water_unit_weight)
-        whole[:len(wet)] += wet
-    return whole
+    return setup.load(load) + setup.weights(setup.forms) + setup.water_on(setup.forms, water)
+
+
+def _wet(result: Result, water: Any) -> Result:
+    """Return a result that knows the water of its load: the first stage that follows keeps it."""
+    return Result(tuple(replace(stage, water=water) for stage in result))
 
 
 def _with(setup: Setup, forms: Mapping[str, Form]) -> Setup:

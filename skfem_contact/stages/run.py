@@ -51,7 +51,8 @@ def run(setup: Setup, stages: Sequence[Stage], start: Result | StageResult | Non
                 predictor = Predictor(system.fixed)
                 predictor.accept(last.x, last.load - lost, last.time)
             remarks.add(stage.name, "the stage", phase.remarks)
-            last = replace(last, name=stage.name, iterations=(), fraction=0.0, forms=system.forms, increments=())
+            last = replace(last, name=stage.name, iterations=(), fraction=0.0, forms=system.forms, increments=(),
+                           water=phase.water)
             unreleased = lost if last.unreleased is None else lost + last.unreleased
             left = (1.0 - stage.release) * (unreleased - phase.gone)
             path = _path(phase, last, system.fixed, lost, left)
@@ -130,7 +131,8 @@ def _increments(system: System, predictor: Predictor, stage: Stage, path: Path, 
         load, _ = path(fraction)
         summary = {name: form.summary(new.states[name]) for name, form in system.forms.items()}
         last = StageResult(stage.name, new.x, load, new.states, (*last.iterations, new.iterations),
-                           new.residuals[-1], fraction, summary, system.forms, time, layout=system.layout)
+                           new.residuals[-1], fraction, summary, system.forms, time, layout=system.layout,
+                           water=last.water)
         predictor.accept(last.x, last.load, time)
         yield last
 

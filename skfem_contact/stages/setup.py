@@ -19,6 +19,7 @@ from ..mesh import check_mesh
 from ..nonlinear.newton import Newton
 from ..nonlinear.system import System
 from ..solvers.choice import linear_solver
+from .loading import water_at_rest
 from .supports import check_supports
 
 
@@ -117,6 +118,14 @@ class Setup:
         for form in forms.values():
             if (weight := form.own_weight(self.gravity)) is not None:
                 total[:len(weight)] += weight
+        return total
+
+    def water_on(self, forms: Mapping[str, Form], water: Any) -> ndarray:
+        """Return the load of water at rest in and on some forms, (N,); zero for None and False."""
+        total = np.zeros(self.layout.size)
+        if water is not None and water is not False:
+            wet = water_at_rest(solids_of(forms), water, self.water_unit_weight)
+            total[:len(wet)] = wet
         return total
 
     def vector(self, values: Any, what: str) -> ndarray:

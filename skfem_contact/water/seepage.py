@@ -111,15 +111,20 @@ class Seepage:
         nodes = np.intersect1d(self.basis.mesh.facets[:, facets], self.basis.element_dofs)
         return nodes, self.inflow[nodes] / self._size(facets)[nodes]
 
-    def head_at(self, x: ndarray) -> ndarray:
-        """Return the head at coordinates (dim, ...) of the ground; linear in triangles and tetrahedra."""
+    def head_at(self, x: ndarray, outside: ndarray | None = None) -> ndarray:
+        """Return the head at coordinates (dim, ...), linear in triangles and tetrahedra.
+
+        Points outside of the ground are refused unless their head is given, (...).
+        """
         x = np.asarray(x, dtype=float)
         points = x.reshape(len(x), -1)
-        return _interpolated(self.basis.mesh, elements_of(self.basis), self.head, points).reshape(x.shape[1:])
+        head = _interpolated(self.basis.mesh, elements_of(self.basis), self.head, points,
+                             None if outside is None else np.broadcast_to(outside, x.shape[1:]).ravel())
+        return head.reshape(x.shape[1:])
 
-    def pressure_at(self, x: ndarray) -> ndarray:
+    def pressure_at(self, x: ndarray, outside: ndarray | None = None) -> ndarray:
         """Return the pore pressure at coordinates (dim, ...), as a function like :func:`hydrostatic`."""
-        return self._unit_weight * np.maximum(self.head_at(x) - np.asarray(x)[-1], 0.0)
+        return self._unit_weight * np.maximum(self.head_at(x, outside) - np.asarray(x)[-1], 0.0)
 
     @property
     def free_surface(self) -> list[ndarray]:
@@ -253,8 +258,8 @@ def simplices(mesh: Mesh, elements: ndarray) -> ndarray:
     return np.hstack([t[list(part)] for part in _PARTS[mesh.dim(), len(t)]])
 
 
-def _interpolated(mesh: Mesh, elements: ndarray, nodal: ndarray, points: ndarray) -> ndarray:
-    """Return nodal values at points (dim, n), linear on the simplices of elements."""
+def _interpolated(mesh: Mesh, elements: ndarray, nodal: ndarray, points: ndarray, beyond: ndarray | None) -> ndarray:
+    """Return nodal values at points (dim, n), linear on the simplices of elements; at points beyond them given ones."""
     corners = simplices(mesh, elements)
     p = mesh.p[:, corners]
     inverse = np.linalg.inv((p[:, 1:] - p[:, :1]).transpose(2, 0, 1))
@@ -272,6 +277,9 @@ def _interpolated(mesh: Mesh, elements: ndarray, nodal: ndarray, points: ndarray
         lost = lost[outside > (_ROUND_OFF if tried < min(_TRIED[-1], len(inverse)) else _CURVED)]
         if len(lost) == 0:
             return result
+    if beyond is not None:
+        result[lost] = beyond[lost]
+        return result
     raise ValueError(f"{len(lost)} points lie outside of the porous ground, the first is {place(points[:, lost[0]])}")
 
 
