@@ -9,12 +9,10 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any, NamedTuple
 
-import numpy as np
 from numpy import ndarray
-from skfem import Basis, ElementQuad1, ElementVector, FacetBasis, LinearForm
+from skfem import Basis, ElementQuad1, ElementVector
 
 import skfem_contact as sc
-from skfem_contact.contact.penalty import choose_penalties
 
 
 class Culvert(NamedTuple):
@@ -45,18 +43,16 @@ def culvert() -> Culvert:
     soils = {"soft": sc.MohrCoulomb(E=1e4, nu=0.40, c=5.0, phi=25.0),
              "stiff": sc.MohrCoulomb(E=5e4, nu=0.35, c=10.0, phi=35.0)}
     concrete = sc.LinearElastic(E=2.8e7, nu=0.2)
-    forms = choose_penalties({
-        "ground": sc.SolidForm(basis.with_elements("ground"), soils, strain="b_bar"),
-        "culvert": sc.SolidForm(basis.with_elements("culvert"), concrete, strain="b_bar"),
+    weights = {"soft": 18.0, "stiff": 20.0}
+    model = sc.Model({
+        "ground": sc.SolidForm(basis.with_elements("ground"), soils, strain="b_bar", unit_weight=weights),
+        "culvert": sc.SolidForm(basis.with_elements("culvert"), concrete, strain="b_bar", unit_weight=25.0),
         "skin": sc.ContactPair(basis, slave="ground|culvert", master="culvert|ground", law=sc.Coulomb(mu=0.6),
                                quadrature="nodal", smoothing=0.5, initial="adjusted"),
-    })
-    gravity = sc.weight(basis, {"soft": 18.0, "stiff": 20.0, "culvert": 25.0})
-    surface = FacetBasis(mesh, basis.elem, facets="surface")
-    strip = LinearForm(lambda v, w: -35.0 * v[1] * (w.x[0] > 0.0) * (w.x[0] < 1.8)).assemble(surface)
-    fixed = np.concatenate((basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1")))
-    stages = [sc.Stage("gravity", gravity), sc.Stage("surcharge", gravity + strip)]
-    return Culvert(basis, forms, gravity, sc.Model(forms, fixed).run(stages))
+    }, sc.box_supports(basis))
+    strip = sc.traction(basis, "surface", lambda x: (0.0 * x[0], -35.0 * (x[0] > 0.0) * (x[0] < 1.8)))
+    result = model.run([sc.Stage("gravity"), sc.Stage("surcharge", strip)])
+    return Culvert(basis, model.forms, result["gravity"].load, result)
 
 
 def _draw(result: sc.results.Result, out: Path) -> dict[str, str]:

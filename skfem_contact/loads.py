@@ -295,7 +295,7 @@ def at_points(basis: CellBasis | FacetBasis, pressure: Pressure) -> ndarray:
 
 
 def _warn_of_water(basis: CellBasis, pressure: Pressure, pressed: ndarray) -> None:
-    """Warn of surfaces under water without pressure: facets with porous ground below and none above."""
+    """Warn about surfaces under water without pressure: facets with porous ground below and none above."""
     mesh = basis.mesh
     count = np.bincount(mesh.t2f[:, elements_of(basis)].ravel(), minlength=mesh.nfacets)
     facets = np.setdiff1d(np.flatnonzero((count == 1) & (mesh.f2t[1] < 0)), pressed)

@@ -58,7 +58,7 @@ _VERBS = """
     square stack start step stop store stretch strip subdivide substitute subtract suggest sum summarise supply
     support suppress swap switch take tear test tie tighten time trace track transfer transform translate transpose
     traverse treat triangulate trim truncate try turn undo unify unite unpack update use validate vary verify view
-    visit wait walk warn weigh widen withdraw wrap write yield zero
+    visit wait walk warn prove weigh widen withdraw wrap write yield zero
 """
 NEVER_FIRST, VERBS = frozenset(_NEVER_FIRST.split()), frozenset(_VERBS.split())
 

@@ -7,7 +7,6 @@ import pytest
 from tests import prose
 
 
-@pytest.mark.xfail(reason="the prose is being written", strict=False)
 def test_prose() -> None:
     """Standard terms, verbs in the imperative, short sentences."""
     found = prose.findings()

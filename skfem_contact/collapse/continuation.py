@@ -80,7 +80,7 @@ class SearchStart:
     load: ndarray
 
 
-def loaded_start(setup: Setup, load: Any, start: Result | StageResult | None, water: Any = None) -> SearchStart:
+def loaded_start(setup: Setup, load: Any, start: Result | StageResult | None, water: Any) -> SearchStart:
     """Return the start of a search, with the load of the start or another load on top of weights and water.
 
     Inactive bodies do not move. Geometry that follows the displacements is held as it is at the start: a limit is that
@@ -95,6 +95,7 @@ def loaded_start(setup: Setup, load: Any, start: Result | StageResult | None, wa
     held = {name: form.fixed_geometry(x, states[name]) for name, form in system.forms.items()}
     in_place, states = ({name: pair[i] for name, pair in held.items()} for i in (0, 1))
     weight = setup.weights(active)
+    water = last.water if water is None and last is not None else water
     if last is None or load is not None:
         on_top = setup.load(load) + setup.water_on(active, water)
     else:
@@ -105,12 +106,6 @@ def loaded_start(setup: Setup, load: Any, start: Result | StageResult | None, wa
         what = "the load is zero" if load is not None else "there is no load"
         raise ValueError(f"{what}: give a `load`, unit weights of the forms, or a loaded `start`")
     return SearchStart(dict(active), system.with_forms(in_place), Point(x, states, 0.0), weight, on_top)
-
-
-def water_of(start: Result | StageResult | None, water: Any) -> Any:
-    """Return the water of a search: where none is given, that of the start."""
-    last = last_stage(start)
-    return last.water if water is None and last is not None else water
 
 
 def remainder(points: list[Point] | tuple[Point, ...]) -> float:

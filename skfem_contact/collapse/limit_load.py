@@ -16,7 +16,7 @@ from ..nonlinear.system import System
 from ..results.result import Result, StageResult
 from ..solvers import single_threaded
 from ..stages.setup import Setup
-from .continuation import GROWTH, as_collapse, follow, last_stage, loaded_start, water_of
+from .continuation import GROWTH, as_collapse, follow, last_stage, loaded_start
 from .result import LOAD, CollapseResult, Point, SearchLog, conclude
 
 _CUTS = 10
@@ -48,7 +48,7 @@ def limit_load(setup: Setup, load: Any, start: Result | StageResult | None, tole
         raise ValueError(f"tolerance, step and max_step must be positive, not {tolerance!r}, {step!r} and {max_step!r}")
     if load is None:
         raise ValueError("there is no load to be multiplied: give `load`")
-    begun = loaded_start(setup, load, start)
+    begun = loaded_start(setup, load, start, water=False)  # the load of the start stays, its water with it
     system, reference = begun.system, begun.load
     if flow != "given":
         system = system.with_forms({name: form.reduced(1.0, flow, form.strengths)
@@ -91,7 +91,7 @@ def _first(branch: _Load, origin: Point, step: float, newton: Newton, log: Searc
 @single_threaded
 def is_stable(setup: Setup, load: Any, start: Result | StageResult | None, water: Any) -> bool:
     """Return True if a structure resists its load, see :meth:`skfem_contact.Model.is_stable`."""
-    begun = loaded_start(setup, load, start, water_of(start, water))
+    begun = loaded_start(setup, load, start, water)
     system, origin = begun.system, begun.origin
     try:
         system.equilibrium(origin.x, origin.states, begun.weight + begun.load, origin.x[system.fixed],

@@ -20,7 +20,7 @@ from ..nonlinear.system import System
 from ..results.result import Result, StageResult
 from ..solvers import single_threaded
 from ..stages.setup import Setup
-from .continuation import as_collapse, follow, loaded_start, water_of
+from .continuation import as_collapse, follow, loaded_start
 from .result import FACTOR, CollapseResult, Point, SearchLog, SearchResult, Stop, conclude, no_collapse_below
 
 logger = logging.getLogger("skfem_contact")
@@ -103,7 +103,7 @@ def strength_reduction(setup: Setup, load: Any, start: Result | StageResult | No
     if not tolerance > 0 or not step > 0 or not max_value > 1:
         raise ValueError(f"tolerance and step must be positive and max_value above 1, not {tolerance!r}, {step!r} and "
                          f"{max_value!r}")
-    begun = loaded_start(setup, load, start, water_of(start, water))
+    begun = loaded_start(setup, load, start, water)
     whole = begun.weight + begun.load
     branch = _Strength(begun.system, whole, reduced_parts(begun.system.forms, reduce, exclude), flow)
     free = flow == "given" and any(material.dilates_less for material in branch.materials)

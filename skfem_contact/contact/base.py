@@ -126,7 +126,7 @@ class ContactBase(Form):
         if self.complete:
             return self
         bodies = [form for form in forms.values() if form.elastic_stiffness is not None]
-        new = self._about_axis(any(_is_axisymmetric(form) for form in bodies)).with_(complete=True)
+        new = self._about_axis(any(form.coordinates == "axisymmetric" for form in bodies)).with_(complete=True)
         if new.stiffness is not None:
             return new
         penalty, stiffness = chosen(new.slave, new.facets, [form.elastic_stiffness for form in bodies], new.penalty,
@@ -223,10 +223,6 @@ class ContactBase(Form):
         return replace(state, **changes) if changes else state
 
 
-def _is_axisymmetric(form: Form) -> bool:
-    return form.coordinates == "axisymmetric"
-
-
 def _check_surfaces(slave: Surface, master: Surface) -> None:
     """Check that surfaces can touch: no common nodes, not both rigid, facing each other."""
     if slave.rigid and master.rigid:
@@ -244,7 +240,7 @@ def _check_surfaces(slave: Surface, master: Surface) -> None:
 
 
 def _check_settings(slave: Surface, quadrature: Any, enforcement: Any, initial: Any, share: Any, tangent: Any) -> None:
-    if not _counts(quadrature):
+    if not (isinstance(quadrature, int | np.integer) and not isinstance(quadrature, bool) and quadrature > 0):
         _one_of("quadrature", quadrature, ("nodal", "segments"), " or a positive number of Gauss points")
     _one_of("tangent", tangent, ("exact", "primary"))
     if not is_number(initial, 0.0, np.inf):
@@ -266,10 +262,6 @@ def _check_law(law: Any, n_nodes: int) -> None:
     for name, value in vars(law).items():
         if isinstance(value, np.ndarray) and value.shape != (n_nodes,):
             raise ValueError(f"{type(law).__name__}: {name} has shape {value.shape}; the slave has {n_nodes} nodes")
-
-
-def _counts(value: object) -> bool:
-    return isinstance(value, (int, np.integer)) and not isinstance(value, bool) and int(value) > 0
 
 
 def _one_of(name: str, value: object, allowed: tuple[str, ...], other: str = "") -> None:

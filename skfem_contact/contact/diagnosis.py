@@ -80,8 +80,8 @@ def _on_enforcement(pair: ContactBase, x: ndarray, state: ContactState, meshed: 
     elif pair.enforcement is None and share > 0.0 and penalties[0] < stiffness:
         softer = stiffness / penalties[0]
         yield Remark("soft penalty", softer,
-                     f"the penalty, {penalties[0]:.3g}, is {softer:.2g} times softer than the surfaces: contact gives "
-                     "way by more than the elements beside it; it is a stress per length, some times E/h")
+                     f"the penalty, {penalties[0]:.3g}, is {softer:.2g} times softer than the surfaces: contact yields "
+                     "by more than the elements beside it; it is a stress per length, some times E/h")
     elif pair.enforcement is None and max(parts := _compliance(pair, x, state, meshed)) > _COMPLIANCE:
         part, penalty, which = max(zip(parts, penalties, ("", "tangential ")))
         yield Remark("compliance", part,
@@ -141,7 +141,7 @@ def _on_facets(pair: ContactBase, state: ContactState, meshed: ndarray) -> Itera
     if carried > _RIPPLE:
         yield Remark("overlap", carried,
                      f"facets of '{pair.slave.name}' and '{pair.facets.name}' that do not match overlap by up to "
-                     f"{overlap.max():.3g} in the mesh, which alone carries about {carried:.1g} times the pressure "
+                     f"{overlap.max():.3g} in the mesh, which alone causes about {carried:.1g} times the pressure "
                      'that was found: initial="adjusted" lets them touch, matching nodes or curves do not overlap')
     nodal = points.nodes.shape[1] == 1
     if nodal and (sideways := float(force @ _slope_at_joints(pair, state) / force.sum())) > _SIDEWAYS:

@@ -52,17 +52,6 @@ def choose_penalties(forms: Mapping[str, Any]) -> dict[str, Form]:
     The stiffness of a surface is that of its nodes, each by itself, against pressure, per area: about E/h.  Slave and
     master act in series, so the softer one decides.  A surface without elements, see :meth:`Surface.from_cells`, has
     its own `stiffness`, or none; the other surface then decides alone.
-
-    Parameters
-    ----------
-    forms : dict
-        Forms by name; the solids among them supply the stiffness.
-
-    Examples
-    --------
-    >>> from skfem_contact.contact import choose_penalties
-    >>> choose_penalties({})            # the same forms, contact pairs with a penalty
-    {}
     """
     given = as_forms(forms)
     return {name: form.completed(given) for name, form in given.items()}

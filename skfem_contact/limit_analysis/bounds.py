@@ -156,7 +156,7 @@ def _bracket(forms: Mapping[str, Any], fixed: ndarray, loads: Callable[[Site], L
 
 
 def _tell(search: Search, gap: float, stacklevel: int) -> None:
-    """Warn of a search that did not reach its end."""
+    """Warn about a search that did not reach its end."""
     low, high = search.lower.proof.value, search.upper.proof.value
     unproven = [kind for kind, value in (("lower", low), ("upper", high)) if not np.isfinite(value)]
     if search.overloaded:

@@ -142,7 +142,9 @@ def _decomposition(site: Site) -> Callable[[ndarray, bool], tuple[ndarray, tuple
     """Return the function that decomposes a load vector into body forces (n_elements, 2) and tractions."""
     free = np.setdiff1d(np.arange(site.basis.N), site.fixed)
     kinds = _kinds(site)
-    weights, sides = _unit_weights(site, kinds)[free], _unit_tractions(site)
+    parts = [site.basis.with_elements(np.flatnonzero(kinds == kind)) for kind in range(kinds.max() + 1)]
+    weights = np.column_stack([weight(part, 1.0, axis) for part in parts for axis in ((1.0, 0.0), (0.0, 1.0))])[free]
+    sides = _unit_tractions(site)
 
     def fitted(names: list[str], target: ndarray) -> tuple[ndarray, ndarray]:
         """Return the rest of a vector after the weights and the tractions on some boundaries, and their shares."""
@@ -187,12 +189,6 @@ def _kinds(site: Site) -> ndarray:
     kinds = np.full(mesh.nelements, -1)
     kinds[site.elements] = np.unique(member[:, site.elements], axis=1, return_inverse=True)[1].ravel()
     return kinds
-
-
-def _unit_weights(site: Site, kinds: ndarray) -> ndarray:
-    """Return vectors of unit weights in x and y of all kinds of elements, (N, 2 n_kinds)."""
-    parts = [site.basis.with_elements(np.flatnonzero(kinds == kind)) for kind in range(kinds.max() + 1)]
-    return np.column_stack([weight(part, 1.0, axis) for part in parts for axis in ((1.0, 0.0), (0.0, 1.0))])
 
 
 def _unit_tractions(site: Site) -> dict[str, ndarray]:

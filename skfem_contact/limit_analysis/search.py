@@ -122,8 +122,8 @@ class Search:
             if found.factor > HIGHEST:
                 raise ValueError(f"the factor exceeds {HIGHEST:g}: there is no collapse" if proof.value > 1.0 else
                                  f"no factor up to {HIGHEST:g} was proven or refuted: at any strength the loads exceed "
-                                 "what the soil or a joint bears (tension beyond c cot(phi), no friction), or it ends "
-                                 "in the air")
+                                 "what soil or joint resists (tension beyond c cot(phi), no friction), or it ends in "
+                                 "the air")
             tried.append((found, proof))
             if proof.value > (-np.inf if self.live else 0.0) or proof.residual > UNBALANCED:  # which no reserve mends
                 break

@@ -321,7 +321,7 @@ def reduced_dilatancy(dilatancy: Parameter, friction: Parameter, reduced_frictio
 
 
 def warn_of_radians(**angles: Parameter) -> None:
-    """Warn of angles that are so small that radians may have been meant."""
+    """Warn about angles that are so small that radians may have been meant."""
     for name, angle in angles.items():
         largest = float(np.max(angle))
         if 0.0 < largest < np.pi / 2:

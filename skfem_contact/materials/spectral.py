@@ -181,17 +181,15 @@ class _SpaceFrame(NamedTuple):
         return np.where(i == j, dyads, dyads + left[:, _COLUMN] * right[:, _ROW])
 
 
-def _space_frame(stress: Array) -> _SpaceFrame:
-    values, directions = np.linalg.eigh(stress[_TENSOR].transpose(2, 0, 1))
-    return _SpaceFrame(np.ascontiguousarray(values[:, ::-1].T), directions[:, :, ::-1])
-
-
 Frame = _PlaneFrame | _SpaceFrame
 
 
 def principal(stress: Array) -> Frame:
     """Return principal values and directions of stresses (4, n) or (6, n)."""
-    return _plane_frame(stress) if stress.shape[0] == 4 else _space_frame(stress)
+    if stress.shape[0] == 4:
+        return _plane_frame(stress)
+    values, directions = np.linalg.eigh(stress[_TENSOR].transpose(2, 0, 1))
+    return _SpaceFrame(np.ascontiguousarray(values[:, ::-1].T), directions[:, :, ::-1])
 
 
 def principal_stresses(stress: Array) -> Array:

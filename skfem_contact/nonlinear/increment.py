@@ -45,12 +45,6 @@ def solve_increment(system: System, x: ndarray, states: Mapping[str, Any], load:
 
     Newton's method begins at `start` and, where that fails, at `x`. With `try_recovery` the search along the energy
     and regularised forms follow; these take several times as long as the rest.
-
-    Raises
-    ------
-    NotConverged
-        One of the equilibria failed, forms still change after 30 of them, the increment is too large for a form, or
-        the equilibrium is none of the forms as given.
     """
     searches: tuple[Search, ...] = ("residual", "energy") if try_recovery else ("residual",)
     given = system

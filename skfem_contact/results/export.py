@@ -54,7 +54,10 @@ def grid(stage: StageData, known: Mapping[str, SolidForm] | None = None) -> mesh
         "plastic_strain": np.concatenate([recovered(f, plastic_strain(f, s)[None], limited=True)[0] for f, s in data]),
     }
     blocks = [vtk_cells(mesh.cells, dim)]
-    parts = [_of_elements(data) | {"region": _numbers_of_regions(known or there, there)[mesh.region]}]
+    known = known or there
+    first = dict(zip(known, np.cumsum([0] + [len(form.regions) for form in known.values()])))
+    regions = np.concatenate([first[name] + np.arange(len(form.regions)) for name, form in there.items()])
+    parts = [_of_elements(data) | {"region": regions[mesh.region]}]
     point = np.full(mesh.nodes.max() + 1, -1)
     point[mesh.nodes] = np.arange(len(mesh.nodes))
     for interface in interfaces(stage).values():
@@ -106,12 +109,6 @@ def _of_elements(data: list[tuple[SolidForm, Any]]) -> dict[str, ndarray]:
         body[members] = number
     elements = np.concatenate([form.elements for form, _ in data])
     return {"stress": np.concatenate(stress), "plastic_strain": np.concatenate(plastic), "body": body[elements]}
-
-
-def _numbers_of_regions(known: Mapping[str, SolidForm], there: Mapping[str, SolidForm]) -> ndarray:
-    """Return the numbers of the regions of active solids among those of all known solids."""
-    first = dict(zip(known, np.cumsum([0] + [len(form.regions) for form in known.values()])))
-    return np.concatenate([first[name] + np.arange(len(form.regions)) for name, form in there.items()])
 
 
 def _nothing(like: ndarray, n: int) -> ndarray:

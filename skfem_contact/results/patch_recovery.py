@@ -79,7 +79,7 @@ def _fitted(form: SolidForm, values: ndarray, mesh: RegionMesh, balanced: bool) 
     size = np.asarray(incidence @ np.asarray(basis.dx).sum(axis=1)) ** (1.0 / dim)
     points = np.asarray(basis.global_coordinates())
     forces = form.element_forces(values, np.arange(basis.nelems)).T if balanced else None
-    B = _compatible(form) if balanced else None
+    B = strain_operator(form.basis, "full", str(form.coordinates)).B if balanced else None
     degree = 2 if cells.shape[1] > corners else 1
     beta = _BETA[degree, corners == dim + 1]
     m, nc = len(_powers(np.zeros((dim, 1)), degree)), len(values)
@@ -117,11 +117,6 @@ def _incidence(cells: ndarray, n: int) -> csr_matrix:
     """Return the incidence of nodes and elements, (n, n_elements)."""
     rows, columns = cells.ravel(), np.repeat(np.arange(len(cells)), cells.shape[1])
     return coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(n, len(cells))).tocsr()
-
-
-def _compatible(form: SolidForm) -> ndarray:
-    """Return strain-displacement matrices without averaged volumes."""
-    return strain_operator(form.basis, "full", str(form.coordinates)).B
 
 
 def _balance(patch: ndarray, cells: ndarray, B: ndarray, p: ndarray, w: ndarray, forces: ndarray

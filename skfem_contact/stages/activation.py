@@ -65,14 +65,7 @@ class Phase:
 
 
 def plan(setup: Setup, stages: Sequence[Stage], start: StageResult | None) -> list[Phase]:
-    """Return active forms, supports and loads of every stage; all of it is checked before anything is computed.
-
-    Raises
-    ------
-    ValueError
-        Names that do not exist, a form that is activated twice, contact with an inactive body, a load on one, or a
-        body without support; the stage is named.
-    """
+    """Return active forms, supports and loads of every stage; all of it is checked before anything is computed."""
     now, fixed = dict(setup.forms), setup.fixed
     active = _at_first(now, stages, start)
     phases: list[Phase] = []

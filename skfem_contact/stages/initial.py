@@ -187,7 +187,7 @@ def _balanced(setup: Setup, load: ndarray, stress: _StressField, name: str) -> R
 
 
 def _check_balance(now: Evaluation, system: System) -> None:
-    """Warn of forces that do not balance, at the level of the caller of the model's method."""
+    """Warn about forces that do not balance, at the level of the caller of the model's method."""
     if now.norm > _BALANCED:
         names = [key for key, response in now.responses.items() if response.force[now.worst] != 0.0]
         warnings.warn(f"the initial stresses are out of balance by {now.norm:.2g} of the load, most "

@@ -18,11 +18,6 @@ def check_supports(forms: Mapping[str, Form], fixed: ndarray) -> None:
 
     Bodies are held when their fixed dofs leave them no rigid motion. Bodies that contact pairs join count as one, and
     those that meet a rigid obstacle pass: contact may hold them. Other forms may hold any body.
-
-    Raises
-    ------
-    ValueError
-        No solid, or a loose body.
     """
     solids = solids_of(forms)
     if not solids and all(form.joins is not None for form in forms.values()):

@@ -313,13 +313,10 @@ def _surface(name: str, points: ndarray, facets: ndarray, shape: Shape,
     if outward is not None:
         normal = across(points[facets[:, [1, corners - 1]]] - points[facets[:, [0]]])
         wrong = dot(normal, outward(points[facets[:, :corners]].mean(axis=1))) < 0
-        facets = np.where(wrong[:, None], facets[:, _mirror(shape)], facets)
+        mirrored = shape.nodes[:, ::-1]  # the two local coordinates are exchanged
+        mirror = np.argmin(np.abs(mirrored[:, None] - shape.nodes).sum(axis=2), axis=1)
+        facets = np.where(wrong[:, None], facets[:, mirror], facets)
     return Surface.of(name, np.full(points.shape, -1), points, facets, shape, adjacent(facets[:, :corners], name))
-
-
-def _mirror(shape: Shape) -> ndarray:
-    mirrored = shape.nodes[:, ::-1]  # the two local coordinates are exchanged
-    return np.argmin(np.abs(mirrored[:, None] - shape.nodes).sum(axis=2), axis=1)
 
 
 def _axes(name: str, direction: ArrayLike) -> ndarray:

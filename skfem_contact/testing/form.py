@@ -64,7 +64,11 @@ def check_form(form: Any, x: ndarray, state: Any, locations: ndarray | None = No
     for name in ("state", "stiffness"):
         eager = isinstance(first, Response) and name in vars(first)
         require(not eager, f"the {name} is computed before its first access")
-    out = same_twice(lambda: _arrays(form.assemble(x, state)), (x, *arrays_of(state).values()), "form.assemble")
+    def arrays() -> tuple[ndarray, ...]:
+        response = form.assemble(x, state)
+        return (response.force, response.stiffness.data, *arrays_of(response.state).values())
+
+    out = same_twice(arrays, (x, *arrays_of(state).values()), "form.assemble")
     force, K = np.asarray(out[0]), cast(Any, first.stiffness)
     require(isinstance(K, csr_matrix) and K.shape == (len(x), len(x)), "the stiffness is no csr_matrix (N, N)")
     require(force.shape == x.shape and np.isfinite(force).all() and np.isfinite(K.data).all(),
@@ -83,10 +87,6 @@ def check_form(form: Any, x: ndarray, state: Any, locations: ndarray | None = No
     if locations is not None:
         _check_balance(force, K, x, np.asarray(locations))
     return error
-
-
-def _arrays(response: Response) -> tuple[ndarray, ...]:
-    return (response.force, response.stiffness.data, *arrays_of(response.state).values())
 
 
 def _check_balance(force: ndarray, K: Any, x: ndarray, locations: ndarray) -> None:
