@@ -10,6 +10,7 @@ from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
 from skfem.models.elasticity import linear_elasticity
 from skfem.utils import solver_iter_krylov
 
+from skfem_contact.errors import NotConverged
 from skfem_contact.solvers import direct, superlu
 from skfem_contact.solvers.choice import as_solver
 from skfem_contact.solvers.direct import DirectSolver, SingularSystem
@@ -301,7 +302,7 @@ def test_functions_of_scikit_fem_are_solvers(blocks, function):
 
 def test_function_that_fails_is_refused(blocks):
     solver = as_solver(lambda A, b: np.full_like(b, np.nan), blocks.locations, blocks.free)
-    with pytest.raises(ValueError, match="not finite"):
+    with pytest.raises(NotConverged, match="not finite"):
         solver.factor(blocks.stiffness(1.0, 1.0))(np.ones(blocks.size))
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from helpers import PlainLaw, grid, vector_basis
 from scipy.sparse import csr_matrix
+from scipy.sparse.linalg import spsolve
 from skfem import Basis, ElementQuad1, ElementQuad2, ElementTriP2, ElementVector, MeshQuad, MeshTri
 
 import skfem_contact as sc
@@ -158,3 +159,41 @@ def test_gravity_with_an_own_material():
     model = sc.Model({"ground": sc.SolidForm(basis, Own(), unit_weight=20.0)}, sc.box_supports(basis))
     stress = model.gravity_state(K0=0.5)["initial"].states["ground"].stress
     np.testing.assert_allclose((stress[0] / stress[1]).mean(), 0.5, rtol=1e-6)
+
+
+def test_bar_that_yields_is_a_collapse():
+    """[X] A guided block on one bar of strength 10 under a reference load of 3: 10 / 3, with both ends closed."""
+    basis = Basis(MeshQuad().refined(1).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+    bar = sc.Bar(basis, (0.0, 1.0), (0.0, 3.0), EA=1e3, fixed_end=True, yield_force=10.0)
+    block = sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.0))
+    load = basis.zeros()
+    load[basis.get_dofs("bottom").all("u^2")] = -1.0
+    found = sc.Model({"block": block, "bar": bar}, basis.get_dofs().all("u^1")).limit_load(load, progress=False)
+    assert found.stop.kind == "collapse"
+    assert found.bracket[0] <= 10 / 3 * (1 + 1e-9) and found.bracket[1] >= 10 / 3 * (1 - 1e-9)  # Newton's tolerance
+    assert found.bracket[1] - found.bracket[0] < 0.005 * 10 / 3
+
+
+@pytest.mark.parametrize("n, ask", [
+    (6, lambda model, load: model.strength_reduction(load, method="bracket", progress=False)),
+    (20, lambda model, load: model.strength_reduction(load, progress=False)),
+    (8, lambda model, load: model.limit_load(load, tolerance=0.02, progress=False)),
+], ids=["bracket", "continuation", "limit load"])  # fmt: skip
+def test_linear_solver_that_fails_is_no_collapse(n, ask):
+    """A solver that returns NaN after some calls: the search says that it has shown no collapse."""
+    mesh = MeshTri.init_tensor(np.linspace(0, 2, 5), np.linspace(-1, 0, 3)).with_defaults()
+    mesh = mesh.with_boundaries({"foot": lambda x: (x[1] > -1e-9) & (x[0] < 0.51)})
+    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
+    soil = sc.SolidForm(basis, sc.MohrCoulomb(E=1e4, nu=0.3, c=10.0, phi=20.0, psi=20.0))
+    calls = []
+
+    def solver(A, b):
+        calls.append(1)
+        return spsolve(A.tocsc(), b) * (np.nan if len(calls) > n else 1.0)
+
+    model = sc.Model({"soil": soil}, sc.box_supports(basis), solver=solver)
+    load = sc.traction(basis, "foot", (0.0, -60.0))
+    with pytest.warns(sc.AnalysisWarning, match="no collapse was shown"):
+        assert ask(model, load).stop.kind == "stall"
+    with pytest.raises(sc.NotConverged, match="not finite"):
+        model.is_stable(load)

@@ -209,15 +209,19 @@ def correct(branch: Branch, control: ndarray, points: list[Point], work: float, 
         now, norms = iterate(evaluate(guess), evaluate, direction, newton, branch.search, at_least=1, damp=True)
     except NotConverged as error:
         error.x = None if error.x is None else error.x[:-1]
-        raise as_collapse(error, system) from error
+        raise as_collapse(error, system, control) from error
     return Point(now.z[:-1], now.states, float(now.z[-1]), work, norms)
 
 
-def as_collapse(error: NotConverged, system: System) -> NotConverged:
-    """Return the error, or :class:`NoEquilibrium` where all points flow from the start and nothing resists any more."""
+def as_collapse(error: NotConverged, system: System, load: ndarray | None = None) -> NotConverged:
+    """Return the error, or :class:`NoEquilibrium` where nothing resists a motion from the start.
+
+    That is a motion of all points, or beside an equilibrium one on which a `load` acts.
+    """
     singular = error.__cause__
-    if len(error.residuals) > 1 or not isinstance(singular, SingularSystem) \
-            or len(singular.dofs) < len(system.free):
+    if len(error.residuals) > 1 or not isinstance(singular, SingularSystem):
         return error
-    return NoEquilibrium("all points flow at once, and nothing resists any more", error.x, error.residuals,
-                         error.dof)
+    if len(singular.dofs) < len(system.free) and (load is None or not load[singular.dofs].any()):
+        return error
+    return NoEquilibrium(f"nothing resists a motion of {len(singular.dofs)} of {len(system.free)} free dofs any more",
+                         error.x, error.residuals, error.dof)

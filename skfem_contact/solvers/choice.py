@@ -10,9 +10,10 @@ import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix
 
+from ..errors import NotConverged
 from ..forms.base import Form
 from ..sparse import FreeBlock
-from .direct import ENGINES, DirectSolver, LinearSolver, SingularSystem, Solve, fastest_engine
+from .direct import ENGINES, DirectSolver, LinearSolver, Solve, fastest_engine
 from .multigrid import AmgOrDirect, iterations_that_pay
 from .schur import SchurSolver
 
@@ -40,8 +41,7 @@ class FunctionSolver:
             x = np.zeros(K.shape[0])
             x[self._block.order] = self._function(A, b[self._block.order])
             if not np.all(np.isfinite(x)):
-                raise SingularSystem(f"the linear solver {self.name} returned values that are not finite",
-                                     np.flatnonzero(~np.isfinite(x)))
+                raise NotConverged(f"the linear solver {self.name} returned values that are not finite")
             return x
 
         return solve
