@@ -197,3 +197,19 @@ def test_linear_solver_that_fails_is_no_collapse(n, ask):
         assert ask(model, load).stop.kind == "stall"
     with pytest.raises(sc.NotConverged, match="not finite"):
         model.is_stable(load)
+
+
+def test_search_from_a_start_without_the_footing():
+    """The form that the start does not hold is named; activated in a stage, Prandtl's load follows."""
+    mesh = MeshQuad.init_tensor(np.linspace(-4, 4, 17), np.linspace(-3, 0, 7)).to_meshtri()
+    mesh = mesh.with_boundaries({"footing": lambda x: (x[1] > -1e-9) & (abs(x[0]) < 1 + 1e-9)})
+    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
+    clay = sc.SolidForm(basis, sc.Tresca(E=1e4, nu=0.45, c=20.0), unit_weight=18.0)
+    footing = sc.RigidBoundary(basis, "footing")
+    start = sc.Model({"clay": clay}, sc.box_supports(basis)).gravity_state()
+    model, load = sc.Model({"clay": clay, "footing": footing}, sc.box_supports(basis)), footing.load((0, -1), at=(0, 0))
+    with pytest.raises(ValueError, match=r"the start does not hold \['footing'\]: activate them in a stage"):
+        model.limit_load(load, start=start, step=20.0, **QUIET)
+    placed = model.run([sc.Stage("footing", activate="footing")], start=start, **QUIET)
+    found = model.limit_load(load, start=placed, step=20.0, **QUIET)
+    assert 2 + np.pi < found.multiplier / 40.0 < 6.2  # from above, with four elements below the footing

@@ -89,6 +89,9 @@ def loaded_start(setup: Setup, load: Any, start: Result | StageResult | None, wa
     last = last_stage(start)
     active = setup.forms if last is None else {
         name: look_up(name, setup.forms, "form, though the start holds it,") for name in last.states}
+    if last is not None and len(last.x) < setup.layout.size:
+        unknown = [name for name, form in setup.forms.items() if form.fields and name not in active]
+        raise ValueError(f"the start does not hold {unknown}: activate them in a stage")
     system = setup.checked_system(active, np.union1d(setup.fixed, setup.inactive(active)))
     x = np.zeros(system.size) if last is None else last.x
     states = {name: form.initial_state() for name, form in system.forms.items()} if last is None else last.states
