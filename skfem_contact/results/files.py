@@ -27,6 +27,8 @@ from ..layout import Layout
 
 #: Layout of saved arrays: another number for other states.
 _LAYOUT = 1
+#: Parts of states that may hold NaN: memory of own laws, and of points of a slave that face no facet.
+_FREE = {"internal", "position", "stick_point", "gap", "clearance", "cuts"}
 #: First bytes of a file of records, and the length and checksum before each of them.
 _MAGIC, _PREFIX = b"skfem-contact records\n", struct.Struct("<QI")
 
@@ -214,8 +216,8 @@ def _stage(arrays: Mapping[str, ndarray], key: str, head: Mapping[str, Any], giv
         parts = {part: arrays[path] for part, path in keys.items() if path in arrays}
         if set(parts) != set(arrays_of(initial)) or not form.fits(states.setdefault(name, with_arrays(initial, parts))):
             raise ValueError(f"'{name}' is another form there: its mesh, its element or its settings differ")
-        if form.materials or form.law is not None:  # what own forms and internal variables hold is theirs
-            _check_numbers(f"'{name}'", {k: a for k, a in arrays_of(states[name]).items() if k != "internal"})
+        if form.materials or form.law is not None:
+            _check_numbers(f"'{name}'", {k: a for k, a in arrays_of(states[name]).items() if k not in _FREE})
     vectors = {part: arrays[f"{key}/{part}"] for part in ("x", "load", "unreleased") if f"{key}/{part}" in arrays}
     _check_numbers("the stage", vectors)
     shapes = {np.shape(values) for values in vectors.values()}
