@@ -29,10 +29,9 @@ clay = sc.SolidForm(basis, sc.Tresca(E=1e4, nu=0.45, c=c))
 model = sc.Model({"clay": clay, "footing": footing}, sc.box_supports(basis))
 levers = np.array([0.0, 0.1, 0.2, 0.3, 0.4]) * width
 found = [model.limit_load(footing.load((0, -1), at=(lever, 0)), step=20.0, progress=False) for lever in levers]
-carried = np.array([collapse.multiplier for collapse in found])
 
 fig, ax = plt.subplots(figsize=(6, 4), layout="constrained")
-ax.plot(levers / width, carried / (width * c), marker="o", label="held down by the clay")
+ax.plot(levers / width, [one.multiplier / (width * c) for one in found], marker="o", label="held down by the clay")
 ax.plot(levers / width, (2 + np.pi) * (1 - 2 * levers / width), "k:", label="effective width (Meyerhof)")
 ax.set(xlabel="lever / width", ylabel="load / (width c)", xlim=(0, 0.5), ylim=(0, None))
 ax.legend(frameon=False)
@@ -43,6 +42,7 @@ plot.mechanism(found[3], window=(-3, 3, -3, 0.3))
 # sphinx_gallery_start_ignore
 import json
 
+carried = np.array([collapse.multiplier for collapse in found])
 error = abs(carried[0] / ((2 + np.pi) * width * c) - 1)
 assert error < 0.03 and carried[0] > (2 + np.pi) * width * c  # from above, with elements of this size
 assert np.all(carried > (2 + np.pi) * c * (width - 2 * levers)) and np.all(np.diff(carried) < 0)
