@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from helpers import PlainLaw, grid, vector_basis
@@ -213,3 +215,43 @@ def test_search_from_a_start_without_the_footing():
     placed = model.run([sc.Stage("footing", activate="footing")], start=start, **QUIET)
     found = model.limit_load(load, start=placed, step=20.0, **QUIET)
     assert 2 + np.pi < found.multiplier / 40.0 < 6.2  # from above, with four elements below the footing
+
+
+@pytest.mark.parametrize("degrees, stands", [(9.5, True), (9.99, True), (10.01, False), (10.5, False), (30.1, False)])
+def test_block_that_slides_is_not_stable(degrees, stands):
+    """[X] A block on an incline stands below the friction angle of 10 degrees and slides above."""
+    block = MeshQuad.init_tensor(np.linspace(0, 4, 9), np.linspace(0, 1, 9)).with_defaults()
+    basis = Basis(sc.join_bodies({"block": block}), ElementVector(ElementQuad1()), intorder=2)
+    joint = sc.ContactPair(basis, "block:bottom", sc.rigid.line((-50.0, 0.0), (50.0, 0.0)),
+                           sc.Coulomb(mu=np.tan(np.radians(10.0))))
+    model = sc.Model({"block": sc.SolidForm(basis, sc.LinearElastic(E=1e6, nu=0.2)), "joint": joint})
+    angle = np.radians(degrees)
+    assert model.is_stable(sc.weight(basis, 1.0, direction=(np.sin(angle), -np.cos(angle)))) is stands
+
+
+def arch(n=12, thickness=0.2):
+    """Meshes of the voussoirs of a semicircular arch of mean radius 1."""
+    angle = np.pi - np.linspace(0, np.pi, n + 1)
+    rays = np.stack((np.cos(angle), np.sin(angle)))
+    inner, outer = (1 - thickness / 2) * rays, (1 + thickness / 2) * rays
+    flat = MeshQuad.init_tensor(np.linspace(0, 1, 3), np.linspace(0, 1, 5)).with_boundaries(
+        {"left": lambda x: x[0] < 1e-9, "right": lambda x: x[0] > 1 - 1e-9})
+    u, v = flat.p
+    corners = ((1 - u) * (1 - v), inner, 0), (u * (1 - v), inner, 1), ((1 - u) * v, outer, 0), (u * v, outer, 1)
+    return {f"b{k}": replace(flat, doflocs=sum(w * p[:, k + i, None] for w, p, i in corners)) for k in range(n)}
+
+
+def test_arch_becomes_a_mechanism_of_hinges():
+    """[N] Horizontal acceleration at which an arch (t/R = .2) gets four hinges: .285159 by a linear programme."""
+    basis = Basis(sc.join_bodies(arch()), ElementVector(ElementQuad1()), intorder=2)
+    law = sc.Coulomb(mu=0.8)
+    sides = {"b0:left": sc.rigid.line((-3.0, 0.0), (-0.2, 0.0)), "b11:right": sc.rigid.line((0.2, 0.0), (3.0, 0.0))}
+    sides |= {f"b{k}:left": f"b{k - 1}:right" for k in range(1, 12)}
+    forms = {slave: sc.ContactPair(basis, slave, master, law, "nodal") for slave, master in sides.items()}
+    model = sc.Model({"blocks": sc.SolidForm(basis, sc.LinearElastic(E=1e6, nu=0.2), unit_weight=1.0), **forms})
+    own = model.run([sc.Stage("own weight")], progress=False)
+    found = model.limit_load(sc.weight(basis, 1.0, direction=(1.0, 0.0)), start=own, step=0.014, tolerance=0.005,
+                             progress=False)
+    assert found.stop.kind == "collapse"
+    # elastic blocks with soft joints deform before: the hinges move inwards by less than the tolerance of the search
+    assert found.bracket[0] * 0.995 < 0.285159 < found.bracket[1] * 1.005

@@ -22,8 +22,8 @@ from ..forms.base import Form
 from ..nonlinear.newton import Evaluation, Newton, Search, iterate
 from ..nonlinear.system import System
 from ..results.result import Result, StageResult
-from ..solvers.direct import SingularSystem
 from ..stages.setup import Setup
+from .mechanism import as_collapse, is_singular
 from .result import PeakPassed, Point, SearchLog, SearchResult, Stop, kind_of, no_collapse_below
 
 #: Relative step of the difference quotient by the parameter.
@@ -151,10 +151,13 @@ def follow(branch: Branch, control: ndarray, points: list[Point], newton: Newton
             if min_displacement == 0.0 and point.parameter < last.parameter - margin:
                 raise PeakPassed("the curve falls", point.x, point.residuals)
         except NotConverged as error:
-            log.reject(last.parameter, error, last.work + length)
             rise = length * (last.parameter - points[-2].parameter) / (last.work - points[-2].work)
+            if is_singular(error):
+                beyond, forces = branch.at(last.parameter + max(rise, margin))
+                error = as_collapse(error, beyond, last.x, last.states, forces, newton)
+            log.reject(last.parameter, error, last.work + length)
             if isinstance(error, NoEquilibrium) and rise < margin:
-                return SearchResult(points, Stop("collapse", str(error)), last.parameter + rise)
+                return SearchResult(points, Stop("collapse", str(error)), last.parameter + margin)
             kind = kind_of(error)
             failures[kind] += 1
             vain += max(len(error.residuals) - 1, 0)
@@ -212,19 +215,5 @@ def correct(branch: Branch, control: ndarray, points: list[Point], work: float, 
         now, norms = iterate(evaluate(guess), evaluate, direction, newton, branch.search, at_least=1, damp=True)
     except NotConverged as error:
         error.x = None if error.x is None else error.x[:-1]
-        raise as_collapse(error, system, control) from error
+        raise
     return Point(now.z[:-1], now.states, float(now.z[-1]), work, norms)
-
-
-def as_collapse(error: NotConverged, system: System, load: ndarray | None = None) -> NotConverged:
-    """Return the error, or :class:`NoEquilibrium` where nothing resists a motion from the start.
-
-    That is a motion of all points, or beside an equilibrium one on which a `load` acts.
-    """
-    singular = error.__cause__
-    if len(error.residuals) > 1 or not isinstance(singular, SingularSystem):
-        return error
-    if len(singular.dofs) < len(system.free) and (load is None or not load[singular.dofs].any()):
-        return error
-    return NoEquilibrium(f"nothing resists a motion of {len(singular.dofs)} of {len(system.free)} free dofs any more",
-                         error.x, error.residuals, error.dof)

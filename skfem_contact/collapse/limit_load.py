@@ -16,7 +16,8 @@ from ..nonlinear.system import System
 from ..results.result import Result, StageResult
 from ..solvers import single_threaded
 from ..stages.setup import Setup
-from .continuation import GROWTH, as_collapse, follow, last_stage, loaded_start
+from .continuation import GROWTH, follow, last_stage, loaded_start
+from .mechanism import as_collapse
 from .result import LOAD, CollapseResult, Point, SearchLog, conclude
 
 _CUTS = 10
@@ -93,12 +94,12 @@ def is_stable(setup: Setup, load: Any, start: Result | StageResult | None, water
     """Return True if a structure resists its load, see :meth:`skfem_contact.Model.is_stable`."""
     begun = loaded_start(setup, load, start, water)
     system, origin = begun.system, begun.origin
+    whole, newton = begun.weight + begun.load, setup.newton or Newton(tolerance=3e-4, max_iterations=60)
     try:
-        system.equilibrium(origin.x, origin.states, begun.weight + begun.load, origin.x[system.fixed],
-                           setup.newton or Newton(tolerance=3e-4, max_iterations=60), ("energy", "residual"),
+        system.equilibrium(origin.x, origin.states, whole, origin.x[system.fixed], newton, ("energy", "residual"),
                            at_least=1, damp=True)
     except NotConverged as error:
-        if isinstance(as_collapse(error, system), NoEquilibrium):
+        if isinstance(as_collapse(error, system, origin.x, origin.states, whole, newton), NoEquilibrium):
             return False
         raise
     return True

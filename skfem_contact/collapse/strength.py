@@ -20,7 +20,8 @@ from ..nonlinear.system import System
 from ..results.result import Result, StageResult
 from ..solvers import single_threaded
 from ..stages.setup import Setup
-from .continuation import as_collapse, follow, loaded_start
+from .continuation import follow, loaded_start
+from .mechanism import as_collapse, is_singular
 from .result import FACTOR, CollapseResult, Point, SearchLog, SearchResult, Stop, conclude, no_collapse_below
 
 logger = logging.getLogger("skfem_contact")
@@ -86,7 +87,9 @@ class _Strength:
             found = system.equilibrium(start.x, start.states, load, start.x[system.fixed], newton,
                                        searches, elastic, at_least=1, damp=True)
         except NotConverged as error:
-            raise as_collapse(error, system) from error
+            if is_singular(error):
+                raise as_collapse(error, system, start.x, start.states, load, newton) from error
+            raise
         return Point(found.x, found.states, factor, start.work + system.work(load, found.x - start.x),
                      found.residuals)
 
@@ -177,8 +180,8 @@ def _continuation(branch: _Strength, first: Point, newton: Newton, tolerance: fl
         return SearchResult(points, no_collapse_below(max_value), motion=0 * last.x)
     flowed = any(step.yielding > 0.0 for step in log.steps)
     where = "the first equilibrium is at its limit" if flowed else "the bodies are elastic up to there"
-    shown = isinstance(failed, NoEquilibrium)
-    above = log.steps[-1].parameter if shown else np.inf
+    above = min((step.parameter for step in log.steps if step.outcome == "collapse"), default=np.inf)
+    shown = above - last.parameter <= tolerance
     return SearchResult(points, Stop("collapse" if shown else "stall", where), above, _motion(last, failed))
 
 

@@ -1,0 +1,64 @@
+"""Mechanisms: motions that bars, blocks in contact and points that flow do not resist."""
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy import ndarray
+from scipy.sparse import csr_matrix, diags
+
+from ..errors import NoEquilibrium, NotConverged
+from ..forms.base import Form, Response
+from ..nonlinear.newton import Newton
+from ..nonlinear.system import System
+from ..solvers.direct import SingularSystem
+
+#: Stiffnesses of the springs, relative to the largest entry of each row of the tangent.
+_SOFT = (1e-7, 1e-9)
+#: Least share of the load that springs resist in a mechanism, and its ratio for the two stiffnesses: 1 in a mechanism,
+#: 0.01 where something else resists.
+_SHARE, _SAME = 1e-3, 0.5
+
+
+class _Springs(Form):
+    """Springs that hold all motions at a configuration."""
+
+    symmetric = True
+
+    def __init__(self, stiffness: ndarray, x: ndarray) -> None:
+        self._stiffness, self._x = stiffness, x
+
+    def assemble(self, x: ndarray, state: Any) -> Response:
+        return Response(self._stiffness * (x - self._x), lambda: state, lambda: csr_matrix(diags(self._stiffness)))
+
+
+def as_collapse(error: NotConverged, system: System, x: ndarray, states: Mapping[str, Any], load: ndarray,
+                newton: Newton) -> NotConverged:
+    """Return the error, or :class:`NoEquilibrium` if only springs hold the structure, however soft they are.
+
+    The tangent of a mechanism is singular, but so is that of single points without pressure beside an equilibrium.
+    """
+    begun = system.evaluate(x, states, load)
+    rows = abs(system.tangent(begun)).max(axis=1).toarray().ravel()
+    rows[system.layout.still] = 0.0
+    now, shares = x, []
+    for soft in _SOFT:
+        springs = _Springs(soft * rows, x)
+        held = system.with_forms({**system.forms, "springs": springs})
+        try:
+            now = held.equilibrium(x, {**states, "springs": None}, load, x[system.fixed], newton, at_least=1,
+                                   damp=True, start=now).x
+        except NotConverged:
+            return error
+        work = float(begun.residual @ (now - x))
+        shares.append(float(springs.assemble(now, None).force @ (now - x)) / work if work > 0.0 else 0.0)
+    if shares[-1] < max(_SHARE, _SAME * shares[0]):
+        return error
+    return NoEquilibrium(f"nothing resists a motion: only springs would resist {shares[-1]:.1%} of the load",
+                         now, error.residuals, int(np.argmax(np.abs(now - x))))
+
+
+def is_singular(error: NotConverged) -> bool:
+    """Return True if a tangent was singular."""
+    return isinstance(error.__cause__, SingularSystem)
