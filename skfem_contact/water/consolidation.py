@@ -251,7 +251,8 @@ class PoreWater(Form):
             raise ValueError("the pore pressure is not determined: nothing is drained, the water cannot be compressed, "
                              "and the ground can neither grow nor shrink; hold a pressure, `fixed` with "
                              "water.dofs(...), or give a storage")
-        diffusivity = around.modulus * np.linalg.eigvalsh(self.mobility)[:, -1]
+        mobility = np.linalg.eigvalsh(self.mobility)[:, -1]
+        diffusivity = around.modulus * mobility
         yield from _check_units(self, diffusivity, duration)
         for name, joined in around.touching.items():
             touched = self._vertices[np.isin(self.ground.nodal_dofs[0, self._vertices], joined)]
@@ -263,11 +264,11 @@ class PoreWater(Form):
             if not around.leaks:
                 yield Remark("sealed", 0.0, "no pore pressure is held: no water can leave the ground")
             return
-        element, across = self.porous.across_facets(drained - self.first)
+        element, across = self.porous.beside_drains(drained - self.first, mobility, diffusivity * duration)
         shortest = float((across**2 / 6.0 / diffusivity[element]).max(initial=0.0))  # Vermeer and Verruijt 1981
         if duration < shortest:
             yield Remark("short", shortest / duration, f"it ends after {duration:.3g}, less than h² / 6 c_v = "
-                         f"{shortest:.3g} of the elements at drained boundaries: pressures may be too high beside them")
+                         f"{shortest:.3g} of the elements beside drains: pressures may be too high there")
 
     @override
     def over(self, duration: float) -> PoreWater:
