@@ -58,3 +58,24 @@ def test_elements_beside_an_inner_drain(part, told):
     assert (stage.forms["water"].pressure(stage.x)[inside].max() > 1.1 * q) == told
     # in the shortest time the sand's own elements at its drained bottom are not resolved
     assert any(f"h² / 6 c_v = {limit:.3g}" in str(w.message) for w in caught) == told
+
+
+@pytest.mark.parametrize(("pressure", "told"), [(20.0, False), (40.0, True)])
+def test_water_under_a_tight_block(pressure, told):
+    """[X] Water that presses more than a block weighs, 24, lifts it; where tight contact holds the total it is told."""
+    mesh = sc.join_bodies({
+        "bed": MeshTri.init_tensor(np.linspace(0, 2, 9), np.linspace(-1, 0, 5)).with_defaults(),
+        "cap": MeshTri.init_tensor(np.linspace(0, 2, 7), np.linspace(0, 1, 4)).with_defaults()})  # fmt: skip
+    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
+    water = sc.PoreWater(basis.with_elements("bed"), permeability=1e-3, unit_weight=1.0)
+    forms = {"bodies": sc.SolidForm(basis, sc.LinearElastic(E=1e5, nu=0.2)), "water": water,
+             "joint": sc.ContactPair(basis, slave="cap:bottom", master="bed:top", law=sc.Coulomb(mu=0.3))}  # fmt: skip
+    sides = basis.get_dofs({"bed:left", "bed:right", "cap:left", "cap:right"}).all("u^1")
+    model = sc.Model(forms, [basis.get_dofs("bed:bottom").all(), sides, water.dofs("bed:bottom")])
+    own, given = sc.weight(basis, {"cap": 24.0}), model.forms["water"].prescribed({"bed:bottom": pressure})
+    stages = [sc.Stage("weight", own, duration=1e3), sc.Stage("water", own, prescribed=given, duration=1e4)]
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        model.run(stages, progress=False)
+    text = "under 'joint' the water presses with up to 40, and contact transfers 24 there in total"
+    assert any(text in str(w.message) for w in caught) == told

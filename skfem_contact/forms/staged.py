@@ -94,6 +94,10 @@ class Staged:
         """Return remarks on supports, inactive dofs, and the time since the last change to the end of a stage."""
         return ()
 
+    def remarks_on(self, x: ndarray, states: Mapping[str, Any]) -> Iterable[Remark]:
+        """Return remarks on the accepted states of other forms."""
+        return ()
+
     def replaces(self, old: Any) -> bool:
         """Return True if the form takes over the forces of an old one, instead of which it becomes active."""
         return False

@@ -66,8 +66,8 @@ def run(setup: Setup, stages: Sequence[Stage], start: Result | StageResult | Non
             finally:  # what contact found, or did not find, may be the reason
                 for name, form in system.forms.items():
                     remarks.add(stage.name, name, form.remarks(last.x[:form.size], last.states[name]))
-            last = replace(last, unreleased=left if left.any() else None)
-            done.append(last)
+                    remarks.add(stage.name, name, form.remarks_on(last.x, last.states))
+            done.append(last := replace(last, unreleased=left if left.any() else None))
     return Result(tuple(done))
 
 

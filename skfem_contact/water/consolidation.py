@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy import ndarray
@@ -14,20 +15,16 @@ from typing_extensions import override
 
 from ..checks import check_basis, check_quadrature, positive
 from ..errors import Remark
-from ..forms.base import Form, Response
+from ..forms.base import Form, Response, pairs_of
 from ..layout import Field, FieldDofs, elements_of, linear_element, nodes
 from ..sparse import with_data
 from .boundary import Given, exchange, nodes_on, values_at
 from .darcy import Permeability, permeability_tensors, regions
-from .porous import PRESSURE, PoreState, Porous, Surroundings
+from .porous import PRESSURE, PoreState, Porous, Surroundings, check_units, pulled
 
 #: Water out of balance is measured by what nodes store in a step, or by this share of what flows in and out of them: at
 #: the usual tolerance that is 1e-14, its round-off in ground a small part of which is 1e8 times as permeable.
 _FLOWING = 1e-6
-#: Degrees of consolidation, T = c_v t / H², that no stage of an analysis has in any sensible units.
-_LEAST, _MOST = 1e-10, 1e8
-#: From here on round-off of the pressures moves as much water as the ground holds.
-_LOST = 1e12
 
 
 class PoreWater(Form):
@@ -253,9 +250,9 @@ class PoreWater(Form):
                              "water.dofs(...), or give a storage")
         mobility = np.linalg.eigvalsh(self.mobility)[:, -1]
         diffusivity = around.modulus * mobility
-        yield from _check_units(self, diffusivity, duration)
-        for name, joined in around.touching.items():
-            touched = self._vertices[np.isin(self.ground.nodal_dofs[0, self._vertices], joined)]
+        yield from check_units(self.ground, diffusivity, duration)
+        for name, form in around.touching.items():
+            touched = self._vertices[np.isin(self.ground.nodal_dofs[0, self._vertices], form.joins)]
             if len(pressed := np.setdiff1d(touched, np.append(drained - self.first, self.porous.open))):
                 yield Remark("friction", len(pressed),
                              f"'{name}' transfers the pressure of the water as well, at {len(pressed)} nodes that are "
@@ -269,6 +266,15 @@ class PoreWater(Form):
         if duration < shortest:
             yield Remark("short", shortest / duration, f"it ends after {duration:.3g}, less than h² / 6 c_v = "
                          f"{shortest:.3g} of the elements beside drains: pressures may be too high there")
+
+    @override
+    def remarks_on(self, x: ndarray, states: Mapping[str, Any]) -> Iterator[Remark]:
+        pressure = self.pressure_at_nodes(x)
+        for name, pair in pairs_of(self.around.touching if self.around else {}).items():
+            at = np.intersect1d(nodes(self.ground) * self.ground.mesh.dim(), pair.joins)
+            if name in states and not np.isin(self.ground.nodal_dofs[0, self.porous.open], at).any():
+                yield from pulled(name, pair, states[name], self.ground.doflocs[:, at],
+                                  pressure[at // self.ground.mesh.dim()])
 
     @override
     def over(self, duration: float) -> PoreWater:
@@ -333,18 +339,3 @@ class PoreWater(Form):
     def summary(self, state: PoreState) -> str:
         p = state.pressure[self._vertices]
         return f"excess pressure {p.min():.4g} to {p.max():.4g}, {-self.volume(state):.4g} of water pressed out"
-
-
-def _check_units(water: PoreWater, diffusivity: ndarray, duration: float) -> Iterator[Remark]:
-    """Report a degree of consolidation that no analysis has; refuse it where round-off would hide the pressures."""
-    used = water.ground.mesh.p[:, np.unique(water.ground.mesh.t[:, water.elements])]
-    length = float(np.ptp(used, axis=1).max())
-    time = float(diffusivity.max()) * duration / length**2, float(diffusivity.min()) * duration / length**2
-    if time[0] >= _LEAST and time[1] <= _MOST:
-        return
-    worst = time[0] if time[0] < _LEAST else time[1]
-    text = (f"the stage ends after {worst:.1e} times H² / c_v, with c_v from {diffusivity.min():.3g} to "
-            f"{diffusivity.max():.3g}: are permeability, stiffness and duration in the same units?")
-    if worst > _LOST:
-        raise ValueError(text)
-    yield Remark("units", abs(np.log10(worst)), text)

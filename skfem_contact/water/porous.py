@@ -1,9 +1,9 @@
 """Porous ground: coupling of pressures with displacements, storage and flow, element by element."""
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy import ndarray
@@ -13,6 +13,7 @@ from scipy.spatial import cKDTree
 from skfem import CellBasis, FacetBasis
 
 from ..checks import place
+from ..errors import Remark
 from ..forms.assembly import strain_operator
 from ..forms.base import Coordinates, Form, solids_of
 from ..layout import elements_of
@@ -28,6 +29,12 @@ _RIGID = 1e-12
 #: Ground so many times as permeable drains its neighbours: a column on a drained layer of the same stiffness has up to
 #: 1.26 q with 100, 1.0 q with 10, once c_v t of the layer passes a tenth of its height squared, and 1.003 q before.
 _DRAINS, _DRAINED = 100.0, 0.1
+#: Pull on the ground under tight contact, as a share of what contact transfers, that is remarked on.
+_PULLED = 0.05
+#: Degrees of consolidation, T = c_v t / H², that no stage of an analysis has in any sensible units.
+_LEAST, _MOST = 1e-10, 1e8
+#: From here on round-off of the pressures moves as much water as the ground holds.
+_LOST = 1e12
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,13 +173,13 @@ def _swept(basis: CellBasis, pressures: CellBasis, facets: ndarray, coordinates:
 class Surroundings(NamedTuple):
     """Stiffness of the ground in compression without lateral strain and in shear, (n_elements,), and other forms.
 
-    These are: whether water leaves by one, displacements in contact, strain measure and coordinates of the solids.
+    These are: whether water leaves by one, forms in contact, strain measure and coordinates of the solids.
     """
 
     modulus: ndarray
     shear: ndarray
     leaks: bool
-    touching: Mapping[str, ndarray]
+    touching: Mapping[str, Any]
     measure: tuple[str, Coordinates]
 
     @classmethod
@@ -199,10 +206,38 @@ class Surroundings(NamedTuple):
         if len(measures) > 1:
             raise ValueError(f"the solids of the porous ground have different strains, {sorted(measures)}: give all of "
                              "them the same `strain`")
-        touching = {name: form.joins for name, form in forms.items() if form.joins is not None and form.unilateral
+        touching = {name: form for name, form in forms.items() if form.joins is not None and form.unilateral
                     and np.isin(form.joins, basis.element_dofs).any()}
         leaks = any(field.shared == PRESSURE for form in forms.values() for field in form.borrowed)
         return cls(modulus[here], shear[here], leaks, touching, measures.pop())
+
+
+def pulled(name: str, pair: Any, state: Any, coordinates: ndarray, pressure: ndarray) -> Iterator[Remark]:
+    """Report tight contact under which the excess pressure at some nodes, (n,), exceeds the contact pressure."""
+    points, closed = pair.points(state), state.status > 0
+    near = cKDTree(coordinates.T).query(points.positions(pair.slave.nodes)[closed])[1]
+    total, weight = -state.traction[0, closed], pair.share * points.weight[closed]
+    pull = np.clip(pressure[near] - total, 0.0, None)
+    if weight @ pull > _PULLED * np.abs(weight @ total):
+        yield Remark(f"{name} pulled", float(weight @ pull),
+                     f"under '{name}' the water presses with up to {pressure[near].max():.4g}, and contact transfers "
+                     f"{total[pull.argmax()]:.4g} there in total: the ground is pulled by the difference, and what "
+                     "lies on it would be lifted; drain the joint, or let the pressure act on the body above as well")
+
+
+def check_units(basis: CellBasis, diffusivity: ndarray, duration: float) -> Iterator[Remark]:
+    """Report a degree of consolidation that no analysis has; refuse it where round-off would hide the pressures."""
+    used = basis.mesh.p[:, np.unique(basis.mesh.t[:, elements_of(basis)])]
+    length = float(np.ptp(used, axis=1).max())
+    time = float(diffusivity.max()) * duration / length**2, float(diffusivity.min()) * duration / length**2
+    if time[0] >= _LEAST and time[1] <= _MOST:
+        return
+    worst = time[0] if time[0] < _LEAST else time[1]
+    text = (f"the stage ends after {worst:.1e} times H² / c_v, with c_v from {diffusivity.min():.3g} to "
+            f"{diffusivity.max():.3g}: are permeability, stiffness and duration in the same units?")
+    if worst > _LOST:
+        raise ValueError(text)
+    yield Remark("units", abs(np.log10(worst)), text)
 
 
 @dataclass(frozen=True)
