@@ -122,6 +122,14 @@ def by_element(mesh: Mesh, values: float | Mapping[str, float], what: str = "wei
     return result
 
 
+def weightless(body: Body, unit_weights: float | Mapping[str, float]) -> str:
+    """Return which elements of a body get no weight, for a message; empty where all get one."""
+    mesh, present = body.basis.mesh, elements_of(body.basis)
+    missing = present[np.isnan(by_element(mesh, unit_weights, "unit weight", np.nan)[present])]
+    names = [name for name, part in (mesh.subdomains or {}).items() if np.isin(missing, part).any()]
+    return f"{len(missing)} elements of the subdomains {names}" if len(missing) else ""
+
+
 def traction(body: Body, boundary: str, force: Sequence[float] | Callable[[ndarray], ArrayLike]) -> Load:
     """Return the load vector of forces per area on a boundary, (N,).
 

@@ -15,7 +15,7 @@ from typing_extensions import override
 
 from ..checks import check_basis, check_quadrature, check_size, look_up
 from ..errors import Remark
-from ..loads import by_element, weight
+from ..loads import weight, weightless
 from ..materials import Material, Update
 from ..materials.base import PLASTIC_STRAIN, Flow, updated
 from ..materials.spectral import largest_shear
@@ -110,8 +110,8 @@ class SolidForm(Form):
         self.size, self.joins, self._duration = int(self.basis.N), np.zeros(0, int), 0.0
         self.strain, self.coordinates = strain_of(self.basis, strain, coordinates, flows)
         self.unit_weight, self.porous = unit_weight, porous
-        if unit_weight is not None:
-            self.own_weight(np.zeros(basis.mesh.dim()))
+        if unit_weight is not None and (missing := weightless(self, unit_weight)):
+            raise ValueError(f"{missing} have no unit weight: give one for each subdomain, 0 for a weightless one")
         B, self.weight = strain_operator(self.basis, self.strain, self.coordinates)
         self._ncomp = B.shape[2]
         self._set(regions)
@@ -153,11 +153,6 @@ class SolidForm(Form):
     def own_weight(self, acceleration: ndarray) -> ndarray | None:
         if self.unit_weight is None:
             return None
-        gamma = by_element(self.basis.mesh, self.unit_weight, "unit weight", np.nan)[self.elements]
-        if np.isnan(gamma).any():
-            missing = [region.name for region in self.regions if np.isnan(gamma[region.elements]).any()]
-            raise ValueError(f"{np.isnan(gamma).sum()} elements of the regions {missing} have no unit weight: give one "
-                             "for each subdomain, 0 for a weightless one")
         size = float(np.linalg.norm(acceleration))
         return size * weight(self, self.unit_weight, acceleration / size) if size else np.zeros(self.basis.N)
 

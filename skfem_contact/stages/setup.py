@@ -1,6 +1,7 @@
 """Setup of an analysis: forms that are completed and numbered once, supports, gravity and the solver."""
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from functools import cached_property
@@ -13,6 +14,7 @@ from typing_extensions import Self
 
 from .. import loads
 from ..checks import is_number
+from ..errors import AnalysisWarning
 from ..forms.base import Form, as_forms, solids_of
 from ..layout import Field, Layout
 from ..mesh import check_mesh
@@ -47,6 +49,10 @@ class Setup:
 
     def weight(self, unit_weights: float | Mapping[str, float], direction: Sequence[float] | None = None) -> ndarray:
         """Return the load vector of the weight of all solids, see :func:`weight`."""
+        for name, form in self.solids.items():
+            if missing := loads.weightless(form, unit_weights):
+                warnings.warn(f"{missing} of '{name}' are weightless: name them too, with 0 if they are meant to be",
+                              AnalysisWarning, stacklevel=2)
         return sum((loads.weight(form, unit_weights, direction) for form in self.solids.values()),
                    start=np.zeros(self.layout.n_displacements))
 
@@ -217,7 +223,8 @@ def _check_bases(forms: Mapping[str, Form]) -> None:
     if not sizes and not any(form.fields for form in forms.values()):
         raise ValueError("no form knows how many dofs there are: give one of them a `size`")
     if len(set(sizes.values())) > 1:
-        raise ValueError(f"the forms belong to different bases; their numbers of dofs are {sizes}")
+        raise ValueError(f"the forms belong to different bases; their numbers of dofs are {sizes}; they "
+                         f"are {', '.join(map(repr, forms.values()))}")
     if not bases:
         return
     owner, basis = next(iter(bases.items()))

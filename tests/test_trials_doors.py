@@ -1,0 +1,39 @@
+"""Input that nearly fits: what is refused by name, and what is told."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from helpers import grid, vector_basis
+
+import skfem_contact as sc
+
+ELASTIC = sc.LinearElastic(E=1e4, nu=0.3)
+
+
+def halves(right: float = 1.0):
+    """Basis of two bodies, "l" and "r", of which the second begins at an abscissa."""
+    side = np.linspace(0.0, 1.0, 3)
+    mesh = sc.join_bodies({"l": grid("Q1", side, side), "r": grid("Q1", right + side, side)})
+    return vector_basis(mesh, "Q1", intorder=2)
+
+
+def test_subdomain_without_weight():
+    basis = halves()
+    with pytest.raises(ValueError, match=r"4 elements of the subdomains \['r'\] have no unit weight"):
+        sc.SolidForm(basis, ELASTIC, unit_weight={"l": 20.0})
+    left = sc.SolidForm(basis.with_elements("l"), ELASTIC, unit_weight={"l": 20.0})  # weight of all that it has
+    assert left.own_weight(np.array([0.0, -1.0])).sum() == pytest.approx(-20.0)
+    model = sc.Model({"both": sc.SolidForm(basis, ELASTIC)}, basis.get_dofs("l:bottom").all())
+    with pytest.warns(sc.AnalysisWarning, match=r"4 elements .* of 'both' are weightless") as told:
+        model.weight({"l": 20.0})
+    assert told[0].filename == __file__
+    model.weight({"l": 20.0, "r": 0.0})
+    assert len(told) == 1
+
+
+def test_pair_of_another_mesh_is_named():
+    basis, other = halves(), vector_basis(halves().mesh, "Q2")
+    joint = sc.ContactPair(other, "l:right", "r:left", sc.Tied())
+    with pytest.raises(ValueError, match=r"different bases.*<ContactPair l:right on r:left"):
+        sc.Model({"both": sc.SolidForm(basis, ELASTIC), "joint": joint}, basis.get_dofs("l:bottom").all())
