@@ -36,6 +36,34 @@ def test_water_of_another_mesh():
         sc.Model({"clay": clay, "water": ground(7)[2]})
 
 
+def test_pressures_that_are_prescribed_but_not_held():
+    """They would do nothing; values of all dofs may be given, as in scikit-fem."""
+    basis, clay, water = ground()
+    fixed = sc.box_supports(basis, base="fixed")
+    load = sc.traction(basis, "top", (0.0, -50.0))
+    model = sc.Model({"clay": clay, "water": water}, [fixed, water.dofs("top")])
+    below = model.forms["water"].prescribed({"bottom": 30.0})
+    with pytest.warns(sc.AnalysisWarning, match="the pore pressure is prescribed at 17 dofs that are not held"):
+        model.run([sc.Stage("a", load, duration=1.0, prescribed=below)], progress=False)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        stage = model.run([sc.Stage("a", load, duration=1.0)], progress=False)["a"]
+        held = sc.Stage("b", load, duration=1.0, prescribed=below, fixed=[fixed, water.dofs("top", "bottom")])
+        model.run([held], start=stage, progress=False)
+        model.run([sc.Stage("b", load, duration=1.0, prescribed=stage.x)], start=stage, progress=False)
+    assert not any("prescribed" in str(w.message) for w in caught)
+
+
+def test_a_load_on_pressures():
+    """It would be water in every increment, whatever its length."""
+    basis, clay, water = ground()
+    model = sc.Model({"clay": clay, "water": water}, [sc.box_supports(basis, base="fixed"), water.dofs("top")])
+    well = np.zeros(model.forms["water"].size)
+    well[model.forms["water"].first] = 1e-3
+    with pytest.raises(ValueError, match="stage 'well': the load acts on the pore pressure at 1 dofs"):
+        model.run([sc.Stage("well", well, duration=1.0)], progress=False)
+
+
 @pytest.mark.parametrize(("part", "told"), [(1e-4, False), (1e-2, True), (2.0, False)])
 def test_elements_beside_an_inner_drain(part, told):
     """[X] 0 <= p <= q in a column; while h² / 6 c_v of the first element beside drained sand lasts, p exceeds q.

@@ -95,7 +95,7 @@ def plan(setup: Setup, stages: Sequence[Stage], start: StageResult | None) -> li
             and np.array_equal(load, phases[-1].load)
         time = time + stage.duration if waits else stage.duration
         remarks = (*_idle(stage, load, prescribed, phases, np.array_equal(supported, fixed), left),
-                   *_of_forms(stage, there, fixed, held, time))
+                   *_of_forms(stage, there, fixed, held, time), *_of_pressures(setup, stage, load, prescribed, fixed))
         left = (changes or left) and stage.release < 1.0
         gone = np.zeros(setup.layout.size)
         if left and stage.deactivate:
@@ -191,6 +191,21 @@ def _of_forms(stage: Stage, there: Mapping[str, Form], fixed: ndarray, held: nda
                 for remark in form.check_stage(fixed, held, time if stage.duration else 0.0)]
     except ValueError as error:
         raise ValueError(f"stage '{stage.name}': {error}") from None
+
+
+def _of_pressures(setup: Setup, stage: Stage, load: ndarray, prescribed: ndarray | None, fixed: ndarray
+                  ) -> Iterator[Remark]:
+    """Refuse a load on pressures, which would be water per increment; report prescribed ones that are not held."""
+    layout = setup.layout
+    loose = np.setdiff1d(np.flatnonzero(0.0 * load if prescribed is None else prescribed), fixed)
+    for field, part in zip(layout.fields, layout.parts, strict=True):
+        if field.kind == "pressure" and (n := np.count_nonzero(load[part])):
+            raise ValueError(f"stage '{stage.name}': the load acts on the {field.name} at {n} dofs, where it would be "
+                             "water per increment: prescribe pressures that are held")
+        n = np.count_nonzero((loose >= part.start) & (loose < part.stop))
+        if field.kind == "pressure" and n and loose[0] >= layout.n_displacements:  # else all dofs are given
+            yield Remark("loose", n, f"the {field.name} is prescribed at {n} dofs that are not held, which does "
+                         "nothing: name them in `fixed`")
 
 
 def acts_on(load: ndarray, dofs: ndarray) -> bool:
