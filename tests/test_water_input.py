@@ -49,6 +49,8 @@ HEADS = {"left": 2.0, "right": 1.0}
     ({"basis": BODIES, "head": {"p:left": 2.0}}, r"no head is given in the part of the ground around \(4, 0\), 15"),
     ({"basis": BODIES, "head": {"p:left": 2.0}, "connected": [("p:right", "q:left"), ("q:left", "p:right")]},
      "in a circle"),
+    ({"basis": Basis(MESH.translated((-1.0, 0.0)), ElementTriP1()), "coordinates": "axisymmetric"},
+     "axial symmetry needs x >= 0, but there are elements at x = -"),
     ({"basis": BASIS.with_elements("a"), "head": {"right": 1.0}}, "'right' has no node of the porous ground"),
 ])  # fmt: skip
 def test_bad_input(changes, message):

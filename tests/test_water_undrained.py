@@ -253,6 +253,13 @@ def test_bad_input(options, message):
         sc.Undrained(SOIL, **options)
 
 
+def test_strength_in_axial_symmetry():
+    """The formula is that of plane strain: in the triaxial test another mean stress stays."""
+    form = sc.SolidForm(vector_basis(grid("Q1", [0, 1], [0, 1]), "Q1", intorder=2), SOIL, coordinates="axisymmetric")
+    with pytest.raises(ValueError, match="is that of plane strain; this solid is axisymmetric"):
+        undrained_strength(form, form.initial_state())
+
+
 def test_bad_soil():
     with pytest.raises(ValueError, match="must be a material in effective stresses"):
         sc.Undrained(sc.Undrained(SOIL, bulk_modulus_water=1.0), bulk_modulus_water=1.0)

@@ -95,8 +95,9 @@ def total_stress(form: SolidForm, state: SolidState) -> ndarray:
 
 def undrained_strength(form: SolidForm, state: SolidState) -> dict[str, ndarray]:
     """Return the undrained shear strength of a plane solid by region that defines it, (n_elements,) each."""
-    if len(state.stress) != 4:
-        raise ValueError("the undrained strength is that of plane strain; this solid is in space")
+    if form.coordinates != "plane":
+        where = "in space" if form.coordinates == "space" else "axisymmetric"
+        raise ValueError(f"the undrained strength is that of plane strain; this solid is {where}")
     mean = -0.5 * (state.stress[0] + state.stress[1]) + form.variable(EXCESS_PRESSURE, state)
     mean = (mean * form.weight).sum(axis=1) / form.weight.sum(axis=1)
     strength = {}

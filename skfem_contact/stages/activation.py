@@ -202,7 +202,7 @@ def _of_pressures(setup: Setup, stage: Stage, load: ndarray, prescribed: ndarray
         if field.kind == "pressure" and (n := np.count_nonzero(load[part])):
             raise ValueError(f"stage '{stage.name}': the load acts on the {field.name} at {n} dofs, where it would be "
                              "water per increment: prescribe pressures that are held")
-        n = np.count_nonzero((loose >= part.start) & (loose < part.stop))
+        n = int(np.count_nonzero((loose >= part.start) & (loose < part.stop)))
         if field.kind == "pressure" and n and loose[0] >= layout.n_displacements:  # else all dofs are given
             yield Remark("loose", n, f"the {field.name} is prescribed at {n} dofs that are not held, which does "
                          "nothing: name them in `fixed`")

@@ -191,7 +191,12 @@ def head_basis(basis: CellBasis) -> CellBasis:
 
 def radius(basis: CellBasis | FacetBasis, axisymmetric: bool) -> ndarray | float:
     """Return the factor by which integrals are per radian about the axis x = 0, at the integration points, or 1."""
-    return np.asarray(basis.global_coordinates())[0] if axisymmetric else 1.0
+    if not axisymmetric:
+        return 1.0
+    x = np.asarray(basis.global_coordinates())[0]
+    if (x < 0.0).any():
+        raise ValueError(f"axial symmetry needs x >= 0, but there are elements at x = {x.min():.4g}")
+    return x
 
 
 class DarcyFlow:
