@@ -199,7 +199,7 @@ def _of_pressures(setup: Setup, stage: Stage, load: ndarray, prescribed: ndarray
     layout = setup.layout
     loose = np.setdiff1d(np.flatnonzero(0.0 * load if prescribed is None else prescribed), fixed)
     for field, part in zip(layout.fields, layout.parts, strict=True):
-        if field.kind == "pressure" and (n := np.count_nonzero(load[part])):
+        if field.kind == "pressure" and (n := int(np.count_nonzero(load[part]))):
             raise ValueError(f"stage '{stage.name}': the load acts on the {field.name} at {n} dofs, where it would be "
                              "water per increment: prescribe pressures that are held")
         n = int(np.count_nonzero((loose >= part.start) & (loose < part.stop)))
