@@ -348,3 +348,27 @@ def test_water_of_a_stage_is_that_of_a_seepage_in_its_own_ground():
     one, other = model.run([sc.Stage("flow", water=flow)])["flow"], model.run([sc.Stage("level", water=2.0)])["level"]
     np.testing.assert_allclose(one.load, other.load, atol=1e-9)
     assert abs(one.load[1::2].sum() + 4 * 4 * 20 - 4 * 2 * 10) < 1e-9
+
+
+def test_displacements_of_a_fill_count_from_its_placement(tmp_path):
+    """[X] A fill of 1 m on 2 m of ground, E = 1000 and weight 20: it settles with the ground by .04 and by .01 itself."""
+    mesh = MeshQuad.init_tensor(np.linspace(0, 4, 5), np.linspace(0, 3, 4)).with_defaults().with_subdomains(
+        {"ground": lambda x: x[1] < 2, "fill": lambda x: x[1] > 2})
+    basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+    soil = sc.LinearElastic(E=1e3, nu=0.0)
+    forms = {name: sc.SolidForm(basis.with_elements(name), soil, unit_weight=20.0) for name in mesh.subdomains}
+    model = sc.Model(forms, sc.box_supports(basis))
+    result = model.run([sc.Stage("ground", deactivate=("fill",)), sc.Stage("fill", activate=("fill",))], progress=False)
+    for read in (result, sc.load_result(result_file(result, tmp_path), model)):
+        before, last = read["ground"], read["fill"]
+        for since, beside in ((None, (-0.08 - 0.04) / 2), (before, -0.04)):  # at the interface the mean of both bodies
+            moved = last.field("uy", since=since)
+            np.testing.assert_allclose(moved[mesh.p[1] == 3.0], -0.05, atol=1e-12)
+            np.testing.assert_allclose(moved[mesh.p[1] == 2.0], beside, atol=1e-12)
+    assert not result.reset()["fill"].field("uy").any()
+
+
+def result_file(result, folder):
+    """Return the name of a file that holds a result."""
+    result.save(folder / "fill")
+    return folder / "fill"

@@ -12,7 +12,7 @@ from numpy import ndarray
 from typing_extensions import override
 
 from ..results.export import vtk_cells
-from ..results.fields import solids
+from ..results.fields import reference, solids
 from ..results.patch_recovery import region_mesh
 from ..results.result import StageResult
 from .sheet import Scale
@@ -56,7 +56,8 @@ class Scene:
         self.nodes, self.cells, self.region = region_mesh(*bodies)
         self.corners = len(basis.mesh.t)  # of an element
         self.places = basis.doflocs[:, ::dim].T
-        self.displacement = (stage.x if since is None else stage.x - since.x)[:basis.N].reshape(-1, dim)
+        moved = stage.x if since is None else stage.x - _begun(stage, since)
+        self.displacement = moved[:basis.N].reshape(-1, dim)
         self.factor = float(deformed) if deformed != "auto" else self._round_factor()
         areas = np.concatenate([np.asarray(form.basis.dx).sum(axis=1) for form in bodies])
         self.area = np.bincount(self.cells.ravel(), np.repeat(areas, self.cells.shape[1]))  # equal shares of elements
@@ -206,6 +207,16 @@ class Cutaway(Scene):
         for lines, left, style in found:
             if (seen := _without(lines, left)).n_cells:
                 yield seen.warp_by_vector("displacement", factor=self.factor), style
+
+
+def _begun(stage: StageResult, since: StageResult) -> ndarray:
+    """Return the displacements of an earlier stage; nodes of bodies that it does not hold count from activation."""
+    x, there = since.x.copy(), solids(stage)
+    old = [form.basis.element_dofs.ravel() for name, form in there.items() if name in since.states]
+    for name in there.keys() - since.states.keys():
+        own = np.setdiff1d(there[name].basis.element_dofs, np.concatenate([*old, []]))
+        x[own] = reference(stage, since, name)[own]
+    return x
 
 
 def _grid_of(points: ndarray, kind: str, cells: ndarray, displacement: ndarray) -> Any:

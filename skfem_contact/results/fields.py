@@ -135,7 +135,7 @@ def _of_form(form: SolidForm, stage: StageData, name: str, quantity: Quantity, s
     """Return the field of one solid, without pressures of flowing and of given water."""
     state, before = stage.states[name], None if since is None else since.states.get(name)
     if quantity.source == "displacement":
-        x = (stage.x if since is None else stage.x - since.x)[:form.basis.N]
+        x = (stage.x - reference(stage, since, name))[:form.basis.N]
         return quantity.value(x.reshape(-1, form.basis.mesh.dim()).T[:, region_mesh(form).nodes])
     if quantity.source == "strain":
         return quantity.value(recovered(form, state.strain if before is None else state.strain - before.strain))
@@ -146,6 +146,13 @@ def _of_form(form: SolidForm, stage: StageData, name: str, quantity: Quantity, s
         return recovered(form, quantity.value(form, state)[None], limited=True)[0]
 
     return at_nodes(state) if before is None else at_nodes(state) - at_nodes(before)
+
+
+def reference(stage: StageData, since: StageData | None, name: str) -> ndarray:
+    """Return displacements from which those of a solid count: at an earlier stage that holds it, or when activated."""
+    if since is not None and name in since.states:
+        return since.x
+    return stage.placed.get(name, np.zeros_like(stage.x))
 
 
 def _pressures(stage: StageData) -> Iterator[ndarray]:

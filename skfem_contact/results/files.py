@@ -51,6 +51,7 @@ class StageData:
     unreleased: ndarray | None = field(default=None, repr=False)
     layout: Layout | None = field(default=None, repr=False)
     water: Any = field(default=None, repr=False)
+    placed: Mapping[str, ndarray] = field(default_factory=dict, repr=False)
 
 
 _Stage = TypeVar("_Stage", bound=StageData)
@@ -179,6 +180,7 @@ def _described(stage: StageData, key: str, arrays: dict[str, ndarray]) -> dict[s
     arrays[f"{key}/x"], arrays[f"{key}/load"] = stage.x, stage.load
     if stage.unreleased is not None:
         arrays[f"{key}/unreleased"] = stage.unreleased
+    arrays |= {f"{key}/{name}/placed": x for name, x in stage.placed.items()}
     for name, state in stage.states.items():
         arrays |= {f"{key}/{name}/{part}": np.asarray(values) for part, values in arrays_of(state).items()}
     return {"name": stage.name, "iterations": stage.iterations, "residual": stage.residual, "fraction": stage.fraction,
@@ -219,8 +221,9 @@ def _stage(arrays: Mapping[str, ndarray], key: str, head: Mapping[str, Any], giv
         if form.materials or form.law is not None:
             _check_numbers(f"'{name}'", {k: a for k, a in arrays_of(states[name]).items() if k not in _FREE})
     vectors = {part: arrays[f"{key}/{part}"] for part in ("x", "load", "unreleased") if f"{key}/{part}" in arrays}
-    _check_numbers("the stage", vectors)
-    shapes = {np.shape(values) for values in vectors.values()}
+    placed = {name: arrays[path] for name in forms if (path := f"{key}/{name}/placed") in arrays}
+    _check_numbers("the stage", {**vectors, **placed})
+    shapes = {np.shape(values) for values in (*vectors.values(), *placed.values())}
     x = vectors["x"]
     if len(shapes) > 1 or x.ndim != 1 or any(len(x) < (form.size or 0) for form in forms.values()):
         raise ValueError(f"stage '{head['name']}' has displacements and loads of shapes {sorted(shapes)}")
@@ -228,7 +231,7 @@ def _stage(arrays: Mapping[str, ndarray], key: str, head: Mapping[str, Any], giv
                        for k, part in enumerate(head.get("increments", ())))
     return make(head["name"], x, vectors["load"], states, tuple(head["iterations"]),
                 head["residual"], head["fraction"], head["summary"], forms, head.get("time", 0.0), increments,
-                vectors.get("unreleased"), water=head.get("water"))
+                vectors.get("unreleased"), water=head.get("water"), placed=placed)
 
 
 def _check_numbers(whose: str, arrays: Mapping[str, Any]) -> None:

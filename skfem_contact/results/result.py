@@ -44,6 +44,8 @@ class StageResult(files.StageData):
         Numbers of the dofs of all fields.
     water
         Water at rest whose load is part of ``load``; a stage that follows keeps it.
+    placed
+        Displacements at which bodies were activated, (N,), by name: fields of displacements count from there.
 
     Examples
     --------
@@ -89,18 +91,17 @@ class StageResult(files.StageData):
 
         Notes
         -----
-        Between two lines of nodes the forces are interpolated linearly. At the very end of a body the forces are those
-        of the last layer of elements. A curved body whose elements form no layers has chords for its arcs: with
-        elements of length h its moment is uncertain by ``N h**2 / 8 R``.
+        Between two lines of nodes forces are interpolated linearly. At the end of a body they are those of its last
+        layer of elements. A curved body without layers of elements of length h has moments to ``N h**2 / 8 R``.
         """
         return section_forces(*self._solid(solid), sections)
 
     def field(self, name: str, since: StageResult | None = None, *, water: fields.Water | None = None) -> ndarray:
         """Return a field at the nodes, shape (N / dim,), the mesh's vertices first; NaN at nodes of no solid.
 
-        Stresses are recovered at the nodes of every region of every body from the forces and the stresses of its
-        elements (:doc:`theory </theory/recovery>`). A node between two regions has the mean of both values; pictures
-        and files have both. Invariants are those of the recovered stress.
+        Stresses are recovered at the nodes of every region from its elements' forces and stresses
+        (:doc:`theory </theory/recovery>`). A node between regions has the mean of their values; pictures and files have
+        all of them. Invariants are those of the recovered stress.
 
         Parameters
         ----------
@@ -112,8 +113,8 @@ class StageResult(files.StageData):
             share of the shear strength that is used; ``"pore"``, the excess pore pressure of :class:`PoreWater` or of
             undrained ground, and that of `water` with it. In three dimensions also ``"uz"``, ``"syz"``, ``"szx"``.
         since
-            Earlier stage from which the change is returned. Displacements and strains are those of the change;
-            invariants of stresses are subtracted.
+            Earlier stage from which the change is returned; displacements of bodies that it does not hold count from
+            their activation. Strains are those of the change; invariants of stresses are subtracted.
         water
             Given pore pressure: a :class:`~skfem_contact.water.Seepage`, or a function of coordinates such as
             :func:`hydrostatic`.
@@ -276,9 +277,8 @@ class Result:
             scale = max(scale, float(np.abs(before).max(initial=0.0)))
             if change > _SAME_FORCE * scale:
                 raise ValueError(f"the force of '{name}' changes by {change:.3g} when displacements are reset: give it "
-                                 "a method rebased(x, state) that returns a state whose force "
-                                 "at zero displacements is that at x")
-        return Result((*self.stages[:-1], replace(last, x=x, states=states)))
+                                 "a method rebased(x, state) whose state has that force at zero displacements")
+        return Result((*self.stages[:-1], replace(last, x=x, states=states, placed={})))
 
 
 def load_result(file: str | Path, forms: Any) -> Result:

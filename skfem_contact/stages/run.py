@@ -11,6 +11,7 @@ from numpy import ndarray
 
 from ..display import progress_bar
 from ..errors import NotConverged, Remarks
+from ..forms.base import solids_of
 from ..nonlinear.increment import Path, solve_step
 from ..nonlinear.newton import Newton
 from ..nonlinear.stepping import Predictor, Stepping
@@ -45,7 +46,7 @@ def run(setup: Setup, stages: Sequence[Stage], start: Result | StageResult | Non
             lost = np.zeros(len(last.x))
             if phase.changed or (stage is stages[0] and state_changes(phase, last)):
                 x, states, lost = begin(setup.layout, phase, last)
-                last = replace(last, x=x, states=states)
+                last = replace(last, x=x, states=states, placed=_placed(phase, last, x))
             if system is None or predictor is None or phase.changed:
                 system = setup.system(phase.forms, phase.fixed)
                 predictor = Predictor(system.fixed)
@@ -97,6 +98,12 @@ def among(setup: Setup, start: StageResult) -> StageResult:
     return replace(start, x=setup.vector(start.x, "start"), load=setup.vector(start.load, "start"))
 
 
+def _placed(phase: Phase, last: StageResult, x: ndarray) -> dict[str, ndarray]:
+    """Return the displacements at which solids have become active, with the new ones of a phase, at x."""
+    new = solids_of(phase.forms).keys() - phase.before.keys()
+    return {name: x if name in new else last.placed[name] for name in phase.forms if name in {*new, *last.placed}}
+
+
 def _keeps(stage: Stage, accepted: StageResult) -> bool:
     """Return True if a stage keeps an accepted increment."""
     if stage.keep == "last":
@@ -132,7 +139,7 @@ def _increments(system: System, predictor: Predictor, stage: Stage, path: Path, 
         summary = {name: form.summary(new.states[name]) for name, form in system.forms.items()}
         last = StageResult(stage.name, new.x, load, new.states, (*last.iterations, new.iterations),
                            new.residuals[-1], fraction, summary, system.forms, time, layout=system.layout,
-                           water=last.water)
+                           water=last.water, placed=last.placed)
         predictor.accept(last.x, last.load, time)
         yield last
 
