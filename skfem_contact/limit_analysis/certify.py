@@ -22,6 +22,8 @@ _BALANCED, _REPETITIONS, UNBALANCED = 1e-15, 20, 1e-13
 _SHAPED, _SHAPINGS = 1e-15, 40
 #: Stress below this share of the largest is none.
 _NO_STRESS = 1e-12
+#: Power of the loads on a velocity, as a share of its terms, that is round-off: bounds of 1e20 come from it.
+_ROUND_OFF = 1e-12
 #: Accuracy of the factor at which dissipation and power are equal.
 _ROOT = 1e-13
 #: Shares of an inner velocity that are mixed in where a velocity leaves the flow rule.
@@ -106,7 +108,7 @@ def _refuted(program: Program, velocity: ndarray, live: bool) -> Proof:
     strain, round_off = program.strains(velocity), program.round_off(velocity)
     fixed = program.dead @ velocity
     power = program.live @ velocity + (0.0 if live else fixed)
-    if not power > 0:
+    if not power > _ROUND_OFF * float((np.abs(program.live) + np.abs(program.dead)) @ np.abs(velocity)):
         return Proof(np.inf, velocity, np.inf)
     velocity, strain, round_off, fixed = velocity / power, strain / power, round_off / power, fixed / power
     flow = float(program.of_points(lambda s, points: s.flow_factor(strain[points], round_off[points])).max())

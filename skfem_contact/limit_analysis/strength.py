@@ -47,14 +47,15 @@ class Cones:
     def at_factor(self, factor: float, fixed: float) -> tuple[ndarray, ndarray, ndarray, ndarray]:
         """Return G (n, 3, 3) and h of s = h - G stress, and the derivatives of h and q by the factor.
 
-        Strength that is not reduced has the factor `fixed`.
+        Strength that is not reduced has the factor `fixed`, and its apex is nearer by that.
         """
         F = np.where(self.reduced, factor, fixed)
         g = 1.0 / np.sqrt(F**2 + self.t**2)
         by_factor = np.where(self.reduced, -F * g**3, 0.0)
         q = np.where(self.whole, 1.0, g)
         G = np.concatenate([(q[:, None] * self.k)[:, None], -self.R], axis=1)
-        return G, self.c * g, self.c * by_factor, np.where(self.whole, 0.0, by_factor)
+        c = self.c / np.where(self.reduced, 1.0, fixed)
+        return G, c * g, c * by_factor, np.where(self.whole, 0.0, by_factor)
 
 
 @dataclass(frozen=True)
