@@ -68,7 +68,8 @@ def bounds(forms: Mapping[str, Any], fixed: ndarray, weight: float | Mapping[str
         at collapse, and the strength is not reduced.
     flow
         ``"given"``: where soil dilates less than its friction, ``lower`` is an estimate, with the reduced associated
-        soil of Davis; ``"associated"``: the dilation equals the friction.
+        soil of Davis, and where joints have friction, with joints that open as they slip; ``"associated"``: the
+        dilation equals the friction.
     gap
         Difference of the bounds, as a share of their mean, at which the refinement ends.
     elements
@@ -150,9 +151,10 @@ def _bracket(forms: Mapping[str, Any], fixed: ndarray, loads: Callable[[Site], L
               bar_format="{desc} {postfix} {elapsed}") as bar:
         search = Search(problem, bar)
         search.run(gap, elements, seconds)
-        davis = None if problem.davis is None else search.estimate(problem.davis)
+        davis, smooth = (None if weaker is None else search.estimate(weaker)
+                         for weaker in (problem.davis, problem.smooth))
     _tell(search, gap, stacklevel)
-    return _result(search, davis)
+    return _result(search, davis, smooth)
 
 
 def _tell(search: Search, gap: float, stacklevel: int) -> None:
@@ -173,7 +175,7 @@ def _tell(search: Search, gap: float, stacklevel: int) -> None:
                       "were asked for: allow more `elements` or `seconds`", AnalysisWarning, stacklevel=stacklevel)
 
 
-def _result(search: Search, davis: float | None) -> Bounds:
+def _result(search: Search, davis: float | None, smooth: float | None) -> Bounds:
     """Return the bounds in the user's units; an estimate replaces the lower bound."""
     problem, low, high = search.problem, search.lower, search.upper
     shape, given = problem.geometry, problem.mesh
@@ -191,7 +193,8 @@ def _result(search: Search, davis: float | None) -> Bounds:
     stress[:, low.program.soft] = problem.stress * low.program.of_triangles(low.proof.field).transpose(2, 0, 1)
     return Bounds(
         lower=float(low.proof.value if davis is None else davis), upper=float(high.proof.value),
-        estimate=davis is not None, what="limit load" if search.live else "factor of safety", reduced=problem.reduced,
+        estimate=davis is not None or smooth is not None, safe=None if smooth is None else float(smooth),
+        what="limit load" if search.live else "factor of safety", reduced=problem.reduced,
         mesh=named(high.triangles), mechanism=velocity / (np.abs(velocity).max() or 1.0),
         dissipation=_shares(high, search.live), stress_mesh=named(low.triangles), stress=stress,
         history=tuple(search.history), remarks=problem.remarks)

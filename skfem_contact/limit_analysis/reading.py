@@ -27,6 +27,7 @@ class Problem:
 
     model: LimitModel  # in units of its size and of a stress
     davis: LimitModel | None  # with the associated soil of less strength after Davis, where the flow is not associated
+    smooth: LimitModel | None  # with the adhesion of joints alone, where they do not open by their slip
     mesh: Mesh
     geometry: Geometry
     stress: float  # unit of stress
@@ -58,12 +59,15 @@ def read(forms: Mapping[str, Any], fixed: ndarray, loads: Callable[[Site], Loads
     davis = None
     if less and not associated:
         davis = replace(model, soil=_strengths(solids, targets, "davis_a").over(unit))
+    smooth = None
+    if any(contact.mu for contact in model.contacts) and not associated:
+        smooth = replace(davis or model, contacts=tuple(replace(contact, mu=0.0) for contact in model.contacts))
     names = tuple(f"{name}.{part}" if part else name for name, parts in targets.items() for part in parts)
     missing = "cohesion" if (soil.c == 0).any() else "tension" if (soil.tension == 0).any() else ""
     remarks = _remarks(solids, shape, given, soil)
     if not associated:
         remarks += _slipping(pairs)
-    return Problem(model, davis, basis.mesh, shape, unit, multiplied, missing, names, remarks)
+    return Problem(model, davis, smooth, basis.mesh, shape, unit, multiplied, missing, names, remarks)
 
 
 def _by_kind(forms: Mapping[str, Any]) -> tuple[dict[str, SolidForm], dict[str, ContactPair]]:
@@ -181,7 +185,7 @@ def _slipping(pairs: Mapping[str, ContactPair]) -> tuple[str, ...]:
     """Return a remark on joints whose friction is not associated."""
     names = [name for name, pair in pairs.items() if isinstance(pair.law, Coulomb) and pair.law.mu > 0]
     return (f"the joints {', '.join(names)} open by mu times their slip here (associated flow) but not in ContactPair: "
-            "for joints without dilation `lower` is an estimate; mu=0 with an adhesion gives a bound",) * bool(names)
+            "for joints without dilation `lower` is an estimate, `safe` a bound",) * bool(names)
 
 
 def _rigid_bodies(triangles: Triangles, rigid: ndarray) -> ndarray:

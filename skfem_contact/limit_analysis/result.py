@@ -36,7 +36,10 @@ class Bounds:
     lower, upper
         The bounds; -inf or inf where none was proven.
     estimate
-        True if ``lower`` is no bound but the estimate of Davis: the flow of the soil is not associated.
+        True if ``lower`` is no bound but an estimate: the flow of the soil (Davis) or of joints is not associated.
+    safe
+        Lower bound for joints that slip without opening, by their adhesion alone; None without friction in joints, an
+        estimate where that of the soil is one.
     what
         ``"factor of safety"`` or ``"limit load"``.
     reduced
@@ -61,6 +64,7 @@ class Bounds:
     lower: float
     upper: float
     estimate: bool
+    safe: float | None
     what: str
     reduced: tuple[str, ...]
     mesh: MeshTri = field(repr=False)
@@ -83,7 +87,8 @@ class Bounds:
         return max(lower, key=lambda c: c.value), min(upper, key=lambda c: c.value)
 
     def __str__(self) -> str:
-        kind = "estimate after Davis (no bound), upper bound" if self.estimate else "gap"
+        kind = "estimate (no bound), upper bound" if self.estimate else "gap"
+        kind = kind if self.safe is None else f"safe {self.safe:.5g}, {kind}"
         head = f"{self.what} in [{self.lower:.5g}, {self.upper:.5g}], {kind} {self.gap:.2%}"
         lines = [head, f"reduced: {', '.join(self.reduced)}"] if self.reduced else [head]
         lines.append("bound  triangles      dofs      value  residual  iterations   cpu s")
