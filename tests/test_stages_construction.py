@@ -351,7 +351,7 @@ def test_water_of_a_stage_is_that_of_a_seepage_in_its_own_ground():
 
 
 def test_displacements_of_a_fill_count_from_its_placement(tmp_path):
-    """[X] A fill of 1 m on 2 m of ground, E = 1000 and weight 20: it settles with the ground by .04 and by .01 itself."""
+    """[X] A fill of 1 m on 2 m of ground, E = 1000 and weight 20: sinking with the ground by .04 and .01 itself."""
     mesh = MeshQuad.init_tensor(np.linspace(0, 4, 5), np.linspace(0, 3, 4)).with_defaults().with_subdomains(
         {"ground": lambda x: x[1] < 2, "fill": lambda x: x[1] > 2})
     basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)

@@ -255,3 +255,29 @@ def test_arch_becomes_a_mechanism_of_hinges():
     assert found.stop.kind == "collapse"
     # elastic blocks with soft joints deform before: the hinges move inwards by less than the tolerance of the search
     assert found.bracket[0] * 0.995 < 0.285159 < found.bracket[1] * 1.005
+
+
+@pytest.mark.parametrize("force", [30.0, 100.0])
+def test_strut_that_is_jacked_against_a_wall(force):
+    """[X] A jacked strut keeps its force; the wall slides in sand, and equilibrium takes no more than 25 iterations."""
+    across = np.concatenate((np.linspace(0, 6, 9), [6.25], 6.5 + 18 * np.linspace(0, 1, 13) ** 2))
+    mesh = MeshQuad.init_tensor(across, np.linspace(0, 16, 33)).with_subdomains({
+        "concrete": lambda x: (x[0] > 6) & (x[0] < 6.5) & (x[1] > 6), "lift": lambda x: (x[0] < 6) & (x[1] > 14)})
+    rest = np.setdiff1d(np.arange(mesh.nelements), np.concatenate(list(mesh.subdomains.values())))
+    mesh = sc.join_bodies(mesh.with_subdomains({"soil": rest}), bodies={"ground": ["soil", "lift"], "wall": "concrete"})
+    basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+    sand, skin = sc.MohrCoulomb(E=4e4, nu=0.3, c=2.0, phi=30.0), sc.Coulomb(mu=0.36)
+    laws = {"soil": sand, "lift": sand, "wall": sc.LinearElastic(E=3e7, nu=0.2)}
+    forms = {name: sc.SolidForm(basis.with_elements(name), law, "b_bar", unit_weight=20.0)
+             for name, law in laws.items()}
+    forms |= {f"{name}|wall": sc.ContactPair(basis, f"{name}|wall", "wall|ground", skin, quadrature=2)
+              for name in ("soil", "lift")}
+    strut = forms["strut"] = sc.Bar(basis, (6.0, 15.0), (0.0, 15.0), EA=2e5, part="wall", fixed_end=True)
+    model = sc.Model(forms, sc.box_supports(basis))
+    stages = [sc.Stage("wall", sc.weight(basis, {"wall": 5.0}), deactivate=("strut",)),
+              sc.Stage("dug", sc.weight(basis, {"wall": 5.0}), deactivate=("lift", "lift|wall"), increments=4),
+              sc.Stage("jacked", sc.weight(basis, {"wall": 5.0}), activate=("strut",),
+                       change={"strut": strut.prestressed(-force)})]
+    last = model.run(stages, start=model.k0_state(K0=0.5), progress=False)["jacked"]
+    assert last.states["strut"].force[0] == -force
+    assert sum(last.iterations) <= 25
