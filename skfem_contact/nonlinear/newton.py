@@ -17,8 +17,8 @@ from ..solvers.direct import SingularSystem
 logger = logging.getLogger("skfem_contact")
 #: The tangent is damped when so many iterations have not halved the residual.
 _PATIENCE = 6
-#: So many last iterations, all of them with so many times the smallest residual before, lead nowhere.  A strut prestressed
-#: against a wall in sand takes 22 to 32 iterations with (10, 2.0) alone and 15 to 24 with these.
+#: So many last iterations, all of them with so many times the smallest residual before, lead nowhere.  A strut
+#: prestressed against a wall in sand takes 22 to 32 iterations with (10, 2.0) alone and 15 to 24 with these.
 _ASTRAY = ((8, 1.0), (2, 10.0))
 #: Along the energy, so many residuals that differ by so little and are so many times the smallest one.
 _STUCK, _SAME, _WORSE = 6, 0.8, 5.0
