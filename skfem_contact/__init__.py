@@ -1,6 +1,7 @@
 """Frictional contact, soil plasticity and staged analysis for scikit-fem."""
 
 from . import mesh, results, testing, water
+from .checks import guard
 from .contact import AugmentedLagrangian, ContactPair, Surface
 from .contact.laws import Coulomb, InterfaceLaw, Tied
 from .errors import AnalysisWarning, NoEquilibrium, NotConverged
@@ -39,3 +40,5 @@ __all__ = [
     "hydrostatic", "join_bodies", "load_mesh", "load_result", "mesh", "results", "rigid", "testing", "traction",
     "water", "water_load", "weight",
 ]
+
+guard(__name__, mesh.__name__, results.__name__, rigid.__name__, testing.__name__, water.__name__)

@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
-from typing import Any, TypeVar
+import functools
+import inspect
+import sys
+from collections import ChainMap
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from itertools import cycle
+from types import FunctionType, NoneType, UnionType
+from typing import Any, Literal, NamedTuple, TypeVar, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 import skfem
 from numpy import ndarray
+from numpy.typing import ArrayLike
 from skfem import CellBasis, ElementVector, Mesh
 
 T = TypeVar("T")
@@ -153,3 +160,148 @@ def check_quadrature(basis: CellBasis) -> None:
     if strains * points < basis.Nbfun - rigid - allowed:
         raise ValueError(f"{points} integration points are too few for {type(basis.elem.elem).__name__}: it would "
                          f"deform without strain; pass a higher `intorder` to Basis")
+
+
+class Kind(NamedTuple):
+    """Kind of values that an annotation allows: its name in messages, and a test."""
+
+    name: str
+    holds: Callable[[Any], bool]
+
+
+def _are_numbers(value: Any) -> bool:
+    try:
+        return finite(value, "").dtype.kind == "f"
+    except ValueError:
+        return False
+
+
+def _is_array(value: Any) -> bool:  # an array may hold NaN for what is not known
+    return value.dtype.kind in "biuf" if isinstance(value, ndarray) else isinstance(value, list) and _are_numbers(value)
+
+
+#: Base classes of a user's own objects, which need not derive from them.
+_OWN = ("Form", "InterfaceLaw", "Material")
+_KINDS = {
+    Any: Kind("any value", lambda value: True),
+    object: Kind("any value", lambda value: True),
+    NoneType: Kind("None", lambda value: value is None),
+    bool: Kind("True or False", lambda value: isinstance(value, bool | np.bool_)),
+    int: Kind("a whole number", lambda value: isinstance(value, int | np.integer) and not isinstance(value, bool)),
+    float: Kind("a finite number", is_number),
+    str: Kind("a string", lambda value: isinstance(value, str)),
+    ndarray: Kind("an array of real numbers", _is_array),
+    Callable: Kind("a function", lambda value: callable(value) and not isinstance(value, type)),
+}
+
+
+#: Kind of numbers whose default is infinite.
+_INFINITE = Kind("a number", lambda value: is_number(value) or (isinstance(value, float) and value == np.inf))
+
+
+def kind_of(hint: Any) -> Kind:
+    """Return the kind of values that an annotation allows."""
+    origin, inner = get_origin(hint), get_args(hint)
+    numeric = all(one in inner for one in get_args(ArrayLike))
+    if hint in _KINDS or origin in _KINDS:
+        return _KINDS[hint if hint in _KINDS else origin]
+    if origin is Literal:
+        return Kind(f"one of {', '.join(map(repr, inner))}", lambda value: any(
+            type(value) is type(one) and value == one for one in inner))
+    if origin in (Union, UnionType):
+        kinds = [Kind("finite numbers", _are_numbers)] * numeric
+        kinds += [kind_of(one) for one in inner if not numeric or one not in (float, *get_args(ArrayLike))]
+        return Kind(" or ".join(dict.fromkeys(kind.name for kind in kinds)), lambda value: any(
+            kind.holds(value) for kind in kinds))
+    if isinstance(origin, type) and issubclass(origin, Mapping):
+        item = kind_of(inner[1])
+        each = "" if item is _KINDS[Any] else f", each {item.name}"
+        return Kind(f"a dictionary of names{each}", lambda value: isinstance(value, Mapping) and all(
+            map(item.holds, value.values())))
+    if isinstance(origin, type) and issubclass(origin, Iterable):
+        return _sequence(origin, inner)
+    cls = origin or hint
+    if not isinstance(cls, type) or cls.__name__ in _OWN:
+        return _KINDS[Any]
+    name = f"a{'n' * (cls.__name__[0] in 'AEIOU')} {cls.__name__}"
+    if getattr(cls, "_is_protocol", False) and cls.__module__ != "os":
+        calls = [call for call in vars(cls) if call[0] != "_"]
+        return Kind(name, lambda value: not isinstance(value, type) and all(hasattr(value, call) for call in calls))
+    return Kind(name, lambda value: isinstance(value, cls))
+
+
+def _sequence(origin: type, inner: tuple[Any, ...]) -> Kind:
+    """Return the kind of several values: in an order unless a collection will do, a tuple of a known length."""
+    items = [kind_of(one) for one in inner if one is not ...]
+    kept = Sequence if issubclass(origin, Sequence) else Collection
+    several = len(items) if origin is tuple and ... not in inner else None
+
+    def holds(value: Any) -> bool:
+        listed = value.ndim > 0 if isinstance(value, ndarray) else isinstance(value, kept)
+        return listed and not isinstance(value, str | bytes) and several in (None, len(value)) and all(
+            item.holds(one) for item, one in zip(items if several else cycle(items), value, strict=False))
+
+    return Kind(f"{several or 'several'} values, each {' and '.join(dict.fromkeys(i.name for i in items))}", holds)
+
+
+@functools.cache
+def _kinds(function: Any, owner: type | None) -> tuple[list[str], dict[str, Kind]]:
+    """Return the names of the parameters of a function in their order, and their kinds."""
+    modules = [vars(sys.modules[base.__module__]) for base in getattr(owner, "__mro__", ())]  # of inherited fields
+    hints, kinds = get_type_hints(function, localns=ChainMap({"Self": Any}, *modules)), {}
+    given = {k: p for k, p in inspect.signature(function).parameters.items()
+             if p.kind not in (p.VAR_POSITIONAL, p.VAR_KEYWORD)}
+    for name in hints.keys() & given:
+        infinite = isinstance(default := given[name].default, float) and np.isinf(default)
+        kinds[name] = _INFINITE if infinite else kind_of(hints[name])
+    return list(given), kinds
+
+
+def _look(function: Any, owner: type | None, args: tuple[Any, ...], named: dict[str, Any]) -> None:
+    """Refuse arguments that the annotations of a function do not allow."""
+    names, kinds = _kinds(function, owner)
+    for name, value in (*zip(names, args, strict=False), *named.items()):
+        if name in kinds and not kinds[name].holds(value):
+            text = repr(value)
+            shown = text if len(text) < 80 and "\n" not in text else type(value).__name__
+            raise ValueError(f"{name} must be {kinds[name].name}, not {shown}")
+
+
+@functools.cache
+def _door(function: Any, owner: type | None = None) -> Any:
+    """Return a function that looks at its arguments first."""
+    look = _look
+
+    def door(*args: Any, **named: Any) -> Any:
+        look(function, owner, args, named)
+        return function(*args, **named)
+
+    # doctest finds functions by their globals
+    own = FunctionType(door.__code__, function.__globals__, function.__name__, None, door.__closure__)
+    return functools.update_wrapper(own, function)
+
+
+def guard(*modules: str) -> None:
+    """Check the arguments of all that modules export, functions and methods, against their annotations."""
+    for module in map(sys.modules.__getitem__, modules):
+        for name in module.__all__:
+            public = getattr(module, name)
+            if isinstance(public, FunctionType):
+                function = inspect.unwrap(public)
+                for place in (module, sys.modules[function.__module__]):
+                    setattr(place, name, _door(function))
+            elif isinstance(public, type) and name not in _OWN:
+                _guard_methods(public)
+
+
+def _guard_methods(public: type) -> None:
+    """Check the arguments of constructors and methods; overrides are called by the package itself."""
+    for name, member in list(vars(public).items()):
+        function = getattr(member, "__func__", member)
+        if (name[0] != "_" or name in ("__init__", "__getitem__")) and isinstance(function, FunctionType) \
+                and not hasattr(function, "__wrapped__") and not getattr(function, "__override__", False):
+            door = _door(function, public)
+            setattr(public, name, door if member is function else type(member)(door))
+    for base in public.__bases__:
+        if base.__module__.partition(".")[0] == __name__.partition(".")[0] and base.__name__ not in _OWN:
+            _guard_methods(base)

@@ -1,6 +1,7 @@
 """Errors, warnings and remarks."""
 from __future__ import annotations
 
+import sys
 import warnings
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -12,6 +13,14 @@ from numpy import ndarray
 
 class AnalysisWarning(UserWarning):
     """Analysis that was done but should be checked."""
+
+
+def warn(text: str, kind: type[Warning] = AnalysisWarning) -> None:
+    """Warn at the line outside the package whose call led here."""
+    ours, level, frame = (__name__.partition(".")[0], "contextlib"), 1, sys._getframe()
+    while frame.f_back is not None and frame.f_globals.get("__name__", "").partition(".")[0] in ours:
+        level, frame = level + 1, frame.f_back
+    warnings.warn(text, kind, stacklevel=level)
 
 
 class NotConverged(RuntimeError):
@@ -82,15 +91,14 @@ class Remarks:
     Examples
     --------
     >>> import warnings
-    >>> with warnings.catch_warnings(record=True) as caught, Remarks(stacklevel=2) as remarks:
+    >>> with warnings.catch_warnings(record=True) as caught, Remarks() as remarks:
     ...     for stage, share in (("dig", 2), ("load", 30), ("unload", 4)):
     ...         remarks.add(stage, "joint", [Remark("penetration", share, f"the slave penetrates by {share} %")])
     >>> [str(warning.message) for warning in caught]
     ["stage 'load', joint: the slave penetrates by 30 %"]
     """
 
-    def __init__(self, stacklevel: int) -> None:
-        self._stacklevel = stacklevel + 1
+    def __init__(self) -> None:
         self._worst: dict[tuple[str, str], tuple[float, str]] = {}
 
     def add(self, stage: str, form: str, remarks: Iterable[Remark]) -> None:
@@ -106,4 +114,4 @@ class Remarks:
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
                  ) -> None:
         for _, text in self._worst.values():
-            warnings.warn(text, AnalysisWarning, stacklevel=self._stacklevel)
+            warn(text)

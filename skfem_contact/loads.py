@@ -1,7 +1,6 @@
 """Loads: ordinary load vectors of scikit-fem."""
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -11,8 +10,8 @@ from numpy.typing import ArrayLike
 from skfem import CellBasis, FacetBasis, LinearForm, Mesh
 from typing_extensions import override
 
-from .checks import check_basis, facets_of, look_up, names_of, place
-from .errors import AnalysisWarning
+from .checks import check_basis, facets_of, finite, look_up, names_of, place
+from .errors import warn
 from .layout import elements_of, linear_element
 
 #: Pressure of water, positive: a function of coordinates (2, ...), or values at the nodes of the mesh, (n_nodes,).
@@ -162,7 +161,7 @@ def traction(body: Body, boundary: str, force: Sequence[float] | Callable[[ndarr
     surface = FacetBasis(basis.mesh, basis.elem, facets=facets_of(basis.mesh, boundary))
     x = np.asarray(surface.global_coordinates())
     shape = (basis.mesh.dim(), *x.shape[1:])
-    values = np.asarray(force(x) if callable(force) else np.reshape(force, (-1, 1, 1)), float)
+    values = np.atleast_1d(np.asarray(force(x) if callable(force) else np.reshape(force, (-1, 1, 1)), float))
     if len(values) != shape[0] or not np.isfinite(values).all():
         raise ValueError(f"the force on '{boundary}' must have {shape[0]} finite components, not {force!r}")
     values = np.broadcast_to(values, shape) * (x[0] if axisymmetric else 1.0)
@@ -264,7 +263,7 @@ def water_load(body: Body, pressure: Pressure, boundaries: str | Sequence[str] =
         outside = FacetBasis(basis.mesh, basis.elem, facets=np.asarray(part))
         load = load + face_load(outside, at_points(outside, pressure), axisymmetric)
     if not load.any():
-        warnings.warn("there is no water: the pressure is zero everywhere", AnalysisWarning, stacklevel=2)
+        warn("there is no water: the pressure is zero everywhere")
     return Load.of(load, axisymmetric)
 
 
@@ -295,7 +294,7 @@ def face_load(outside: FacetBasis, pressure: ndarray, axisymmetric: bool) -> nda
 def at_points(basis: CellBasis | FacetBasis, pressure: Pressure) -> ndarray:
     """Return the pressure at the integration points."""
     if callable(pressure):
-        return np.asarray(pressure(np.asarray(basis.global_coordinates())))
+        return finite(pressure(np.asarray(basis.global_coordinates())), "the pressure")
     n = basis.mesh.nvertices
     if np.shape(pressure) != (n,):
         raise ValueError(f"the pressure has shape {np.shape(pressure)}; the mesh has {n} nodes")
@@ -315,5 +314,5 @@ def _warn_of_water(basis: CellBasis, pressure: Pressure, pressed: ndarray) -> No
     if wet.any():
         where = place(np.asarray(surface.global_coordinates())[:, wet].T[0])
         names = [k for k, f in (mesh.boundaries or {}).items() if np.isin(facets[wet.any(axis=1)], f).any()]
-        warnings.warn(f"there is water above the surface at {where} without pressure on it; pass its name "
-                      f"in boundaries= ({', '.join(names) or 'it has none yet'})", AnalysisWarning, stacklevel=3)
+        warn(f"there is water above the surface at {where} without pressure on it; pass its name "
+             f"in boundaries= ({', '.join(names) or 'it has none yet'})")

@@ -16,7 +16,7 @@ from .results.result import Result, StageResult
 from .stages.initial import gravity_state, initial_state, k0_state
 from .stages.run import Observer, run
 from .stages.setup import Setup
-from .stages.stage import Stage
+from .stages.stage import AtRest, Force, Stage
 
 
 class Model(Setup):
@@ -76,7 +76,7 @@ class Model(Setup):
     def __repr__(self) -> str:
         return f"<Model {self.coordinates or ''} {self.layout.size} dofs, forms: {', '.join(self.forms)}>"
 
-    def initial_state(self, load: Any = None, *, stress: Callable[[ndarray], ndarray], water: Any = None,
+    def initial_state(self, load: Force = None, *, stress: Callable[[ndarray], ndarray], water: AtRest = None,
                       name: str = "initial") -> Result:
         """Return a start with a given field of stresses; nothing has moved.
 
@@ -108,8 +108,8 @@ class Model(Setup):
         """
         return initial_state(self, load, stress, water, name)
 
-    def k0_state(self, load: Any = None, *, K0: float | Mapping[str, float],
-                 unit_weights: float | Mapping[str, float] | None = None, surcharge: float = 0.0, water: Any = None,
+    def k0_state(self, load: Force = None, *, K0: float | Mapping[str, float],
+                 unit_weights: float | Mapping[str, float] | None = None, surcharge: float = 0.0, water: AtRest = None,
                  name: str = "initial") -> Result:
         """Return the K0 state of level ground: vertical stress from the weight above, horizontal stress K0 times it.
 
@@ -150,7 +150,7 @@ class Model(Setup):
         """
         return k0_state(self, load, K0, unit_weights, surcharge, water, name)
 
-    def gravity_state(self, load: Any = None, *, K0: float | Mapping[str, float] | None = None, water: Any = None,
+    def gravity_state(self, load: Force = None, *, K0: float | Mapping[str, float] | None = None, water: AtRest = None,
                       name: str = "initial", increments: int = 1) -> Result:
         """Turn gravity on in ground of any shape; the displacements are then set to zero.
 
@@ -211,7 +211,7 @@ class Model(Setup):
         """
         return run(self, stages, start, on_increment, progress)
 
-    def strength_reduction(self, load: Any = None, *, start: Result | StageResult | None = None, water: Any = None,
+    def strength_reduction(self, load: Force = None, *, start: Result | StageResult | None = None, water: AtRest = None,
                            reduce: str | Collection[str] | None = None, exclude: str | Collection[str] = (),
                            method: Literal["continuation", "bracket"] = "continuation", flow: Flow = "given",
                            tolerance: float = 0.01, step: float = 0.1, max_value: float = 100.0,
@@ -280,7 +280,7 @@ class Model(Setup):
         return strength_reduction(self, load, start, water, reduce, exclude, method, flow, tolerance, step, max_value,
                                   certify, progress)
 
-    def limit_load(self, load: Any, *, start: Result | StageResult | None = None, tolerance: float = 0.005,
+    def limit_load(self, load: Force, *, start: Result | StageResult | None = None, tolerance: float = 0.005,
                    step: float = 1.0, max_value: float = np.inf, flow: Flow = "given", max_step: float = np.inf,
                    min_displacement: float = 0.0, certify: bool | Mapping[str, Any] = False,
                    progress: bool | None = None) -> CollapseResult:
@@ -327,7 +327,7 @@ class Model(Setup):
         return limit_load(self, load, start, tolerance, step, max_value, flow, max_step, min_displacement, certify,
                           progress)
 
-    def is_stable(self, load: Any = None, *, start: Result | StageResult | None = None, water: Any = None) -> bool:
+    def is_stable(self, load: Force = None, *, start: Result | StageResult | None = None, water: AtRest = None) -> bool:
         """Return True if the structure resists its load: a factor of safety above 1, asked in one step.
 
         An equilibrium means True; displacements that run away along a mechanism, see :class:`NoEquilibrium`, mean

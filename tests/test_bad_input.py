@@ -133,7 +133,7 @@ def test_slave_and_master_that_share_nodes(slave):
     "penalty", [0, -1.0, np.nan, np.inf, (1e3, 0.0), (-1.0, 1e3), (1e3,), (1.0, 2.0, 3.0), "stiff", [1e3, 1e3]]
 )
 def test_penalty_that_is_none(penalty):
-    with pytest.raises(ValueError, match="penalt"):
+    with pytest.raises(ValueError, match=r"penalt|normal must be a finite number"):
         pair(penalty=penalty)
 
 
@@ -156,8 +156,8 @@ def test_number_of_points_may_be_numpy():
         ({"share": 1.5}, "share must lie in"),
         ({"smoothing": 0.7}, "alpha must lie in"),
         ({"smoothing": 0.0}, "alpha must lie in"),
-        ({"enforcement": "augmented"}, "enforcement must be None or"),
-        ({"enforcement": sc.AugmentedLagrangian}, "enforcement must be None or"),
+        ({"enforcement": "augmented"}, "enforcement must be an AugmentedLagrangian or None"),
+        ({"enforcement": sc.AugmentedLagrangian}, "enforcement must be an AugmentedLagrangian or None"),
     ],
 )
 def test_bad_options(options, message):
@@ -220,13 +220,13 @@ def test_unsupported_element(element, mesh, name):
 
 @pytest.mark.parametrize("kind", [FacetBasis, InteriorFacetBasis])
 def test_basis_of_facets(kind):
-    with pytest.raises(ValueError, match=f"a Basis of elements is needed, not {kind.__name__}"):
+    with pytest.raises(ValueError, match=f"basis must be a CellBasis, not {kind.__name__}"):
         sc.SolidForm(kind(MeshQuad().refined(1), ElementVector(ElementQuad1())), ELASTIC)
 
 
 @pytest.mark.parametrize("what", [None, blocks()])
 def test_no_basis_at_all(what):
-    with pytest.raises(ValueError, match="a Basis of elements is needed"):
+    with pytest.raises(ValueError, match=r"basis must be a CellBasis"):
         sc.SolidForm(what, ELASTIC)
 
 
@@ -268,7 +268,7 @@ def test_parameter_array_of_wrong_length_by_replacement():
     [
         ({"E": 0.0}, "E must be positive"),
         ({"E": -1.0}, "E must be positive, got -1"),
-        ({"E": np.nan}, "E must be finite"),
+        ({"E": np.nan}, "E must be a finite number"),
         ({"nu": 0.5}, "nu must lie between -1 and 0.5"),
         ({"nu": -1.0}, "nu must lie"),
         ({"c": -1.0}, "c must not be negative"),
@@ -291,7 +291,7 @@ def test_bad_weights():
         sc.weight(basis, {"clay": 1.0})
     with pytest.raises(ValueError, match=r"9 elements get their weight twice.*\['a', 'all'\]"):
         sc.weight(basis, {"a": 1.0, "all": 2.0})
-    with pytest.raises(ValueError, match="finite numbers"):
+    with pytest.raises(ValueError, match="each a finite number"):
         sc.weight(basis, {"a": np.nan})
     forms = {"ground": sc.SolidForm(basis, sc.LinearElastic(E=1.0, nu=0.3))}
     with pytest.raises(ValueError, match="9 elements get their K0 twice"):
@@ -300,13 +300,13 @@ def test_bad_weights():
 
 @pytest.mark.parametrize("direction", [(0.0, -2.0), (0.0, 0.0, -1.0), (np.nan, 1.0), -1.0])
 def test_direction_of_weight_that_is_no_unit_vector(direction):
-    with pytest.raises(ValueError, match="unit vector with 2 components"):
+    with pytest.raises(ValueError, match=r"direction must be (a unit vector with 2|several values, each a finite)"):
         sc.weight(vector_basis(blocks(), "Q1"), 1.0, direction=direction)
 
 
 @pytest.mark.parametrize("unit_weight", [0.0, -9.81, np.nan, np.inf])
 def test_bad_unit_weight_of_water(unit_weight):
-    with pytest.raises(ValueError, match="unit weight of water must be positive"):
+    with pytest.raises(ValueError, match=r"unit weight of water must be positive|unit_weight must be a finite number"):
         sc.hydrostatic(1.0, unit_weight=unit_weight)
 
 
@@ -346,9 +346,9 @@ def test_two_stages_of_one_name():
 
 def test_stages_and_forms_of_the_wrong_kind():
     _, forms, stages, fixed = problem()
-    with pytest.raises(ValueError, match=r"stages must be a list; write \[Stage\(\.\.\.\)\]"):
+    with pytest.raises(ValueError, match="stages must be several values, each a Stage, not Stage"):
         run(forms, stages[0], fixed)
-    with pytest.raises(ValueError, match=r"forms must be a dictionary \{name: form\}, not list"):
+    with pytest.raises(ValueError, match="forms must be a dictionary of names, not list"):
         run(list(forms.values()), stages, fixed)
 
 
@@ -390,14 +390,14 @@ def test_lists_of_numbers_are_arrays():
 @pytest.mark.parametrize("increments", [0, -3, 2.5, "2"])
 def test_bad_increments(increments):
     basis, forms, _, fixed = problem()
-    with pytest.raises(ValueError, match="stage 'rest': increments must be at least 1"):
+    with pytest.raises(ValueError, match=r"increments must be (at least 1|a whole number)"):
         run(forms, [sc.Stage("rest", basis.zeros(), None, increments)], fixed)
 
 
 @pytest.mark.parametrize("duration", [-1.0, np.nan, np.inf, "2"])
 def test_bad_duration(duration):
     basis, forms, _, fixed = problem()
-    with pytest.raises(ValueError, match="stage 'rest': the duration must not be negative"):
+    with pytest.raises(ValueError, match=r"duration must (not be negative|be a finite number)"):
         run(forms, [sc.Stage("rest", basis.zeros(), duration=duration)], fixed)
 
 

@@ -145,7 +145,7 @@ def test_a_factor_outside_of_its_bounds_is_warned_of(bars) -> None:
         found = quiet(analysis, "strength_reduction", forms, fixed, sc.weight(basis, 20.0), certify={"gap": 0.04})
     assert found.factor > found.proven.upper > 1.3748
     with pytest.warns(sc.AnalysisWarning, match="lies below"):
-        found.beside(replace(found.proven, lower=found.factor + 1.0, upper=9.0), 0.01, stacklevel=1)
+        found.beside(replace(found.proven, lower=found.factor + 1.0, upper=9.0), 0.01)
     plot.mechanism(found)
     plt.close("all")
     value = f"{found.factor:.4g} in [{found.proven.lower:.4g}, {found.proven.upper:.4g}]"

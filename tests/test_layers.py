@@ -159,6 +159,6 @@ def test_materials_and_laws_are_asked_by_their_calls() -> None:
         for node in ast.walk(tree):
             if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "hasattr":
                 found[name] = ast.unparse(node)
-    # objects that derive from no base class; named tuples; water given as a seepage or otherwise
-    allowed = {"forms.base", "forms.staged", "materials.base", "stages.loading"}
+    # protocols; objects that derive from no base class; named tuples; water given as a seepage or otherwise
+    allowed = {"checks", "forms.base", "forms.staged", "materials.base", "stages.loading"}
     assert set(found) <= allowed, found

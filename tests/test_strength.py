@@ -240,8 +240,8 @@ def test_stall_is_no_collapse():
 @pytest.mark.parametrize(("settings", "message"), [
     ({"reduce": {"sand"}}, "no form or region 'sand'.*existing: all, soil"),
     ({"exclude": {"sand"}}, "no form or region 'sand'"),
-    ({"method": "bisection"}, "'continuation' or 'bracket'"),
-    ({"flow": "davis"}, "flow must be one of given, associated"),
+    ({"method": "bisection"}, "method must be one of 'continuation', 'bracket'"),
+    ({"flow": "davis"}, "flow must be one of 'given', 'associated'"),
     ({"tolerance": 0.0}, "must be positive"),
     ({"step": -1.0}, "must be positive"),
     ({"exclude": {"soil"}}, "nothing to reduce"),

@@ -16,8 +16,8 @@ HEADS = {"left": 2.0, "right": 1.0}
 
 
 @pytest.mark.parametrize(("changes", "message"), [
-    ({"basis": "mesh"}, "a Basis of elements is needed, not str"),
-    ({"basis": FacetBasis(MESH, ElementTriP1())}, "a Basis of elements is needed, not FacetBasis"),
+    ({"basis": "mesh"}, "basis must be a CellBasis, not 'mesh'"),
+    ({"basis": FacetBasis(MESH, ElementTriP1())}, "basis must be a CellBasis, not FacetBasis"),
     ({"permeability": 0.0}, "permeability must be positive and finite in all directions, not 0.0; leave elements"),
     ({"permeability": -1e-5}, "permeability must be positive"),
     ({"permeability": np.nan}, "permeability must be positive and finite"),
@@ -32,9 +32,9 @@ HEADS = {"left": 2.0, "right": 1.0}
     ({"permeability": {"a": 1.0, "b": 1.0, "b, c": 1.0}}, "12 elements have more than one permeability"),
     ({"permeability": {"a": 1.0, "bb": 1.0}}, "no subdomain 'bb'; existing: a, b"),
     ({"head": {}}, "there is no head"),
-    ({"head": 2.0}, "there is no head"),
+    ({"head": 2.0}, "head must be a dictionary of names"),
     ({"head": {"lefft": 2.0}}, "no boundary 'lefft'; existing: bottom, left, right, top"),
-    ({"head": {"left": np.nan}}, "the head of boundary 'left' must be a finite number"),
+    ({"head": {"left": np.nan}}, "each a finite number or a function, not {'left': nan}"),
     ({"head": {"left": lambda x: np.ones(7)}}, "the head of boundary 'left' must be a finite number"),
     ({"head": {"left": 2.0, "top": 1.0}}, "head of boundary 'top', 1 at most, is below all of it, from 2 up"),
     ({"head": {"left": 3.0, "top": 2.0}}, r"'left' and 'top' share the node at \(0, 2\) and give it different heads"),
@@ -42,8 +42,8 @@ HEADS = {"left": 2.0, "right": 1.0}
     ({"seepage_face": ["right", "none"]}, "no boundary 'none'"),
     ({"retention": {"a": sc.water.Ramp()}}, "8 elements have no retention"),
     ({"unit_weight": 0.0}, "unit_weight must be a finite number above 0"),
-    ({"unit_weight": np.inf}, "unit_weight must be a finite number above 0"),
-    ({"connected": ["left"]}, "connected boundaries are pairs of names"),
+    ({"unit_weight": np.inf}, "unit_weight must be a finite number, not inf"),
+    ({"connected": ["left"]}, "connected must be several values, each 2 values, each a string"),
     ({"connected": [("left", "rihgt")]}, "no boundary 'rihgt'"),
     ({"connected": [("bottom", "top")]}, "the boundaries 'bottom' and 'top' are nowhere next to each other"),
     ({"basis": BODIES, "head": {"p:left": 2.0}}, r"no head is given in the part of the ground around \(4, 0\), 15"),
@@ -61,7 +61,7 @@ def test_bad_input(changes, message):
 
 @pytest.mark.parametrize(("law", "options", "message"), [
     (sc.water.Ramp, {"width": 0.0}, "width must be a finite number above 0"),
-    (sc.water.Ramp, {"width": np.nan}, "width must be a finite number above 0"),
+    (sc.water.Ramp, {"width": np.nan}, "width must be a finite number, not nan"),
     (sc.water.Ramp, {"least": 0.0}, "least must be a finite number above 0 and below 1"),
     (sc.water.VanGenuchten, {"alpha": -1.0, "n": 2.0}, "alpha must be a finite number above 0"),
     (sc.water.VanGenuchten, {"alpha": 1.0, "n": 1.0}, "n must be a finite number above 1"),

@@ -1,7 +1,6 @@
 """Searches for a collapse: their steps, ends and results."""
 from __future__ import annotations
 
-import warnings
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -11,7 +10,7 @@ import numpy as np
 from numpy import ndarray
 
 from ..display import html_table
-from ..errors import AnalysisWarning, NoEquilibrium, NotConverged
+from ..errors import NoEquilibrium, NotConverged, warn
 from ..forms.base import Form, solids_of
 from ..limit_analysis import Bounds
 from ..nonlinear.system import System
@@ -300,11 +299,8 @@ class CollapseResult:
             return f"; with psi < phi a path may end like this: flow='davis_b'{lagged} continues (Davis is safe{safe})"
         return ""
 
-    def beside(self, proven: Bounds | None, tolerance: float, stacklevel: int) -> CollapseResult:
+    def beside(self, proven: Bounds | None, tolerance: float) -> CollapseResult:
         """Add bounds; warn of a search without limit, a factor below 1, a value beyond its bounds."""
-        def warn(text: str) -> None:
-            warnings.warn(text, AnalysisWarning, stacklevel=stacklevel + 2)
-
         if not self.stop.shows_limit:
             warn(f"no collapse was shown: the search for the {self.what} ended at {self.value:.4g}, stopped by "
                  f"{self.stop}{self._advice()}")

@@ -117,7 +117,7 @@ def strength_reduction(setup: Setup, load: Any, start: Result | StageResult | No
     with progress_bar(progress, desc=FACTOR, bar_format="{desc} {postfix} {elapsed}") as bar:
         davis = _davis(branch, search, bar) if free else None
         result = search(branch, method=method, bar=bar, davis=davis)
-    return result.beside(proven, tolerance, stacklevel=4)
+    return result.beside(proven, tolerance)
 
 
 def _search(branch: _Strength, origin: Point, newton: Newton, tolerance: float, step: float, max_value: float,

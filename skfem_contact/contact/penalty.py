@@ -2,7 +2,6 @@
 from __future__ import annotations
 
 import logging
-import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -13,7 +12,7 @@ from scipy.sparse import coo_matrix, csc_matrix, csr_matrix, diags_array
 from scipy.sparse.linalg import spsolve
 
 from ..checks import is_number
-from ..errors import AnalysisWarning
+from ..errors import warn
 from ..forms.base import Form, as_forms
 from ..surfaces.surface import Surface
 from .interface import ContactState
@@ -80,9 +79,9 @@ def chosen(slave: Surface, master: Surface, bodies: Sequence[csr_matrix], penalt
     stiffness = known[0] if len(known) == 1 else 1.0 / (1.0 / known[0] + 1.0 / known[1])
     penalty = penalty or (_RATIO * stiffness, _RATIO * stiffness)
     if warns and max(penalty) > _TOO_HARD * stiffness:
-        warnings.warn(f"contact of '{slave.name}' on '{master.name}': the penalty, {max(penalty):.3g}, is "
-                      f"{max(penalty) / stiffness:.0e} times the stiffness of the surfaces: round-off hides the "
-                      "penetration; 1 to 1e3 times are enough", AnalysisWarning, stacklevel=4)
+        warn(f"contact of '{slave.name}' on '{master.name}': the penalty, {max(penalty):.3g}, is "
+             f"{max(penalty) / stiffness:.0e} times the stiffness of the surfaces: round-off hides the "
+             "penetration; 1 to 1e3 times are enough")
     return penalty, stiffness
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy import ndarray
 from numpy.typing import ArrayLike
-from scipy.sparse import coo_matrix, csr_matrix
+from scipy.sparse import coo_matrix, csr_matrix, sparray, spmatrix
 from skfem import CellBasis
 from typing_extensions import override
 
@@ -46,8 +46,8 @@ class MatrixForm(Form):
     [-0.2, -0.2, -0.2, -0.2, -0.2]
     """
 
-    def __init__(self, K: csr_matrix) -> None:
-        self.elastic_stiffness = csr_matrix(K)
+    def __init__(self, K: spmatrix | sparray | ndarray) -> None:
+        self.elastic_stiffness = csr_matrix(K)  # type: ignore[arg-type]
         self.size: int = int(self.elastic_stiffness.shape[1])
         if self.elastic_stiffness.shape[0] != self.size or not np.isfinite(self.elastic_stiffness.data).all():
             raise ValueError(f"K must be a square matrix of finite numbers, not {self.elastic_stiffness.shape}")
@@ -189,13 +189,11 @@ class Bar(Form):
                  end_part: str | None = None) -> None:
         if not (is_number(EA, 0.0, np.inf) and (yield_force == np.inf or is_number(yield_force, 0.0, np.inf))):
             raise ValueError(f"EA and yield_force must be positive, not {EA!r} and {yield_force!r}")
-        if not (isinstance(fixed_end, bool) and isinstance(tension_only, bool)):
-            raise ValueError("fixed_end and tension_only must be True or False, "
-                             f"not {fixed_end!r} and {tension_only!r}")
-        a, b = np.broadcast_arrays(np.atleast_2d(finite(start, "start")), np.atleast_2d(finite(end, "end")))
-        if a.shape[1] != basis.mesh.dim():
+        ends = [np.atleast_2d(finite(start, "start")), np.atleast_2d(finite(end, "end"))]
+        if any(points.ndim != 2 or points.shape[1] != basis.mesh.dim() for points in ends):
             raise ValueError(f"the ends of a bar must be points of {basis.mesh.dim()} coordinates, not {start!r} and "
                              f"{end!r}")
+        a, b = np.broadcast_arrays(*ends)
         length = np.linalg.norm(b - a, axis=1)
         if not (length > 0.0).all():
             raise ValueError("the ends of a bar must lie apart, and be finite")

@@ -13,7 +13,7 @@ from scipy.sparse import coo_matrix, csr_matrix
 from skfem import CellBasis
 from typing_extensions import override
 
-from ..checks import check_basis, facets_of, finite
+from ..checks import check_basis, facets_of, vector
 from ..layout import Field, rigid_modes
 from .base import Form, Response, solids_of
 from .links import MatrixForm
@@ -104,7 +104,7 @@ class RigidBoundary(MatrixForm):
     def load(self, force: ArrayLike, at: ArrayLike) -> ndarray:
         """Return the load vector, (N,), of a force, (dim,), at coordinates (dim,), on the boundary or beside it."""
         load = np.zeros(self._displacements)
-        load[self._dofs] = self._spread(at) @ finite(force, "force")
+        load[self._dofs] = self._spread(at) @ vector(force, len(self._places), "force")
         return load
 
     def motion(self, x: ndarray, at: ArrayLike) -> ndarray:
@@ -113,7 +113,7 @@ class RigidBoundary(MatrixForm):
 
     def _spread(self, at: ArrayLike) -> ndarray:
         """Return forces on the dofs for unit forces at coordinates, (n, dim): the motion, too, by reciprocity."""
-        modes, there = self._at(finite(at, "at"))
+        modes, there = self._at(vector(at, len(self._places), "at"))
         return np.linalg.pinv(modes).T @ there.T
 
     def _at(self, place: ndarray) -> tuple[ndarray, ndarray]:

@@ -1,7 +1,6 @@
 """Certified bounds of factors of safety and limit loads, alone or for a search."""
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Collection, Mapping
 from functools import partial
 from typing import Any, Literal
@@ -12,7 +11,7 @@ from skfem import MeshTri
 from tqdm import tqdm
 
 from ..checks import names_of
-from ..errors import AnalysisWarning
+from ..errors import warn
 from ..forms.base import solids_of
 from ..loads import Pressure, by_element
 from ..solvers import single_threaded
@@ -108,7 +107,7 @@ def bounds(forms: Mapping[str, Any], fixed: ndarray, weight: float | Mapping[str
     loads = partial(named_loads, weight=gamma, tractions=dict(tractions or {}), water=water,
                     submerged=names_of(submerged), seismic=seismic, live=names_of(live))
     return _bracket(forms, fixed, loads, bool(names_of(live)), reduce=reduce, exclude=exclude, flow=flow, gap=gap,
-                    elements=elements, seconds=seconds, progress=progress, stacklevel=5)
+                    elements=elements, seconds=seconds, progress=progress)
 
 
 def _own(forms: Mapping[str, Any]) -> ndarray | float:
@@ -137,13 +136,13 @@ def beside(certify: bool | Mapping[str, Any], forms: Mapping[str, Any], fixed: n
     loads = partial(vector_loads, dead=dead, live=live, water=given.pop("water", None),
                     submerged=names_of(given.pop("submerged", ())))
     return _bracket(forms, fixed, loads, live is not None, reduce=reduce, exclude=exclude, flow=flow,
-                    progress=progress, stacklevel=6, **given)
+                    progress=progress, **given)
 
 
 def _bracket(forms: Mapping[str, Any], fixed: ndarray, loads: Callable[[Site], Loads], multiplied: bool, *,
              reduce: str | Collection[str] | None, exclude: str | Collection[str], flow: str, progress: bool | None,
-             stacklevel: int, gap: float = 0.01, elements: int = 20_000, seconds: float = np.inf) -> Bounds:
-    """Compute bounds; open ends are warned of at the caller's level."""
+             gap: float = 0.01, elements: int = 20_000, seconds: float = np.inf) -> Bounds:
+    """Compute bounds; warn of open ends."""
     if not (0 < gap < np.inf) or not elements > 0 or not seconds > 0:
         raise ValueError(f"gap, elements and seconds must be positive, not {gap!r}, {elements!r} and {seconds!r}")
     problem = read(forms, fixed, loads, multiplied, reduce, exclude, flow == "associated")
@@ -153,26 +152,26 @@ def _bracket(forms: Mapping[str, Any], fixed: ndarray, loads: Callable[[Site], L
         search.run(gap, elements, seconds)
         davis, smooth = (None if weaker is None else search.estimate(weaker)
                          for weaker in (problem.davis, problem.smooth))
-    _tell(search, gap, stacklevel)
+    _tell(search, gap)
     return _result(search, davis, smooth)
 
 
-def _tell(search: Search, gap: float, stacklevel: int) -> None:
+def _tell(search: Search, gap: float) -> None:
     """Warn about a search that did not reach its end."""
     low, high = search.lower.proof.value, search.upper.proof.value
     unproven = [kind for kind, value in (("lower", low), ("upper", high)) if not np.isfinite(value)]
     if search.overloaded:
         why = f"the multiplier is at most {high:.5g}" if high < 0 else \
               f"they need {1 / search.fixed_factor:.4g} times the strength"
-        warnings.warn(f"the fixed loads alone cause a collapse: {why}", AnalysisWarning, stacklevel=stacklevel)
+        warn(f"the fixed loads alone cause a collapse: {why}")
     elif (missing := search.problem.missing) and not low > _NOTHING * high:
-        warnings.warn(f"soil without {missing} resists nothing at a free surface, and there is no lower bound: give "
-                      f"it a small {missing}; the upper bound is {high:.5g}", AnalysisWarning, stacklevel=stacklevel)
+        warn(f"soil without {missing} resists nothing at a free surface, and there is no lower bound: give "
+             f"it a small {missing}; the upper bound is {high:.5g}")
     elif unproven:
-        warnings.warn(f"no {' and no '.join(unproven)} bound could be proven", AnalysisWarning, stacklevel=stacklevel)
+        warn(f"no {' and no '.join(unproven)} bound could be proven")
     elif search.gap > gap:
-        warnings.warn(f"the bounds [{low:.5g}, {high:.5g}] differ by {search.gap:.2%}, more than the {gap:.2%} that "
-                      "were asked for: allow more `elements` or `seconds`", AnalysisWarning, stacklevel=stacklevel)
+        warn(f"the bounds [{low:.5g}, {high:.5g}] differ by {search.gap:.2%}, more than the {gap:.2%} that "
+             "were asked for: allow more `elements` or `seconds`")
 
 
 def _result(search: Search, davis: float | None, smooth: float | None) -> Bounds:

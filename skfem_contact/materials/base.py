@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable
 from typing import Any, Literal, NamedTuple, get_args
 
@@ -10,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from typing_extensions import override
 
-from ..errors import AnalysisWarning
+from ..errors import warn
 
 Array = NDArray[np.float64]
 Parameter = float | Array
@@ -325,4 +324,4 @@ def warn_of_radians(**angles: Parameter) -> None:
     for name, angle in angles.items():
         largest = float(np.max(angle))
         if 0.0 < largest < np.pi / 2:
-            warnings.warn(f"{name} is {largest:.4g}: angles are given in degrees", AnalysisWarning, stacklevel=4)
+            warn(f"{name} is {largest:.4g}: angles are given in degrees")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -10,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from ..errors import AnalysisWarning
+from ..errors import warn
 from .base import (
     EXCESS_PRESSURE,
     Array,
@@ -88,8 +87,8 @@ class Undrained(Material):
         require("bulk_modulus_water" + (" (from nu_undrained)" if self.bulk_modulus_water is None else ""),
                 self.bulk_modulus, np.greater_equal(self.bulk_modulus, 0), "not be negative")
         if soil.dilates:
-            warnings.warn("a soil that dilates, psi > 0, gets stronger without end where its water cannot leave; "
-                          "undrained soils take psi=0", AnalysisWarning, stacklevel=3)
+            warn("a soil that dilates, psi > 0, gets stronger without end where its water cannot leave; "
+                 "undrained soils take psi=0")
 
     @property
     def bulk_modulus(self) -> Parameter:

@@ -3,6 +3,7 @@
 Import it by itself, ``import skfem_contact.plot as plot``: the solver needs no graphics library. Functions take a stage
 and a quantity, return the picture and write it to ``file`` if one is given.
 """
+from ..checks import guard
 from .contour import animate, contour, cutaway, stages
 from .diagram import diagram, history
 from .flow import flow_diagram
@@ -11,3 +12,5 @@ from .units import labelled, set_units
 
 __all__ = ["animate", "contour", "cutaway", "diagram", "flow_diagram", "history", "labelled", "load_curve", "mechanism",
            "set_units", "stages"]
+
+guard(__name__)

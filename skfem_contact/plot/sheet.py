@@ -4,7 +4,6 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-import warnings
 from functools import cache
 from io import BytesIO
 from pathlib import Path
@@ -18,6 +17,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 from numpy import ndarray
+
+from ..errors import warn
 
 #: Share of the area that may lie below, and above, the limits where it would make the scale so much longer.
 _TAIL, _LONGER = 0.01, 3.0
@@ -228,11 +229,11 @@ def finish(plotter: Any, file: str | Path | None, show: bool) -> Any:
 def can_draw(title: str, show: bool = False) -> tuple[bool, bool]:
     """Return whether VTK can draw here, and whether it can open a window; warn where it cannot as asked for."""
     if not _can_render():
-        warnings.warn(f"no picture of '{title}': VTK cannot draw on this machine, it needs OpenGL "
-                      "(a display, or the libraries EGL or OSMesa)", stacklevel=4)
+        warn(f"no picture of '{title}': VTK cannot draw on this machine, it needs OpenGL "
+             "(a display, or the libraries EGL or OSMesa)", UserWarning)
         return False, False
     if show and not _has_windows():
-        warnings.warn(f"no window for '{title}': this machine has no display; file= writes the picture", stacklevel=4)
+        warn(f"no window for '{title}': this machine has no display; file= writes the picture", UserWarning)
         return True, False
     return True, show
 

@@ -1,7 +1,6 @@
 """Initial states: the stresses of the ground before anything is built."""
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Mapping
 from copy import copy
 from dataclasses import replace
@@ -14,7 +13,7 @@ from scipy.spatial import cKDTree
 
 from ..checks import look_up
 from ..contact.prestress import prestressed
-from ..errors import AnalysisWarning
+from ..errors import warn
 from ..forms.base import Form, internal_force
 from ..loads import by_element
 from ..materials import LinearElastic, Material
@@ -190,9 +189,9 @@ def _check_balance(now: Evaluation, system: System) -> None:
     """Warn about forces that do not balance, at the level of the caller of the model's method."""
     if now.norm > _BALANCED:
         names = [key for key, response in now.responses.items() if response.force[now.worst] != 0.0]
-        warnings.warn(f"the initial stresses are out of balance by {now.norm:.2g} of the load, most "
-                      f"{system.layout.describe(now.worst)} of {names}: begin with a stage of the same load to let "
-                      "them find equilibrium", AnalysisWarning, stacklevel=5)
+        warn(f"the initial stresses are out of balance by {now.norm:.2g} of the load, most "
+             f"{system.layout.describe(now.worst)} of {names}: begin with a stage of the same load to let "
+             "them find equilibrium")
 
 
 def _stress_at(places: ndarray, stress: _StressField, solids: Mapping[str, Any]) -> ndarray:

@@ -32,8 +32,6 @@ Observer = Callable[[StageResult], Any]
 def run(setup: Setup, stages: Sequence[Stage], start: Result | StageResult | None = None,
         on_increment: Observer | None = None, progress: bool | None = None) -> Result:
     """Run stages one after the other, see :meth:`skfem_contact.Model.run`."""
-    if not isinstance(start, Result | StageResult | None):
-        raise ValueError(f"start must be a result or a stage of one, not {start!r}")
     done = [start] if isinstance(start, StageResult) else list(start or ())
     stages = checked(stages, [stage.name for stage in done])
     phases = plan(setup, stages, done[-1] if done else None)
@@ -41,7 +39,7 @@ def run(setup: Setup, stages: Sequence[Stage], start: Result | StageResult | Non
     if done:
         check_start(phases[0].before, last)
     system, predictor = None, None
-    with Remarks(stacklevel=4) as remarks:
+    with Remarks() as remarks:
         for stage, phase in zip(stages, phases, strict=True):
             lost = np.zeros(len(last.x))
             if phase.changed or (stage is stages[0] and state_changes(phase, last)):

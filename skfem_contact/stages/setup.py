@@ -1,7 +1,6 @@
 """Setup of an analysis: forms that are completed and numbered once, supports, gravity and the solver."""
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from functools import cached_property
@@ -14,7 +13,7 @@ from typing_extensions import Self
 
 from .. import loads
 from ..checks import is_number
-from ..errors import AnalysisWarning
+from ..errors import warn
 from ..forms.base import Form, as_forms, solids_of
 from ..layout import Field, Layout
 from ..mesh import check_mesh
@@ -28,11 +27,9 @@ from .supports import check_supports
 class Setup:
     """Forms, supports and settings that all analyses of a model share; see :class:`~skfem_contact.Model`."""
 
-    def __init__(self, forms: Mapping[str, Any], fixed: Any = (), *, solver: Any = None,
+    def __init__(self, forms: Mapping[str, Any], fixed: Any = (), *, solver: str | Callable[..., Any] | None = None,
                  newton: Newton | None = None, gravity: Sequence[float] | None = None,
                  seismic: float | Sequence[float] = 0.0, water_unit_weight: float | None = None) -> None:
-        if not isinstance(newton, Newton | None):
-            raise ValueError(f"newton must be settings Newton(...), not {newton!r}")
         given = as_forms(forms)
         self.solver, self.newton = solver, newton
         self.coordinates = _coordinates_of(given)
@@ -51,8 +48,7 @@ class Setup:
         """Return the load vector of the weight of all solids, see :func:`weight`."""
         for name, form in self.solids.items():
             if missing := loads.weightless(form, unit_weights):
-                warnings.warn(f"{missing} of '{name}' are weightless: name them too, with 0 if they are meant to be",
-                              AnalysisWarning, stacklevel=2)
+                warn(f"{missing} of '{name}' are weightless: name them too, with 0 if they are meant to be")
         return sum((loads.weight(form, unit_weights, direction) for form in self.solids.values()),
                    start=np.zeros(self.layout.n_displacements))
 
@@ -75,8 +71,9 @@ class Setup:
         dim = len(self.layout.coordinates)
         down = -np.eye(dim)[-1] if gravity is None else np.asarray(gravity, float)
         horizontal = np.zeros(dim)
-        horizontal[:np.size(seismic)] = seismic
-        if down.shape != (dim,) or not np.isfinite(down + horizontal).all():
+        if np.size(seismic) <= dim:
+            horizontal[:np.size(seismic)] = seismic
+        if np.size(seismic) > dim or down.shape != (dim,) or not np.isfinite(down + horizontal).all():
             raise ValueError(f"gravity and seismic must be finite, with {dim} components, not {gravity!r} and "
                              f"{seismic!r}")
         return down + horizontal

@@ -7,12 +7,17 @@ from typing import Any, Literal
 
 import numpy as np
 from numpy import ndarray
+from numpy.typing import ArrayLike
 
 from ..checks import is_number
 from ..forms.base import Form
+from ..results.fields import Water
 
 #: Load on top of the weights: a vector, several of them, or a function of the share of the stage.
-LoadLike = ndarray | Sequence[ndarray] | Callable[[float], ndarray] | None
+Force = ndarray | Sequence[ndarray] | None
+LoadLike = Force | Callable[[float], ndarray]
+#: Water at rest: see :class:`Stage`.
+AtRest = Water | ArrayLike | Mapping[str, Any] | Literal[False] | None
 
 
 @dataclass(frozen=True)
@@ -88,19 +93,15 @@ class Stage:
     activate: str | Sequence[str] = ()
     deactivate: str | Sequence[str] = ()
     change: Mapping[str, Form] = field(default_factory=dict)
-    fixed: ndarray | None = None
+    fixed: ndarray | Sequence[Any] | None = None
     duration: float = 0.0
-    water: Any = None
+    water: AtRest = None
     release: float = 1.0
     keep: Literal["last", "all"] | int = "last"
 
 
-def checked(stages: Any, before: Sequence[str]) -> Sequence[Stage]:
-    """Return the stages; a ``ValueError`` for what is no list of stages with names of their own and proper numbers."""
-    if not isinstance(stages, Sequence):
-        raise ValueError(f"stages must be a list; write [Stage(...)], not {type(stages).__name__}")
-    if wrong := next((stage for stage in stages if not isinstance(stage, Stage)), None):
-        raise ValueError(f"stages must be a list of Stage(...), not of {type(wrong).__name__}")
+def checked(stages: Sequence[Stage], before: Sequence[str]) -> Sequence[Stage]:
+    """Return the stages; a ``ValueError`` for stages without names of their own or proper numbers."""
     if not stages:
         raise ValueError("there is no stage to run")
     known = set(before)

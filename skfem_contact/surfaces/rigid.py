@@ -18,7 +18,7 @@ from skfem import (
     ElementTetP2,
     ElementTriP1,
     ElementVector,
-    Mesh,
+    MeshHex,
     MeshQuad1,
     MeshQuad2,
     MeshTet,
@@ -266,7 +266,7 @@ def cone(apex: ArrayLike, axis: ArrayLike, slope: float, radius: float, name: st
     return _surface(name, points, facets, Shape.of_facets(ElementTetP2()), lambda x: np.tile(-axes[2], (len(x), 1)))
 
 
-def mesh(mesh: Mesh, boundary: str, name: str | None = None) -> Surface:
+def mesh(mesh: MeshTet | MeshHex, boundary: str, name: str | None = None) -> Surface:
     """Return a rigid body with the shape of a named boundary of a mesh in space.
 
     Parameters

@@ -60,6 +60,8 @@ def check_form(form: Any, x: ndarray, state: Any, locations: ndarray | None = No
     """
     rng = np.random.default_rng(seed)
     form = as_forms({"form": form})["form"]
+    if directions < 1 or type(state) is not type(form.initial_state()):
+        raise ValueError(f"directions must be at least 1, and the state one of the form's, not {type(state).__name__}")
     first = form.assemble(x, state)
     for name in ("state", "stiffness"):
         eager = isinstance(first, Response) and name in vars(first)

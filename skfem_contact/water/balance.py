@@ -2,7 +2,6 @@
 from __future__ import annotations
 
 import logging
-import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
@@ -11,7 +10,7 @@ import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix, diags
 
-from ..errors import AnalysisWarning, NotConverged
+from ..errors import NotConverged, warn
 from ..solvers.direct import DirectSolver
 from .boundary import Conditions
 from .darcy import DarcyFlow, Retention
@@ -82,9 +81,8 @@ class WaterBalance:
             reached, now = self._narrowed(now, laws)
             if reached > 1.0:
                 reached, now = self._instead(now, laws, reached)
-                warnings.warn(f"the transition between wet and dry ground is {reached:.3g} times as wide as asked for; "
-                              "with a narrower one the water did not balance; refine the mesh at the free surface",
-                              AnalysisWarning, stacklevel=3)
+                warn(f"the transition between wet and dry ground is {reached:.3g} times as wide as asked for; "
+                     "with a narrower one the water did not balance; refine the mesh at the free surface")
             laws = _softer(laws, reached)
         relative = self.flow.relative(now.head, laws)[0]
         return Balance(now.head, self.tie.T @ self.flow.inflow(now.head, relative), relative, now.iterations)

@@ -1,7 +1,6 @@
 """Steady flow of water through the ground."""
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -11,7 +10,7 @@ from scipy.spatial import cKDTree
 from skfem import CellBasis, FacetBasis, LinearForm, Mesh
 
 from ..checks import look_up, place, positive
-from ..errors import AnalysisWarning
+from ..errors import warn
 from ..forms.assembly import strain_of
 from ..forms.base import Coordinates
 from ..layout import elements_of
@@ -246,10 +245,10 @@ def _warn_of_dry_ground(basis: CellBasis, tensors: ndarray, relative: ndarray, v
     flow = np.linalg.norm(velocity, axis=0) * basis.dx.sum(axis=1)
     if flow[draining].sum() > _SHARE * flow.sum():
         x = np.asarray(basis.global_coordinates())[:, np.where(draining, flow, 0.0).argmax()].mean(axis=1)
-        warnings.warn(f"water flows off through dry ground at {place(x)}, which conducts better than the wet ground "
-                      "from which it comes: the free surface there is several per cent off; leave drained ground out "
-                      "of the basis and name the boundary towards it in seepage_face=, or give a smaller `least` in "
-                      "retention=", AnalysisWarning, stacklevel=3)
+        warn(f"water flows off through dry ground at {place(x)}, which conducts better than the wet ground "
+             "from which it comes: the free surface there is several per cent off; leave drained ground out "
+             "of the basis and name the boundary towards it in seepage_face=, or give a smaller `least` in "
+             "retention=")
 
 
 def simplices(mesh: Mesh, elements: ndarray) -> ndarray:

@@ -1,4 +1,4 @@
-"""``python -m tests.fuzz --scenes 500 --seed 1``, or ``--scene 1000042`` for a single one with every comparison."""
+"""``python -m tests.fuzz --scenes 500 --seed 1``, or ``--scene 1000042`` for a single one; ``--calls``: wrong calls."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import time
 
 from tqdm import tqdm
 
+from . import calls
 from .comparisons import COMPARISONS
 from .report import details, table, verdict
 from .scenes import seeds
@@ -20,7 +21,10 @@ def main() -> int:
     parser.add_argument("--scenes", type=int, default=500)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--scene", type=int, help="seed of a single scene")
+    parser.add_argument("--calls", action="store_true", help="wrong calls of public functions, 2 minutes")
     given, began = parser.parse_args(), time.process_time()
+    if given.calls:
+        return calls.main(seed=given.seed)
     if given.scene is not None:
         trials = [trial(given.scene, len(COMPARISONS))]
     else:
