@@ -347,4 +347,4 @@ class Model(Setup):
 
     def bounds(self, **options: Any) -> Bounds:
         """Return proven bounds of the factor of safety or of the limit load, see :func:`~.limit_analysis.bounds`."""
-        return bounds(self.forms, self.fixed, **options)
+        return bounds(self.forms, self.fixed, **{"seismic": self.seismic, **options})

@@ -134,3 +134,16 @@ def test_joints_that_open_as_they_slip() -> None:
     # without friction the pad alone carries: its lower bound on this mesh is a third of its limit
     assert found.estimate and 0.1 < found.safe < limit.multiplier and "safe 0.1" in str(found)
     assert any("joints left, right open by mu times their slip" in remark for remark in found.remarks)
+
+
+def test_bounds_take_the_earthquake_of_the_model() -> None:
+    """[X] A model's horizontal acceleration is that of its bounds; gravity in another direction is refused."""
+    mesh = MeshTri.init_tensor(np.linspace(0, 2, 5), np.linspace(0, 2, 5)).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
+    soil = sc.SolidForm(basis, sc.MohrCoulomb(E=1e4, nu=0.3, c=10.0, phi=20.0, psi=20.0), unit_weight=20.0)
+    bottom = basis.get_dofs("bottom").all()
+    shaken = sc.Model({"soil": soil}, bottom, seismic=0.3).bounds(elements=100, gap=0.5)
+    asked = sc.Model({"soil": soil}, bottom).bounds(elements=100, gap=0.5, seismic=0.3)
+    assert (shaken.lower, shaken.upper) == (asked.lower, asked.upper)
+    with pytest.raises(ValueError, match="rotate the mesh"):
+        sc.Model({"soil": soil}, bottom, gravity=(0.6, -0.8)).bounds()

@@ -78,6 +78,13 @@ class Setup:
                              f"{seismic!r}")
         return down + horizontal
 
+    @property
+    def seismic(self) -> float | ndarray:
+        """Horizontal acceleration over that of gravity; a `ValueError` where gravity is not against the last axis."""
+        if self.gravity[-1] != -1.0:
+            raise ValueError(f"bounds need gravity against the last axis, not {self.gravity.tolist()}: rotate the mesh")
+        return float(self.gravity[0]) if len(self.gravity) == 2 else self.gravity[:-1]
+
     def _numbered(self, form: Form) -> Form:
         return form.numbered(self.layout.numbers((*form.fields, *form.borrowed)))
 
