@@ -208,7 +208,7 @@ def test_a_cut_beside_the_body_is_refused():
     with pytest.raises(ValueError, match=r"2 of 4 sections cut no element .* \(3, 0.5\)"):
         section_forces(form, form.initial_state(), sc.Sections.line((1, 0.5), (4, 0.5), depth=1.0, n=4))
     for inner, outer in ((0.9, 0.72), (0.0, 1.0), (np.nan, 1.0)):
-        with pytest.raises(ValueError, match="inner < outer"):
+        with pytest.raises(ValueError, match=r"inner < outer|must be a finite number"):
             sc.Sections.ring((0, 0), inner, outer)
     with pytest.raises(ValueError, match="different ends"):
         sc.Sections.line((0, 0), (0, 0), depth=1.0)
@@ -217,10 +217,10 @@ def test_a_cut_beside_the_body_is_refused():
 @pytest.mark.parametrize("n", [0, 1, 2.5])
 def test_a_number_of_cuts_that_is_none_is_refused(n):
     """At a single cut of a line nothing would tell its two ends."""
-    with pytest.raises(ValueError, match="integer, at least 2, not"):
+    with pytest.raises(ValueError, match=r"integer, at least 2, not|n must be a whole number"):
         sc.Sections.line((0, 0), (1, 0), depth=1.0, n=n)
     assert len(sc.Sections.ring((0, 0), 0.5, 1.0, n=1).position) == 1
-    with pytest.raises(ValueError, match="integer, at least 1, not"):
+    with pytest.raises(ValueError, match=r"integer, at least 1, not|n must be a whole number"):
         sc.Sections.ring((0, 0), 0.5, 1.0, n=n if n != 1 else -1)
 
 
@@ -228,7 +228,7 @@ def test_a_number_of_cuts_that_is_none_is_refused(n):
 def test_points_that_are_not_in_the_plane_are_refused(point):
     for cut in (lambda: sc.Sections.line(point, (1, 0), 1.0), lambda: sc.Sections.line((1, 0), point, 1.0),
                 lambda: sc.Sections.ring(point, 0.5, 1.0)):  # fmt: skip
-        with pytest.raises(ValueError, match=r"of the sections must be a finite \(x, y"):
+        with pytest.raises(ValueError, match=r"of the sections must be a finite \(x, y|must be finite numbers"):
             cut()
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+
 import numpy as np
 import pytest
 from helpers import grid, vector_basis
@@ -37,3 +39,19 @@ def test_pair_of_another_mesh_is_named():
     joint = sc.ContactPair(other, "l:right", "r:left", sc.Tied())
     with pytest.raises(ValueError, match=r"different bases.*<ContactPair l:right on r:left"):
         sc.Model({"both": sc.SolidForm(basis, ELASTIC), "joint": joint}, basis.get_dofs("l:bottom").all())
+
+
+def test_many_stages_begin_at_once():
+    """The checks of 20,000 stages cost less than 0.1 ms each, in process time (0.02 ms on a machine of 2020)."""
+    basis = halves()
+    model = sc.Model({"both": sc.SolidForm(basis, ELASTIC)}, [basis.get_dofs(f"{k}:bottom").all() for k in "lr"])
+    stages = [sc.Stage(f"{k}", basis.zeros()) for k in range(20_000)]
+
+    def stop(stage):
+        raise KeyboardInterrupt
+
+    model.run(stages[:1], progress=False)
+    began = time.process_time()
+    with pytest.raises(KeyboardInterrupt):
+        model.run(stages, on_increment=stop, progress=False)
+    assert time.process_time() - began < 2.0

@@ -68,21 +68,23 @@ def plan(setup: Setup, stages: Sequence[Stage], start: StageResult | None) -> li
     """Return active forms, supports and loads of every stage; all of it is checked before anything is computed."""
     now, fixed = dict(setup.forms), setup.fixed
     active = _at_first(now, stages, start)
+    there = {name: now[name] for name in now if name in active}
     phases: list[Phase] = []
-    time, water = 0.0, None if start is None else start.water
+    time, water, nothing = 0.0, None if start is None else start.water, np.zeros(setup.layout.size)
     left = start is not None and start.unreleased is not None
     for stage in stages:
-        before = {name: now[name] for name in now if name in active}
+        before = there
         changes = bool(stage.activate or stage.deactivate or stage.change or stage.fixed is not None)
         try:
-            active = _after(stage, now, active)
-            now.update(_changed(setup, stage.change, now))
-            supported, fixed = fixed, fixed if stage.fixed is None else setup.layout.dofs(stage.fixed)
-            there = {name: now[name] for name in now if name in active}
+            old, fixed = fixed, fixed if stage.fixed is None else setup.layout.dofs(stage.fixed)
             if changes or not phases:
+                active = _after(stage, now, active)
+                now.update(_changed(setup, stage.change, now))
+                there = {name: now[name] for name in now if name in active}
                 held = setup.inactive(there)
+                still = np.union1d(fixed, held)
                 check_contacts(there, held)
-                check_supports(there, np.union1d(fixed, held))
+                check_supports(there, still)
         except ValueError as error:
             raise (ValueError(f"stage '{stage.name}': {error}") if changes else error) from None
         water = water if stage.water is None else stage.water
@@ -91,17 +93,17 @@ def plan(setup: Setup, stages: Sequence[Stage], start: StageResult | None) -> li
         load, on_top = _loads(setup, stage, rest, held, [name for name in now if name not in active])
         prescribed = None if stage.prescribed is None else \
             setup.vector(stage.prescribed, f"stage '{stage.name}': the prescribed displacement")
-        waits = bool(phases) and not (changes or left) and prescribed is None and on_top is None \
-            and np.array_equal(load, phases[-1].load)
+        same = bool(phases) and np.array_equal(load, phases[-1].load)
+        waits = same and not (changes or left) and prescribed is None and on_top is None
         time = time + stage.duration if waits else stage.duration
-        remarks = (*_idle(stage, load, prescribed, phases, np.array_equal(supported, fixed), left),
+        remarks = (*_idle(stage, same and prescribed is None, stage.fixed is None or np.array_equal(old, fixed), left),
                    *_of_forms(stage, there, fixed, held, time), *_of_pressures(setup, stage, load, prescribed, fixed))
         left = (changes or left) and stage.release < 1.0
-        gone = np.zeros(setup.layout.size)
+        gone = nothing
         if left and stage.deactivate:
             gone = _at_rest(setup, before, water, held) - rest
-            gone[np.union1d(fixed, held)] = 0.0
-        phases.append(Phase(before, there, np.union1d(fixed, held), load, prescribed,
+            gone[still] = 0.0
+        phases.append(Phase(before, there, still, load, prescribed,
                             changes and bool(phases or start is not None), gone, on_top, remarks, water))
     return phases
 
@@ -174,13 +176,12 @@ def check_contacts(there: Mapping[str, Form], held: ndarray) -> None:
             raise ValueError(f"'{name}' is active, but acts on an inactive body: {form!r}")
 
 
-def _idle(stage: Stage, load: ndarray, prescribed: ndarray | None, before: list[Phase], same_supports: bool,
-          left: bool) -> Iterator[Remark]:
+def _idle(stage: Stage, same_load: bool, same_supports: bool, left: bool) -> Iterator[Remark]:
     """Yield remarks on supports that are those of before, and on a stage that changes nothing."""
     if stage.fixed is not None and same_supports:
         yield Remark("supports", 0.0, "`fixed` holds what is supported already: a boundary is empty")
     others = stage.activate or stage.deactivate or stage.change or stage.duration or left
-    if before and not others and same_supports and np.array_equal(load, before[-1].load) and prescribed is None:
+    if same_load and same_supports and not others:
         yield Remark("nothing", 0.0, "it changes nothing: its load and its supports are those of the stage before")
 
 
@@ -197,6 +198,8 @@ def _of_pressures(setup: Setup, stage: Stage, load: ndarray, prescribed: ndarray
                   ) -> Iterator[Remark]:
     """Refuse a load on pressures, which would be water per increment; report prescribed ones that are not held."""
     layout = setup.layout
+    if all(field.kind != "pressure" for field in layout.fields):
+        return
     loose = np.setdiff1d(np.flatnonzero(0.0 * load if prescribed is None else prescribed), fixed)
     for field, part in zip(layout.fields, layout.parts, strict=True):
         if field.kind == "pressure" and (n := int(np.count_nonzero(load[part]))):
