@@ -73,8 +73,7 @@ def plan(setup: Setup, stages: Sequence[Stage], start: StageResult | None) -> li
     time, water, nothing = 0.0, None if start is None else start.water, np.zeros(setup.layout.size)
     left = start is not None and start.unreleased is not None
     for stage in stages:
-        before = there
-        changes = bool(stage.activate or stage.deactivate or stage.change or stage.fixed is not None)
+        before, changes = there, bool(stage.activate or stage.deactivate or stage.change or stage.fixed is not None)
         try:
             old, fixed = fixed, fixed if stage.fixed is None else setup.layout.dofs(stage.fixed)
             if changes or not phases:
