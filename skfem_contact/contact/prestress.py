@@ -21,6 +21,9 @@ from .laws import Status
 _TENSOR = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
 _ACCURACY = 1e-14
 _MOST = 10_000
+#: Share of the tangential penalty in the damped tangent where all points slip, which else is singular: a block on a
+#: slope within 0.1 % of its angle of friction finds its equilibrium, or none; with 1e-3 and 1e-5 some do neither.
+_HELD = 1e-4
 
 
 def prestressed(operators: Mapping[str, TractionOperator], force: ndarray, where: ndarray | None = None,
@@ -202,9 +205,14 @@ class LinearisedContact(Form):
             return replace(state, gap=gaps, slip=slip, traction=traction, status=status, internal=new, position=motion,
                            stick_point=origin)
 
-        def stiffness() -> csr_matrix:
-            K = work.transpose(0, 2, 1) @ (update.tangent.transpose(2, 0, 1) @ work)
+        def stiffness(tangent: ndarray) -> csr_matrix:
+            K = work.transpose(0, 2, 1) @ (tangent.transpose(2, 0, 1) @ work)
             return pair._gathering.matrix(dofs, K * weight[:, None, None])
 
+        def held() -> csr_matrix:
+            if (update.status == Status.STICK).any():
+                return stiffness(update.tangent)
+            return stiffness(update.tangent + np.diag([0.0, *[_HELD * pair.penalties(state)[1]] * len(moved)])[..., None])
+
         force = weight[:, None] * np.einsum("in,nim->nm", update.traction, work)
-        return Response(pair._gathering.force(dofs, force), candidate, stiffness)
+        return Response(pair._gathering.force(dofs, force), candidate, lambda: stiffness(update.tangent), held)

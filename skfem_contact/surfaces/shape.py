@@ -8,6 +8,8 @@ from itertools import product
 
 import numpy as np
 from numpy import ndarray
+from numpy.polynomial.legendre import legvander
+from scipy.special import roots_jacobi
 from skfem import (
     Element,
     ElementHex1,
@@ -185,9 +187,12 @@ class Shape:
 
 
 @lru_cache
-def gauss_points(n: int) -> tuple[ndarray, ndarray]:
-    """Return Gauss points from -1 to 1 and their weights."""
-    t, w = np.polynomial.legendre.leggauss(n)
+@lru_cache
+def gauss_points(n: int, first: bool = False, last: bool = False) -> tuple[ndarray, ndarray]:
+    """Return n Gauss points from -1 to 1 and their weights; with the first or last end, those of Radau and Lobatto."""
+    inner = roots_jacobi(n - first - last, float(last), float(first))[0]
+    t = np.concatenate(([-1.0] * first, inner, [1.0] * last))
+    w = np.linalg.solve(legvander(t, n - 1).T, 2.0 * np.eye(n)[0])
     t.flags.writeable = w.flags.writeable = False
     return t, w
 
