@@ -282,3 +282,23 @@ def test_strut_that_is_prestressed_against_a_wall(force):
     last = model.run(stages, start=model.k0_state(K0=0.5), progress=False)["jacked"]
     assert last.states["strut"].force[0] == -force
     assert sum(last.iterations) <= 25
+
+
+@pytest.mark.parametrize("initial", ["as meshed", "adjusted"])
+def test_body_placed_on_settled_ground_does_not_overlap(initial, recwarn):
+    """[X] A block of weight 40 on ground that has settled by .0155: its pressure, and no overlap of matching meshes."""
+    mesh = MeshQuad.init_tensor(np.linspace(0, 4, 17), np.linspace(0, 4, 17)).to_meshtri().with_defaults()
+    mesh = mesh.with_subdomains({"base": lambda x: x[1] < 2, "block": lambda x: x[1] > 2})
+    basis = Basis(sc.join_bodies(mesh, bodies={"ground": "base", "top": "block"}), ElementVector(ElementTriP2()),
+                  intorder=2)
+    base = sc.SolidForm(basis.with_elements("base"), sc.LinearElastic(1e4, 0.3), unit_weight=20.0)
+    block = sc.SolidForm(basis.with_elements("block"), sc.LinearElastic(1e5, 0.3), unit_weight=20.0)
+    joint = sc.ContactPair(basis, "ground|top", "top|ground", sc.Coulomb(0.5), quadrature=3, initial=initial)
+    model = sc.Model({"base": base, "block": block, "joint": joint},
+                     np.append(basis.get_dofs("bottom").all(), basis.get_dofs({"left", "right"}).all("u^1")))
+    push = sc.traction(basis, "ground|top", lambda x: (0 * x[0], -100.0 * (x[0] < 2)))
+    start = sc.Model({"base": base}, model.fixed).gravity_state()
+    stages = [sc.Stage("before", push), sc.Stage("placed", push, activate=["block", "joint"])]
+    placed = model.run(stages, start=start, **QUIET)["placed"]
+    np.testing.assert_allclose(placed.tractions("joint").pressure, 40.0, rtol=0.02)  # the mesh has 16 elements a side
+    assert not [warning for warning in recwarn if "overlap" in str(warning.message)]

@@ -132,8 +132,8 @@ def _on_facets(pair: ContactBase, state: ContactState, meshed: ndarray) -> Itera
     force = points.weight * np.abs(state.traction[0])
     if not force.any():
         return
-    # what counts as touching may lie deeper where bodies start with a pressure: that moves nothing apart
-    overlap = np.maximum(np.minimum(state.clearance, state.gap) - meshed, 0.0)
+    # what counts as touching may lie elsewhere where bodies are placed or start with a pressure: that is no overlap
+    overlap = np.clip(np.minimum(state.clearance, state.gap) - meshed, 0.0, np.maximum(-meshed, 0.0))
     overlap[(overlap > pair.interface.depth(points)) | (overlap < TOUCHING * points.size)] = 0.0
     penalty = pair.penalties(state)[0]
     in_series = 1.0 / (1.0 / penalty + 1.0 / (pair.stiffness or penalty))

@@ -205,14 +205,12 @@ class LinearisedContact(Form):
             return replace(state, gap=gaps, slip=slip, traction=traction, status=status, internal=new, position=motion,
                            stick_point=origin)
 
-        def stiffness(tangent: ndarray) -> csr_matrix:
-            K = work.transpose(0, 2, 1) @ (tangent.transpose(2, 0, 1) @ work)
+        def stiffness(held: float = 0.0) -> csr_matrix:
+            springs = np.diag([0.0, *[held * pair.penalties(state)[1]] * len(moved)])[..., None]
+            K = work.transpose(0, 2, 1) @ ((update.tangent + springs).transpose(2, 0, 1) @ work)
             return pair._gathering.matrix(dofs, K * weight[:, None, None])
 
-        def held() -> csr_matrix:
-            if (update.status == Status.STICK).any():
-                return stiffness(update.tangent)
-            return stiffness(update.tangent + np.diag([0.0, *[_HELD * pair.penalties(state)[1]] * len(moved)])[..., None])
-
+        sticks = (update.status == Status.STICK).any()
         force = weight[:, None] * np.einsum("in,nim->nm", update.traction, work)
-        return Response(pair._gathering.force(dofs, force), candidate, lambda: stiffness(update.tangent), held)
+        return Response(pair._gathering.force(dofs, force), candidate, stiffness,
+                        lambda: stiffness(0.0 if sticks else _HELD))
