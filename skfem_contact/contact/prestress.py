@@ -210,7 +210,6 @@ class LinearisedContact(Form):
             K = work.transpose(0, 2, 1) @ ((update.tangent + springs).transpose(2, 0, 1) @ work)
             return pair._gathering.matrix(dofs, K * weight[:, None, None])
 
-        sticks = (update.status == Status.STICK).any()
         force = weight[:, None] * np.einsum("in,nim->nm", update.traction, work)
         return Response(pair._gathering.force(dofs, force), candidate, stiffness,
-                        lambda: stiffness(0.0 if sticks else _HELD))
+                        lambda: stiffness(_HELD * float((update.status != Status.STICK).all())))
