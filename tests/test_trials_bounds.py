@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from helpers import analysis
 from skfem import Basis, ElementTriP2, ElementVector, MeshTri
 
 import skfem_contact as sc
+from skfem_contact.limit_analysis import certify, search
 
 SOIL = sc.MohrCoulomb(E=1e5, nu=0.3, c=10.0, phi=20.0, psi=20.0)
 
@@ -96,6 +98,64 @@ def test_a_rigid_block_on_soil(c: float, elements: int) -> None:
                          live="block:left", gap=0.03, elements=elements, progress=False)  # fmt: skip
     assert found.lower <= exact * (1 + 1e-12) and found.upper >= exact * (1 - 1e-12) and found.gap < 0.03
     assert sum(one.iterations for one in found.history[:2]) < 40
+
+
+def test_the_certificate_refuses_half_a_percent(monkeypatch: pytest.MonkeyPatch) -> None:
+    """[X] Above the largest multiplier of a mesh no stress in equilibrium is admissible: it proves nothing."""
+    given = []
+    monkeypatch.setattr(search, "prove_lower", lambda *args: given.append(args) or certify.prove_lower(*args))
+    forms, fixed = blocks(0.0, SOIL, SOIL, sc.Coulomb(mu=0.5, adhesion=2.5))
+    loads = {"weight": {"block": 25.0}, "tractions": {"block:left": (1.0, 0.0)}, "live": "block:left"}
+    sc.Model(forms, fixed).bounds(**loads, gap=0.9, elements=100, progress=False)
+    program, found, live = given[0]
+    assert certify.prove_lower(program, found, live).value == pytest.approx(found.theta, rel=1e-12)
+    assert certify.prove_lower(program, replace(found, theta=1.005 * found.theta), live).value == -np.inf
+
+
+def test_a_multiple_of_stresses_is_no_more_than_admissible() -> None:
+    """[X] Cohesive soil that can spread carries 2 c; without fixed loads the stresses may be multiplied as a whole."""
+    found = analysis("bounds", *column(sc.Tresca(1e3, 0.3, c=10.0)), tractions={"top": (0.0, -1.0)}, live="top",
+                     elements=200, progress=False)  # fmt: skip
+    assert 19.99 < found.lower <= 20.0 * (1 + 1e-12)
+
+
+def test_a_foot_beside_a_support() -> None:
+    """Velocities without jumps cannot leave a support: where contact ends at one, it is named."""
+    ground = MeshTri.init_tensor(np.linspace(0, 6, 13), np.linspace(-1, 0, 5)).with_defaults()
+    wall = MeshTri.init_tensor(np.linspace(-0.3, 0, 2), np.linspace(-1, 0, 5)).with_defaults()
+    basis = Basis(sc.join_bodies({"ground": ground, "wall": wall}), ElementVector(ElementTriP2()), intorder=2)
+    soil = sc.MohrCoulomb(1e5, 0.3, c=1.0, phi=30.0, psi=30.0)
+    forms = {"ground": sc.SolidForm(basis.with_elements("ground"), soil),
+             "wall": sc.SolidForm(basis.with_elements("wall"), sc.LinearElastic(1e7, 0.2)),
+             "joint": sc.ContactPair(basis, "wall:right", "ground:left", sc.Coulomb(mu=0.0))}  # fmt: skip
+    sides = basis.get_dofs("ground:right").all("u^1")
+    fixed = [basis.get_dofs("ground:bottom").all(), basis.get_dofs("wall:bottom").all("u^2"), sides]
+    with pytest.warns(sc.AnalysisWarning, match=r"no upper bound .*: 'ground:left' ends at a support at \(0, -1\)"):
+        sc.Model(forms, fixed).bounds(weight={"ground": 20.0}, tractions={"wall:left": (1.0, 0.0)}, live="wall:left",
+                                      gap=0.5, elements=150, progress=False)  # fmt: skip
+
+
+@pytest.mark.parametrize("c", [1.0, 0.1, 0.0])
+def test_passive_earth_pressure(c: float) -> None:
+    """[X] Rankine's passive earth pressure on a smooth wall, K_p gamma h / 2 + 2 c sqrt(K_p); sand has no lower one."""
+    expected = 3.0 * 20.0 / 2.0 + 2.0 * c * np.sqrt(3.0)
+    ground = MeshTri.init_tensor(np.linspace(0, 6, 13), np.linspace(-1, 0, 5)).with_defaults()
+    wall = MeshTri.init_tensor(np.linspace(-0.3, 0, 2), np.linspace(-1, 0, 5)).with_defaults()
+    basis = Basis(sc.join_bodies({"ground": ground, "wall": wall}), ElementVector(ElementTriP2()), intorder=2)
+    soil = sc.MohrCoulomb(1e5, 0.3, c=c, phi=30.0, psi=30.0)
+    forms = {"ground": sc.SolidForm(basis.with_elements("ground"), soil),
+             "wall": sc.SolidForm(basis.with_elements("wall"), sc.LinearElastic(1e7, 0.2)),
+             "joint": sc.ContactPair(basis, "wall:right", "ground:left", sc.Coulomb(mu=0.0))}  # fmt: skip
+    fixed = [basis.get_dofs({"ground:bottom", "wall:bottom"}).all("u^2"), basis.get_dofs("ground:right").all("u^1")]
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        found = sc.Model(forms, fixed).bounds(weight={"ground": 20.0}, tractions={"wall:left": (1.0, 0.0)},
+                                              live="wall:left", gap=0.05, elements=300, progress=False)  # fmt: skip
+    assert expected * (1 - 1e-12) <= found.upper < 1.001 * expected
+    if c:
+        assert 0.999 * expected < found.lower <= expected * (1 + 1e-12)
+    else:
+        assert found.lower == -np.inf and "give it a small cohesion" in str(told[-1].message)
 
 
 def test_soil_without_tension() -> None:

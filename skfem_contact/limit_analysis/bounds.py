@@ -10,7 +10,7 @@ from numpy import ndarray
 from skfem import MeshTri
 from tqdm import tqdm
 
-from ..checks import names_of
+from ..checks import names_of, place
 from ..errors import warn
 from ..forms.base import solids_of
 from ..loads import Pressure, by_element
@@ -160,18 +160,32 @@ def _tell(search: Search, gap: float) -> None:
     """Warn about a search that did not reach its end."""
     low, high = search.lower.proof.value, search.upper.proof.value
     unproven = [kind for kind, value in (("lower", low), ("upper", high)) if not np.isfinite(value)]
-    if search.overloaded:
+    if (missing := search.problem.missing) and not low > _NOTHING * high:
+        warn(f"soil without {missing} resists nothing at a free surface, and there is no lower bound: give "
+             f"it a small {missing}; the upper bound is {high:.5g}")
+    elif search.overloaded:
         why = f"the multiplier is at most {high:.5g}" if high < 0 else \
               f"they need {1 / search.fixed_factor:.4g} times the strength"
         warn(f"the fixed loads alone cause a collapse: {why}")
-    elif (missing := search.problem.missing) and not low > _NOTHING * high:
-        warn(f"soil without {missing} resists nothing at a free surface, and there is no lower bound: give "
-             f"it a small {missing}; the upper bound is {high:.5g}")
     elif unproven:
-        warn(f"no {' and no '.join(unproven)} bound could be proven")
+        warn(f"no {' and no '.join(unproven)} bound could be proven{_blocked(search)}")
     elif search.gap > gap:
         warn(f"the bounds [{low:.5g}, {high:.5g}] differ by {search.gap:.2%}, more than the {gap:.2%} that "
              "were asked for: allow more `elements` or `seconds`")
+
+
+def _blocked(search: Search) -> str:
+    """Return where contact ends at a support, at which no velocity without jumps can begin, for a message."""
+    triangles, shape = search.upper.triangles, search.problem.geometry
+    facets, tags = triangles.mesh.facets, triangles.tags
+    held = np.intersect1d(facets[:, tags["held", 0]], facets[:, tags["held", 1]])
+    for side in (side for contact in search.model.contacts for side in (contact.slave, contact.master)):
+        found = np.flatnonzero(np.isin(held, facets[:, tags[side]]))
+        if len(found):
+            where = place(shape.centre + shape.size * triangles.mesh.p[:, held[found[0]]])
+            return (f": '{side}' ends at a support at {where}, from where nothing can slide; hold one component only "
+                    "there, which makes a weaker structure")
+    return ""
 
 
 def _result(search: Search, davis: float | None, smooth: float | None) -> Bounds:

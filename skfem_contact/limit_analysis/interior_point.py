@@ -67,6 +67,7 @@ class Goal:
     moving: bool  # the factor is sought; otherwise it stays, and the load is multiplied
     volume: float  # compliance to the mean stress where strength does not depend on it: then an augmented Lagrangian
     fixed: float = 1.0  # factor of strength that is not reduced
+    far: bool = True  # stresses begin at the size that the fixed loads need
 
 
 def solve(program: Program, goal: Goal, accuracy: float) -> Solution:
@@ -96,7 +97,7 @@ class _Path:
         self.f1 = program.live * (not self.moving)
         self.theta, self.y, self.sigma = 0.0, np.zeros(program.size), np.zeros((n, 3))
         self.s, self.z = np.zeros((2, len(cones.at), 3))
-        self.s[:, 0] = self.h + least + (0.0 if self.moving else self._carried())
+        self.s[:, 0] = self.h + least + (self._carried() if goal.far and not self.moving else 0.0)
         self.z[:, 0] = 1.0 / len(cones.at) / (self.h + least)
         self.metric = np.zeros((n, 3, 3))
         self.inner: list[ndarray] = []

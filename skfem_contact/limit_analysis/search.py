@@ -139,8 +139,13 @@ class Search:
     def _refuted(self, program: Program, live: bool) -> tuple[Solution, Proof]:
         """Solve a program of the upper bound and prove it."""
         factor = 1.0 if self.live else self._factor * _ABOVE
-        found = solve(program, Goal(factor, _AIM * self._accuracy, not live, _VOLUME[1]), self._accuracy)
-        return found, prove_upper(program, found, live)
+        goal = Goal(factor, _AIM * self._accuracy, not live, _VOLUME[1])
+        for far in (True, False):  # sand obeys its flow rule to round-off from a near start only
+            found = solve(program, replace(goal, far=far), self._accuracy)
+            proof = prove_upper(program, found, live)
+            if np.isfinite(proof.value) or not live or not program.dead.any():
+                break
+        return found, proof
 
     def _factor_of_fixed_loads(self) -> float:
         """Return the upper bound of the fixed loads' factor of safety; inf where a multiplier is proven.
