@@ -130,7 +130,7 @@ def test_a_foot_beside_a_support() -> None:
              "joint": sc.ContactPair(basis, "wall:right", "ground:left", sc.Coulomb(mu=0.0))}  # fmt: skip
     sides = basis.get_dofs("ground:right").all("u^1")
     fixed = [basis.get_dofs("ground:bottom").all(), basis.get_dofs("wall:bottom").all("u^2"), sides]
-    with pytest.warns(sc.AnalysisWarning, match=r"no upper bound .*: 'ground:left' ends at a support at \(0, -1\)"):
+    with pytest.warns(sc.AnalysisWarning, match=r"no upper bound .*: contact ends at a support at \(0, -1\)"):
         sc.Model(forms, fixed).bounds(weight={"ground": 20.0}, tractions={"wall:left": (1.0, 0.0)}, live="wall:left",
                                       gap=0.5, elements=150, progress=False)  # fmt: skip
 

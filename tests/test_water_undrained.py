@@ -244,7 +244,7 @@ def test_reduction_reaches_the_soil():
     ({}, "either bulk_modulus_water or nu_undrained"),
     ({"bulk_modulus_water": 1.0, "nu_undrained": 0.4}, "either bulk_modulus_water or nu_undrained"),
     ({"bulk_modulus_water": -1.0}, "bulk_modulus_water must not be negative"),
-    ({"bulk_modulus_water": np.nan}, "bulk_modulus_water must be finite"),
+    ({"bulk_modulus_water": np.nan}, "bulk_modulus_water must be a finite number"),
     ({"nu_undrained": 0.5}, "nu_undrained must be less than 0.5"),
     ({"nu_undrained": 0.1}, r"bulk_modulus_water \(from nu_undrained\) must not be negative"),
 ])  # fmt: skip

@@ -179,13 +179,10 @@ def _blocked(search: Search) -> str:
     triangles, shape = search.upper.triangles, search.problem.geometry
     facets, tags = triangles.mesh.facets, triangles.tags
     held = np.intersect1d(facets[:, tags["held", 0]], facets[:, tags["held", 1]])
-    for side in (side for contact in search.model.contacts for side in (contact.slave, contact.master)):
-        found = np.flatnonzero(np.isin(held, facets[:, tags[side]]))
-        if len(found):
-            where = place(shape.centre + shape.size * triangles.mesh.p[:, held[found[0]]])
-            return (f": '{side}' ends at a support at {where}, from where nothing can slide; hold one component only "
-                    "there, which makes a weaker structure")
-    return ""
+    sides = [facets[:, tags[side]].ravel() for c in search.model.contacts for side in (c.slave, c.master)]
+    found = np.intersect1d(held, np.concatenate([held[:0], *sides]))
+    where = place(shape.centre + shape.size * triangles.mesh.p[:, found[0]]) if len(found) else ""
+    return f": contact ends at a support at {where}, where nothing can slide; hold one component there" * bool(where)
 
 
 def _result(search: Search, davis: float | None, smooth: float | None) -> Bounds:

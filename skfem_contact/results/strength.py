@@ -74,22 +74,19 @@ def pore_pressure(form: SolidForm, state: SolidState) -> ndarray:
     corners = len(basis.mesh.t)
     if cells.shape[1] == corners or not values.any():
         return values
-    linear, cells = basis.with_element(linear_element(basis.mesh)), cells[:, :corners]
-    shapes = np.stack([np.broadcast_to(linear.basis[j][0], values.shape) for j in range(corners)])
-    vertices, place = np.unique(cells, return_inverse=True)
-    place = place.reshape(cells.shape)
-    mass = np.einsum("ieq,jeq,eq->eij", shapes, shapes, form.weight, optimize=True)
-    rows, columns = np.broadcast_arrays(place[:, :, None], place[:, None])
-    matrix = csr_matrix((mass.ravel(), (rows.ravel(), columns.ravel())), shape=2 * (len(vertices),))
-    volume = np.bincount(place.ravel(), np.einsum("ieq,eq,eq->ei", shapes, values, form.weight).ravel())
-    return np.einsum("ieq,ei->eq", shapes, spsolve(matrix, volume)[place])
+    linear = basis.with_element(linear_element(basis.mesh)).basis
+    shapes = np.stack([np.broadcast_to(linear[j][0], values.shape) for j in range(corners)], axis=2)
+    place = np.unique(cells[:, :corners], return_inverse=True)[1].reshape(-1, 1, corners)
+    columns = np.broadcast_to(place, shapes.shape).ravel()
+    at = csr_matrix((shapes.ravel(), columns, np.arange(0, shapes.size + 1, corners)))
+    weighted = csr_matrix(at.multiply(form.weight.reshape(-1, 1))).T
+    return (at @ spsolve((weighted @ at).tocsc(), weighted @ values.ravel())).reshape(values.shape)
 
 
 def total_stress(form: SolidForm, state: SolidState) -> ndarray:
     """Return the stress of a solid, (n_components, n_elements, n_points), with its :func:`pore_pressure`."""
-    change = form.variable(EXCESS_PRESSURE, state) - pore_pressure(form, state)
     stress = state.stress.copy()
-    stress[:3] += change
+    stress[:3] += form.variable(EXCESS_PRESSURE, state) - pore_pressure(form, state)
     return stress
 
 

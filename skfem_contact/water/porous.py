@@ -127,18 +127,16 @@ class Porous:
         """
         mesh, corners = self.basis.mesh, self.pressures.element_dofs
         distance = cKDTree(mesh.p[:, drained].T).query(mesh.p[:, :self.pressures.N].T)[0]
-        side, element = [], []
+        found = []
         for value in np.unique(permeability):
             drain = permeability >= _DRAINS * value
             first, others = np.broadcast_arrays(corners[:1, drain], corners[:, drain])
             graph = coo_matrix((np.ones(others.size), (first.ravel(), others.ravel())), 2 * (self.pressures.N,))
             part = connected_components(graph, directed=False)[1]
             open = np.isin(part, part[drained]) & (_DRAINED * distance**2 <= spread[drain].max(initial=0.0))
-            here = np.flatnonzero(permeability == value)
-            found = np.nonzero(open[mesh.facets].all(axis=0)[mesh.t2f[:, elements_of(self.basis)[here]]])
-            side.append(found[0])
-            element.append(here[found[1]])
-        return self._across(np.concatenate(side), np.concatenate(element))
+            drained_sides = open[mesh.facets].all(axis=0)[mesh.t2f[:, elements_of(self.basis)]]
+            found.append(np.nonzero(drained_sides & (permeability == value)))
+        return self._across(*np.hstack(found))
 
     def _across(self, side: ndarray, element: ndarray) -> tuple[ndarray, ndarray]:
         """Return elements and their sizes across one of their sides."""
