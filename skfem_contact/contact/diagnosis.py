@@ -30,6 +30,8 @@ _SIDEWAYS, _AT_JOINT = 1e-3, 0.01
 ROUND_OFF = 8 * np.finfo(float).eps
 #: Share of the pressure on points that have only just closed beside others that slide, likewise.
 _CLOSED = 0.05
+#: Torque of the pressure on a round fit, as a share of that of friction, likewise.
+_TURNED = 0.02
 #: Round-off of the shear of sticking points, as a share of the largest traction, that is remarked on.
 _LOST = 1e-3
 #: Tractions below this share of what round-off may leave are none: a broken bond, contact without traction.
@@ -44,6 +46,7 @@ def remarks(pair: ContactBase, x: ndarray, state: ContactState) -> Iterator[Rema
     yield from _on_enforcement(pair, x, state, meshed)
     yield from _on_facets(pair, state, meshed)
     yield from _on_sliding(pair, state)
+    yield from _on_turning(pair, x, state, pair.points(state).weight * np.abs(state.traction[0]))
     slave, master, points = pair.slave, pair.master, pair.points(state)
     lost_bond = _without_bond(pair.law, state)
     if lost_bond.any():
@@ -162,6 +165,20 @@ def _on_sliding(pair: ContactBase, state: ContactState) -> Iterator[Remark]:
                      f"{share:.0%} of the pressure acts at points of '{pair.slave.name}' that have only just closed, "
                      f"without friction yet, while others have slid by {slid:.3g}: take more increments, or the side "
                      "that stays in contact as the slave")
+
+
+def _on_turning(pair: ContactBase, x: ndarray, state: ContactState, force: ndarray) -> Iterator[Remark]:
+    """Yield a remark on round fits whose pressure carries torque: by the corners of facets, or as they turn."""
+    on, mu = np.flatnonzero(force), float(np.max(getattr(pair.law, "mu", 0.0)))
+    if isinstance(pair.initial, str) or not pair.slave.closed or mu == 0.0:
+        return
+    normal = pair.master.at(*state.closest.take(on), pair.interface.places(x)[1]).normal
+    arm = (pair.points(state).positions(pair.slave.nodes) - pair.slave.nodes.mean(axis=0))[on]
+    friction = mu * float(force[on] @ np.linalg.norm(arm, axis=1))
+    if (carried := abs(float(force[on] @ (arm[:, 0] * normal[:, 1] - arm[:, 1] * normal[:, 0]))) / friction) > _TURNED:
+        yield Remark("torque", carried, f"the pressure on '{pair.slave.name}' carries {carried:.1%} of the torque of full "
+                     "friction: corners of facets hook, or small rotations are too large; where the fit is round it "
+                     "slips before: take curved or smaller elements, or limit_load")
 
 
 def _within_facets(slave: Surface, points: SlavePoints, values: ndarray) -> ndarray:
