@@ -9,7 +9,7 @@ import pytest
 from helpers import PlainLaw, grid, vector_basis
 from scipy.sparse import csr_matrix
 from scipy.sparse.linalg import spsolve
-from skfem import Basis, ElementQuad1, ElementQuad2, ElementTriP2, ElementVector, MeshQuad, MeshTri
+from skfem import Basis, ElementQuad1, ElementQuad2, ElementTriP2, ElementVector, LinearForm, MeshQuad, MeshTri
 
 import skfem_contact as sc
 
@@ -302,3 +302,28 @@ def test_body_placed_on_settled_ground_does_not_overlap(initial, recwarn):
     placed = model.run(stages, start=start, **QUIET)["placed"]
     np.testing.assert_allclose(placed.tractions("joint").pressure, 40.0, rtol=0.02)  # the mesh has 16 elements a side
     assert not [warning for warning in recwarn if "overlap" in str(warning.message)]
+
+
+@pytest.mark.parametrize("share", [0.9, 1.1])
+def test_fit_that_carries_too_much_torque_is_told(share, recwarn):
+    """[X] A shrunk fit slips at the torque mu p r times its surface; above, the corners of its 64 facets hook."""
+    flat = MeshQuad.init_tensor(np.linspace(0, 2 * np.pi, 65), np.linspace(0, 1, 7))
+
+    def ring(inner, outer):
+        place = (inner + (outer - inner) * flat.p[1]) * np.stack((np.cos(flat.p[0]), np.sin(flat.p[0])))
+        _, first, number = np.unique(place.round(9), axis=1, return_index=True, return_inverse=True)
+        return MeshQuad(place[:, first], number.ravel()[flat.t]).with_boundaries(
+            {"inner": lambda x: np.hypot(*x) < inner + 0.01, "outer": lambda x: np.hypot(*x) > outer - 0.01})
+
+    mesh = sc.join_bodies({"hub": ring(0.5, 1.0), "ring": ring(1.0, 2.0)})
+    basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+    solid = sc.SolidForm(basis, {"hub": sc.LinearElastic(E=1.0, nu=0.3), "ring": sc.LinearElastic(E=2.0, nu=0.3)})
+    fit = sc.ContactPair(basis, "hub:outer", "ring:inner", sc.Coulomb(mu=0.2), initial=1e-3)
+    model = sc.Model({"bodies": solid, "fit": fit}, basis.get_dofs("ring:outer").all())
+    first = model.run([sc.Stage("fit")], **QUIET)
+    tractions = first["fit"].tractions("fit")
+    unit = LinearForm(lambda v, w: w.x[0] * v[1] - w.x[1] * v[0]).assemble(basis.with_elements("hub"))
+    torque = basis.doflocs[0, 1::2] @ unit[1::2] - basis.doflocs[1, ::2] @ unit[::2]
+    load = share * 0.2 * (tractions.pressure @ tractions.weight) / torque * unit
+    model.run([sc.Stage("turned", load)], start=first, **QUIET)
+    assert any("of the torque of full friction" in str(warning.message) for warning in recwarn) is (share > 1.0)

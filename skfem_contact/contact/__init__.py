@@ -5,12 +5,5 @@ from .laws import InterfaceLaw, LawUpdate
 from .pair import ContactPair
 from .penalty import AugmentedLagrangian, choose_penalties
 
-__all__ = [
-           "AugmentedLagrangian",
-           "ContactPair",
-           "ContactState",
-           "InterfaceLaw",
-           "LawUpdate",
-           "Surface",
-           "choose_penalties",
-]
+__all__ = ["AugmentedLagrangian", "ContactPair", "ContactState", "InterfaceLaw", "LawUpdate", "Surface",
+           "choose_penalties"]

@@ -168,7 +168,7 @@ def _on_sliding(pair: ContactBase, state: ContactState) -> Iterator[Remark]:
 
 
 def _on_turning(pair: ContactBase, x: ndarray, state: ContactState, force: ndarray) -> Iterator[Remark]:
-    """Yield a remark on round fits whose pressure carries torque: by the corners of facets, or as they turn."""
+    """Yield a remark on round fits whose pressure transfers torque: by the corners of facets, or as they turn."""
     on, mu = np.flatnonzero(force), float(np.max(getattr(pair.law, "mu", 0.0)))
     if isinstance(pair.initial, str) or not pair.slave.closed or mu == 0.0:
         return
@@ -176,8 +176,8 @@ def _on_turning(pair: ContactBase, x: ndarray, state: ContactState, force: ndarr
     arm = (pair.points(state).positions(pair.slave.nodes) - pair.slave.nodes.mean(axis=0))[on]
     friction = mu * float(force[on] @ np.linalg.norm(arm, axis=1))
     if (carried := abs(float(force[on] @ (arm[:, 0] * normal[:, 1] - arm[:, 1] * normal[:, 0]))) / friction) > _TURNED:
-        yield Remark("torque", carried, f"the pressure on '{pair.slave.name}' carries {carried:.1%} of the torque of full "
-                     "friction: corners of facets hook, or small rotations are too large; where the fit is round it "
+        yield Remark("torque", carried, f"the pressure on '{pair.slave.name}' transfers {carried:.1%} of the torque of "
+                     "full friction: corners of facets hook, or small rotations are too large; where the fit is round it "
                      "slips before: take curved or smaller elements, or limit_load")
 
 

@@ -7,15 +7,5 @@ from .hardening import HardeningMohrCoulomb
 from .mohr_coulomb import MohrCoulomb, Tresca
 from .undrained import Undrained
 
-__all__ = [
-    "DruckerPrager",
-    "HardeningMohrCoulomb",
-    "Internal",
-    "LinearElastic",
-    "Material",
-    "MohrCoulomb",
-    "Tresca",
-    "Undrained",
-    "Update",
-    "VonMises",
-]
+__all__ = ["DruckerPrager", "HardeningMohrCoulomb", "Internal", "LinearElastic", "Material", "MohrCoulomb", "Tresca",
+           "Undrained", "Update", "VonMises"]
