@@ -177,8 +177,8 @@ def _on_turning(pair: ContactBase, x: ndarray, state: ContactState, force: ndarr
     friction = mu * float(force[on] @ np.linalg.norm(arm, axis=1))
     if (carried := abs(float(force[on] @ (arm[:, 0] * normal[:, 1] - arm[:, 1] * normal[:, 0]))) / friction) > _TURNED:
         yield Remark("torque", carried, f"the pressure on '{pair.slave.name}' transfers {carried:.1%} of the torque of "
-                     "full friction: corners of facets hook, or small rotations are too large; where the fit is round it "
-                     "slips before: take curved or smaller elements, or limit_load")
+                     "full friction: corners of facets hook, or small rotations are too large; a round fit slips "
+                     "before: take curved or smaller elements, or limit_load")
 
 
 def _within_facets(slave: Surface, points: SlavePoints, values: ndarray) -> ndarray:
