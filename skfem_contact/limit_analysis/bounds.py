@@ -66,9 +66,8 @@ def bounds(forms: Mapping[str, Any], fixed: ndarray, weight: float | Mapping[str
         Boundaries in `tractions` whose forces are multiplied, or ``"weight"``: the bounds are those of the multiplier
         at collapse, and the strength is not reduced.
     flow
-        ``"given"``: where soil dilates less than its friction, ``lower`` is an estimate, with the reduced associated
-        soil of Davis, and where joints have friction, with joints that open as they slip; ``"associated"``: the
-        dilation equals the friction.
+        ``"given"``: ``lower`` is an estimate where soil dilates less than its friction, with the associated soil of
+        Davis, and where joints have friction, with joints that open; ``"associated"``: dilation equals friction.
     gap
         Difference of the bounds, as a share of their mean, at which the refinement ends.
     elements

@@ -38,8 +38,7 @@ class Bounds:
     estimate
         True if ``lower`` is no bound but an estimate: the flow of the soil (Davis) or of joints is not associated.
     safe
-        Lower bound for joints that slip without opening, by their adhesion alone; None without friction in joints, an
-        estimate where that of the soil is one.
+        Lower bound by the adhesion of joints alone, for those that slip without opening; None without their friction.
     what
         ``"factor of safety"`` or ``"limit load"``.
     reduced

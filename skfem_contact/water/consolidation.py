@@ -272,8 +272,7 @@ class PoreWater(Form):
         pressure = self.pressure_at_nodes(x)
         for name, pair in pairs_of(self.around.touching if self.around else {}).items():
             at = np.intersect1d(nodes(self.ground) * self.ground.mesh.dim(), pair.joins)
-            open = np.isin(self.ground.nodal_dofs[0, self.porous.open], at).any()
-            if name in states and not pair.law.bonds and not open:
+            if name in states and not (pair.law.bonds or np.isin(self.ground.nodal_dofs[0, self.porous.open], at).any()):
                 yield from pulled(name, pair, states[name], self.ground.doflocs[:, at],
                                   pressure[at // self.ground.mesh.dim()])
 

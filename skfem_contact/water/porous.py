@@ -121,27 +121,18 @@ class Porous:
         return bool(thrust.max() > _RIGID * max(whole, by_element))
 
     def beside_drains(self, drained: ndarray, permeability: ndarray, spread: ndarray) -> tuple[ndarray, ndarray]:
-        """Return the elements that drain through a facet, and their sizes across these facets.
-
-        Ground drains others if it is much more permeable and near drained vertices; c_v t is its `spread`.
-        """
-        mesh, corners = self.basis.mesh, self.pressures.element_dofs
+        """Return elements that drain through a facet, also to permeable ground of `spread` c_v t, and their sizes."""
+        basis, mesh, corners = self.basis, self.basis.mesh, self.pressures.element_dofs
+        sides, found = mesh.t2f[:, elements_of(basis)], []
         distance = cKDTree(mesh.p[:, drained].T).query(mesh.p[:, :self.pressures.N].T)[0]
-        found = []
         for value in np.unique(permeability):
             drain = permeability >= _DRAINS * value
             first, others = np.broadcast_arrays(corners[:1, drain], corners[:, drain])
             graph = coo_matrix((np.ones(others.size), (first.ravel(), others.ravel())), 2 * (self.pressures.N,))
             part = connected_components(graph, directed=False)[1]
             open = np.isin(part, part[drained]) & (_DRAINED * distance**2 <= spread[drain].max(initial=0.0))
-            drained_sides = open[mesh.facets].all(axis=0)[mesh.t2f[:, elements_of(self.basis)]]
-            found.append(np.nonzero(drained_sides & (permeability == value)))
-        return self._across(*np.hstack(found))
-
-    def _across(self, side: ndarray, element: ndarray) -> tuple[ndarray, ndarray]:
-        """Return elements and their sizes across one of their sides."""
-        basis, mesh = self.basis, self.basis.mesh
-        sides = mesh.t2f[:, elements_of(basis)]
+            found.append(np.nonzero(open[mesh.facets].all(axis=0)[sides] & (permeability == value)))
+        side, element = np.hstack(found)
         p = mesh.p[:, mesh.facets[:, sides[side, element]]]
         area = np.linalg.norm(p[:, 1] - p[:, 0] if mesh.dim() == 2 else
                               0.5 * np.cross(p[:, 2] - p[:, 0], p[:, -1] - p[:, 1], axis=0), axis=0)
@@ -219,8 +210,8 @@ def pulled(name: str, pair: Any, state: Any, coordinates: ndarray, pressure: nda
     if weight @ pull > _PULLED * np.abs(weight @ total):
         yield Remark(f"{name} pulled", float(weight @ pull),
                      f"under '{name}' the water presses with up to {pressure[near].max():.4g}, and contact transfers "
-                     f"{total[pull.argmax()]:.4g} there in total: the ground is pulled by the difference, and what "
-                     "lies on it would be lifted; drain the joint, or let the pressure act on the body above as well")
+                     f"{total[pull.argmax()]:.4g} there in total: the ground is pulled, what lies on it would be "
+                     "lifted; drain the joint, or let the pressure act on the body above as well")
 
 
 def check_units(basis: CellBasis, diffusivity: ndarray, duration: float) -> Iterator[Remark]:
