@@ -127,7 +127,7 @@ def test_tangent():
 
 @pytest.mark.parametrize(("joints", "message"), [
     ([("high:bottom", "lwo:top")], "no boundary 'lwo:top'"),
-    (["high:bottom"], "connected boundaries are pairs of names"),
+    (["high:bottom"], "connected must be several values, each 2 values"),
     ([("high:top", "low:bottom")], "nowhere next to each other"),
     ([("high:bottom", "low:top"), ("low:top", "high:bottom")], "in a circle")])  # fmt: skip
 def test_bad_joints(joints, message):

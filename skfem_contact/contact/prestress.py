@@ -76,7 +76,7 @@ class TractionOperator:
         columns = np.broadcast_to((at[:, None] + n * np.arange(dim))[:, :, None], values.shape)
         moving = rows >= 0
         self.forces = coo_matrix((values[moving], (rows[moving], columns[moving])), shape=(pair.size, dim * n)).tocsr()
-        self.scale = np.tile(1.0 / np.sqrt(points.weight), dim)
+        self.scale = np.tile(1.0 / np.sqrt(np.where(points.weight > 0.0, points.weight, 1.0)), dim)
 
     def forces_on(self, n: int) -> csr_matrix:
         """Return the map to forces on n dofs, of which the pair knows the first ones."""

@@ -269,12 +269,12 @@ class PoreWater(Form):
 
     @override
     def remarks_on(self, x: ndarray, states: Mapping[str, Any]) -> Iterator[Remark]:
-        pressure = self.pressure_at_nodes(x)
         for name, pair in pairs_of(self.around.touching if self.around else {}).items():
             at = np.intersect1d(nodes(self.ground) * self.ground.mesh.dim(), pair.joins)
-            if name in states and not (pair.law.bonds or np.isin(self.ground.nodal_dofs[0, self.porous.open], at).any()):
+            open = pair.law.bonds or np.isin(self.ground.nodal_dofs[0, self.porous.open], at).any()
+            if name in states and not open:
                 yield from pulled(name, pair, states[name], self.ground.doflocs[:, at],
-                                  pressure[at // self.ground.mesh.dim()])
+                                  self.pressure_at_nodes(x)[at // self.ground.mesh.dim()])
 
     @override
     def over(self, duration: float) -> PoreWater:
