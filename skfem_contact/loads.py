@@ -210,6 +210,8 @@ def hydrostatic(table: float | ArrayLike, unit_weight: float = 9.81) -> Callable
         raise ValueError("a water table is a height, or points (n, 2) from left to right")
     if not 0.0 < unit_weight < np.inf:
         raise ValueError(f"the unit weight of water must be positive, not {unit_weight!r}")
+    if 990.0 < unit_weight < 1050.0:
+        warn(f"the unit weight of water is {unit_weight:g}, which is its density in kg/m3: the weight is 9.81 kN/m3")
     return lambda x: unit_weight * np.maximum(np.interp(x[0], *points.T) - x[-1], 0.0)
 
 

@@ -247,5 +247,5 @@ def test_parameters_along_the_slave():
 @pytest.mark.parametrize("name", ["mu", "adhesion", "tension"])
 @pytest.mark.parametrize("value", [-0.1, np.nan, np.inf, np.array([0.1, -0.1])], ids=str)
 def test_bad_parameters(name, value):
-    with pytest.raises(ValueError, match=rf"Coulomb: {name} must be"):
+    with pytest.raises(ValueError, match=rf"{name} must be"):
         Coulomb(**{name: value})

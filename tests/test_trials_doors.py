@@ -55,3 +55,30 @@ def test_many_stages_begin_at_once():
     with pytest.raises(KeyboardInterrupt):
         model.run(stages, on_increment=stop, progress=False)
     assert time.process_time() - began < 2.0
+
+
+@pytest.mark.parametrize(("make", "message"), [
+    (lambda: sc.Coulomb(mu=20.0), "mu is 20: it is the tangent of the angle"),
+    (lambda: sc.hydrostatic(2.0, unit_weight=1000.0), "unit weight of water is 1000, which is its density"),
+    (lambda: column().k0_state(K0=50.0), "K0 is 50: it is the ratio"),
+    (lambda: column(E=1.0).run([sc.Stage("weight")]), "small; are E and the loads in the same units"),
+])  # fmt: skip
+def test_slips_are_told(make, message):
+    """Angles for coefficients, densities for weights, per cent for ratios, MPa beside kN."""
+    with pytest.warns(sc.AnalysisWarning, match=message):
+        make()
+
+
+def column(E: float = 1e4):
+    """Model of a body of 1 m under its own weight."""
+    basis = vector_basis(grid("Q1", np.linspace(0, 1, 3), np.linspace(0, 1, 3)), "Q1", intorder=2)
+    return sc.Model({"soil": sc.SolidForm(basis, sc.LinearElastic(E, 0.3), unit_weight=20.0)}, sc.box_supports(basis))
+
+
+def test_sound_input_is_not_told(recwarn):
+    sc.Coulomb(mu=[0.2, 5.0])
+    sc.Coulomb(mu=1e6)
+    sc.hydrostatic(2.0, unit_weight=9810.0)
+    column().k0_state(K0=3.0)
+    column().run([sc.Stage("weight")])
+    assert not recwarn.list

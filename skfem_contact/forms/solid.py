@@ -283,7 +283,8 @@ class SolidForm(Form):
                          f"taken for small, which lets lengths grow by {turn**2 / 2.0:.0%}")
         strain = float(np.abs(state.strain).max(initial=0.0))
         if strain > _STRAIN:
-            yield Remark("strain", strain, f"strains of up to {strain:.0%} are taken for small")
+            units = "; are E and the loads in the same units?" if strain > 1.0 else ""
+            yield Remark("strain", strain, f"strains of up to {strain:.0%} are taken for small{units}")
         yielded = float((self.variable(PLASTIC_STRAIN, state) > 0).mean())
         if yielded and self.strain != "b_bar" and has_corners_only(self.basis):
             instead = "" if self.coordinates == "axisymmetric" else 'strain="b_bar", or '

@@ -26,6 +26,8 @@ from .run import run
 from .setup import Setup, dofs_of
 from .stage import Stage
 
+#: Largest K0 without a warning: the passive pressure of a soil with 55 degrees.
+_LARGEST_K0 = 10.0
 #: Forces out of balance, as a share of the load, of which a warning is given.
 _BALANCED = 1e-6
 #: ... and how often bodies may come back: beside a pile with nodal contact 6e-2, 4e-5, 8e-8 are left, else 3e-4, 4e-9.
@@ -53,6 +55,8 @@ def k0_state(setup: Setup, load: Any, K0: float | Mapping[str, float], unit_weig
         raise ValueError(f"{len(missing)} elements have no K0; they lie in the subdomains {tags}")
     if not ((ratios[elements] >= 0.0) & (ratios[elements] < np.inf)).all():
         raise ValueError(f"K0 must be a number, not negative, unlike {K0!r}")
+    if ratios[elements].max() > _LARGEST_K0:
+        warn(f"K0 is {ratios[elements].max():.4g}: it is the ratio of horizontal to vertical stress, not in per cent")
     pressure = None if water is None else as_pressure(water, mesh, setup.water_unit_weight)
     if pressure is not None and not callable(pressure):
         raise ValueError("water of the K0 procedure must be a level, points of it, or a function of the coordinates")
