@@ -72,13 +72,6 @@ def unit_vector(value: Any, dim: int, name: str) -> ndarray:
     return direction / length
 
 
-def one_of(value: T, choices: Collection[T], name: str) -> T:
-    """Return a value that is among the choices."""
-    if not any(type(value) is type(choice) and value == choice for choice in choices):
-        raise ValueError(f"{name} must be one of {', '.join(map(repr, choices))}, not {value!r}")
-    return value
-
-
 def dofs(value: Any, size: int, name: str) -> ndarray:
     """Return numbers of dofs, each once, in ascending order: whole numbers from 0 to size - 1."""
     numbers = np.atleast_1d(np.asarray(value))
@@ -132,7 +125,7 @@ def place(x: ndarray) -> str:
 def check_basis(basis: CellBasis) -> None:
     """Refuse all but vector elements of first and second order."""
     if not isinstance(basis, CellBasis):
-        raise ValueError(f"a Basis of elements is needed, not {type(basis).__name__}")
+        raise ValueError(f"basis must be a CellBasis, not {type(basis).__name__}")
     elem = basis.elem
     if not isinstance(elem, ElementVector) or type(elem.elem) not in _SUPPORTED or elem.dim != elem.elem.dim:
         names = ", ".join(f"ElementVector({cls.__name__}())" for cls in _SUPPORTED)

@@ -276,8 +276,6 @@ def box_supports(basis: CellBasis, part: str | None = None, base: Literal["fixed
     >>> len(sc.box_supports(basis)), len(sc.box_supports(basis, base="rollers"))      # of 18 dofs
     (10, 9)
     """
-    if base not in ("fixed", "rollers"):
-        raise ValueError(f"base must be 'fixed' or 'rollers', not {base!r}")
     dim = basis.mesh.dim()
     numbers = _first_components(basis, part)
     x = basis.doflocs[:, numbers]

@@ -37,13 +37,6 @@ def test_directions():
         checks.unit_vector((0, 0), 2, "axis")
 
 
-def test_choices():
-    assert checks.one_of("gauss", ("nodal", "gauss"), "quadrature") == "gauss"
-    for value in ("no", 1, None, np.zeros(2)):
-        with pytest.raises(ValueError, match="axisymmetric must be one of True, False, not"):
-            checks.one_of(value, (True, False), "axisymmetric")
-
-
 def test_names():
     assert checks.names("a", ("a", "b"), "form") == ("a",)
     assert checks.names(["b", "a"], ("a", "b"), "form") == ("b", "a")

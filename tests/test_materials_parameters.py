@@ -25,7 +25,7 @@ GOOD = {"E": 1e4, "nu": 0.3, "c": 10.0, "phi": 30.0, "psi": 10.0}
         ({"psi": 31.0}, "psi must not exceed phi, got 31.0"),
         ({"phi": np.array([30.0, 5.0])}, "psi must not exceed phi, got 10.0 in element 1"),
         ({"c": np.nan}, "c must be a finite number or an array of real numbers, not nan"),
-        ({"phi": np.array([30.0, np.inf])}, "phi must be finite, got inf in element 1"),
+        ({"phi": np.array([30.0, np.inf])}, "phi must be finite numbers, not array"),
         ({"E": "stiff"}, "E must be a finite number or an array of real numbers, not 'stiff'"),
         ({"E": np.ones((2, 2))}, r"E must be a number or one number an element, got shape \(2, 2\)"),
         ({"E": np.ones(2), "c": np.ones(3)}, "one value an element: E has 2, c has 3"),

@@ -100,8 +100,6 @@ def strength_reduction(setup: Setup, load: Any, start: Result | StageResult | No
                        method: Literal["continuation", "bracket"], flow: Flow, tolerance: float, step: float,
                        max_value: float, certify: bool | Mapping[str, Any], progress: bool | None) -> CollapseResult:
     """Reduce the strength until the structure collapses, see :meth:`skfem_contact.Model.strength_reduction`."""
-    if method not in ("continuation", "bracket"):
-        raise ValueError(f"method must be 'continuation' or 'bracket', not {method!r}")
     check_reduction(1.0, flow)
     if not tolerance > 0 or not step > 0 or not max_value > 1:
         raise ValueError(f"tolerance and step must be positive and max_value above 1, not {tolerance!r}, {step!r} and "

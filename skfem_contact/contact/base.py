@@ -4,7 +4,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from copy import copy
 from dataclasses import replace
-from typing import Any, Literal, get_args
+from typing import Any, Literal
 
 import numpy as np
 from numpy import ndarray
@@ -64,7 +64,7 @@ class ContactBase(Form):
                                    for side in (slave, master))
         self.master = (self.facets if smoothing is None else smoothed(self.facets, smoothing)).facing(self.slave)
         _check_surfaces(self.slave, self.master)
-        _check_settings(self.slave, quadrature, enforcement, initial, share, tangent)
+        _check_settings(self.slave, quadrature, enforcement, initial, share)
         _check_law(law, len(self.slave.nodes))
         self.law, self.quadrature, self.tangent = law, quadrature, tangent
         self.enforcement, self.initial, self.share = enforcement, initial, share
@@ -239,16 +239,12 @@ def _check_surfaces(slave: Surface, master: Surface) -> None:
                          "the boundary on the other side of the body; a rigid line is free to the left of its way")
 
 
-def _check_settings(slave: Surface, quadrature: Any, enforcement: Any, initial: Any, share: Any, tangent: Any) -> None:
-    if not (isinstance(quadrature, int | np.integer) and not isinstance(quadrature, bool) and quadrature > 0):
-        _one_of("quadrature", quadrature, ("nodal", "segments"), " or a positive number of Gauss points")
-    _one_of("tangent", tangent, ("exact", "primary"))
-    if not is_number(initial, 0.0, np.inf):
-        _one_of("initial", initial, get_args(NamedFit), " or a positive interference")
+def _check_settings(slave: Surface, quadrature: Any, enforcement: Any, initial: Any, share: Any) -> None:
+    for name, value, what in (("quadrature", quadrature, "number of points"), ("initial", initial, "interference")):
+        if not isinstance(value, str) and value <= 0:
+            raise ValueError(f"{name} must be one of its names, or a positive {what}, not {value!r}")
     if not (share == 1.0 or is_number(share, 0.0, 1.0)):
         raise ValueError(f"share must lie in (0, 1], not {share!r}")
-    if not isinstance(enforcement, AugmentedLagrangian | None):
-        raise ValueError(f"enforcement must be None or AugmentedLagrangian(), not {enforcement!r}")
     if enforcement is not None and slave.facets.shape[1] == _NEGATIVE:
         raise ValueError(f"the augmented method is not for facets of eight nodes, as '{slave.name}' has them: the "
                          "corners have negative areas for their multipliers; take ElementHex2 or ElementHex1, or the "
@@ -262,11 +258,6 @@ def _check_law(law: Any, n_nodes: int) -> None:
     for name, value in vars(law).items():
         if isinstance(value, np.ndarray) and value.shape != (n_nodes,):
             raise ValueError(f"{type(law).__name__}: {name} has shape {value.shape}; the slave has {n_nodes} nodes")
-
-
-def _one_of(name: str, value: object, allowed: tuple[str, ...], other: str = "") -> None:
-    if not (isinstance(value, str) and value in allowed):
-        raise ValueError(f"{name} must be one of {allowed}{other}, not {value!r}")
 
 
 def initial_clearance(gap: ndarray, meshed: ndarray, size: ndarray, fit: Fit, bonded: bool) -> ndarray:

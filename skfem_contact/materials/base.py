@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from typing_extensions import override
 
+from ..checks import finite
 from ..errors import warn
 
 Array = NDArray[np.float64]
@@ -278,16 +279,9 @@ def check_reduction(factor: float, flow: str) -> None:
 
 def as_parameter(name: str, value: ArrayLike) -> Parameter:
     """Return a finite float, or a read-only array with one finite value an element."""
-    try:
-        array = np.array(value)
-    except ValueError:
-        array = np.array(None)  # a list of lists of different lengths
-    if np.ma.isMaskedArray(value) or array.dtype.kind not in "iuf":
-        raise ValueError(f"{name} must be a number or one number an element, got {value!r}")
-    array = array.astype(np.float64)
+    array = finite(value, name)
     if array.ndim > 1 or array.size == 0:
         raise ValueError(f"{name} must be a number or one number an element, got shape {array.shape}")
-    require(name, array, np.isfinite(array), "be finite")
     if array.ndim == 0:
         return float(array)
     array.flags.writeable = False

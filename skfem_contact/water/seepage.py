@@ -211,8 +211,6 @@ def seepage(basis: CellBasis, permeability: Permeability | Mapping[str, Permeabi
     True
     """
     positive(unit_weight, "unit_weight")
-    if not isinstance(basis, CellBasis):
-        raise ValueError(f"a Basis of elements is needed, not {type(basis).__name__}")
     axisymmetric = strain_of(basis, None, coordinates, False)[1] == "axisymmetric"
     porous = head_basis(basis)
     given = conditions(porous, head, seepage_face)
