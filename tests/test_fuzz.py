@@ -35,4 +35,4 @@ def test_wrong_calls(tmp_path, monkeypatch) -> None:
     assert len(found) > 250
     assert not [line for end, line in found if end == "silent"]
     deep = [line for end, line in found if end.startswith(("deep", "no end"))]
-    assert len(deep) <= 0.02 * len(found), deep  # 0.4 % of all; a sample has more or less
+    assert len(deep) <= 0.02 * len(found), deep  # 0.1 % of all; a sample of 300 may hold some of them

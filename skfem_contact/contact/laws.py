@@ -155,7 +155,7 @@ class Coulomb(InterfaceLaw):
                 raise ValueError(f"Coulomb: {name} must be a non-negative number, or one for each node of the slave, "
                                  f"not {getattr(self, name)!r}")
             object.__setattr__(self, name, value if value.ndim else float(value))
-        if 10.0 < np.max(self.mu) < 90.0:  # 84 to 89.4 degrees; more is meant as no slip
+        if 10.0 < np.max(self.mu, initial=0.0) < 90.0:  # 84 to 89.4 degrees; more is meant as no slip
             warn(f"mu is {np.max(self.mu):.4g}: it is the tangent of the angle of friction, which is given in degrees "
                  "for soils only")
 
