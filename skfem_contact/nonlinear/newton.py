@@ -17,9 +17,11 @@ from ..solvers.direct import SingularSystem
 logger = logging.getLogger("skfem_contact")
 #: The tangent is damped when so many iterations have not halved the residual.
 _PATIENCE = 6
-#: So many iterations without a smaller residual lead nowhere, nor do so many with so many times the smallest one. A
-#: strut prestressed against a wall in sand takes 15 to 24 iterations, and 22 to 32 with 10 of twice the smallest.
-_ASTRAY, _AWAY, _TIMES = 8, 2, 10.0
+#: So many iterations, all of them with so many times the smallest residual that has been reached, lead nowhere.
+_ASTRAY, _TIMES = 10, 2.0
+#: With contact, so many without a smaller residual do, or so many with so many times the smallest one: a strut
+#: prestressed against a wall in sand takes 15 to 24 iterations for 22 to 32. Soil alone comes back from there.
+_CYCLE, _AWAY, _MANY = 8, 2, 10.0
 #: Along the energy, so many residuals that differ by so little and are so many times the smallest one.
 _STUCK, _SAME, _WORSE = 6, 0.8, 5.0
 #: Round-off of the forces, as a share of the residual, that is mentioned where the iterations fail.
@@ -198,7 +200,7 @@ def iterate(now: Evaluation, evaluate: Callable[[ndarray], Evaluation],
     met, counted = {now.active}, 0
     while len(norms) <= at_least or not (now.norm <= settings.tolerance and now.lag == 0.0):
         if max(counted, (len(norms) - 1) / _MOVING) >= settings.max_iterations or not now.norm < 1e8 \
-                or (_stuck(norms) if search == "energy" else _hopeless(norms)):
+                or (_stuck(norms) if search == "energy" else _hopeless(norms, any(now.active))):
             raise NotConverged(f"no equilibrium after {len(norms) - 1} iterations; {_why(now, norms)}",
                                now.z, norms, now.worst)
         try:
@@ -226,11 +228,11 @@ def iterate(now: Evaluation, evaluate: Callable[[ndarray], Evaluation],
     return now, (*norms[:-1], now.norm + now.hidden)
 
 
-def _hopeless(norms: list[float]) -> bool:
+def _hopeless(norms: list[float], contact: bool) -> bool:
     """Return True if the iterations have run away; the first residual is that of the increment and does not count."""
     least = min(norms[1:], default=np.inf)
-    return any(len(norms) > last + 1 and min(norms[-last:]) > times * least
-               for last, times in ((_ASTRAY, 1.0), (_AWAY, _TIMES)))
+    limits = ((_CYCLE, 1.0), (_AWAY, _MANY)) if contact else ((_ASTRAY, _TIMES),)
+    return any(len(norms) > last + 1 and min(norms[-last:]) > times * least for last, times in limits)
 
 
 def _stuck(norms: list[float]) -> bool:

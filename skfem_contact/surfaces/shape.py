@@ -8,7 +8,7 @@ from itertools import product
 
 import numpy as np
 from numpy import ndarray
-from numpy.polynomial.legendre import legvander
+from numpy.polynomial.legendre import leggauss, legvander
 from scipy.special import roots_jacobi
 from skfem import (
     Element,
@@ -42,6 +42,9 @@ _FACETS: dict[type[Element], tuple[type[Element], Sequence[tuple[int, ...]]]] = 
     ElementHexS2: (ElementQuadS2, (*_BILINEAR, (2, 0), (0, 2), (2, 1), (1, 2))),
     ElementHex2: (ElementQuad2, tuple(product(range(3), repeat=2))),
 }
+
+#: Distance of points from the ends of a piece, in natural coordinates.
+_INSIDE = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -187,12 +190,16 @@ class Shape:
 
 
 @lru_cache
-@lru_cache
 def gauss_points(n: int, first: bool = False, last: bool = False) -> tuple[ndarray, ndarray]:
-    """Return n Gauss points from -1 to 1 and their weights; with the first or last end, those of Radau and Lobatto."""
-    inner = roots_jacobi(n - first - last, float(last), float(first))[0]
-    t = np.concatenate(([-1.0] * first, inner, [1.0] * last))
-    w = np.linalg.solve(legvander(t, n - 1).T, 2.0 * np.eye(n)[0])
+    """Return n Gauss points from -1 to 1 and their weights; with the first or last end, those of Radau and Lobatto.
+
+    The ends are moved inwards by :data:`_INSIDE`: at joints of the other surface they face one facet.
+    """
+    t, w = leggauss(n)
+    if first or last:
+        inner = roots_jacobi(n - first - last, float(last), float(first))[0]
+        t = np.concatenate(([_INSIDE - 1.0] * first, inner, [1.0 - _INSIDE] * last))
+        w = np.linalg.solve(legvander(t, n - 1).T, 2.0 * np.eye(n)[0])
     t.flags.writeable = w.flags.writeable = False
     return t, w
 
