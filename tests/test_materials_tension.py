@@ -129,6 +129,6 @@ def test_parameters_of_each_element() -> None:
 def test_parameters() -> None:
     with pytest.raises(ValueError, match=r"tension must not be negative, got -1\.0"):
         MohrCoulomb(2e4, 0.3, 10.0, 30.0, tension=-1.0)
-    with pytest.raises(ValueError, match="tension must be finite"):
+    with pytest.raises(ValueError, match="tension must be a finite number"):
         MohrCoulomb(2e4, 0.3, 10.0, 30.0, tension=np.inf)
     assert MohrCoulomb(2e4, 0.3, 10.0, 30.0, tension=5.0).reduced(2.0).tension == 2.5

@@ -70,7 +70,7 @@ def test_meshes_that_cannot_be_joined():
         join_bodies({})
     with pytest.raises(ValueError, match="bodies= is for a single mesh"):
         join_bodies({"a": MeshQuad1()}, bodies={"a": "clay"})
-    with pytest.raises(ValueError, match="list is not supported"):
+    with pytest.raises(ValueError, match="mesh must be a Mesh or a dictionary"):
         join_bodies([MeshQuad1(), MeshTri1()])
     untagged = MeshQuad1().refined()
     with pytest.raises(ValueError, match="existing: none at all"):

@@ -8,8 +8,7 @@ from itertools import product
 
 import numpy as np
 from numpy import ndarray
-from numpy.polynomial.legendre import leggauss, legvander
-from scipy.special import roots_jacobi
+from numpy.polynomial.legendre import leggauss, legroots, legval, legvander
 from skfem import (
     Element,
     ElementHex1,
@@ -193,12 +192,14 @@ class Shape:
 def gauss_points(n: int, first: bool = False, last: bool = False) -> tuple[ndarray, ndarray]:
     """Return n Gauss points from -1 to 1 and their weights; with the first or last end, those of Radau and Lobatto.
 
-    The ends are moved inwards by :data:`_INSIDE`: at joints of the other surface they face one facet.
+    Ends are moved inwards by :data:`_INSIDE`: at joints of the other surface they face one facet. The rule is exact to
+    the degree 2n - 1, less one for each end.
     """
     t, w = leggauss(n)
-    if first or last:
-        inner = roots_jacobi(n - first - last, float(last), float(first))[0]
-        t = np.concatenate(([_INSIDE - 1.0] * first, inner, [1.0 - _INSIDE] * last))
+    if ends := first + last:
+        below, top = np.eye(n + 1)[[n - ends, n]]
+        end = (_INSIDE - 1.0) if first else (1.0 - _INSIDE)
+        t = legroots(top - legval(end, top) / legval(end, below) * below)
         w = np.linalg.solve(legvander(t, n - 1).T, 2.0 * np.eye(n)[0])
     t.flags.writeable = w.flags.writeable = False
     return t, w
