@@ -411,7 +411,7 @@ def test_strain_of_other_dimension():
         sc.SolidForm(plane, ELASTIC, coordinates="space")
     with pytest.raises(ValueError, match="no strain 'b_bar' in axial symmetry"):
         sc.SolidForm(plane, ELASTIC, "b_bar", coordinates="axisymmetric")
-    with pytest.raises(ValueError, match="strain must be 'full' or 'b_bar', not 'plane'"):
+    with pytest.raises(ValueError, match="strain must be one of 'full', 'b_bar' or None, not 'plane'"):
         sc.SolidForm(plane, ELASTIC, "plane")
 
 

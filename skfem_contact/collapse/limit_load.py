@@ -21,8 +21,6 @@ from .mechanism import as_collapse
 from .result import LOAD, CollapseResult, Point, SearchLog, conclude
 
 _CUTS = 10
-#: Tolerance of the one equilibrium: 3e-4 takes a slope of 10.01 degrees for stable where friction is 10 degrees.
-_ONE = 1e-4
 #: Growth of the steps where friction is that of the step before.
 _SMALL_GROWTH = 1.5
 
@@ -96,7 +94,7 @@ def is_stable(setup: Setup, load: Any, start: Result | StageResult | None, water
     """Return True if a structure resists its load, see :meth:`skfem_contact.Model.is_stable`."""
     begun = loaded_start(setup, load, start, water)
     system, origin = begun.system, begun.origin
-    whole, newton = begun.weight + begun.load, setup.newton or Newton(tolerance=_ONE, max_iterations=60)
+    whole, newton = begun.weight + begun.load, setup.newton or Newton(tolerance=3e-4, max_iterations=60)
     try:
         system.equilibrium(origin.x, origin.states, whole, origin.x[system.fixed], newton, ("energy", "residual"),
                            at_least=1, damp=True)

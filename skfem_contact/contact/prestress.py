@@ -21,9 +21,6 @@ from .laws import Status
 _TENSOR = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
 _ACCURACY = 1e-14
 _MOST = 10_000
-#: Share of the tangential penalty in the damped tangent where all points slip, which else is singular: a block on a
-#: slope within 0.1 % of its angle of friction finds its equilibrium, or none; with 1e-3 and 1e-5 some do neither.
-_HELD = 1e-4
 
 
 def prestressed(operators: Mapping[str, TractionOperator], force: ndarray, where: ndarray | None = None,
@@ -76,7 +73,7 @@ class TractionOperator:
         columns = np.broadcast_to((at[:, None] + n * np.arange(dim))[:, :, None], values.shape)
         moving = rows >= 0
         self.forces = coo_matrix((values[moving], (rows[moving], columns[moving])), shape=(pair.size, dim * n)).tocsr()
-        self.scale = np.tile(1.0 / np.sqrt(np.where(points.weight > 0.0, points.weight, 1.0)), dim)
+        self.scale = np.tile(1.0 / np.sqrt(points.weight), dim)
 
     def forces_on(self, n: int) -> csr_matrix:
         """Return the map to forces on n dofs, of which the pair knows the first ones."""
@@ -205,11 +202,9 @@ class LinearisedContact(Form):
             return replace(state, gap=gaps, slip=slip, traction=traction, status=status, internal=new, position=motion,
                            stick_point=origin)
 
-        def stiffness(held: float = 0.0) -> csr_matrix:
-            springs = np.diag([0.0, *[held * pair.penalties(state)[1]] * len(moved)])[..., None]
-            K = work.transpose(0, 2, 1) @ ((update.tangent + springs).transpose(2, 0, 1) @ work)
+        def stiffness() -> csr_matrix:
+            K = work.transpose(0, 2, 1) @ (update.tangent.transpose(2, 0, 1) @ work)
             return pair._gathering.matrix(dofs, K * weight[:, None, None])
 
         force = weight[:, None] * np.einsum("in,nim->nm", update.traction, work)
-        return Response(pair._gathering.force(dofs, force), candidate, stiffness,
-                        lambda: stiffness(_HELD * float((update.status != Status.STICK).all())))
+        return Response(pair._gathering.force(dofs, force), candidate, stiffness)

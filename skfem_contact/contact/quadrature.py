@@ -163,15 +163,10 @@ def _divided(shape: Shape, n: int, pieces: int) -> tuple[ndarray, ndarray]:
 def between(surface: Surface, cuts: ndarray, n: int) -> SlavePoints:
     """Return ``n`` Gauss points on every piece of a surface in the plane between two cuts.
 
-    The cuts ascend: facet number plus the share ``(1 + xi) / 2``; facets' ends, whole numbers, are among them. The ends
-    of the surface are points themselves, about which a body turns; the axis of axial symmetry is no end.
+    The cuts ascend: facet number plus the share ``(1 + xi) / 2``; facets' ends, whole numbers, are among them.
     """
+    t, w = gauss_points(n)
     half = 0.5 * np.diff(cuts)
-    ends = np.zeros((len(half), 2), bool)
-    if not surface.closed:
-        radius = surface.nodes[surface.facets[[0, -1], [0, 1]], 0]
-        ends[0, 0], ends[-1, 1] = ~surface.axisymmetric | (radius > _ON_EDGE * surface.spacing)
-    t, w = np.stack([gauss_points(n, *end) for end in ends.tolist()], axis=1)
     coordinate = ((cuts[:-1] + half)[:, None] + half[:, None] * t).ravel()
     facet = np.repeat(np.floor(cuts[:-1] + half).astype(int), n)
     return SlavePoints.on(surface, facet, 2.0 * (coordinate - facet)[:, None] - 1.0, (2.0 * half[:, None] * w).ravel())

@@ -8,7 +8,6 @@ from itertools import product
 
 import numpy as np
 from numpy import ndarray
-from numpy.polynomial.legendre import leggauss, legroots, legval, legvander
 from skfem import (
     Element,
     ElementHex1,
@@ -41,9 +40,6 @@ _FACETS: dict[type[Element], tuple[type[Element], Sequence[tuple[int, ...]]]] = 
     ElementHexS2: (ElementQuadS2, (*_BILINEAR, (2, 0), (0, 2), (2, 1), (1, 2))),
     ElementHex2: (ElementQuad2, tuple(product(range(3), repeat=2))),
 }
-
-#: Distance of points from the ends of a piece, in natural coordinates.
-_INSIDE = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,18 +185,9 @@ class Shape:
 
 
 @lru_cache
-def gauss_points(n: int, first: bool = False, last: bool = False) -> tuple[ndarray, ndarray]:
-    """Return n Gauss points from -1 to 1 and their weights; with the first or last end, those of Radau and Lobatto.
-
-    Ends are moved inwards by :data:`_INSIDE`: at joints of the other surface they face one facet. The rule is exact to
-    the degree 2n - 1, less one for each end.
-    """
-    t, w = leggauss(n)
-    if ends := first + last:
-        below, top = np.eye(n + 1)[[n - ends, n]]
-        end = (_INSIDE - 1.0) if first else (1.0 - _INSIDE)
-        t = legroots(top - legval(end, top) / legval(end, below) * below)
-        w = np.linalg.solve(legvander(t, n - 1).T, 2.0 * np.eye(n)[0])
+def gauss_points(n: int) -> tuple[ndarray, ndarray]:
+    """Return Gauss points from -1 to 1 and their weights."""
+    t, w = np.polynomial.legendre.leggauss(n)
     t.flags.writeable = w.flags.writeable = False
     return t, w
 
