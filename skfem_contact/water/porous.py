@@ -123,9 +123,14 @@ class Porous:
     def beside_drains(self, drained: ndarray, permeability: ndarray, spread: ndarray) -> tuple[ndarray, ndarray]:
         """Return elements that drain through a facet, also to permeable ground of `spread` c_v t, and their sizes."""
         basis, mesh, corners = self.basis, self.basis.mesh, self.pressures.element_dofs
-        sides, found = mesh.t2f[:, elements_of(basis)], []
-        distance = cKDTree(mesh.p[:, drained].T).query(mesh.p[:, :self.pressures.N].T)[0]
-        for value in np.unique(permeability):
+        sides, best = mesh.t2f[:, elements_of(basis)], np.zeros(self.pressures.N)
+        np.maximum.at(best, corners.ravel(), np.tile(permeability, len(corners)))
+        best[drained] = np.inf
+        beside = best[mesh.facets].min(axis=0)[sides]
+        found = [np.nonzero(np.isinf(beside))]
+        values = np.unique(permeability[(np.isfinite(beside) & (beside >= _DRAINS * permeability)).any(axis=0)])
+        distance = cKDTree(mesh.p[:, drained].T).query(mesh.p[:, :self.pressures.N].T)[0] if len(values) else best
+        for value in values:
             drain = permeability >= _DRAINS * value
             first, others = np.broadcast_arrays(corners[:1, drain], corners[:, drain])
             graph = coo_matrix((np.ones(others.size), (first.ravel(), others.ravel())), 2 * (self.pressures.N,))
