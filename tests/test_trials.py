@@ -12,6 +12,7 @@ from scipy.sparse.linalg import spsolve
 from skfem import Basis, ElementQuad1, ElementQuad2, ElementTriP2, ElementVector, LinearForm, MeshQuad, MeshTri
 
 import skfem_contact as sc
+from skfem_contact.collapse.mechanism import as_collapse
 
 QUIET = {"progress": False}
 
@@ -217,6 +218,19 @@ def test_search_from_a_start_without_the_footing():
     assert 2 + np.pi < found.multiplier / 40.0 < 6.2  # from above, with four elements below the footing
 
 
+def test_forms_of_any_name_resist_a_motion():
+    """[X] A block that a form named "springs" holds: a failure beside it is no mechanism."""
+    basis = Basis(MeshQuad().with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+    held = sc.Spring(basis, (0.0, 0.0), (10.0, 10.0)), sc.Spring(basis, (1.0, 0.0), (10.0, 10.0))
+    block = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.0))
+    model = sc.Model({"block": block, "springs": held[0], "others": held[1]})
+    system = model.checked_system(model.forms, model.fixed)
+    states = {name: form.initial_state() for name, form in model.forms.items()}
+    error = sc.NotConverged("no equilibrium")
+    load = sc.weight(basis, 1.0)
+    assert as_collapse(error, system, basis.zeros(), states, load, sc.Newton(tolerance=1e-4)) is error
+
+
 @pytest.mark.parametrize("degrees, stands", [(9.5, True), (9.99, True), (10.01, False), (10.5, False), (30.1, False)])
 def test_block_that_slides_is_not_stable(degrees, stands):
     """[X] A block on an incline stands below the friction angle of 10 degrees and slides above."""
@@ -303,22 +317,34 @@ def test_body_placed_on_settled_ground_does_not_overlap(initial, recwarn):
     assert not [warning for warning in recwarn if "overlap" in str(warning.message)]
 
 
-@pytest.mark.parametrize("share", [0.9, 1.1])
-def test_fit_that_carries_too_much_torque_is_told(share, recwarn):
-    """[X] A shrunk fit slips at the torque mu p r times its surface; above, the corners of its 64 facets hook."""
+def shrunk():
+    """Model of a hub shrunk into a ring, both of 64 elements around, and its basis."""
     flat = MeshQuad.init_tensor(np.linspace(0, 2 * np.pi, 65), np.linspace(0, 1, 7))
 
     def ring(inner, outer):
-        place = (inner + (outer - inner) * flat.p[1]) * np.stack((np.cos(flat.p[0]), np.sin(flat.p[0])))
-        _, first, number = np.unique(place.round(9), axis=1, return_index=True, return_inverse=True)
-        return MeshQuad(place[:, first], number.ravel()[flat.t]).with_boundaries(
+        p = (inner + (outer - inner) * flat.p[1]) * np.stack((np.cos(flat.p[0]), np.sin(flat.p[0])))
+        _, first, number = np.unique(p.round(9), axis=1, return_index=True, return_inverse=True)
+        return MeshQuad(p[:, first], number.ravel()[flat.t]).with_boundaries(
             {"inner": lambda x: np.hypot(*x) < inner + 0.01, "outer": lambda x: np.hypot(*x) > outer - 0.01})
 
     mesh = sc.join_bodies({"hub": ring(0.5, 1.0), "ring": ring(1.0, 2.0)})
     basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
     solid = sc.SolidForm(basis, {"hub": sc.LinearElastic(E=1.0, nu=0.3), "ring": sc.LinearElastic(E=2.0, nu=0.3)})
     fit = sc.ContactPair(basis, "hub:outer", "ring:inner", sc.Coulomb(mu=0.2), initial=1e-3)
-    model = sc.Model({"bodies": solid, "fit": fit}, basis.get_dofs("ring:outer").all())
+    return sc.Model({"bodies": solid, "fit": fit}, basis.get_dofs("ring:outer").all()), basis
+
+
+def test_fit_without_pressure():
+    """A fit that has come apart transfers no torque."""
+    model, basis = shrunk()
+    pair = model.forms["fit"]
+    assert "torque" not in [remark.kind for remark in pair.remarks(basis.zeros(), pair.initial_state())]
+
+
+@pytest.mark.parametrize("share", [0.9, 1.1])
+def test_fit_that_carries_too_much_torque_is_told(share, recwarn):
+    """[X] A shrunk fit slips at the torque mu p r times its surface; above, the corners of its 64 facets hook."""
+    model, basis = shrunk()
     first = model.run([sc.Stage("fit")], **QUIET)
     tractions = first["fit"].tractions("fit")
     unit = LinearForm(lambda v, w: w.x[0] * v[1] - w.x[1] * v[0]).assemble(basis.with_elements("hub"))

@@ -42,12 +42,12 @@ def as_collapse(error: NotConverged, system: System, x: ndarray, states: Mapping
     begun = system.evaluate(x, states, load)
     rows = abs(system.tangent(begun)).max(axis=1).toarray().ravel()
     rows[system.layout.still] = 0.0
-    now, shares = x, []
+    now, shares, name = x, [], " ".join([*system.forms, "springs"])  # longer than every other name
     for soft in _SOFT:
         springs = _Springs(soft * rows, x)
-        held = system.with_forms({**system.forms, "springs": springs})
+        held = system.with_forms({**system.forms, name: springs})
         try:
-            now = held.equilibrium(x, {**states, "springs": None}, load, x[system.fixed], newton, at_least=1,
+            now = held.equilibrium(x, {**states, name: None}, load, x[system.fixed], newton, at_least=1,
                                    damp=True, start=now).x
         except NotConverged:
             return error

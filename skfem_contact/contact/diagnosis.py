@@ -46,7 +46,7 @@ def remarks(pair: ContactBase, x: ndarray, state: ContactState) -> Iterator[Rema
     yield from _on_enforcement(pair, x, state, meshed)
     yield from _on_facets(pair, state, meshed)
     yield from _on_sliding(pair, state)
-    yield from _on_turning(pair, x, state, pair.points(state).weight * np.abs(state.traction[0]))
+    yield from _on_turning(pair, x, state)
     slave, master, points = pair.slave, pair.master, pair.points(state)
     lost_bond = _without_bond(pair.law, state)
     if lost_bond.any():
@@ -167,15 +167,16 @@ def _on_sliding(pair: ContactBase, state: ContactState) -> Iterator[Remark]:
                      "that stays in contact as the slave")
 
 
-def _on_turning(pair: ContactBase, x: ndarray, state: ContactState, force: ndarray) -> Iterator[Remark]:
+def _on_turning(pair: ContactBase, x: ndarray, state: ContactState) -> Iterator[Remark]:
     """Yield a remark on round fits whose pressure transfers torque: by the corners of facets, or as they turn."""
-    on, mu = np.flatnonzero(force), float(np.max(getattr(pair.law, "mu", 0.0)))
-    if isinstance(pair.initial, str) or not pair.slave.closed or mu == 0.0:
+    on, mu = np.flatnonzero(state.traction[0]), float(np.max(getattr(pair.law, "mu", 0.0)))
+    if isinstance(pair.initial, str) or not pair.slave.closed or mu == 0.0 or len(on) == 0:
         return
-    normal = pair.master.at(*state.closest.take(on), pair.interface.places(x)[1]).normal
-    arm = (pair.points(state).positions(pair.slave.nodes) - pair.slave.nodes.mean(axis=0))[on]
-    friction = mu * float(force[on] @ np.linalg.norm(arm, axis=1))
-    if (carried := abs(float(force[on] @ (arm[:, 0] * normal[:, 1] - arm[:, 1] * normal[:, 0]))) / friction) > _TURNED:
+    points, normal = pair.points(state), pair.master.at(*state.closest.take(on), pair.interface.places(x)[1]).normal
+    force = points.weight[on] * np.abs(state.traction[0, on])
+    arm = (points.positions(pair.slave.nodes) - pair.slave.nodes.mean(axis=0))[on]
+    friction = mu * float(force @ np.linalg.norm(arm, axis=1))
+    if (carried := abs(float(force @ (arm[:, 0] * normal[:, 1] - arm[:, 1] * normal[:, 0]))) / friction) > _TURNED:
         yield Remark("torque", carried, f"the pressure on '{pair.slave.name}' transfers {carried:.1%} of the torque of "
                      "full friction: corners of facets hook, or small rotations are too large; a round fit slips "
                      "before: take curved or smaller elements, or limit_load")
