@@ -214,7 +214,7 @@ def _begun(stage: StageResult, since: StageResult) -> ndarray:
     x, there = since.x.copy(), solids(stage)
     old = [form.basis.element_dofs.ravel() for name, form in there.items() if name in since.states]
     for name in there.keys() - since.states.keys():
-        own = np.setdiff1d(there[name].basis.element_dofs, np.concatenate([*old, []]))
+        own = np.setdiff1d(there[name].basis.element_dofs, np.concatenate([np.zeros(0, int), *old]))
         x[own] = reference(stage, since, name)[own]
     return x
 

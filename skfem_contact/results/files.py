@@ -180,12 +180,13 @@ def _described(stage: StageData, key: str, arrays: dict[str, ndarray]) -> dict[s
     arrays[f"{key}/x"], arrays[f"{key}/load"] = stage.x, stage.load
     if stage.unreleased is not None:
         arrays[f"{key}/unreleased"] = stage.unreleased
-    arrays |= {f"{key}/{name}/placed": x for name, x in stage.placed.items()}
+    arrays |= {f"{key}/placed of {name}": x for name, x in stage.placed.items()}
     for name, state in stage.states.items():
         arrays |= {f"{key}/{name}/{part}": np.asarray(values) for part, values in arrays_of(state).items()}
     return {"name": stage.name, "iterations": stage.iterations, "residual": stage.residual, "fraction": stage.fraction,
             "time": stage.time, "summary": dict(stage.summary), "forms": list(stage.states),
             "meshes": {name: _fingerprint(form) for name, form in stage.forms.items()}, "water": _in_words(stage.water),
+            "placed": list(stage.placed),
             "increments": [_described(part, f"{key}.{k}", arrays) for k, part in enumerate(stage.increments)]}
 
 
@@ -221,7 +222,7 @@ def _stage(arrays: Mapping[str, ndarray], key: str, head: Mapping[str, Any], giv
         if form.materials or form.law is not None:
             _check_numbers(f"'{name}'", {k: a for k, a in arrays_of(states[name]).items() if k not in _FREE})
     vectors = {part: arrays[f"{key}/{part}"] for part in ("x", "load", "unreleased") if f"{key}/{part}" in arrays}
-    placed = {name: arrays[path] for name in forms if (path := f"{key}/{name}/placed") in arrays}
+    placed = {name: arrays[f"{key}/placed of {name}"] for name in head.get("placed", ())}
     _check_numbers("the stage", {**vectors, **placed})
     shapes = {np.shape(values) for values in (*vectors.values(), *placed.values())}
     x = vectors["x"]
