@@ -117,7 +117,7 @@ def facets_of(mesh: Mesh, boundary: str) -> ndarray:
     return facets
 
 
-def place(x: ndarray) -> str:
+def format_point(x: ndarray) -> str:
     """Format the coordinates of a point for a message."""
     return f"({', '.join(f'{value:.4g}' for value in x)})"
 
@@ -250,7 +250,7 @@ def _kinds(function: Any, owner: type | None) -> tuple[list[str], dict[str, Kind
     return list(given), kinds
 
 
-def _look(function: Any, owner: type | None, args: tuple[Any, ...], named: dict[str, Any]) -> None:
+def _check_arguments(function: Any, owner: type | None, args: tuple[Any, ...], named: dict[str, Any]) -> None:
     """Refuse arguments that the annotations of a function do not allow."""
     names, kinds = _kinds(function, owner)
     for name, value in (*zip(names, args, strict=False), *named.items()):
@@ -261,16 +261,16 @@ def _look(function: Any, owner: type | None, args: tuple[Any, ...], named: dict[
 
 
 @functools.cache
-def _door(function: Any, owner: type | None = None) -> Any:
-    """Return a function that looks at its arguments first."""
-    look = _look
+def _checked(function: Any, owner: type | None = None) -> Any:
+    """Return a function that checks its arguments first."""
+    check = _check_arguments
 
-    def door(*args: Any, **named: Any) -> Any:
-        look(function, owner, args, named)
+    def checked(*args: Any, **named: Any) -> Any:
+        check(function, owner, args, named)
         return function(*args, **named)
 
     # doctest finds functions by their globals
-    own = FunctionType(door.__code__, function.__globals__, function.__name__, None, door.__closure__)
+    own = FunctionType(checked.__code__, function.__globals__, function.__name__, None, checked.__closure__)
     return functools.update_wrapper(own, function)
 
 
@@ -281,8 +281,8 @@ def guard(*modules: str) -> None:
             public = getattr(module, name)
             if isinstance(public, FunctionType):
                 function = inspect.unwrap(public)
-                for place in (module, sys.modules[function.__module__]):
-                    setattr(place, name, _door(function))
+                for owner in (module, sys.modules[function.__module__]):
+                    setattr(owner, name, _checked(function))
             elif isinstance(public, type) and name not in _OWN:
                 _guard_methods(public)
 
@@ -293,8 +293,8 @@ def _guard_methods(public: type) -> None:
         function = getattr(member, "__func__", member)
         if (name[0] != "_" or name in ("__init__", "__getitem__")) and isinstance(function, FunctionType) \
                 and not hasattr(function, "__wrapped__") and not getattr(function, "__override__", False):
-            door = _door(function, public)
-            setattr(public, name, door if member is function else type(member)(door))
+            new = _checked(function, public)
+            setattr(public, name, new if member is function else type(member)(new))
     for base in public.__bases__:
         if base.__module__.partition(".")[0] == __name__.partition(".")[0] and base.__name__ not in _OWN:
             _guard_methods(base)

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
 from skfem import CellBasis, Element, ElementHex1, ElementQuad1, ElementTetP1, ElementTriP1, Mesh
 
-from .checks import finite, look_up, place
+from .checks import finite, format_point, look_up
 
 #: Linear elements by the numbers of dimensions and of corners.
 _LINEAR = {(2, 3): ElementTriP1, (2, 4): ElementQuad1, (3, 4): ElementTetP1, (3, 8): ElementHex1}
@@ -178,7 +178,7 @@ class Layout:
         """Return the coordinates of a dof, and its field unless it is a displacement, for a message."""
         k = next(k for k, part in enumerate(self.parts) if dof < part.stop)
         what = f"the {self.fields[k].name} " if k else ""
-        return f"{what}at {place(self.fields[k].coordinates[:, dof - self.parts[k].start])}"
+        return f"{what}at {format_point(self.fields[k].coordinates[:, dof - self.parts[k].start])}"
 
 
 def _same(a: Field, b: Field) -> bool:
@@ -245,8 +245,8 @@ def dofs_at(basis: CellBasis, coordinates: ArrayLike, part: str | None = None) -
     tree, near = cKDTree(basis.doflocs[:, numbers].T), _AT * float(np.ptp(basis.doflocs, axis=1).max())
     for point, found in zip(x, tree.query_ball_point(x, near)):
         if len(found) != 1:
-            at = place(basis.doflocs[:, numbers[tree.query(point)[1]]])
-            raise ValueError(f"there are {len(found)} nodes at {place(point)}" + (
+            at = format_point(basis.doflocs[:, numbers[tree.query(point)[1]]])
+            raise ValueError(f"there are {len(found)} nodes at {format_point(point)}" + (
                 "; say by `part` which body is meant" if found else f"; the nearest one is at {at}"))
     return numbers[tree.query(x)[1]][:, None] + np.arange(dim)
 

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from skfem import CellBasis, FacetBasis, LinearForm, Mesh
 from typing_extensions import override
 
-from .checks import check_basis, facets_of, finite, look_up, names_of, place
+from .checks import check_basis, facets_of, finite, format_point, look_up, names_of
 from .errors import warn
 from .layout import elements_of, linear_element
 
@@ -87,7 +87,7 @@ class Load(ndarray):
         used = {one.coordinates for one in (context[1] if context else ()) if isinstance(one, Load)} - {None}
         if len(used) > 1:
             raise ValueError("a load in plane coordinates cannot be combined with an axisymmetric one: make loads by "
-                             "the model, or from a solid form in place of a basis")
+                             "the model, or from a solid form instead of a basis")
         return super().__array_wrap__(array, context, *scalar)
 
     @classmethod
@@ -314,7 +314,7 @@ def _warn_of_water(basis: CellBasis, pressure: Pressure, pressed: ndarray) -> No
     values = at_points(surface, pressure)
     wet = (np.asarray(surface.normals)[-1] > _UPWARDS) & (values > 1e-9 * np.abs(values).max())
     if wet.any():
-        where = place(np.asarray(surface.global_coordinates())[:, wet].T[0])
+        where = format_point(np.asarray(surface.global_coordinates())[:, wet].T[0])
         names = [k for k, f in (mesh.boundaries or {}).items() if np.isin(facets[wet.any(axis=1)], f).any()]
         warn(f"there is water above the surface at {where} without pressure on it; pass its name "
              f"in boundaries= ({', '.join(names) or 'it has none yet'})")

@@ -174,12 +174,12 @@ forms, step, found, row = press("crossed cylinders", n, level.raised(across), ro
 
 force = found.normal.sum()
 a, b, peak, exact_depth = half_space.hertz_ellipse(force, A, B, MODULUS)
-long, short = (np.sqrt(5 * found.normal @ c**2 / force) for c in found.places)
+long, short = (np.sqrt(5 * found.normal @ c**2 / force) for c in found.coordinates)
 report(row, depth=depth / exact_depth - 1, a=long / a - 1, b=short / b - 1,
        peak=found.pressure[found.circle(0.0)].mean() / peak - 1)  # fmt: skip
 
 line = np.linspace(0, 1.3, 400)
-out = np.hypot(found.places[0] / a, found.places[1] / b)
+out = np.hypot(found.coordinates[0] / a, found.coordinates[1] / b)
 exact = peak * half_space.dome(line, 1.0)
 drawn_beside(out, found.pressure, line, exact, "crossed cylinders",
              r"$(x^2/a^2 + y^2/b^2)^{1/2}$")  # fmt: skip
@@ -188,7 +188,7 @@ drawn_beside(out, found.pressure, line, exact, "crossed cylinders",
 # The elliptic contact from above: pressure at the nodes and Hertz's ellipse.
 
 fig, ax = plt.subplots(figsize=(8, 3), layout="constrained")
-marks = ax.scatter(*found.places, c=found.pressure, s=60, cmap="magma_r")
+marks = ax.scatter(*found.coordinates, c=found.pressure, s=60, cmap="magma_r")
 angle = np.linspace(0, 2 * np.pi, 200)
 ax.plot(a * np.cos(angle), b * np.sin(angle), "k", lw=1)
 ax.set(aspect="equal", xlabel="x", ylabel="y")

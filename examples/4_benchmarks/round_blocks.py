@@ -94,7 +94,7 @@ class Block:
         return cls(Basis(mesh.with_boundaries(named), ElementVector(ElementHex1()), intorder=2))
 
     def raised(self, height: Callable[[ndarray], ndarray]) -> Block:
-        """The top moved up by a height, a function of places, which fades towards the bottom."""
+        """The top moved up by a height, a function of coordinates, which fades towards the bottom."""
         mesh = self.basis.mesh
         fades = height(mesh.p) * (1 - mesh.p[2] / mesh.p[2].min())
         mesh = replace(mesh, doflocs=mesh.p + np.stack((0 * fades, 0 * fades, fades)))
@@ -125,9 +125,9 @@ class Block:
 
     def moved(self, depth: float, force: float, twist: float = 0.0) -> ndarray:
         """Displacements of the edges under a force: the rigid body stands still, the half-space rises and turns."""
-        places = self.basis.doflocs[:, self.edges[::3]]
-        field = half_space.far_field(places, force, YOUNG, POISSON)
-        field += np.stack((-twist * places[1], twist * places[0], np.full(places.shape[1], depth)))
+        coordinates = self.basis.doflocs[:, self.edges[::3]]
+        field = half_space.far_field(coordinates, force, YOUNG, POISSON)
+        field += np.stack((-twist * coordinates[1], twist * coordinates[0], np.full(coordinates.shape[1], depth)))
         x = self.basis.zeros()
         x[self.edges] = field.T.ravel()
         return x
@@ -147,16 +147,16 @@ class Block:
 
 @dataclass(frozen=True)
 class Touched:
-    """Nodes of a surface: places (2, n), forces on the whole block (n, 3) and areas that belong to the nodes."""
+    """Nodes of a surface: coordinates (2, n), forces on the whole block (n, 3) and areas that belong to the nodes."""
 
-    places: ndarray
+    coordinates: ndarray
     force: ndarray
     area: ndarray
 
     @property
     def r(self) -> ndarray:
         """Distances from the axis."""
-        return np.hypot(*self.places)
+        return np.hypot(*self.coordinates)
 
     @property
     def normal(self) -> ndarray:
@@ -166,13 +166,13 @@ class Touched:
     @property
     def torque(self) -> float:
         """Of the forces, about the axis, that the rigid body exerts."""
-        x, y = self.places
+        x, y = self.coordinates
         return float(x @ self.force[:, 1] - y @ self.force[:, 0])
 
     @property
     def around(self) -> ndarray:
         """Tractions around the axis."""
-        x, y = self.places
+        x, y = self.coordinates
         return (x * self.force[:, 1] - y * self.force[:, 0]) / (np.maximum(self.r, 1e-12) * self.area)
 
     @property

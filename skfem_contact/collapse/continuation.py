@@ -35,7 +35,7 @@ _CAUTIOUS = 1.3
 #: Step lengths in a row that may fail before the curve ends: no equilibrium is found, or one below the last.
 _CUTS = {"stall": 6, "peak": 1}
 #: Iterations of failed steps after which the curve ends, too.
-_VAIN = 150
+_MOST_FAILED = 150
 _MOST_STEPS = 100
 #: Share of the work at which the curve's last part begins.
 _CHORD = 0.7
@@ -96,7 +96,7 @@ def loaded_start(setup: Setup, load: Any, start: Result | StageResult | None, wa
     x = np.zeros(system.size) if last is None else last.x
     states = {name: form.initial_state() for name, form in system.forms.items()} if last is None else last.states
     held = {name: form.fixed_geometry(x, states[name]) for name, form in system.forms.items()}
-    in_place, states = ({name: pair[i] for name, pair in held.items()} for i in (0, 1))
+    fixed_forms, states = ({name: pair[i] for name, pair in held.items()} for i in (0, 1))
     weight = setup.weights(active)
     water = last.water if water is None and last is not None else water
     if last is None or load is not None:
@@ -108,7 +108,7 @@ def loaded_start(setup: Setup, load: Any, start: Result | StageResult | None, wa
     if not (weight + on_top).any():
         what = "the load is zero" if load is not None else "there is no load"
         raise ValueError(f"{what}: give a `load`, unit weights of the forms, or a loaded `start`")
-    return SearchStart(dict(active), system.with_forms(in_place), Point(x, states, 0.0), weight, on_top)
+    return SearchStart(dict(active), system.with_forms(fixed_forms), Point(x, states, 0.0), weight, on_top)
 
 
 def remainder(points: list[Point] | tuple[Point, ...]) -> float:
@@ -142,7 +142,7 @@ def follow(branch: Branch, control: ndarray, points: list[Point], newton: Newton
     growth, max_step
         Ratio of a step to the one before, and work of the longest step; after a failed step they grow less.
     """
-    points, length, failures, vain = list(points), min(points[-1].work - points[-2].work, max_step), Counter[str](), 0
+    points, length, failures, failed = list(points), min(points[-1].work - points[-2].work, max_step), Counter[str](), 0
     while len(points) < _MOST_STEPS:
         last = points[-1]
         margin = tolerance * (abs(last.parameter) if relative else 1.0)
@@ -160,8 +160,8 @@ def follow(branch: Branch, control: ndarray, points: list[Point], newton: Newton
                 return SearchResult(points, Stop("collapse", str(error)), last.parameter + margin)
             kind = kind_of(error)
             failures[kind] += 1
-            vain += max(len(error.residuals) - 1, 0)
-            if kind != "collapse" and (failures[kind] > _CUTS[kind] or vain > _VAIN):
+            failed += max(len(error.residuals) - 1, 0)
+            if kind != "collapse" and (failures[kind] > _CUTS[kind] or failed > _MOST_FAILED):
                 return SearchResult(points, Stop(kind, str(error)))
             length, growth = 0.5 * length, min(growth, _CAUTIOUS)
             continue

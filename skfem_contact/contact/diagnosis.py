@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy import ndarray
 
-from ..checks import place
+from ..checks import format_point
 from ..errors import Remark
 from ..surfaces.surface import Surface
 from .base import TOUCHING, ContactBase
@@ -58,12 +58,13 @@ def remarks(pair: ContactBase, x: ndarray, state: ContactState) -> Iterator[Rema
         yield Remark("too deep", -state.gap.min(),
                      f"{deep.sum()} of {len(deep)} points of '{slave.name}' lie deeper in "
                      f"'{master.name}' than an element, up to {-state.gap.min():.3g}, and do not touch it; the "
-                     f"deepest is at {_place(slave, points, state)}")
+                     f"deepest is at {_deepest(slave, points, state)}")
     elif (state.status == Status.OPEN).all():
         gap = float((state.gap - state.clearance).min())
         yield Remark("open", np.nan_to_num(gap), "no slave point found a master within reach: " + (
             f"nothing of '{master.name}' lies opposite '{slave.name}'" if np.isinf(gap) else
-            f"gap is {gap:.3g} between '{slave.name}' and '{master.name}', smallest at {_place(slave, points, state)}"))
+            f"gap is {gap:.3g} between '{slave.name}' and '{master.name}', smallest at "
+            f"{_deepest(slave, points, state)}"))
 
 
 def _on_enforcement(pair: ContactBase, x: ndarray, state: ContactState, meshed: ndarray) -> Iterator[Remark]:
@@ -124,8 +125,8 @@ def _mean_compliance(weight: ndarray, traction: ndarray, penalty: float, distanc
 
 def _moved_apart(pair: ContactBase, x: ndarray, state: ContactState) -> ndarray:
     """Return the distance between the displacements of points and of their closest points, shape (n,)."""
-    (slave, master), (slave_0, master_0) = pair.interface.places(x), pair.interface.places(None)
-    between = pair.points(state).positions(slave - slave_0) - state.closest.places(pair.master, master - master_0)
+    (slave, master), (slave_0, master_0) = pair.interface.positions(x), pair.interface.positions(None)
+    between = pair.points(state).positions(slave - slave_0) - state.closest.positions(pair.master, master - master_0)
     return np.asarray(np.linalg.norm(between, axis=1))
 
 
@@ -172,7 +173,7 @@ def _on_turning(pair: ContactBase, x: ndarray, state: ContactState) -> Iterator[
     on, mu = np.flatnonzero(state.traction[0]), float(np.max(getattr(pair.law, "mu", 0.0)))
     if isinstance(pair.initial, str) or not pair.slave.closed or mu == 0.0 or len(on) == 0:
         return
-    points, normal = pair.points(state), pair.master.at(*state.closest.take(on), pair.interface.places(x)[1]).normal
+    points, normal = pair.points(state), pair.master.at(*state.closest.take(on), pair.interface.positions(x)[1]).normal
     force = points.weight[on] * np.abs(state.traction[0, on])
     arm = (points.positions(pair.slave.nodes) - pair.slave.nodes.mean(axis=0))[on]
     friction = mu * float(force @ np.linalg.norm(arm, axis=1))
@@ -208,5 +209,5 @@ def _without_bond(law: InterfaceLaw, state: ContactState) -> ndarray:
     return has_bond & (gone == state.internal).all(axis=0) & (state.status != Status.OPEN)
 
 
-def _place(slave: Surface, points: SlavePoints, state: ContactState) -> str:
-    return f"{place(points.positions(slave.nodes)[np.argmin(state.gap)])} of the mesh"
+def _deepest(slave: Surface, points: SlavePoints, state: ContactState) -> str:
+    return f"{format_point(points.positions(slave.nodes)[np.argmin(state.gap)])} of the mesh"

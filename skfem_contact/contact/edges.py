@@ -39,7 +39,7 @@ class First(NamedTuple):
 class OnEdges:
     """Contact at edges and vertices: the points of the numbers `at` among all that are in contact.
 
-    The edge lies `along` a direction in local coordinates, shape (n, dim - 1), zero at vertices.  `place` and `nodes`
+    The edge lies `along` a direction in local coordinates, shape (n, dim - 1), zero at vertices.  `point` and `nodes`
     are coordinates of the points and of their facets' nodes; `values` are the slave's shape functions.
     """
 
@@ -49,7 +49,7 @@ class OnEdges:
     xi: ndarray
     along: ndarray
     gap: ndarray
-    place: ndarray
+    point: ndarray
     nodes: ndarray
     from_stick: ndarray
     direction: ndarray
@@ -60,23 +60,23 @@ class OnEdges:
     @cached_property
     def first(self) -> First:
         """First variations."""
-        return self._first(np.arange(len(self.at)), self.place, self.nodes, self.from_stick, self.direction)
+        return self._first(np.arange(len(self.at)), self.point, self.nodes, self.from_stick, self.direction)
 
     @cached_property
     def second(self) -> tuple[ndarray, ndarray, ndarray]:
         """Derivatives of gap gradients, work of tractions, and slips, (n, dim - 1, m)."""
-        n, dim = self.place.shape
+        n, dim = self.point.shape
         slave, k, nodes = self.values.shape[1], self.nodes.shape[1], self.sigma.shape[1]
         eye = np.eye(dim)
         row = np.repeat(np.arange(n), dim * nodes)
         values = np.concatenate((self.values, np.zeros((n, nodes - slave))), axis=1)
-        place = self.place[row] + 1j * _STEP * lift_columns(values, eye)
+        point = self.point[row] + 1j * _STEP * lift_columns(values, eye)
         corners = np.zeros((nodes, dim, k, dim))
         corners[np.arange(slave, slave + k), :, np.arange(k)] = eye
         x = self.nodes[row] + 1j * _STEP * np.tile(corners.reshape(-1, k, dim), (n, 1, 1))
         from_stick = self.from_stick[row] + 1j * _STEP * lift_columns(self.sigma, eye)
         direction = self.direction[row] + 1j * _STEP * lift_columns(self.delta, eye)
-        step = self._first(row, place, x, from_stick, direction)
+        step = self._first(row, point, x, from_stick, direction)
         G, T, s = (np.moveaxis((part.imag / _STEP).reshape(n, dim * nodes, *part.shape[1:]), 1, -1)
                    for part in (step.gap_gradient, step.tangential, step.slip))
         return G, T, s

@@ -122,7 +122,7 @@ class Interface:
         """Facets of the slave that may be closest to ends of the master's facets."""
         return NeighbourList(self.slave)
 
-    def places(self, x: ndarray | None) -> tuple[ndarray, ndarray]:
+    def positions(self, x: ndarray | None) -> tuple[ndarray, ndarray]:
         """Return the nodes of both surfaces displaced by x : ndarray, shape (N,), or undeformed for None.
 
         They count from the middle of the slave: large coordinates would cost digits.
@@ -134,7 +134,7 @@ class Interface:
         """Return the cuts at displacements x; none unless the rule is ``"segments"``."""
         if self.rule != "segments":
             return np.zeros(0)
-        slave, master = self.places(x)
+        slave, master = self.positions(x)
         if self.slave.dim == 3:
             return piecewise(self.slave, slave, self.master, master)
         return common_cuts(self.slave, slave, self.master, master, self._facing)
@@ -205,7 +205,7 @@ class Interface:
 
     def closest(self, x: ndarray | None, cuts: ndarray, previous: ndarray | None = None) -> Projection:
         """Project all points between cuts at displacements x."""
-        slave, nodes = self.places(x)
+        slave, nodes = self.positions(x)
         points = self.points(cuts)
         positions = points.positions(slave)
         around = self._meshed if x is None else self.neighbours
@@ -213,13 +213,13 @@ class Interface:
 
     def variations(self, x: ndarray, state: ContactState, found: Projection, at: ndarray) -> Kinematics:
         """Return the kinematics of the points `at` of a state at their closest points."""
-        slave, nodes = self.places(x)
+        slave, nodes = self.positions(x)
         return variations(self.points(state.cuts).take(at), self.slave, self.master, found.take(at), slave, nodes,
                           state.stick.take(at))
 
     def passed_through(self, x: ndarray, accepted: ContactState, found: ContactState) -> int:
         """Count points that were outside the master, or near its surface, and are deep inside now, or beyond it."""
-        points, (slave, nodes) = self.points(accepted.cuts), self.places(x)
+        points, (slave, nodes) = self.points(accepted.cuts), self.positions(x)
         depth = self.depth(points)
         was_outside = np.isfinite(accepted.gap) & (accepted.gap >= -depth)
         passed = was_outside & (found.gap < -depth)
@@ -264,7 +264,7 @@ class Interface:
 
         Positions on the master and fields that are not smooth come from the nearest old point.
         """
-        old, new, (slave, master) = self.points(state.cuts), self.points(cuts), self.places(x)
+        old, new, (slave, master) = self.points(state.cuts), self.points(cuts), self.positions(x)
         at, elastic = self.nearest(old, new), self.elastic_slip(state)
         slip, traction, clearance, elastic = (self.interpolated(old, new, values) for values in (
             state.slip, state.traction, state.clearance, elastic))
@@ -280,10 +280,10 @@ class Interface:
         if self.slave.dim == 2:
             before, after = (along_chain(self.slave, points.facet, points.xi) for points in (old, new))
             return np.asarray(np.abs(after[:, None] - before).argmin(axis=1))
-        before, after = (self._places_and_normals(points) for points in (old, new))
+        before, after = (self._positions_and_normals(points) for points in (old, new))
         return np.asarray(cKDTree(before).query(after)[1])
 
-    def _places_and_normals(self, points: SlavePoints) -> ndarray:
+    def _positions_and_normals(self, points: SlavePoints) -> ndarray:
         normal = self.slave.at(points.facet, points.xi, self.slave.nodes).normal
         return np.hstack((points.positions(self.slave.nodes), self.slave.spacing * normal))
 

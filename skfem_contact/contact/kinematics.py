@@ -27,7 +27,7 @@ import numpy as np
 from numpy import ndarray
 
 from ..surfaces.material_points import MaterialPoints, offset_back
-from ..surfaces.surface import Place, Surface
+from ..surfaces.surface import FacetMapping, Surface
 from ..surfaces.vectors import askew, dot, frame, inverse, lift, outer, products, spread
 from .edges import OnEdges
 from .quadrature import SlavePoints
@@ -78,7 +78,7 @@ class _OnFacets:
     facet's nodes; ``normal`` is the facet's, ``turning`` is ``n . da|_xi``, ``operator`` the inverse of m - g h.
     """
 
-    place: Place
+    mapping: FacetMapping
     own: slice
     alpha: ndarray
     beta: ndarray
@@ -97,7 +97,7 @@ class _OnFacets:
     @property
     def curved(self) -> bool:
         """True if the facets have second derivatives."""
-        return len(self.place.x) > 2
+        return len(self.mapping.x) > 2
 
     @cached_property
     def turns(self) -> ndarray:
@@ -107,21 +107,21 @@ class _OnFacets:
     @cached_property
     def normal_motion(self) -> ndarray:
         """Variation ``dn`` of the normal at the closest point, shape (n, dim, m)."""
-        return np.asarray(-self.place.x[1].transpose(0, 2, 1) @ (inverse(self.metric) @ self.turns))
+        return np.asarray(-self.mapping.x[1].transpose(0, 2, 1) @ (inverse(self.metric) @ self.turns))
 
     @cached_property
     def tangent_motion(self) -> ndarray:
         """Variation ``da`` with the motion of the closest point, shape (n, dim - 1, dim, m)."""
         n, dim = self.from_stick.shape
         fixed = (self.beta[:, :, None, :, None] * np.eye(dim)[:, None]).reshape(n, dim - 1, dim, -1)
-        return fixed + np.einsum("nabc,nbm->nacm", self.place.x[2], self.Xi) if self.curved else fixed
+        return fixed + np.einsum("nabc,nbm->nacm", self.mapping.x[2], self.Xi) if self.curved else fixed
 
 
 def variations(points: SlavePoints, slave: Surface, master: Surface, projection: Projection, slave_nodes: ndarray,
                nodes: ndarray, stick: MaterialPoints) -> Kinematics:
     """Return the kinematics of points with their closest and stick points at present coordinates of the nodes."""
     facet, xi, g, r = projection.facet, projection.xi, projection.gap, points.positions(slave_nodes)
-    place = master.at(facet, xi, nodes, 1 if master.shape.affine else 3)
+    mapping = master.at(facet, xi, nodes, 1 if master.shape.affine else 3)
     N, direction = points.values, points.direction(slave, slave_nodes)
     held, weights, others = _stick_weights(master, facet, stick)
     blocks = [(slave, points.nodes), (master, master.facets[facet]), *((master, block) for block in others)]
@@ -129,26 +129,26 @@ def variations(points: SlavePoints, slave: Surface, master: Surface, projection:
     dofs = dofs.reshape(len(dofs), dofs.shape[1] * dofs.shape[2])
     more, lever = _levers(blocks)
     stuck = (held >= 0)[:, None]
-    from_stick = _from_stick(master, nodes, facet, place, held, weights)
-    M, own = place.shapes, slice(N.shape[1], N.shape[1] + place.shapes[0].shape[1])
+    from_stick = _from_stick(master, nodes, facet, mapping, held, weights)
+    M, own = mapping.shapes, slice(N.shape[1], N.shape[1] + mapping.shapes[0].shape[1])
     sigma = np.concatenate((np.where(stuck, N, 0.0), *(-w for w in weights)), axis=1)
     alpha, beta = np.zeros(sigma.shape), np.zeros((*M[1].shape[:2], sigma.shape[1]))
     alpha[:, :N.shape[1]], alpha[:, own], beta[:, :, own] = N, -M[0], M[1]
     delta = np.zeros_like(alpha)
     if N.shape == points.along.shape:  # a node alone does not turn the direction of its facet
         delta[:, :N.shape[1]] = points.along
-    n, a = place.normal, place.x[1]
+    n, a = mapping.normal, mapping.x[1]
     if slave.dim == 3:
         given, direction = direction, askew(direction, n)
         delta[(direction != given).any(axis=1)] = 0.0  # an axis does not turn
     e = frame(n, direction)
     m, turning = products(a, a), lift(beta, n[:, None])
-    h = np.zeros_like(m) if master.shape.affine else np.einsum("nc,nabc->nab", n, place.x[2])
+    h = np.zeros_like(m) if master.shape.affine else np.einsum("nc,nabc->nab", n, mapping.x[2])
     operator = inverse(m - g[:, None, None] * h)
     Xi = operator @ (lift(alpha[:, None], a) + g[:, None, None] * turning)
     G, T = lift(alpha[:, None], n[:, None])[:, 0], products(e, a) @ Xi
-    offset = from_stick + np.where(stuck, r - place.x[0], 0.0)
-    facets = _OnFacets(place, own, alpha, beta, sigma, g, offset, n, turning, m, h, operator, Xi, direction, delta)
+    offset = from_stick + np.where(stuck, r - mapping.x[0], 0.0)
+    facets = _OnFacets(mapping, own, alpha, beta, sigma, g, offset, n, turning, m, h, operator, Xi, direction, delta)
     edges = None
     if (v := np.flatnonzero(projection.feature)).size:
         edges = OnEdges(v, master, facet[v], xi[v], _free(master, projection.feature[v]), g[v], r[v],
@@ -189,10 +189,10 @@ def _stick_weights(master: Surface, facet: ndarray, stick: MaterialPoints
         np.where(elsewhere, master.facets[held], -1)]
 
 
-def _from_stick(master: Surface, nodes: ndarray, facet: ndarray, place: Place, held: ndarray, weights: list[ndarray]
-                ) -> ndarray:
+def _from_stick(master: Surface, nodes: ndarray, facet: ndarray, mapping: FacetMapping, held: ndarray,
+                weights: list[ndarray]) -> ndarray:
     """Return vectors from stick to closest points, shape (n, dim), exactly zero where they coincide."""
-    near = np.where((held >= 0)[:, None], place.shapes[0], 0.0) - weights[0]
+    near = np.where((held >= 0)[:, None], mapping.shapes[0], 0.0) - weights[0]
     way = np.einsum("nk,nkc->nc", near, nodes[master.facets[facet]])
     for others in weights[1:]:
         way -= np.einsum("nk,nkc->nc", others, nodes[master.facets[held]])
@@ -254,7 +254,7 @@ def geometric_tangent(kinematics: Kinematics, traction: ndarray) -> ndarray:
 def _tangential_part(kinematics: Kinematics, t: ndarray) -> ndarray:
     """Return ``d((t . a) Xi)/du``, shape (n, m, m), for tractions t that are constant in the frame."""
     on = kinematics.facets
-    a, n, g, dn, da = on.place.x[1], on.normal, on.gap[:, None, None], on.normal_motion, on.tangent_motion
+    a, n, g, dn, da = on.mapping.x[1], on.normal, on.gap[:, None, None], on.normal_motion, on.tangent_motion
     p = np.einsum("nab,nb->na", on.operator, np.einsum("nac,nc->na", a, t))  # contravariant, for the operator m - g h
     P, dP = np.einsum("na,nac->nc", p, a), np.einsum("na,nacm->ncm", p, da)
     beta = np.einsum("na,nak->nk", p, on.beta)
@@ -272,9 +272,9 @@ def _tangential_part(kinematics: Kinematics, t: ndarray) -> ndarray:
 
 def _bending(on: _OnFacets, p: ndarray, G: ndarray) -> tuple[ndarray, ndarray]:
     """Return ``n . d(p . rho_,ab)|_xi`` of second derivatives, and the part of ``d(m - g h) p`` by third ones."""
-    n, g, (_, _, rho2, rho3) = on.normal, on.gap[:, None, None], on.place.x
+    n, g, (_, _, rho2, rho3) = on.normal, on.gap[:, None, None], on.mapping.x
     gamma = np.zeros_like(on.beta)
-    gamma[:, :, on.own] = np.einsum("na,nabk->nbk", p, on.place.shapes[2])
+    gamma[:, :, on.own] = np.einsum("na,nabk->nbk", p, on.mapping.shapes[2])
     bent = lift(gamma, n[:, None])
     along, further = (np.einsum("na,nabc->nbc", p, x) for x in (rho2, np.einsum("nabcd,nd->nabc", rho3, n)))
     return bent, (np.einsum("na,nab->nb", p, on.curvature)[:, :, None] * G

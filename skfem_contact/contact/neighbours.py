@@ -54,8 +54,8 @@ class NeighbourList:
     def at(self, nodes: ndarray, points: ndarray) -> Neighbours:
         """Return neighbours at present coordinates of the surface's nodes and of the points."""
         if self._list is not None and len(points) == len(self._list[3]):
-            found, lasts, *places = self._list
-            self._moved = _relative_motion(nodes - places[0], points - places[1])
+            found, lasts, *before = self._list
+            self._moved = _relative_motion(nodes - before[0], points - before[1])
             if self._moved <= lasts:
                 return found._replace(clearance=found.clearance - self._moved)
         found, lasts = neighbours(self._surface, nodes, points, _SLACK)
@@ -118,9 +118,9 @@ class Flat(NamedTuple):
     @classmethod
     def of(cls, surface: Surface, nodes: ndarray) -> Flat:
         """Return the facets at present coordinates of the nodes."""
-        places, (values, slopes) = nodes[surface.facets], surface.shape.at_centre
-        tangents = slopes @ places
-        return cls(np.einsum("nk,nkc->nc", values, places), tangents, inverse(products(tangents, tangents)))
+        coordinates, (values, slopes) = nodes[surface.facets], surface.shape.at_centre
+        tangents = slopes @ coordinates
+        return cls(np.einsum("nk,nkc->nc", values, coordinates), tangents, inverse(products(tangents, tangents)))
 
     def foot(self, shape: Shape, facet: ndarray, points: ndarray) -> ndarray:
         """Return local coordinates of orthogonal projections, shape (n, dim - 1): exact on affine facets."""
@@ -136,8 +136,8 @@ def promising(surface: Surface, nodes: ndarray, flat: Flat, points: ndarray, row
     exceeds that of some point on another facet.
     """
     shape = surface.shape
-    places = flat.centre[:, None] + (shape.nodes - shape.centre) @ flat.tangents
-    bulge = np.sqrt(((places - nodes[surface.facets]) ** 2).sum(axis=2).max(axis=1))
+    coordinates = flat.centre[:, None] + (shape.nodes - shape.centre) @ flat.tangents
+    bulge = np.sqrt(((coordinates - nodes[surface.facets]) ** 2).sum(axis=2).max(axis=1))
     slope = np.sqrt(np.einsum("sa,nab,sb->ns", shape.outward, flat.inverse, shape.outward, optimize=True))
     aside = ((shape.beyond(foot) - surface.reach[facet]) / slope[facet]).max(axis=1)
     height = dot(points - flat.centre[facet], unit(across(flat.tangents))[facet])
@@ -159,7 +159,7 @@ def _longest_side(surface: Surface) -> ndarray:
 
 
 def _samples(surface: Surface, nodes: ndarray, divisions: ndarray) -> tuple[ndarray, ndarray, ndarray]:
-    facets, places, gap = [], [], np.zeros(len(divisions))
+    facets, coordinates, gap = [], [], np.zeros(len(divisions))
     for n in np.unique(divisions):
         on = np.flatnonzero(divisions == n)
         lattice, pairs = _lattice(surface.shape, int(n))
@@ -167,8 +167,8 @@ def _samples(surface: Surface, nodes: ndarray, divisions: ndarray) -> tuple[ndar
         x = np.einsum("fqk,fkc->fqc", M.reshape(len(on), len(lattice), -1), nodes[surface.facets[on]])
         gap[on] = np.sqrt(((x[:, pairs[0]] - x[:, pairs[1]]) ** 2).sum(axis=2).max(axis=1))
         facets.append(np.repeat(on, len(lattice)))
-        places.append(x.reshape(-1, x.shape[2]))
-    return np.concatenate(facets), np.concatenate(places), gap
+        coordinates.append(x.reshape(-1, x.shape[2]))
+    return np.concatenate(facets), np.concatenate(coordinates), gap
 
 
 def _lattice(shape: Shape, n: int) -> tuple[ndarray, ndarray]:

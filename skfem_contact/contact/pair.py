@@ -143,7 +143,7 @@ class ContactPair(ContactBase):
     @override
     def assemble(self, x: ndarray, state: ContactState) -> Response:
         check_size(x, self.size)
-        slave, nodes = self.interface.places(x)
+        slave, nodes = self.interface.positions(x)
         points, exact = self.points(state), ROUND_OFF * float(np.abs(nodes).max())
         accepted, state, law = state, self.effective(state), self.law
         depth = np.full(len(points.weight), np.inf) if law.reaches_far else self.interface.depth(points)

@@ -57,7 +57,7 @@ def prestressed(operators: Mapping[str, TractionOperator], force: ndarray, where
 class TractionOperator:
     """Linear map `forces` from the tractions at all points of a pair, the normal ones first, to nodal forces.
 
-    Tractions of `scale` have a square with the integral one; `places` are the points' coordinates in the mesh.
+    Tractions of `scale` have a square with the integral one; `coordinates` are those of the points in the mesh.
     """
 
     def __init__(self, pair: ContactBase, x: ndarray, state: ContactState) -> None:
@@ -66,7 +66,7 @@ class TractionOperator:
         found = pair.interface.closest(x, state.cuts, state.facet)
         self._at = at = np.flatnonzero(found.found & (state.status != Status.OPEN))
         self._frame = frame = pair.interface.variations(x, state, found, at)
-        self.places = points.positions(pair.slave.nodes)
+        self.coordinates = points.positions(pair.slave.nodes)
         n, dim, weight = len(points.weight), pair.slave.dim, pair.share * points.weight[at]
         values = weight[:, None, None] * frame.expanded(frame.work)
         rows = np.broadcast_to(frame.dofs[:, None], values.shape)
@@ -103,7 +103,7 @@ class TractionOperator:
         by_gap, by_slip = pair.penalties(state)
         clearance = np.where(state.status != Status.OPEN, state.gap - tractions[0] / by_gap, state.clearance)
         at, stick = self._at, MaterialPoints(state.stick_facet.copy(), state.stick_point.T.copy())
-        nodes = pair.interface.places(self._x)[1]
+        nodes = pair.interface.positions(self._x)[1]
         stick.facet[at], stick.xi[at] = offset_back(pair.master, nodes, self._frame.tangents, self._frame.closest,
                                                     tractions[1:, at].T / by_slip)
         return pair.assemble(self._x, replace(state, clearance=clearance).with_stick(stick)).state
@@ -167,7 +167,7 @@ class LinearisedContact(Form):
         multiplied = self._points.at(state.multiplier[1:].T).T / pair.penalties(state)[1]
         stick = MaterialPoints(closest.facet.copy(), closest.xi.copy())
         slip = (state.position - state.stick_point - multiplied)[:, on]
-        stick.facet[on], stick.xi[on] = offset_back(pair.master, pair.interface.places(x)[1], frame.tangents,
+        stick.facet[on], stick.xi[on] = offset_back(pair.master, pair.interface.positions(x)[1], frame.tangents,
                                                     frame.closest, slip.T)
         state = replace(state, facet=closest.facet, position=closest.xi.T, gap=found.gap, clearance=clearance)
         return pair, state.with_stick(stick)

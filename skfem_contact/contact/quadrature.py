@@ -16,7 +16,7 @@ from skfem.quadrature import get_quadrature
 from skfem.refdom import RefTri
 
 from ..surfaces.shape import Shape, gauss_points, rule
-from ..surfaces.surface import Place, Surface
+from ..surfaces.surface import FacetMapping, Surface
 from ..surfaces.vectors import across, determinant, dot, products, solve, unit
 from .neighbours import NeighbourList
 from .search import NEWTON_STEPS, project
@@ -66,10 +66,10 @@ class SlavePoints:
     @classmethod
     def on(cls, surface: Surface, facet: ndarray, xi: ndarray, weight: ndarray) -> SlavePoints:
         """Return points given by facet and local coordinates, with weights in their measure."""
-        place = surface.at(facet, xi, surface.nodes)
-        area = np.linalg.norm(across(place.x[1]), axis=1) * (place.x[0][:, 0] if surface.axisymmetric else 1.0)
-        return cls(facet, xi, surface.facets[facet], place.shapes[0], area * weight, surface.size[facet],
-                   _along(surface, facet, place), np.full(len(facet), -1))
+        mapping = surface.at(facet, xi, surface.nodes)
+        area = np.linalg.norm(across(mapping.x[1]), axis=1) * (mapping.x[0][:, 0] if surface.axisymmetric else 1.0)
+        return cls(facet, xi, surface.facets[facet], mapping.shapes[0], area * weight, surface.size[facet],
+                   _along(surface, facet, mapping), np.full(len(facet), -1))
 
     def take(self, chosen: ndarray) -> SlavePoints:
         """Return some of the points."""
@@ -90,13 +90,13 @@ class SlavePoints:
         return np.asarray(np.einsum("nk,nk...->n...", self.values, nodal[self.nodes]))
 
 
-def _along(surface: Surface, facet: ndarray, place: Place) -> ndarray:
+def _along(surface: Surface, facet: ndarray, mapping: FacetMapping) -> ndarray:
     """Return factors of the facets' nodes in the surface's directions, shape (n, k)."""
     if surface.dim == 2:
-        return np.zeros(place.shapes[0].shape)
-    a = place.x[1]
+        return np.zeros(mapping.shapes[0].shape)
+    a = mapping.x[1]
     contravariant = solve(products(a, a), np.einsum("nac,nc->na", a, surface.directions[facet]))
-    return np.asarray(np.einsum("na,nak->nk", contravariant, place.shapes[1]))
+    return np.asarray(np.einsum("na,nak->nk", contravariant, mapping.shapes[1]))
 
 
 def nodal(surface: Surface) -> SlavePoints:
@@ -118,11 +118,11 @@ def nodal(surface: Surface) -> SlavePoints:
     np.maximum.at(size, surface.facets.ravel(), np.repeat(surface.size, k))
     _, first = np.unique(surface.facets.ravel(), return_index=True)
     facet, local = np.divmod(first, k)
-    place = surface.shape.nodes[local]
-    order = np.argsort(facet + 0.5 * place[:, 0]) if surface.dim == 2 else np.arange(len(weight))
+    xi = surface.shape.nodes[local]
+    order = np.argsort(facet + 0.5 * xi[:, 0]) if surface.dim == 2 else np.arange(len(weight))
     order = order[weight[order] > 0.0]
-    along = _along(surface, facet, surface.at(facet, place, surface.nodes))
-    return SlavePoints(facet[order], place[order], order[:, None], np.ones((len(order), 1)), weight[order], size[order],
+    along = _along(surface, facet, surface.at(facet, xi, surface.nodes))
+    return SlavePoints(facet[order], xi[order], order[:, None], np.ones((len(order), 1)), weight[order], size[order],
                        along[order], np.full(len(order), -1))
 
 
@@ -212,10 +212,10 @@ def piecewise(slave: Surface, slave_nodes: ndarray, master: Surface, master_node
     order = int(slave.shape.exponents.max())
     xi, w = get_quadrature(RefTri, 2 * order if slave.shape.triangular else 4 + 2 * order)
     shapes = np.stack((1.0 - xi.sum(axis=0), *xi), axis=1)
-    places, area = (shapes @ triangles).reshape(-1, 2), (2.0 * size[:, None] * w).ravel()
+    points, area = (shapes @ triangles).reshape(-1, 2), (2.0 * size[:, None] * w).ravel()
     piece = np.repeat(piece, len(w))
     facet, facing = own[piece], facing[piece]
-    local, slope = _back(slave, slave_nodes, facet, centre[facet], axes[facet], places)
+    local, slope = _back(slave, slave_nodes, facet, centre[facet], axes[facet], points)
     return _with_the_others(slave, facet, local, area / slope, facing)
 
 
@@ -224,12 +224,13 @@ def _corners(surface: Surface, nodes: ndarray) -> ndarray:
 
 
 def _pairs(slave: Surface, slave_nodes: ndarray, master: Surface, master_nodes: ndarray) -> tuple[ndarray, ndarray]:
-    (at, reach), (place, radius) = (_spheres(_corners(s, x)) for s, x in ((slave, slave_nodes), (master, master_nodes)))
+    (at, reach), (centre, radius) = (_spheres(_corners(surface, nodes))
+                                     for surface, nodes in ((slave, slave_nodes), (master, master_nodes)))
     reach = reach + _FACING * slave.size
     level, own, facing = np.floor(np.log2(radius)).astype(int), [], []
     for one in np.unique(level):
         members = np.flatnonzero(level == one)
-        found = cKDTree(place[members]).query_ball_point(at, reach + radius[members].max())
+        found = cKDTree(centre[members]).query_ball_point(at, reach + radius[members].max())
         count = np.array([len(row) for row in found])
         own.append(np.repeat(np.arange(len(at)), count))
         facing.append(members[np.concatenate(found).astype(int)] if count.sum() else np.zeros(0, int))
@@ -251,8 +252,8 @@ def _mean_planes(corners: ndarray) -> tuple[ndarray, ndarray]:
     return corners.mean(axis=1), np.stack((first, np.cross(normal, first), normal), axis=1)
 
 
-def _in_plane(places: ndarray, centre: ndarray, axes: ndarray) -> ndarray:
-    return np.asarray((places - centre[:, None]) @ axes.transpose(0, 2, 1))
+def _in_plane(points: ndarray, centre: ndarray, axes: ndarray) -> ndarray:
+    return np.asarray((points - centre[:, None]) @ axes.transpose(0, 2, 1))
 
 
 def _area(polygons: ndarray) -> ndarray:
@@ -290,13 +291,13 @@ def _fans(polygons: ndarray, count: ndarray) -> tuple[ndarray, ndarray]:
     return polygon, polygons[polygon[:, None], corners]
 
 
-def _back(slave: Surface, nodes: ndarray, facet: ndarray, centre: ndarray, axes: ndarray, places: ndarray
+def _back(slave: Surface, nodes: ndarray, facet: ndarray, centre: ndarray, axes: ndarray, points: ndarray
           ) -> tuple[ndarray, ndarray]:
     """Return local coordinates of points in the planes of facets, and area in the plane per unit."""
     xi = np.tile(slave.shape.centre, (len(facet), 1))
     for _ in range(NEWTON_STEPS):
         x = slave.at(facet, xi, nodes).x
-        offset = places - ((x[0] - centre)[:, None] @ axes.transpose(0, 2, 1))[:, 0, :2]
+        offset = points - ((x[0] - centre)[:, None] @ axes.transpose(0, 2, 1))[:, 0, :2]
         jacobian = x[1] @ axes.transpose(0, 2, 1)[:, :, :2]
         step = solve(jacobian.transpose(0, 2, 1), offset)
         xi = xi + step

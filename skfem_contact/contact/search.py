@@ -13,7 +13,7 @@ from ..surfaces.vectors import across, determinant, dot, products, solve, unit
 from .neighbours import FROZEN, ON_FACET, Flat, Neighbours, neighbours, promising
 
 #: Hysteresis: at a joint that turns by less than a degree, a point leaves the facet that it had in the accepted
-#: state only beyond this share of its size, lest nodes that face each other chatter between two facets; one that is
+#: state only beyond this share of its size, or nodes that face each other would chatter between two facets; one that is
 #: frozen, whatever the angle, beyond the share FROZEN.
 HYSTERESIS = 0.01
 _STRAIGHT = np.cos(np.deg2rad(1.0))
@@ -93,8 +93,8 @@ def project(surface: Surface, nodes: ndarray, points: ndarray, depth: ndarray,
     beyond = surface.shape.beyond(foot)
     stays = _stays(surface, nodes, facet, beyond, facet == accepted[row], held[row])
     xi, feature, off = _on_facets(surface, nodes, r, facet, foot, beyond, stays)
-    place = surface.at(facet, xi, nodes)
-    offset = r - place.x[0]
+    mapping = surface.at(facet, xi, nodes)
+    offset = r - mapping.x[0]
     distance = np.sqrt(dot(offset, offset))
     np.minimum.at(result.distance, row, distance)
     best = _first_minimum(row, distance - _preferred(surface, facet, beyond, feature > 0, stays) * surface.size[facet])
@@ -102,7 +102,7 @@ def project(surface: Surface, nodes: ndarray, points: ndarray, depth: ndarray,
     best = best[~off[best]]
     at = row[best]
     result.facet[at], result.xi[at] = facet[best], xi[best]
-    above = _above(surface, nodes, facet[best], feature[best], xi[best], across(place.x[1][best]), offset[best])
+    above = _above(surface, nodes, facet[best], feature[best], xi[best], across(mapping.x[1][best]), offset[best])
     result.gap[at] = np.where(above, distance[best], -distance[best])
     result.feature[at] = feature[best]
     result.found[at] = (result.gap[at] >= -depth[at]) & ~(held & (accepted == -1))[at]
@@ -221,8 +221,8 @@ def on_sides(surface: Surface, nodes: ndarray, points: ndarray, facet: ndarray, 
         start = shape.corners[shape.side_corners[side, 0]] + reach[at, side, None] * (
             shape.outward[side] / (shape.outward[side] @ shape.outward[side]))
         ends = 0.5 * reach[at][:, [side - 1, (side + 1) % sides]] * [-1, 1] + [0, 1]
-        s, place = _along_side(surface, nodes, points[at], facet[at], start, shape.along[side], ends)
-        distance = np.sqrt(((points[at] - place) ** 2).sum(axis=1))
+        s, closest = _along_side(surface, nodes, points[at], facet[at], start, shape.along[side], ends)
+        distance = np.sqrt(((points[at] - closest) ** 2).sum(axis=1))
         nearer = distance < best[at]
         at, s, start, ends = at[nearer], s[nearer], start[nearer], ends[nearer]
         best[at], xi[at] = distance[nearer], start + s[:, None] * shape.along[side]
@@ -238,9 +238,9 @@ def _along_side(surface: Surface, nodes: ndarray, points: ndarray, facet: ndarra
     for _ in range(_ALONG_STEPS):
         if len(left) == 0:
             break
-        place = surface.at(facet[left], start[left] + s[left, None] * along, nodes, 2)
-        tangent, offset = along @ place.x[1], points[left] - place.x[0]
-        slope, curvature = dot(tangent, tangent), dot(along @ (along @ place.x[2]), offset)
+        mapping = surface.at(facet[left], start[left] + s[left, None] * along, nodes, 2)
+        tangent, offset = along @ mapping.x[1], points[left] - mapping.x[0]
+        slope, curvature = dot(tangent, tangent), dot(along @ (along @ mapping.x[2]), offset)
         step = dot(offset, tangent) / np.maximum(slope - curvature, 0.5 * slope)
         new = np.clip(s[left] + np.clip(step, -1.0, 1.0), *ends[left].T)
         moves, s[left] = np.abs(new - s[left]) > _ON_SIDE, new

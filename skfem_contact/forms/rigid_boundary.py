@@ -59,10 +59,10 @@ class RigidBoundary(MatrixForm):
     def __init__(self, basis: CellBasis, boundary: str, rotates: bool = True) -> None:
         check_basis(basis)
         self._dofs = np.unique(basis.get_dofs(facets_of(basis.mesh, boundary)).all())  # node by node
-        self._places, self._modes = basis.doflocs[:, self._dofs], None if rotates else basis.mesh.dim()
-        self._others = null_space(self._at(self._places[:, 0])[0].T)
+        self._coordinates, self._modes = basis.doflocs[:, self._dofs], None if rotates else basis.mesh.dim()
+        self._others = null_space(self._at(self._coordinates[:, 0])[0].T)
         self._displacements = int(basis.N)
-        self.fields = (Field("force of a rigid boundary", self._places[:, :self._others.shape[1]], "multiplier"),)
+        self.fields = (Field("force of a rigid boundary", self._coordinates[:, :self._others.shape[1]], "multiplier"),)
         super().__init__(csr_matrix((self._displacements, self._displacements)))
 
     def __repr__(self) -> str:
@@ -104,7 +104,7 @@ class RigidBoundary(MatrixForm):
     def load(self, force: ArrayLike, at: ArrayLike) -> ndarray:
         """Return the load vector, (N,), of a force, (dim,), at coordinates (dim,), on the boundary or beside it."""
         load = np.zeros(self._displacements)
-        load[self._dofs] = self._spread(at) @ vector(force, len(self._places), "force")
+        load[self._dofs] = self._spread(at) @ vector(force, len(self._coordinates), "force")
         return load
 
     def motion(self, x: ndarray, at: ArrayLike) -> ndarray:
@@ -113,12 +113,12 @@ class RigidBoundary(MatrixForm):
 
     def _spread(self, at: ArrayLike) -> ndarray:
         """Return forces on the dofs for unit forces at coordinates, (n, dim): the motion, too, by reciprocity."""
-        modes, there = self._at(vector(at, len(self._places), "at"))
+        modes, there = self._at(vector(at, len(self._coordinates), "at"))
         return np.linalg.pinv(modes).T @ there.T
 
-    def _at(self, place: ndarray) -> tuple[ndarray, ndarray]:
+    def _at(self, point: ndarray) -> tuple[ndarray, ndarray]:
         """Return rigid motions of the dofs, and at given coordinates."""
-        dim, n = self._places.shape
-        places = np.column_stack((self._places, np.tile(place[:, None], dim)))
-        modes = rigid_modes(places, np.arange(n + dim))[:, :self._modes]
+        dim, n = self._coordinates.shape
+        coordinates = np.column_stack((self._coordinates, np.tile(point[:, None], dim)))
+        modes = rigid_modes(coordinates, np.arange(n + dim))[:, :self._modes]
         return modes[:n], modes[n:]

@@ -10,7 +10,7 @@ from numpy import ndarray
 from skfem import MeshTri
 from tqdm import tqdm
 
-from ..checks import names_of, place
+from ..checks import format_point, names_of
 from ..errors import warn
 from ..forms.base import solids_of
 from ..loads import Pressure, by_element
@@ -180,7 +180,7 @@ def _blocked(search: Search) -> str:
     held = np.intersect1d(facets[:, tags["held", 0]], facets[:, tags["held", 1]])
     sides = [facets[:, tags[side]].ravel() for c in search.model.contacts for side in (c.slave, c.master)]
     found = np.intersect1d(held, np.concatenate([held[:0], *sides]))
-    where = place(shape.centre + shape.size * triangles.mesh.p[:, found[0]]) if len(found) else ""
+    where = format_point(shape.centre + shape.size * triangles.mesh.p[:, found[0]]) if len(found) else ""
     return f": contact ends at a support at {where}, where nothing can slide; hold one component there" * bool(where)
 
 

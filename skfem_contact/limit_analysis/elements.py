@@ -271,8 +271,8 @@ class Program:
             rows.append(row[used])
             columns.append(np.broadcast_to(column, B.shape)[used])
             data.append(B[used])
-        place = np.concatenate(rows), np.concatenate(columns)
-        return csr_matrix((np.concatenate(data), place), shape=(self.size, 3 * self.n_points))
+        entries = np.concatenate(rows), np.concatenate(columns)
+        return csr_matrix((np.concatenate(data), entries), shape=(self.size, 3 * self.n_points))
 
     @cached_property
     def transposed(self) -> csr_matrix:

@@ -11,7 +11,7 @@ from numpy import ndarray
 from numpy.typing import ArrayLike
 from skfem import Basis, CellBasis, Mesh
 
-from ..checks import is_number, look_up, place
+from ..checks import format_point, is_number, look_up
 from ..errors import AnalysisWarning
 from ..layout import linear_element
 from ..loads import Pressure, by_element, traction, water_load, weight
@@ -169,8 +169,8 @@ def _decomposition(site: Site) -> Callable[[ndarray, bool], tuple[ndarray, tuple
             raise ValueError(
                 "bounds need distributed loads, but the load vector is no sum of weights of subdomains and tractions "
                 f"that are linear along named boundaries: {np.linalg.norm(left) / size:.2g} of it are left, most at "
-                f"{place(worst)}; name the boundary that is loaded, give water by certify={{'water': ...}}, or call "
-                "`bounds`")
+                f"{format_point(worst)}; name the boundary that is loaded, give water by certify={{'water': ...}}, or "
+                "call `bounds`")
         body, n = np.zeros((len(kinds), 2)), weights.shape[1]
         body[kinds >= 0] = share[:n].reshape(-1, 2)[kinds[kinds >= 0]]
         return body, tuple(Traction(name, _linear(site.basis.mesh, coefficients), live)

@@ -128,7 +128,7 @@ class Search:
             if proof.value > (-np.inf if self.live else 0.0) or proof.residual > UNBALANCED:  # which no reserve mends
                 break
         else:
-            del tried[1:]  # in vain
+            del tried[1:]  # reserves did not help
         return self._found("lower", program, *tried[-1])
 
     def _solve_upper(self) -> Bound:

@@ -10,7 +10,7 @@ from numpy import ndarray
 from scipy.spatial import cKDTree
 from skfem import CellBasis, Mesh, MeshTri
 
-from ..checks import place
+from ..checks import format_point
 
 #: Name of some facets: a boundary of the user's, or ("held", component).
 Tag = str | tuple[str, int]
@@ -176,8 +176,8 @@ def _held(basis: CellBasis, elements: ndarray, outer: ndarray, fixed: ndarray) -
         held.append(np.asarray(np.isin(dofs, fixed).all(axis=0)))
         alone = np.setdiff1d(np.intersect1d(fixed, basis.dofs.element_dofs[k::2, elements]), dofs[:, held[k]])
         if len(alone):
-            raise ValueError(f"the node at {place(basis.doflocs[:, alone[0]])} is held in {'xy'[k]} though no facet of "
-                             "the boundary there is: bounds need supports along facets")
+            raise ValueError(f"the node at {format_point(basis.doflocs[:, alone[0]])} is held in {'xy'[k]} though no "
+                             "facet of the boundary there is: bounds need supports along facets")
     return held
 
 

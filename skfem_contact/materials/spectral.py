@@ -84,26 +84,26 @@ def _shear_modulus(trial: Array, values: Array, moduli: Array, shear: Parameter,
 class _PlaneFrame(NamedTuple):
     """Principal stresses (3, n) in descending order with their directions, of 4 components.
 
-    Cosine and sine are those of the double angle from x to the major in-plane direction; ``place`` is the position of
+    Cosine and sine are those of the double angle from x to the major in-plane direction; ``rank`` is the position of
     zz among the sorted principal stresses.
     """
 
     values: Array
     cos: Array
     sin: Array
-    place: NDArray[np.int8]
+    rank: NDArray[np.int8]
 
     def take(self, points: NDArray[np.intp]) -> _PlaneFrame:
         """Return the frame at some of the points."""
-        return _PlaneFrame(self.values[:, points], self.cos[points], self.sin[points], self.place[points])
+        return _PlaneFrame(self.values[:, points], self.cos[points], self.sin[points], self.rank[points])
 
     def stress(self, values: Array) -> Array:
         """Return the Cartesian components, (ncomp, n), of principal stresses (3, n) in these directions."""
-        major = np.where(self.place == 0, values[1], values[0])
-        minor = np.where(self.place == 2, values[1], values[2])
+        major = np.where(self.rank == 0, values[1], values[0])
+        minor = np.where(self.rank == 2, values[1], values[2])
         centre, radius = (major + minor) / 2, (major - minor) / 2
         normal, tangential = radius * self.cos, radius * self.sin
-        zz = np.where(self.place == 1, values[1], np.where(self.place == 0, values[0], values[2]))
+        zz = np.where(self.rank == 1, values[1], np.where(self.rank == 0, values[0], values[2]))
         return np.stack((centre + normal, centre - normal, zz, tangential))
 
     def tangent(self, moduli: Array, values: Array, shear: Parameter) -> Array:
@@ -113,14 +113,14 @@ class _PlaneFrame(NamedTuple):
         return, (3, n), and the elastic shear modulus.
         """
         result = np.empty((self.cos.size, 4, 4))
-        for place, (major, minor) in enumerate(((1, 2), (0, 2), (0, 1))):
-            at = self.place == place
+        for rank, (major, minor) in enumerate(((1, 2), (0, 2), (0, 1))):
+            at = self.rank == rank
             if at.any():
-                here = slice(None) if at.all() else np.flatnonzero(at)  # one place for all: nothing is picked out
+                here = slice(None) if at.all() else np.flatnonzero(at)  # one rank for all: nothing is picked out
                 local = moduli[:, :, here]
                 shear_here = shear[here] if isinstance(shear, np.ndarray) else shear
                 modulus = _shear_modulus(self.values[:, here], values[:, here], local, shear_here, major, minor)
-                result[here] = _rotate_plane(local, (major, minor, place), modulus, self.cos[here], self.sin[here])
+                result[here] = _rotate_plane(local, (major, minor, rank), modulus, self.cos[here], self.sin[here])
         return result
 
 
@@ -129,10 +129,10 @@ def _plane_frame(stress: Array) -> _PlaneFrame:
     major, minor, zz = centre + radius, centre - radius, stress[2]
     middle = np.maximum(minor, np.minimum(major, zz))
     values = np.stack((np.maximum(major, zz), middle, np.minimum(minor, zz)))
-    place = (zz <= major).astype(np.int8) + (zz < minor)
+    rank = (zz <= major).astype(np.int8) + (zz < minor)
     round_ = radius == 0
     radius[round_], half[round_] = 1, 1
-    return _PlaneFrame(values, half / radius, stress[3] / radius, place)
+    return _PlaneFrame(values, half / radius, stress[3] / radius, rank)
 
 
 def _rotate_plane(moduli: Array, order: tuple[int, int, int], shear: Array, cos: Array, sin: Array) -> Array:

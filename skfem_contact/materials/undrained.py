@@ -43,7 +43,7 @@ class Undrained(Material):
     bulk_modulus_water : float or ndarray, optional
         Bulk modulus :math:`K_w` of the water over the porosity (stress), not negative; a float or one value an element.
     nu_undrained : float or ndarray, optional
-        Poisson's ratio :math:`\nu_u` of the soil and its water, for instance 0.495, in place of `bulk_modulus_water`:
+        Poisson's ratio :math:`\nu_u` of the soil and its water, for instance 0.495, instead of `bulk_modulus_water`:
         :math:`K_w = 2 G (1 + \nu_u) / (3 (1 - 2 \nu_u)) - K`. With stress-dependent elasticity :math:`K_w` follows
         the accepted stress.
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from skfem import ElementHex2, MappingIsoparametric, Mesh
 from skfem.generic_utils import OrientedBoundary
 
-from ..checks import place
+from ..checks import format_point
 
 Indices = NDArray[np.integer]
 
@@ -132,6 +132,6 @@ def _check_tags(tags: Mapping[str, Indices], kind: str, count: int) -> None:
 
 def _error(problem: str, kind: str, numbers: Indices, x: NDArray[np.float64]) -> ValueError:
     """Create the error with the first few of the wrong nodes or elements and their coordinates."""
-    shown = [f"{kind} {n} at {place(x[:, n])}" for n in numbers[:_SHOWN]]
+    shown = [f"{kind} {n} at {format_point(x[:, n])}" for n in numbers[:_SHOWN]]
     dots = ", ..." if len(numbers) > _SHOWN else ""
     return ValueError(f"{problem}, {len(numbers)} in all: {', '.join(shown)}{dots}")

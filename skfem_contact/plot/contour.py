@@ -50,7 +50,7 @@ def contour(stage: StageResult, quantity: str, *, since: StageResult | None = No
     levels
         Number of bands, about.
     colors
-        Name of a matplotlib colour map in place of the default ones.
+        Name of a matplotlib colour map instead of the default ones.
     mesh
         Draw the elements.
     bodies

@@ -99,7 +99,7 @@ def history(result: Result, quantity: str, points: Mapping[str, ArrayLike], *, t
         Coordinates (x, y) by their labels; the nearest nodes are taken. They have no value in stages without a body
         there.
     time
-        Draw over the times at which the stages end, which have durations, in place of their names.
+        Draw over the times at which the stages end, which have durations, instead of their names.
     file
         Name of a picture to write.
 
@@ -240,10 +240,11 @@ def _on_structure(values: Any, quantity: str | None, stage: StageResult, scale: 
 
 def _draw_bodies(ax: Axes, scene: Scene) -> None:
     """Draw the bodies in light grey with their outlines and the borders of regions."""
-    corners = scene.places[scene.nodes[scene.cells[:, :scene.corners]]]
+    corners = scene.coordinates[scene.nodes[scene.cells[:, :scene.corners]]]
     ax.add_collection(PolyCollection(list(corners), facecolor="#ece9e2", edgecolor="#ece9e2", linewidth=0.3))
     for sides, width in ((scene.sides.borders, 0.8), (scene.sides.outline, 1.2)):
-        ax.add_collection(LineCollection(list(scene.places[sides[:, [0, -1]]]), colors="#555555", linewidths=width))
+        ends = list(scene.coordinates[sides[:, [0, -1]]])
+        ax.add_collection(LineCollection(ends, colors="#555555", linewidths=width))
 
 
 def _draw_ordinates(ax: Axes, axis: ndarray, tips: ndarray, ordinate: ndarray, closed: bool) -> None:

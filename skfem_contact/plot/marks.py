@@ -58,8 +58,8 @@ class Marks:
             _draw_vectors(plotter, scene)
         for status, form, at in self._points():
             u = scene.factor * scene.displacement.ravel()
-            places = np.asarray(form.basis.global_coordinates()) + np.asarray(form.basis.interpolate(u))
-            _dots(plotter, scene, places[:, at].T, _POINTS[status][1], 7.0)
+            points = np.asarray(form.basis.global_coordinates()) + np.asarray(form.basis.interpolate(u))
+            _dots(plotter, scene, points[:, at].T, _POINTS[status][1], 7.0)
         if self.contact:
             _draw_contact(plotter, scene, self.stage)
 
@@ -89,10 +89,10 @@ def _square(color: str) -> dict[str, Any]:
     return {"marker": "s", "color": color, "linestyle": "none", "markersize": 11, "markeredgecolor": "black"}
 
 
-def _dots(plotter: Any, scene: Scene, places: ndarray, color: str, size: float) -> None:
+def _dots(plotter: Any, scene: Scene, points: ndarray, color: str, size: float) -> None:
     """Draw points with a dark edge."""
     for level, grown, shade in ((MARK, 3.0, "black"), (MARK + 1, 0.0, color)):
-        plotter.add_points(scene.in_space(places, level), color=shade, point_size=size + grown, lighting=False)
+        plotter.add_points(scene.in_space(points, level), color=shade, point_size=size + grown, lighting=False)
 
 
 def _draw_water(plotter: Any, scene: Scene, water: Water) -> None:
@@ -108,7 +108,7 @@ def _draw_water(plotter: Any, scene: Scene, water: Water) -> None:
 
 def _water_tables(scene: Scene, water: Water) -> list[ndarray]:
     """Return free surfaces of seepage; of another pressure, the line at which it falls to zero."""
-    low, high = scene.places[scene.nodes].min(axis=0), scene.places[scene.nodes].max(axis=0)
+    low, high = scene.coordinates[scene.nodes].min(axis=0), scene.coordinates[scene.nodes].max(axis=0)
     seepage = getattr(water, "__self__", water)  # also that of its pressure_at
     if isinstance(seepage, Seepage):
         return [_evenly(line, (high - low)[0] / _STEPS) for line in seepage.free_surface]
@@ -141,7 +141,7 @@ def _draw_supports(plotter: Any, scene: Scene, fixed: ndarray) -> None:
     fixed = np.flatnonzero(fixed) if fixed.dtype == bool else fixed
     x, y = np.isin(np.arange(scene.displacement.size), fixed).reshape(-1, 2).T
     used, size = np.unique(scene.sides.mesh), _SUPPORT * scene.pixel
-    middle = scene.places[used].mean(axis=0)
+    middle = scene.coordinates[used].mean(axis=0)
     for axis, held, color in ((1, x & y, "#444444"), (0, x & ~y, "#b0b0b0"), (1, y & ~x, "#b0b0b0")):
         if not held[used].any():
             continue

@@ -66,7 +66,7 @@ def mechanism(result: Any, *, deformed: bool = False, vectors: bool = True, wind
     strain = np.concatenate([recovered(form, bands[name][None], limited=True)[0] for name, form in found.items()])
     scene = Scene(stage)
     if deformed:
-        size = np.ptp(scene.places[scene.nodes], axis=0).max()
+        size = np.ptp(scene.coordinates[scene.nodes], axis=0).max()
         scene.factor = _MOVED * size / float(np.abs(scene.displacement).max())
     scene.values = strain / (quantile(strain, scene.area, 0.99) or float(strain.max()) or 1.0)
     scale = make_scale(*scene.samples, (0.0, 1.0), levels, "YlOrRd")

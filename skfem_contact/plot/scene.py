@@ -55,7 +55,7 @@ class Scene:
         self.values = np.zeros(0) if values is None else values
         self.nodes, self.cells, self.region = region_mesh(*bodies)
         self.corners = len(basis.mesh.t)  # of an element
-        self.places = basis.doflocs[:, ::dim].T
+        self.coordinates = basis.doflocs[:, ::dim].T
         moved = stage.x if since is None else stage.x - _begun(stage, since)
         self.displacement = moved[:basis.N].reshape(-1, dim)
         self.factor = float(deformed) if deformed != "auto" else self._round_factor()
@@ -68,19 +68,19 @@ class Scene:
         largest = np.linalg.norm(self.displacement[self.nodes], axis=1).max()
         if largest == 0.0:
             return 1.0
-        wanted = _VISIBLE * np.ptp(self.places[self.nodes], axis=0).max() / largest
+        wanted = _VISIBLE * np.ptp(self.coordinates[self.nodes], axis=0).max() / largest
         power = 10.0 ** np.floor(np.log10(wanted))
         return float(power * max(step for step in (1.0, 2.0, 5.0) if step * power <= wanted * (1 + 1e-9)))
 
     @property
     def moved(self) -> ndarray:
         """Displaced coordinates of all nodes, (n_nodes, dim)."""
-        return self.places + self.factor * self.displacement
+        return self.coordinates + self.factor * self.displacement
 
     @property
     def seen(self) -> ndarray:
         """Coordinates in the view of the bodies before and after they have moved, (n, 2)."""
-        return np.concatenate((self.places[self.nodes], self.moved[self.nodes]))
+        return np.concatenate((self.coordinates[self.nodes], self.moved[self.nodes]))
 
     @property
     def samples(self) -> tuple[ndarray, ndarray]:
@@ -111,7 +111,7 @@ class Scene:
     def draw(self, plotter: Any, scale: Scale, mesh: bool) -> None:
         """Draw bands of the field, the mesh, borders of regions and outlines."""
         displacement = np.pad(self.displacement[self.nodes], ((0, 0), (0, 1)))
-        grid = _grid_of(self.in_space(self.places[self.nodes], FIELD), *vtk_cells(self.cells, 2), displacement)
+        grid = _grid_of(self.in_space(self.coordinates[self.nodes], FIELD), *vtk_cells(self.cells, 2), displacement)
         grid["values"] = self.values
         surface, lines = _banded(_surface_of(grid, self.factor), scale)
         plotter.add_mesh(surface, scalars="colors", rgb=True, lighting=False, show_scalar_bar=False)
@@ -121,7 +121,7 @@ class Scene:
         if mesh:
             plotter.add_mesh(self.lines(every, self.moved, MESH), color="#1a1a1a", opacity=0.30, line_width=1.6)
         if self.factor != 0.0:
-            plotter.add_mesh(self.lines(outline, self.places, MESH), color="#8a8a8a", line_width=2.5)
+            plotter.add_mesh(self.lines(outline, self.coordinates, MESH), color="#8a8a8a", line_width=2.5)
         if len(borders):
             plotter.add_mesh(self.lines(borders, self.moved, BORDER), color="#222222", line_width=3)
         plotter.add_mesh(self.lines(outline, self.moved, OUTLINE), color="black", line_width=4)
@@ -154,7 +154,7 @@ class Cutaway(Scene):
                  values: ndarray, cuts: Sequence[Cut] = (), towards: Sequence[float] = (-1.0, 2.0, -1.0)) -> None:
         super().__init__(stage, deformed, since, values)
         self.planes = [_plane(*cut) for cut in cuts]
-        moved, points = self.displacement[self.nodes], self.places[self.nodes]
+        moved, points = self.displacement[self.nodes], self.coordinates[self.nodes]
         kind, cells = vtk_cells(self.cells, 3)
         grid = _grid_of(points, kind, cells, moved)
         grid["values"] = self.values

@@ -100,11 +100,11 @@ def _band_colors(levels: ndarray, colors: str | None) -> ndarray:
     low, high = float(levels[0]), float(levels[-1])
     if colors is None and low < 0.0 < high and min(-low, high) > _BOTH * max(-low, high):
         return np.asarray(_DIVERGING(0.5 + 0.5 * middle / float(np.abs(middle).max())))
-    place = (middle - low) / (high - low)
-    place = (place - place.min()) / max(float(np.ptp(place)), 1e-12)
+    share = (middle - low) / (high - low)
+    share = (share - share.min()) / max(float(np.ptp(share)), 1e-12)
     if colors is not None:
-        return np.asarray(matplotlib.colormaps[colors](place))
-    return np.asarray(_SEQUENTIAL(1.0 - place if abs(low) > abs(high) else place))
+        return np.asarray(matplotlib.colormaps[colors](share))
+    return np.asarray(_SEQUENTIAL(1.0 - share if abs(low) > abs(high) else share))
 
 
 def bar_figure(scale: Scale, title: str, note: str, size: tuple[int, int], marks: dict[str, dict[str, Any]]) -> Figure:

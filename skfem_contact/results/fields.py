@@ -19,7 +19,7 @@ from .strength import mises, mobilised, plastic_strain, pore_pressure, total_str
 
 
 class _PressureField(Protocol):
-    def pressure_at(self, places: ndarray) -> ndarray: ...
+    def pressure_at(self, x: ndarray) -> ndarray: ...
 
 
 #: Given pore pressure: seepage, or a function of coordinates (dim, n).

@@ -74,8 +74,8 @@ def _fitted(form: SolidForm, values: ndarray, mesh: RegionMesh, balanced: bool) 
     dim, corners = basis.mesh.dim(), basis.mesh.t.shape[0]
     vertex = np.unique(cells[:, :corners])
     incidence = _incidence(cells, len(mesh.nodes))[vertex]
-    places = np.asarray(basis.doflocs[:, dim * mesh.nodes])
-    center = places[:, vertex]
+    coordinates = np.asarray(basis.doflocs[:, dim * mesh.nodes])
+    center = coordinates[:, vertex]
     size = np.asarray(incidence @ np.asarray(basis.dx).sum(axis=1)) ** (1.0 / dim)
     points = np.asarray(basis.global_coordinates())
     forces = form.element_forces(values, np.arange(basis.nelems)).T if balanced else None
@@ -101,7 +101,7 @@ def _fitted(form: SolidForm, values: ndarray, mesh: RegionMesh, balanced: bool) 
         A = H.transpose(0, 2, 1) @ H + beta * np.einsum("cd,pab->pcadb", np.eye(nc), mass).reshape(len(r), nc * m, -1)
         r = np.einsum("pra,pr->pa", H, f) + beta * r.reshape(len(r), -1)
         fits[start:start + _CHUNK] = np.einsum("pab,pb->pa", _inverse(A), r).reshape(-1, nc, m)
-    return _evaluated(fits, places, center, size, _sources(form, mesh, vertex, incidence), degree)
+    return _evaluated(fits, coordinates, center, size, _sources(form, mesh, vertex, incidence), degree)
 
 
 def _powers(x: ndarray, degree: int) -> ndarray:
@@ -128,9 +128,9 @@ def _balance(patch: ndarray, cells: ndarray, B: ndarray, p: ndarray, w: ndarray,
     keys, row = np.unique(patch[:, None] * (cells.max() + 1) + cells, return_inverse=True)
     owner = keys // (cells.max() + 1)  # the rows of a patch follow each other
     first = np.searchsorted(owner, np.arange(owner[-1] + 2))
-    place = (np.arange(len(keys)) - first[owner])[row.reshape(cells.shape)]
+    position = (np.arange(len(keys)) - first[owner])[row.reshape(cells.shape)]
     n, rows = owner[-1] + 1, int(np.diff(first).max()) * dim
-    slot = (dim * place[:, :, None] + np.arange(dim)).reshape(len(cells), -1) + rows * patch[:, None]
+    slot = (dim * position[:, :, None] + np.arange(dim)).reshape(len(cells), -1) + rows * patch[:, None]
     full = np.array([np.bincount(slot.ravel(), H[..., a].ravel(), minlength=n * rows) for a in range(H.shape[2])])
     return full.T.reshape(n, rows, -1), np.bincount(slot.ravel(), forces.ravel(), minlength=n * rows).reshape(n, rows)
 
@@ -168,10 +168,10 @@ def _sources(form: SolidForm, mesh: RegionMesh, vertex: ndarray, incidence: csr_
     return coo_matrix((1.0 / np.bincount(rows)[rows], (rows, columns)), shape=near.shape).tocsr()
 
 
-def _evaluated(fits: ndarray, places: ndarray, center: ndarray, size: ndarray, sources: csr_matrix, degree: int
+def _evaluated(fits: ndarray, coordinates: ndarray, center: ndarray, size: ndarray, sources: csr_matrix, degree: int
                ) -> ndarray:
     """Return means of the fits of the sources at every node, (n_components, n_nodes)."""
     share = sources.tocoo()
-    x = (places[:, share.row] - center[:, share.col]) / size[share.col]
+    x = (coordinates[:, share.row] - center[:, share.col]) / size[share.col]
     at = np.einsum("sca,as,s->sc", fits[share.col], _powers(x, degree), share.data)
-    return _sum_of(share.row, places.shape[1], at).T
+    return _sum_of(share.row, coordinates.shape[1], at).T

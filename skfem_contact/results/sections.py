@@ -18,7 +18,7 @@ from numpy import ndarray
 from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
 
-from ..checks import place
+from ..checks import format_point
 from ..forms.solid import SolidForm, SolidState
 from ..layout import nodes as nodes_of
 from ..surfaces.vectors import dot
@@ -259,7 +259,7 @@ def _cut(form: SolidForm, state: SolidState, sections: Sections) -> tuple[ndarra
     if not count.all():
         at = sections.center[np.flatnonzero(count == 0)[0]]
         raise ValueError(f"{(count == 0).sum()} of {n} sections cut no element of the solid; the first is at "
-                         f"{place(at)}")
+                         f"{format_point(at)}")
     layer = np.bincount(section[crossing], length[crossing], minlength=n) / count
     phi = _shares(section, nodes, s / layer[section, None], inside)
 

@@ -76,8 +76,8 @@ def pore_pressure(form: SolidForm, state: SolidState) -> ndarray:
         return values
     linear = basis.with_element(linear_element(basis.mesh)).basis
     shapes = np.stack([np.broadcast_to(linear[j][0], values.shape) for j in range(corners)], axis=2)
-    place = np.unique(cells[:, :corners], return_inverse=True)[1].reshape(-1, 1, corners)
-    columns = np.broadcast_to(place, shapes.shape).ravel()
+    vertex = np.unique(cells[:, :corners], return_inverse=True)[1].reshape(-1, 1, corners)
+    columns = np.broadcast_to(vertex, shapes.shape).ravel()
     at = csr_matrix((shapes.ravel(), columns, np.arange(0, shapes.size + 1, corners)))
     weighted = csr_matrix(at.multiply(form.weight.reshape(-1, 1))).T
     return (at @ spsolve((weighted @ at).tocsc(), weighted @ values.ravel())).reshape(values.shape)

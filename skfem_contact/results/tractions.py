@@ -72,15 +72,15 @@ class Tractions:
 def tractions(pair: ContactPair, state: ContactState) -> Tractions:
     """Return tractions, gaps and slips of a state."""
     points = pair.points(state)
-    places, shear, slip = points.positions(pair.slave.nodes), state.traction[1], state.slip[0]
+    coordinates, shear, slip = points.positions(pair.slave.nodes), state.traction[1], state.slip[0]
     if pair.slave.dim == 2:
         arc = along_chain(pair.slave, points.facet, points.xi)
-        places = np.column_stack((places, np.zeros(len(places))))
+        coordinates = np.column_stack((coordinates, np.zeros(len(coordinates))))
     else:
         arc, normal = np.zeros(0), -pair.slave.at(points.facet, points.xi, pair.slave.nodes).normal
         tangents = frame(normal, points.direction(pair.slave, pair.slave.nodes))
         shear, slip = (np.einsum("in,nic->nc", part, tangents) for part in (state.traction[1:], state.slip))
-    x, y, z = places.T
+    x, y, z = coordinates.T
     return Tractions(arc, x, y, z, pressure=_consistent(pair, state, -state.traction[0]),
                      shear=_consistent(pair, state, shear), gap=state.gap - state.clearance, slip=slip,
                      status=state.status, weight=pair.share * points.weight, raw_pressure=-state.traction[0],

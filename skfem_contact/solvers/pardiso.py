@@ -94,7 +94,7 @@ class _Analysis:
         common = numbers.multiply(_ones(A)).tocsr()
         if common.nnz < A.nnz:
             return False
-        self._last, self._place = A, common.data.astype(np.int64) - 1
+        self._last, self._positions = A, common.data.astype(np.int64) - 1
         return True
 
     def factor(self, A: csr_matrix) -> None:
@@ -109,7 +109,7 @@ class _Analysis:
 
     def _run(self, phase: int, A: csr_matrix) -> None:
         values = np.zeros(self.pattern.nnz)
-        values[self._place] = A.data
+        values[self._positions] = A.data
         self._values = values[self._stored]
         self._call(phase, self._values, self._rows, self._columns)
 

@@ -181,7 +181,7 @@ def _balanced(setup: Setup, load: ndarray, stress: _StressField, name: str) -> R
     operators = {key: operator for key, operator in tractions.items() if operator is not None}
     if operators:
         force = internal_force(solids, x, states)
-        near = {key: _stress_at(operator.places, stress, solids) for key, operator in operators.items()}
+        near = {key: _stress_at(operator.coordinates, stress, solids) for key, operator in operators.items()}
         states.update(prestressed(operators, load - force, system.free, near))
     now = system.evaluate(x, states, load)
     _check_balance(now, system)
@@ -198,12 +198,12 @@ def _check_balance(now: Evaluation, system: System) -> None:
              "them find equilibrium")
 
 
-def _stress_at(places: ndarray, stress: _StressField, solids: Mapping[str, Any]) -> ndarray:
+def _stress_at(points: ndarray, stress: _StressField, solids: Mapping[str, Any]) -> ndarray:
     """Return a field of stresses at coordinates, (4 or 6, n_points); their elements are those of the nearest points."""
-    inside = [np.asarray(form.basis.global_coordinates()).reshape(places.shape[1], -1).T for form in solids.values()]
+    inside = [np.asarray(form.basis.global_coordinates()).reshape(points.shape[1], -1).T for form in solids.values()]
     elements = [np.broadcast_to(form.elements[:, None], form.weight.shape).ravel() for form in solids.values()]
-    nearest = cKDTree(np.concatenate(inside)).query(places)[1]
-    return np.asarray(stress(places.T[:, :, None], np.concatenate(elements)[nearest][:, None]))[:, :, 0]
+    nearest = cKDTree(np.concatenate(inside)).query(points)[1]
+    return np.asarray(stress(points.T[:, :, None], np.concatenate(elements)[nearest][:, None]))[:, :, 0]
 
 
 def _layers(setup: Setup, elements: ndarray, unit_weights: float | Mapping[str, float] | None

@@ -144,7 +144,7 @@ class Setup:
         given = getattr(values, "coordinates", None)
         if given is not None and (given == "axisymmetric") != (self.coordinates == "axisymmetric"):
             raise ValueError(f"{what} was integrated in {given} coordinates, but the model is {self.coordinates}: make "
-                             "loads by the model, or from a solid form in place of a basis")
+                             "loads by the model, or from a solid form instead of a basis")
         if np.ma.isMaskedArray(values) or np.iscomplexobj(values):
             raise ValueError(f"{what} must be an array of real numbers, not masked and not complex")
         values = np.array(values, dtype=float, subok=False)
@@ -197,10 +197,10 @@ def _completed(name: str, form: Form, forms: Mapping[str, Form]) -> Form:
 
 def _coordinates_of(forms: Mapping[str, Form]) -> str | None:
     """Return the coordinate system of the forms, which must be the same."""
-    told = {name: form.coordinates for name, form in forms.items() if form.coordinates is not None}
-    if len(set(told.values())) > 1:
-        raise ValueError(f"the forms have different coordinate systems, {told}: give all the same `coordinates`")
-    return next(iter(told.values()), None)
+    given = {name: form.coordinates for name, form in forms.items() if form.coordinates is not None}
+    if len(set(given.values())) > 1:
+        raise ValueError(f"the forms have different coordinate systems, {given}: give all the same `coordinates`")
+    return next(iter(given.values()), None)
 
 
 def _check_fields(forms: Mapping[str, Form]) -> None:

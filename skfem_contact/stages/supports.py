@@ -7,7 +7,7 @@ import numpy as np
 from numpy import ndarray
 from skfem import CellBasis
 
-from ..checks import place
+from ..checks import format_point
 from ..forms.base import Form, solids_of
 from ..layout import rigid_modes
 from ..mesh import bodies
@@ -34,8 +34,8 @@ def check_supports(forms: Mapping[str, Form], fixed: ndarray) -> None:
     loose = np.setdiff1d(np.arange(basis.N), np.concatenate((carried, fixed, *linked)))
     if len(loose) and len(linked) == len(others):
         raise ValueError(f"{len(loose)} dofs belong to no solid among the forms and are not fixed; the "
-                         f"first is at {place(basis.doflocs[:, loose[0]])}{_without(basis, count)}. Give every body a "
-                         "form, also one that is activated later, or leave it out of the mesh")
+                         f"first is at {format_point(basis.doflocs[:, loose[0]])}{_without(basis, count)}. Give "
+                         "every body a form, also one that is activated later, or leave it out of the mesh")
     if not others:
         elements = np.sort(np.concatenate([form.elements for form in solids.values()]))
         axial = all(form.coordinates == "axisymmetric" for form in solids.values())

@@ -34,7 +34,7 @@ class MaterialPoints(NamedTuple):
         """Return some of the points."""
         return MaterialPoints(self.facet[chosen], self.xi[chosen])
 
-    def places(self, surface: Surface, nodes: ndarray) -> ndarray:
+    def positions(self, surface: Surface, nodes: ndarray) -> ndarray:
         """Return coordinates, shape (n, dim); without meaning where there is no point."""
         return surface.at(self.facet, self.known, nodes, 0).x[0]
 
@@ -65,18 +65,18 @@ def arc_distance(surface: Surface, point: MaterialPoints, origin: MaterialPoints
 def distance(surface: Surface, nodes: ndarray, tangents: ndarray, point: MaterialPoints, origin: MaterialPoints
              ) -> ndarray:
     """Return the distance of points from others along unit tangents, shape (n, dim - 1); zero for none."""
-    between = point.places(surface, nodes) - origin.places(surface, nodes)
+    between = point.positions(surface, nodes) - origin.positions(surface, nodes)
     return np.where((point.exist & origin.exist)[:, None], np.einsum("nic,nc->ni", tangents, between), 0.0)
 
 
 def offset_back(surface: Surface, nodes: ndarray, tangents: ndarray, point: MaterialPoints, slip: ndarray
                 ) -> MaterialPoints:
     """Return material points of the same facets from which these have a slip, shape (n, dim - 1), along tangents."""
-    xi, start = point.known, point.places(surface, nodes)
+    xi, start = point.known, point.positions(surface, nodes)
     for _ in range(_NEWTON_STEPS):
-        place = surface.at(point.facet, xi, nodes)
-        missing = np.einsum("nic,nc->ni", tangents, start - place.x[0]) - slip
-        step = solve(products(tangents, place.x[1]), missing)
+        mapping = surface.at(point.facet, xi, nodes)
+        missing = np.einsum("nic,nc->ni", tangents, start - mapping.x[0]) - slip
+        step = solve(products(tangents, mapping.x[1]), missing)
         xi = xi + step
         if surface.shape.affine or np.abs(step).max(initial=0.0) < _EXACT:
             break

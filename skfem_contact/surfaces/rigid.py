@@ -162,7 +162,7 @@ def plane(point: ArrayLike, normal: ArrayLike, width: float, name: str = "obstac
     """
     _check(name, width=width)
     axes = _axes(name, normal)
-    middle = _place(name, point)
+    middle = _point(name, point)
     corners = 0.5 * width * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
     return _surface(name, middle + corners @ axes[:2], np.arange(4)[None], Shape.of_facets(ElementHex1()))
 
@@ -195,8 +195,8 @@ def sphere(center: ArrayLike, radius: float, hole: bool = False, name: str = "ob
     corners = points[facets[:, :4]]  # in the middle of an arc, and of all four: round to the fourth order of the size
     points[facets[:, 4:8]] = unit(corners + np.roll(corners, -1, axis=1))
     points[facets[:, 8]] = unit(corners.sum(axis=1))
-    return _surface(name, _place(name, center) + radius * points, facets, Shape.of_facets(ElementHex2()),
-                    lambda x: (x - _place(name, center)) * (-1.0 if hole else 1.0))
+    return _surface(name, _point(name, center) + radius * points, facets, Shape.of_facets(ElementHex2()),
+                    lambda x: (x - _point(name, center)) * (-1.0 if hole else 1.0))
 
 
 def cylinder(start: ArrayLike, end: ArrayLike, radius: float, hole: bool = False, name: str = "obstacle") -> Surface:
@@ -216,7 +216,7 @@ def cylinder(start: ArrayLike, end: ArrayLike, radius: float, hole: bool = False
     18.8496
     """
     _check(name, radius=radius)
-    start, end = _place(name, start), _place(name, end)
+    start, end = _point(name, start), _point(name, end)
     axes, length = _axes(name, end - start), float(np.linalg.norm(end - start))
 
     def around(u: ndarray, v: ndarray) -> ndarray:
@@ -247,10 +247,10 @@ def cone(apex: ArrayLike, axis: ArrayLike, slope: float, radius: float, name: st
     12.629
     """
     _check(name, slope=slope, radius=radius)
-    axes, tip = _axes(name, axis), _place(name, apex)
+    axes, tip = _axes(name, axis), _point(name, apex)
     n = 4 * _QUARTER
 
-    def place(angle: ndarray, r: ndarray) -> ndarray:
+    def on_cone(angle: ndarray, r: ndarray) -> ndarray:
         angle = angle * 2 * np.pi / n
         return tip + np.stack((r * np.cos(angle), r * np.sin(angle), slope * r), axis=2) @ axes
 
@@ -261,8 +261,8 @@ def cone(apex: ArrayLike, axis: ArrayLike, slope: float, radius: float, name: st
     nodes = np.concatenate((corners, 0.5 * (corners + np.roll(corners, -1, axis=1))), axis=1)
     at_tip = nodes[:, 0, 1] == 0.0  # its sides are rays, at the angles of their ends
     nodes[at_tip, 3, 0], nodes[at_tip, 5, 0] = nodes[at_tip, 1, 0], nodes[at_tip, 2, 0]
-    places = place(nodes[..., 0], nodes[..., 1] * radius / _QUARTER)
-    points, facets = _joined([(places.reshape(-1, 3), np.arange(places[..., 0].size).reshape(-1, 6))])
+    x = on_cone(nodes[..., 0], nodes[..., 1] * radius / _QUARTER)
+    points, facets = _joined([(x.reshape(-1, 3), np.arange(x[..., 0].size).reshape(-1, 6))])
     return _surface(name, points, facets, Shape.of_facets(ElementTetP2()), lambda x: np.tile(-axes[2], (len(x), 1)))
 
 
@@ -321,7 +321,7 @@ def _surface(name: str, points: ndarray, facets: ndarray, shape: Shape,
 
 def _axes(name: str, direction: ArrayLike) -> ndarray:
     """Return three axes, the rows of an array of shape (3, 3), of which the last has a direction."""
-    last = _place(name, direction)
+    last = _point(name, direction)
     if not last.any():
         raise ValueError(f"'{name}': a direction must have a length, unlike {direction!r}")
     last = last / np.linalg.norm(last)
@@ -329,11 +329,11 @@ def _axes(name: str, direction: ArrayLike) -> ndarray:
     return np.stack((first, np.cross(last, first), last))
 
 
-def _place(name: str, point: ArrayLike) -> ndarray:
-    place = np.asarray(point, float)
-    if place.shape != (3,) or not np.isfinite(place).all():
+def _point(name: str, point: ArrayLike) -> ndarray:
+    x = np.asarray(point, float)
+    if x.shape != (3,) or not np.isfinite(x).all():
         raise ValueError(f"'{name}': a point or direction must be a finite (x, y, z), not {point!r}")
-    return place
+    return x
 
 
 def _check(name: str, **lengths: float) -> None:

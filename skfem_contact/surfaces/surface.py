@@ -28,8 +28,8 @@ _NORMAL = 0.8
 
 
 
-class Place(NamedTuple):
-    """Points of a surface: shape functions of the facets' nodes, coordinates, and derivatives of both."""
+class FacetMapping(NamedTuple):
+    """Mapping of facets at points: shape functions of the nodes, coordinates, and derivatives of both."""
 
     shapes: list[ndarray]
     x: list[ndarray]
@@ -162,8 +162,8 @@ class Surface:
         everywhere = np.repeat(np.arange(len(facets)), len(weight)), np.tile(xi, (len(facets), 1))
         area = surface.density(*everywhere).reshape(len(facets), -1) @ weight
         if (flat := area <= 0.0).any():
-            places = nodes[facets[flat]].mean(axis=1)[:3].round(6).tolist()
-            raise ValueError(f"'{name}': facets without area at {places}")
+            centres = nodes[facets[flat]].mean(axis=1)[:3].round(6).tolist()
+            raise ValueError(f"'{name}': facets without area at {centres}")
         return replace(surface, nodes=nodes, area=area)
 
     def with_facets(self, facets: ndarray, shape: Shape, neighbours: ndarray) -> Surface:
@@ -246,7 +246,7 @@ class Surface:
         return np.asarray(self.nodes.mean(axis=0))
 
     @cached_property
-    def centres(self) -> Place:
+    def centres(self) -> FacetMapping:
         """The facets' centres in the reference configuration."""
         m = len(self.facets)
         return self.at(np.arange(m), np.tile(self.shape.centre, (m, 1)), self.nodes)
@@ -304,11 +304,11 @@ class Surface:
             moved += np.einsum("ncq,nq->nc", self.arms, turns)
         return np.asarray(self.nodes - origin + moved)
 
-    def at(self, facet: ndarray, xi: ndarray, nodes: ndarray, derivatives: int = 1) -> Place:
+    def at(self, facet: ndarray, xi: ndarray, nodes: ndarray, derivatives: int = 1) -> FacetMapping:
         """Return points given by facet, shape (n,), and local coordinates, shape (n, dim - 1), at present nodes."""
         shapes = self.shape.at(facet, xi, derivatives)
-        places = nodes[self.facets[facet]]
-        return Place(shapes, [np.einsum("n...k,nkc->n...c", M, places) for M in shapes])
+        coordinates = nodes[self.facets[facet]]
+        return FacetMapping(shapes, [np.einsum("n...k,nkc->n...c", M, coordinates) for M in shapes])
 
     def density(self, facet: ndarray, xi: ndarray) -> ndarray:
         """Return the area of a unit of the local coordinates in the reference configuration, shape (n,)."""

@@ -10,7 +10,7 @@ from scipy.sparse import csr_matrix, eye, lil_matrix
 from scipy.sparse.csgraph import connected_components
 from skfem import CellBasis, Mesh
 
-from ..checks import look_up, names_of, place
+from ..checks import format_point, look_up, names_of
 from ..layout import elements_of
 
 #: Head or pressure on a boundary: a number, or a function of coordinates (dim, ...).
@@ -68,7 +68,7 @@ def conditions(basis: CellBasis, head: Mapping[str, Given], seepage_face: str | 
         clash = np.flatnonzero(np.abs(values[at] - heads[wet]) > tolerance)
         if len(clash):
             raise ValueError(f"the boundaries '{by[at[clash[0]]]}' and '{name}' share the node at "
-                             f"{place(mesh.p[:, at[clash[0]]])} and give it different heads")
+                             f"{format_point(mesh.p[:, at[clash[0]]])} and give it different heads")
         values[at], by[at] = heads[wet], name
     held = ~np.isnan(values)
     on_face = np.zeros(basis.N, dtype=bool)
@@ -95,7 +95,7 @@ def check_heads(basis: CellBasis, held: ndarray, tie: csr_matrix) -> None:
     part = connected_components(graph, directed=False)[1]
     lost = porous[~np.isin(part[porous], part[held])]
     if len(lost):
-        raise ValueError(f"no head is given in the part of the ground around {place(basis.mesh.p[:, lost[0]])}, "
+        raise ValueError(f"no head is given in the part of the ground around {format_point(basis.mesh.p[:, lost[0]])}, "
                          f"{len(lost)} nodes: bodies that share no node need connected= or a head each")
 
 

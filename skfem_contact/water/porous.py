@@ -12,7 +12,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 from skfem import CellBasis, FacetBasis
 
-from ..checks import place
+from ..checks import format_point
 from ..errors import Remark
 from ..forms.assembly import strain_operator
 from ..forms.base import Coordinates, Form, solids_of
@@ -196,7 +196,7 @@ class Surroundings(NamedTuple):
         lost = here[np.isnan(modulus[here])]
         if len(lost):
             raise ValueError(f"there is PoreWater in {len(lost)} elements of no SolidForm, the first at "
-                             f"{place(mesh.p[:, mesh.t[:, lost[0]]].mean(axis=1))}")
+                             f"{format_point(mesh.p[:, mesh.t[:, lost[0]]].mean(axis=1))}")
         if len(measures) > 1:
             raise ValueError(f"the solids of the porous ground have different strains, {sorted(measures)}: give all of "
                              "them the same `strain`")

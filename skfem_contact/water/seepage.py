@@ -9,7 +9,7 @@ from numpy import ndarray
 from scipy.spatial import cKDTree
 from skfem import CellBasis, FacetBasis, LinearForm, Mesh
 
-from ..checks import look_up, place, positive
+from ..checks import format_point, look_up, positive
 from ..errors import warn
 from ..forms.assembly import strain_of
 from ..forms.base import Coordinates
@@ -243,7 +243,7 @@ def _warn_of_dry_ground(basis: CellBasis, tensors: ndarray, relative: ndarray, v
     flow = np.linalg.norm(velocity, axis=0) * basis.dx.sum(axis=1)
     if flow[draining].sum() > _SHARE * flow.sum():
         x = np.asarray(basis.global_coordinates())[:, np.where(draining, flow, 0.0).argmax()].mean(axis=1)
-        warn(f"water flows off through dry ground at {place(x)}, which conducts better than the wet ground "
+        warn(f"water flows off through dry ground at {format_point(x)}, which conducts better than the wet ground "
              "from which it comes: the free surface there is several per cent off; leave drained ground out "
              "of the basis and name the boundary towards it in seepage_face=, or give a smaller `least` in "
              "retention=")
@@ -277,7 +277,8 @@ def _interpolated(mesh: Mesh, elements: ndarray, nodal: ndarray, points: ndarray
     if beyond is not None:
         result[lost] = beyond[lost]
         return result
-    raise ValueError(f"{len(lost)} points lie outside of the porous ground, the first is {place(points[:, lost[0]])}")
+    raise ValueError(f"{len(lost)} points lie outside of the porous ground, the first is "
+                     f"{format_point(points[:, lost[0]])}")
 
 
 def _zero_lines(mesh: Mesh, elements: ndarray, values: ndarray) -> list[ndarray]:
