@@ -57,6 +57,18 @@ def test_many_stages_begin_at_once():
     assert time.process_time() - began < 2.0
 
 
+@pytest.mark.parametrize(("call", "message"), [
+    (lambda: sc.rigid.level_set(lambda x, y: x + y, (-1.0, 1.0, -1.0, 1.0), resolution=0), "at least 2, not 0"),
+    (lambda: sc.MatrixForm(np.ones((2, 3, 4))), r"square matrix, not an array of shape \(2, 3, 4\)"),
+    (lambda: column().k0_state(K0=0.5, unit_weights={}), "unit_weights names no subdomain"),
+    (lambda: sc.testing.check_material(ELASTIC, ncomp=0), "ncomp must be one of 4, 6, not 0"),
+])  # fmt: skip
+def test_nothing_given(call, message):
+    """Grids without points, matrices of three dimensions, no weights, no components: refused by name."""
+    with pytest.raises(ValueError, match=message):
+        call()
+
+
 @pytest.mark.parametrize(("make", "message"), [
     (lambda: sc.Coulomb(mu=20.0), "mu is 20: it is the tangent of the angle"),
     (lambda: sc.hydrostatic(2.0, unit_weight=1000.0), "unit weight of water is 1000, which is its density"),

@@ -47,6 +47,9 @@ class MatrixForm(Form):
     """
 
     def __init__(self, K: spmatrix | sparray | ndarray) -> None:
+        shape = np.shape(K)  # type: ignore[arg-type]
+        if len(shape) != 2:
+            raise ValueError(f"K must be a square matrix, not an array of shape {shape}")
         self.elastic_stiffness = csr_matrix(K)  # type: ignore[arg-type]
         self.size: int = int(self.elastic_stiffness.shape[1])
         if self.elastic_stiffness.shape[0] != self.size or not np.isfinite(self.elastic_stiffness.data).all():

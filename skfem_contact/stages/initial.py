@@ -213,6 +213,8 @@ def _layers(setup: Setup, elements: ndarray, unit_weights: float | Mapping[str, 
     if unit_weights is not None and not isinstance(unit_weights, Mapping):
         return [("the solids", elements, unit_weights)]
     if unit_weights is not None:
+        if not unit_weights:
+            raise ValueError("unit_weights names no subdomain: leave it out to use the unit weights of the forms")
         return [(name, look_up(name, mesh.subdomains or {}, "subdomain"), gamma)
                 for name, gamma in unit_weights.items()]
     layers = []

@@ -128,6 +128,8 @@ def level_set(function: Callable[[ndarray, ndarray], ndarray], bounds: tuple[flo
     xmin, xmax, ymin, ymax = bounds
     if not (xmin < xmax and ymin < ymax):
         raise ValueError(f"'{name}': a window has xmin < xmax and ymin < ymax, unlike {bounds}")
+    if resolution < 2:
+        raise ValueError(f"'{name}': the resolution must be at least 2, not {resolution}")
     x, y = np.linspace(xmin, xmax, resolution), np.linspace(ymin, ymax, resolution)
     X, Y = np.meshgrid(x, y)
     lines = contour_generator(X, Y, function(X, Y)).lines(0.0)

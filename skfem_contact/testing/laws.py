@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy import ndarray
@@ -62,7 +62,7 @@ def require_all(holds: ndarray, message: str) -> None:
         raise CheckFailed(f"{message} ({np.sum(~holds)} of {np.size(holds)} points)")
 
 
-def check_material(material: Material, strain: float = 1e-3, shape: tuple[int, int] = (50, 4), ncomp: int = 4,
+def check_material(material: Material, strain: float = 1e-3, shape: tuple[int, int] = (50, 4), ncomp: Literal[4, 6] = 4,
                    steps: int = 5, dissipation: bool = True, tolerance: float = 1e-5, seed: int = 0) -> float:
     """Check a material on random strain paths.
 
