@@ -63,7 +63,7 @@ def ironed(n, **options):
     for k, (right, up) in enumerate(path):
         x = basis.zeros()
         x[top.all("u^1")], x[top.all("u^2")] = right, up
-        stages.append(sc.Stage(f"step {k + 1}", basis.zeros(), x))
+        stages.append(sc.Stage(f"step {k + 1}", basis.zeros(), x, increments=1 if k else 2))
     result = sc.Model(forms, basis.get_dofs({"slab:bottom", "block:top"}).all()).run(stages)
     forces = [solid.assemble(step.x, step.states["bodies"]).force for step in result]
     return forms, result, np.array([(f[top.all("u^1")].sum(), f[top.all("u^2")].sum()) for f in forces])

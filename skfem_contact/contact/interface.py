@@ -41,7 +41,9 @@ class ContactState:
     gap : ndarray, shape (n,)
         Normal gap; negative: penetration, inf: nothing opposite.
     slip : ndarray, shape (dim - 1, n)
-        Slip since the point closed.
+        Slip since the point closed, with all motion in the increment in which it closed.
+    closing_slip : ndarray, shape (n,)
+        Length of the slip in the increment in which the point closed.
     traction : ndarray, shape (dim, n)
         Normal traction, negative in compression, then shear, which opposes the slip.
     status : ndarray, shape (n,)
@@ -65,6 +67,7 @@ class ContactState:
     stick_point: ndarray
     gap: ndarray
     slip: ndarray
+    closing_slip: ndarray
     traction: ndarray
     status: ndarray
     internal: ndarray
@@ -90,9 +93,11 @@ class ContactState:
         facet, xi, status = closest.facet.copy(), closest.xi.copy(), np.full(len(found.gap), int(Status.OPEN))
         facet[at], xi[at] = stick
         traction[:, at], status[at], internal[:, at] = update.traction, update.status, update.internal
+        slip = np.where(status == Status.OPEN, 0.0, slip)
+        closing_slip = np.where(self.status == Status.OPEN, np.linalg.norm(slip, axis=0), self.closing_slip)
         return replace(self, facet=closest.facet, position=closest.xi.T, stick_facet=facet, stick_point=xi.T,
-                       gap=found.gap, slip=np.where(status == Status.OPEN, 0.0, slip), traction=traction,
-                       status=status, internal=internal)
+                       gap=found.gap, slip=slip, closing_slip=closing_slip, traction=traction, status=status,
+                       internal=internal)
 
     def with_stick(self, stick: MaterialPoints) -> ContactState:
         """Return a copy with other stick points."""
@@ -266,13 +271,13 @@ class Interface:
         """
         old, new, (slave, master) = self.points(state.cuts), self.points(cuts), self.positions(x)
         at, elastic = self.nearest(old, new), self.elastic_slip(state)
-        slip, traction, clearance, elastic = (self.interpolated(old, new, values) for values in (
-            state.slip, state.traction, state.clearance, elastic))
+        slip, closing_slip, traction, clearance, elastic = (self.interpolated(old, new, values) for values in (
+            state.slip, state.closing_slip, state.traction, state.clearance, elastic))
         motion = new.positions(slave) - old.positions(slave)[at]
         closest = moved_along(self.master, master, state.closest.take(at), motion)
         state = replace(state, facet=closest.facet, position=closest.xi.T, gap=state.gap[at], status=state.status[at],
-                        internal=state.internal[:, at], slip=slip, traction=traction, clearance=clearance,
-                        stick_facet=closest.facet, stick_point=closest.xi.T, cuts=cuts)
+                        internal=state.internal[:, at], slip=slip, closing_slip=closing_slip, traction=traction,
+                        clearance=clearance, stick_facet=closest.facet, stick_point=closest.xi.T, cuts=cuts)
         return self.with_elastic_slip(state, elastic)
 
     def nearest(self, old: SlavePoints, new: SlavePoints) -> ndarray:

@@ -136,7 +136,7 @@ class ContactPair(ContactBase):
             factor = self.enforcement.start(self.penalty, self.stiffness)
         return ContactState(facet=closest.facet, position=closest.xi.T, stick_facet=closest.facet,
                             stick_point=closest.xi.T, gap=found.gap, slip=np.zeros((dim - 1, n)),
-                            traction=np.zeros((dim, n)), status=status,
+                            closing_slip=np.zeros(n), traction=np.zeros((dim, n)), status=status,
                             internal=np.zeros((self.law.n_internal, n)), multiplier=np.zeros((dim, nodal)),
                             penalty_factor=factor, clearance=clearance, cuts=cuts)
 
@@ -276,8 +276,8 @@ class ContactPair(ContactBase):
             state = replace(face.transferred(state, home.cuts, None), clearance=np.zeros(len(excess)), gap=excess)
         near = np.isfinite(home.gap) & np.isfinite(state.gap)
         clearance = np.where(near, home.gap - (state.gap - state.clearance), 0.0)
-        state = replace(state, facet=home.facet, position=home.position, gap=home.gap, slip=np.zeros_like(state.slip),
-                        clearance=clearance)
+        state = replace(state, facet=home.facet, position=home.position, gap=home.gap, clearance=clearance,
+                        slip=np.zeros_like(state.slip), closing_slip=np.zeros_like(state.gap))
         return face.with_elastic_slip(state.with_stick(home.stick), elastic)
 
     @override
