@@ -63,15 +63,6 @@ def vector(value: Any, size: int, name: str) -> ndarray:
     return numbers
 
 
-def unit_vector(value: Any, dim: int, name: str) -> ndarray:
-    """Return a direction, (dim,), scaled to the length one."""
-    direction = vector(value, dim, name)
-    length = float(np.linalg.norm(direction))
-    if length == 0.0:
-        raise ValueError(f"{name} must not be zero in all components")
-    return direction / length
-
-
 def dofs(value: Any, size: int, name: str) -> ndarray:
     """Return numbers of dofs, each once, in ascending order: whole numbers from 0 to size - 1."""
     numbers = np.atleast_1d(np.asarray(value))

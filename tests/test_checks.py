@@ -31,12 +31,6 @@ def test_no_vector(value):
         checks.vector(value, 2, "center")
 
 
-def test_directions():
-    np.testing.assert_allclose(checks.unit_vector((3, -4), 2, "axis"), [0.6, -0.8], rtol=1e-15)
-    with pytest.raises(ValueError, match="axis must not be zero"):
-        checks.unit_vector((0, 0), 2, "axis")
-
-
 def test_names():
     assert checks.names("a", ("a", "b"), "form") == ("a",)
     assert checks.names(["b", "a"], ("a", "b"), "form") == ("b", "a")

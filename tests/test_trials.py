@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from fuzz.blocks import Stack
 from helpers import PlainLaw, grid, vector_basis
 from scipy.sparse import csr_matrix
 from scipy.sparse.linalg import spsolve
@@ -269,6 +270,41 @@ def test_arch_becomes_a_mechanism_of_hinges():
     assert found.stop.kind == "collapse"
     # elastic blocks with soft joints deform before: the hinges move inwards by less than the tolerance of the search
     assert found.bracket[0] * 0.995 < 0.285159 < found.bracket[1] * 1.005
+
+
+def pushed_block(quadrature, width=0.6, height=2.0, mu=0.8):
+    """Model of a block on a base, whose matching facets are a quarter of its width, and a push of 1 at its left."""
+    base = MeshQuad.init_tensor(np.linspace(-width, 2 * width, 13), np.linspace(-0.3, 0.0, 3)).with_defaults()
+    block = MeshQuad.init_tensor(np.linspace(0, width, 5), np.linspace(0, height, 5)).with_defaults()
+    basis = Basis(sc.join_bodies({"base": base, "block": block}), ElementVector(ElementQuad1()), intorder=2)
+    bodies = sc.SolidForm(basis, sc.LinearElastic(E=1e6, nu=0.2), unit_weight={"base": 0.0, "block": 20.0})
+    joint = sc.ContactPair(basis, "block:bottom", "base:top", sc.Coulomb(mu), quadrature, penalty=1e8)
+    model = sc.Model({"bodies": bodies, "joint": joint}, basis.get_dofs("base:bottom").all())
+    return model, model.traction("block:left", (1.0 / height, 0.0))
+
+
+def test_joint_that_turns_inside_of_its_end_is_told(recwarn):
+    """[X] A block topples at W b / h = 7.2; about a Gauss point .113 of a facet from its end at 6.79, which is told."""
+    model, load = pushed_block("nodal")
+    assert model.limit_load(load, step=1.0, progress=False).multiplier == pytest.approx(7.2, rel=0.01)
+    assert not model.is_stable(7.3 * load) and not recwarn.list
+    model, load = pushed_block("segments")
+    with pytest.warns(sc.AnalysisWarning, match=r"joint: 'block:bottom' turns about its last point of quadrature"):
+        assert model.limit_load(load, step=1.0, progress=False).multiplier == pytest.approx(6.79, rel=0.01)
+    with pytest.warns(sc.AnalysisWarning, match="the limit is too low"):
+        assert not model.is_stable(7.1 * load)
+
+
+@pytest.mark.parametrize("quadrature", ["nodal", "segments"])
+@pytest.mark.parametrize("share", [0.8, 0.9, 0.97])
+def test_push_that_is_small_beside_the_weight(quadrature, share, recwarn):
+    """[X] Stacks of weight 32 slide in their middle joint under pushes of 0.2 to 1.5: collapses, closed brackets."""
+    stack = Stack(0.9, (0.6, 0.6, 0.6), (0.6, 0.37, 0.66), np.arctan(0.37 * share), quadrature)
+    model = stack.model(3)
+    load, exact = model.traction("b2:left", (1.0 / 0.6, 0.0)), stack.bears()
+    found = model.limit_load(load, step=0.2 * exact, progress=False)
+    assert found.bracket[0] < 1.001 * exact and 0.999 * exact < found.bracket[1] < 1.006 * exact  # 0.5 % wide
+    assert found.stop.kind == "collapse" and found.iterations < 50 and not recwarn.list
 
 
 @pytest.mark.parametrize("force", [30.0, 100.0])

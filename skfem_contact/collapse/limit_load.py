@@ -17,7 +17,7 @@ from ..results.result import Result, StageResult
 from ..solvers import single_threaded
 from ..stages.setup import Setup
 from .continuation import GROWTH, follow, last_stage, loaded_start
-from .mechanism import as_collapse
+from .mechanism import as_collapse, tell_of_pivots
 from .result import LOAD, CollapseResult, Point, SearchLog, conclude
 
 _CUTS = 10
@@ -99,7 +99,9 @@ def is_stable(setup: Setup, load: Any, start: Result | StageResult | None, water
         system.equilibrium(origin.x, origin.states, whole, origin.x[system.fixed], newton, ("energy", "residual"),
                            at_least=1, damp=True)
     except NotConverged as error:
-        if isinstance(as_collapse(error, system, origin.x, origin.states, whole, newton), NoEquilibrium):
-            return False
-        raise
+        found = as_collapse(error, system, origin.x, origin.states, whole, newton)
+        if not isinstance(found, NoEquilibrium) or found.x is None:
+            raise
+        tell_of_pivots(system, found.x, system.evaluate(found.x, origin.states, whole).states)
+        return False
     return True

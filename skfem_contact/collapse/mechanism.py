@@ -2,13 +2,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix, diags
 
-from ..errors import NoEquilibrium, NotConverged
+from ..errors import NoEquilibrium, NotConverged, warn
 from ..forms.base import Form, Response
 from ..nonlinear.newton import Newton
 from ..nonlinear.system import System
@@ -19,6 +20,8 @@ _SOFT = (1e-7, 1e-9)
 #: Least share of the load that springs resist in a mechanism, and its ratio for the two stiffnesses: 1 in a mechanism,
 #: 0.01 where something else resists.
 _SHARE, _SAME = 1e-3, 0.5
+#: Share of the forces out of balance that may remain: a push of 1 % of the weight is within the tolerance of a search.
+_BALANCE = 0.1
 
 
 class _Springs(Form):
@@ -42,12 +45,13 @@ def as_collapse(error: NotConverged, system: System, x: ndarray, states: Mapping
     begun = system.evaluate(x, states, load)
     rows = abs(system.tangent(begun)).max(axis=1).toarray().ravel()
     rows[system.layout.still] = 0.0
+    exact = replace(newton, tolerance=min(newton.tolerance, _BALANCE * begun.norm))
     now, shares, name = x, [], " ".join([*system.forms, "springs"])  # longer than every other name
     for soft in _SOFT:
         springs = _Springs(soft * rows, x)
         held = system.with_forms({**system.forms, name: springs})
         try:
-            now = held.equilibrium(x, {**states, name: None}, load, x[system.fixed], newton, at_least=1,
+            now = held.equilibrium(x, {**states, name: None}, load, x[system.fixed], exact, at_least=1,
                                    damp=True, start=now).x
         except NotConverged:
             return error
@@ -57,6 +61,13 @@ def as_collapse(error: NotConverged, system: System, x: ndarray, states: Mapping
         return error
     return NoEquilibrium(f"nothing resists a motion: only springs would resist {shares[-1]:.1%} of the load",
                          now, error.residuals, int(np.argmax(np.abs(now - x))))
+
+
+def tell_of_pivots(system: System, x: ndarray, states: Mapping[str, Any]) -> None:
+    """Raise warnings of joints that turn about points inside of their ends."""
+    for name, form in system.forms.items():
+        for remark in form.remarks(x, states[name]) if form.unilateral else ():
+            warn(f"{name}: {remark.text}")
 
 
 def is_singular(error: NotConverged) -> bool:

@@ -15,6 +15,7 @@ from ..forms.base import Form, solids_of
 from ..limit_analysis import Bounds
 from ..nonlinear.system import System
 from ..results.result import StageResult
+from .mechanism import tell_of_pivots
 
 FACTOR, LOAD = "factor of safety", "limit load"
 
@@ -331,6 +332,7 @@ def conclude(what: str, found: SearchResult, last: Point, system: System, load: 
              method: str, flow: str, reduced: tuple[str, ...] = (), davis: CollapseResult | None = None
              ) -> CollapseResult:
     """Return the result of a search; other analyses start from the `last` equilibrium."""
+    tell_of_pivots(system, last.x, last.states)
     motion = found.points[-1].x - found.points[-2].x if found.motion is None else found.motion
     mechanism = motion / (np.abs(motion).max() or 1.0)
     bands = {name: band for name, form in system.forms.items() if (band := form.shear_strain(mechanism)) is not None}

@@ -1,7 +1,7 @@
 """Contact in a held geometry: tractions in equilibrium with given forces, and contact linearised about a state."""
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from copy import copy
 from dataclasses import replace
 
@@ -11,6 +11,7 @@ from scipy.sparse import coo_matrix, csr_matrix, diags_array, hstack
 from scipy.sparse.linalg import lsqr
 from typing_extensions import override
 
+from ..errors import Remark
 from ..forms.base import Form, Response
 from ..surfaces.material_points import MaterialPoints, offset_back
 from .base import ContactBase
@@ -19,6 +20,8 @@ from .laws import Status
 
 #: Components of a stress by their indices in the tensor.
 _TENSOR = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
+#: Distance of the pressure's resultant from the last point, over that of the next one, in a joint that turns about it.
+_PIVOT = 0.3
 _ACCURACY = 1e-14
 _MOST = 10_000
 
@@ -208,3 +211,17 @@ class LinearisedContact(Form):
 
         force = weight[:, None] * np.einsum("in,nim->nm", update.traction, work)
         return Response(pair._gathering.force(dofs, force), candidate, stiffness)
+
+    @override
+    def remarks(self, x: ndarray, state: ContactState) -> Iterator[Remark]:
+        """Yield a remark where the last point of a joint's quadrature, inside of its end, has all of the pressure."""
+        force = self._points.weight * np.abs(state.traction[0])
+        along = self._points.facet + 0.5 * (1.0 + self._points.xi[:, 0])
+        places = np.unique(along[self._at])
+        if self.pair.slave.dim > 2 or self._points.nodes.shape[1] == 1 or not force.any() or len(places) < 2:
+            return
+        from_ends = np.abs(force @ along / force.sum() - places[[0, -1]]) / np.diff(places)[[0, -1]]
+        if from_ends.min() < _PIVOT:
+            yield Remark("pivot", 1.0 - from_ends.min(), f"'{self.pair.slave.name}' turns about its last point of "
+                         'quadrature, inside of its end, and the limit is too low: quadrature="nodal" has points at '
+                         "the ends, smaller facets come nearer to them")
