@@ -301,7 +301,7 @@ def test_push_that_is_small_beside_the_weight(quadrature, share, recwarn):
     """[X] Stacks of weight 32 slide in their middle joint under pushes of 0.2 to 1.5: collapses, closed brackets."""
     stack = Stack(0.9, (0.6, 0.6, 0.6), (0.6, 0.37, 0.66), np.arctan(0.37 * share), quadrature)
     model = stack.model(3)
-    load, exact = model.traction("b2:left", (1.0 / 0.6, 0.0)), stack.bears()
+    load, exact = model.traction("b2:left", (1.0 / 0.6, 0.0)), stack.bears(3)
     found = model.limit_load(load, step=0.2 * exact, progress=False)
     assert found.bracket[0] < 1.001 * exact and 0.999 * exact < found.bracket[1] < 1.006 * exact  # 0.5 % wide
     assert found.stop.kind == "collapse" and found.iterations < 50 and not recwarn.list

@@ -7,6 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from fuzz import joints
+from fuzz.blocks import Stack
 from helpers import analysis
 from skfem import Basis, ElementTriP2, ElementVector, MeshTri
 
@@ -207,3 +209,11 @@ def test_bounds_take_the_earthquake_of_the_model() -> None:
     assert (shaken.lower, shaken.upper) == (asked.lower, asked.upper)
     with pytest.raises(ValueError, match="rotate the mesh"):
         sc.Model({"soil": soil}, bottom, gravity=(0.6, -0.8)).bounds()
+
+
+def test_joints_without_adhesion_have_no_safe_bound():
+    """[X] Two blocks on a slope slide at mu / tan(9.7 degrees) = 2.28: bounds, though smooth joints resist nothing."""
+    drawn = Stack(0.98, (0.97, 0.51), (0.39, 0.47), np.radians(9.7), "nodal")
+    found = {check.oracle: check for check in joints.bounds(drawn, False, "given", False)}
+    assert found["ordered"].error == 0.0
+    assert found["lower"].error < 1e-9 and found["upper"].error < 1e-9 and found["safe"].error == -1.0

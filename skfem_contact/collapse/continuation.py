@@ -34,8 +34,8 @@ GROWTH = 2.0
 _CAUTIOUS = 1.3
 #: Step lengths in a row that may fail before the curve ends: no equilibrium is found, or one below the last.
 _CUTS = {"stall": 6, "peak": 1}
-#: Iterations of failed steps after which the curve ends, too.
-_MOST_FAILED = 150
+#: Iterations of failed steps after which the curve ends, too, and least count of one: 30 halved steps are round-off.
+_MOST_FAILED, _LEAST_FAILED = 150, 5
 _MOST_STEPS = 100
 #: Share of the work at which the curve's last part begins.
 _CHORD = 0.7
@@ -160,7 +160,7 @@ def follow(branch: Branch, control: ndarray, points: list[Point], newton: Newton
                 return SearchResult(points, Stop("collapse", str(error)), last.parameter + margin)
             kind = kind_of(error)
             failures[kind] += 1
-            failed += max(len(error.residuals) - 1, 0)
+            failed += max(len(error.residuals) - 1, _LEAST_FAILED)
             if kind != "collapse" and (failures[kind] > _CUTS[kind] or failed > _MOST_FAILED):
                 return SearchResult(points, Stop(kind, str(error)))
             length, growth = 0.5 * length, min(growth, _CAUTIOUS)

@@ -169,8 +169,11 @@ class Search:
         return Bound(self.triangles, program, solution, proof)
 
     def estimate(self, weaker: LimitModel) -> float:
-        """Return the lower bound of a weaker model on the last triangles."""
-        return self._solve_lower(weaker).proof.value
+        """Return the lower bound of a weaker model on the last triangles, which may resist nothing."""
+        try:
+            return self._solve_lower(weaker).proof.value
+        except ValueError:
+            return -np.inf if self.live else 0.0
 
     def _fanned(self, triangles: Triangles) -> Triangles:
         return matched(self.model.contacts, _fanned(triangles, self._singular))

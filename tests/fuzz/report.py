@@ -12,7 +12,9 @@ from .trial import Trial
 def table(trials: Sequence[Trial]) -> str:
     """A line for every oracle: how often it was asked, what it found, and its worst figure over the tolerance."""
     lines = [f"{'oracle':16}{'asked':>7}{'violated':>10}{'silent':>8}{'worst':>10}  scene"]
-    for name in (*(oracle.__name__ for oracle in ORACLES), *COMPARISONS):
+    named = [*(oracle.__name__ for oracle in ORACLES), *COMPARISONS]
+    named += sorted({finding.oracle for trial in trials for finding in trial.findings} - set(named))
+    for name in named:
         found = [(finding, trial) for trial in trials for finding in trial.findings if finding.oracle == name]
         wrong = [(finding, trial) for finding, trial in found if not finding.holds]
         silent = sum(not trial.remarks for _, trial in wrong)
