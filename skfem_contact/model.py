@@ -215,7 +215,8 @@ class Model(Setup):
                            reduce: str | Collection[str] | None = None, exclude: str | Collection[str] = (),
                            method: Literal["continuation", "bracket"] = "continuation", flow: Flow = "given",
                            tolerance: float = 0.01, step: float = 0.1, max_value: float = 100.0,
-                           certify: bool | Mapping[str, Any] = False, progress: bool | None = None) -> CollapseResult:
+                           certify: bool | Literal["auto"] | Mapping[str, Any] = "auto",
+                           progress: bool | None = None) -> CollapseResult:
         """Reduce the strength until the structure collapses under its load.
 
         Parameters
@@ -241,13 +242,13 @@ class Model(Setup):
         tolerance
             Width of the bracket; the curve is followed until a quarter of it is left.
         step
-            First step of the factor, at least `tolerance`: over less than that a curve looks like its plateau.
+            First step of the factor, at least `tolerance`: over less a curve looks like its plateau.
         max_value
-            The search ends above this factor: a structure with so much less strength does not depend on it.
+            The search ends above this factor.
         certify
-            Prove bounds as well, :attr:`CollapseResult.proven`, before the search begins. The load must be the
-            sum of weights of subdomains and tractions that are linear along named boundaries. Arguments of
-            :meth:`bounds` may be given: ``{"gap": .02, "water": u, "submerged": "top"}``.
+            Prove bounds as well, :attr:`CollapseResult.proven`. ``"auto"``: on the mesh of a plane search if they cost
+            less than half of it. True, or arguments of :meth:`bounds` such as ``{"gap": .02, "water": u}``: before the
+            search, on meshes of their own. The load must be a sum of weights and linear tractions on boundaries.
         progress
             Show a progress bar; by default where the output is a terminal.
 
@@ -259,9 +260,8 @@ class Model(Setup):
         Warns
         -----
         AnalysisWarning
-            The structure is unstable under its own load: the factor is less than 1. Or the search has shown no
-            collapse, and the factor may be higher: :attr:`CollapseResult.stop` says why. Or it lies outside of the
-            proven bounds by more than `tolerance`.
+            The factor is less than 1. Or no collapse was shown, and it may be higher: :attr:`CollapseResult.stop` says
+            why. Or it lies outside of the proven bounds by more than `tolerance`. Or elements of corner nodes lock.
 
         Examples
         --------

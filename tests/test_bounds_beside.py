@@ -162,3 +162,38 @@ def test_less_dilation() -> None:
     assert found.proven.estimate and found.factor < found.proven.upper + 0.01
     associated = quiet(analysis, "strength_reduction", forms, fixed, load, flow="associated", certify={"gap": 0.02})
     assert not associated.proven.estimate
+
+
+# -- without being asked ------------------------------------------------------------------------------------
+
+
+def test_bounds_at_hand(monkeypatch) -> None:
+    """A plane search is bracketed by default where bounds are cheap, but not beside loads at points."""
+    forms, fixed, basis = column()
+    model = sc.Model(forms, fixed)
+    load = sc.weight(basis, 20.0)
+    found = model.strength_reduction(load, progress=False)
+    assert found.proven.lower - 0.01 < found.factor < found.proven.upper + 0.01
+    assert "bounds: factor of safety in" in str(found)
+    assert model.strength_reduction(load, certify=False, progress=False).proven is None
+    pushed = load.copy()
+    pushed[sc.dofs_at(basis, (0.5, 1.0)).ravel()[1]] -= 5.0
+    assert model.strength_reduction(pushed, progress=False).proven is None
+    monkeypatch.setattr(sys.modules["skfem_contact.limit_analysis.bounds"], "_CHEAP", np.inf)
+    assert model.strength_reduction(load, progress=False).proven is None
+
+
+@pytest.mark.parametrize("element", [ElementTriP1(), ElementTriP2()])
+def test_linear_triangles_are_told(element) -> None:
+    """[X] A slope of c = 3, phi = 20 degrees, 26.6 degrees steep, F <= 1.0169 by bounds: 1.22 with linear triangles."""
+    run, n = 20.0, 4 if isinstance(element, ElementTriP1) else 2
+    mesh = MeshTri.init_tensor(np.linspace(0, 3 * run, 6 * n + 1), np.linspace(0, 1, 4 * n + 1))
+    x, y = mesh.p
+    mesh = MeshTri(np.vstack((x, y * (5.0 + 10.0 * np.clip((x - run) / run, 0.0, 1.0)))), mesh.t)
+    basis = Basis(mesh, ElementVector(element), intorder=2)
+    soil = sc.SolidForm(basis, sc.MohrCoulomb(E=1e5, nu=0.3, c=3.0, phi=20.0, psi=20.0), unit_weight=20.0)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        found = sc.Model({"soil": soil}, sc.box_supports(basis)).strength_reduction(progress=False)
+    told = [str(warning.message) for warning in caught if "corner nodes alone" in str(warning.message)]
+    assert len(told) == (found.factor > 1.1 * 1.0169) == (n == 4)

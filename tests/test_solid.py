@@ -344,4 +344,4 @@ def test_locking_is_warned_of(strain, warned, load):
         stage = sc.Model(forms, fixed).run([sc.Stage("strip", strip)], progress=False)["strip"]
     yields = bool((stage.states["clay"].internal[0] > 0).any())
     assert yields == (load > 2.0)
-    assert any("too stiff where volume does not change" in str(one.message) for one in caught) == (warned and yields)
+    assert any("too stiff and too strong where soil flows" in str(one.message) for one in caught) == (warned and yields)

@@ -78,7 +78,7 @@ def factor(mesh, label, element=None, intorder=2, psi=20.0, strain="full", **set
     """Factor of safety, noted as a row of the table."""
     began = time.process_time()
     forms, fixed, load = model(mesh, element or ElementTriP2(), intorder, psi, strain)
-    result = sc.Model(forms, fixed).strength_reduction(load, progress=False, **settings)
+    result = sc.Model(forms, fixed).strength_reduction(load, certify=False, progress=False, **settings)
     rows.append({"method": f"{label}, {result.method}, flow {result.flow}", "psi": psi, "n": mesh.nelements,
                  "unknowns": len(result.x), "factor": round(result.factor, 4),
                  "error": round(abs(result.factor / 1.38 - 1), 5), "cpu_s": round(time.process_time() - began, 2),
@@ -141,7 +141,7 @@ if FULL:
         start = sc.Model(forms, fixed).run([sc.Stage("gravity", load, increments=5)], progress=False)
         began = time.process_time()
         sweep = [sc.Model(forms, fixed, newton=sc.Newton(of_newton, 30)).strength_reduction(
-                     load, start=begin, method=method, step=step, tolerance=tolerance, progress=False)
+                     load, start=begin, method=method, step=step, tolerance=tolerance, certify=False, progress=False)
                  for begin in (None, start) for method in ("continuation", "bracket")
                  for step in (0.03, 0.1, 0.3) for tolerance in (0.01, 0.004) for of_newton in (1e-3, 1e-4)]
         factors = [result.factor for result in sweep]

@@ -17,7 +17,7 @@ from ..results.result import Result, StageResult
 from ..solvers import single_threaded
 from ..stages.setup import Setup
 from .continuation import GROWTH, follow, last_stage, loaded_start
-from .mechanism import as_collapse, tell_of_pivots
+from .mechanism import as_collapse, warn_of_errors
 from .result import LOAD, CollapseResult, Point, SearchLog, conclude
 
 _CUTS = 10
@@ -102,6 +102,6 @@ def is_stable(setup: Setup, load: Any, start: Result | StageResult | None, water
         found = as_collapse(error, system, origin.x, origin.states, whole, newton)
         if not isinstance(found, NoEquilibrium) or found.x is None:
             raise
-        tell_of_pivots(system, found.x, system.evaluate(found.x, origin.states, whole).states)
+        warn_of_errors(system, found.x, system.evaluate(found.x, origin.states, whole).states)
         return False
     return True

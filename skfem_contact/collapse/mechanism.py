@@ -23,6 +23,9 @@ _SHARE, _SAME = 1e-3, 0.5
 #: Share of the forces out of balance that may remain: a push of 1 % of the weight is within the tolerance of a search.
 _BALANCE = 0.1
 
+#: Kinds of remarks on what changes a collapse load.
+_TOLD = ("pivot", "locking")
+
 
 class _Springs(Form):
     """Springs that hold all motions at a configuration."""
@@ -63,11 +66,12 @@ def as_collapse(error: NotConverged, system: System, x: ndarray, states: Mapping
                          now, error.residuals, int(np.argmax(np.abs(now - x))))
 
 
-def tell_of_pivots(system: System, x: ndarray, states: Mapping[str, Any]) -> None:
-    """Raise warnings of joints that turn about points inside of their ends."""
+def warn_of_errors(system: System, x: ndarray, states: Mapping[str, Any]) -> None:
+    """Raise warnings of what changes a collapse load: joints that turn inside of their ends, elements that lock."""
     for name, form in system.forms.items():
-        for remark in form.remarks(x, states[name]) if form.unilateral else ():
-            warn(f"{name}: {remark.text}")
+        for remark in form.remarks(x[:form.size], states[name]):
+            if remark.kind in _TOLD:
+                warn(f"{name}: {remark.text}")
 
 
 def is_singular(error: NotConverged) -> bool:

@@ -15,7 +15,7 @@ from ..forms.base import Form, solids_of
 from ..limit_analysis import Bounds
 from ..nonlinear.system import System
 from ..results.result import StageResult
-from .mechanism import tell_of_pivots
+from .mechanism import warn_of_errors
 
 FACTOR, LOAD = "factor of safety", "limit load"
 
@@ -209,7 +209,7 @@ class CollapseResult:
         The search with the soils of Davis (procedure B), of a strength reduction with psi < phi: its factor is on the
         safe side.
     proven
-        Proven bounds of the value, with ``certify=True``.
+        Proven bounds of the value, see ``certify``.
     """
 
     what: str
@@ -311,8 +311,8 @@ class CollapseResult:
             return self
         where = f"the {self.what} {self.value:.4g} lies {{}} [{proven.lower:.4g}, {proven.upper:.4g}], its bounds: "
         if self.value > proven.upper + tolerance:
-            warn(where.format("above") + "the mesh is too coarse, or elements of order 1 lock (strain='b_bar'); "
-                 "`proven.mesh` is a better one")
+            warn(where.format("above") + f"the mesh is too coarse by at least {self.value / proven.upper - 1.0:.1%}, "
+                 "or elements of corner nodes lock; `proven.mesh` is a better one")
         elif self.value < proven.lower - tolerance and not proven.estimate:
             warn(where.format("below") + "the search ended too early, or the flow is not associated")
         return replace(self, proven=proven)
@@ -332,7 +332,7 @@ def conclude(what: str, found: SearchResult, last: Point, system: System, load: 
              method: str, flow: str, reduced: tuple[str, ...] = (), davis: CollapseResult | None = None
              ) -> CollapseResult:
     """Return the result of a search; other analyses start from the `last` equilibrium."""
-    tell_of_pivots(system, last.x, last.states)
+    warn_of_errors(system, last.x, last.states)
     motion = found.points[-1].x - found.points[-2].x if found.motion is None else found.motion
     mechanism = motion / (np.abs(motion).max() or 1.0)
     bands = {name: band for name, form in system.forms.items() if (band := form.shear_strain(mechanism)) is not None}

@@ -13,7 +13,7 @@ from numpy import ndarray
 from ..display import progress_bar
 from ..errors import NoEquilibrium, NotConverged
 from ..forms.base import reduced_parts
-from ..limit_analysis import beside
+from ..limit_analysis import at_hand, beside
 from ..materials.base import Flow, check_reduction
 from ..nonlinear.newton import Newton, Search
 from ..nonlinear.system import System
@@ -98,7 +98,8 @@ class _Strength:
 def strength_reduction(setup: Setup, load: Any, start: Result | StageResult | None, water: Any,
                        reduce: str | Collection[str] | None, exclude: str | Collection[str],
                        method: Literal["continuation", "bracket"], flow: Flow, tolerance: float, step: float,
-                       max_value: float, certify: bool | Mapping[str, Any], progress: bool | None) -> CollapseResult:
+                       max_value: float, certify: bool | Literal["auto"] | Mapping[str, Any],
+                       progress: bool | None) -> CollapseResult:
     """Reduce the strength until the structure collapses, see :meth:`skfem_contact.Model.strength_reduction`."""
     check_reduction(1.0, flow)
     if not tolerance > 0 or not step > 0 or not max_value > 1:
@@ -115,6 +116,9 @@ def strength_reduction(setup: Setup, load: Any, start: Result | StageResult | No
     with progress_bar(progress, desc=FACTOR, bar_format="{desc} {postfix} {elapsed}") as bar:
         davis = _davis(branch, search, bar) if free else None
         result = search(branch, method=method, bar=bar, davis=davis)
+    if certify == "auto":
+        work = float(len(whole)) * (result.iterations + (result.davis.iterations if result.davis else 0))
+        proven = at_hand(begun.forms, begun.system.fixed, whole, reduce, exclude, flow, work)
     return result.beside(proven, tolerance)
 
 

@@ -61,7 +61,8 @@ def strain_of(basis: CellBasis, strain: str | None, coordinates: str | None, flo
     axial = coordinates == "axisymmetric"
     if axial and strain == "b_bar":
         raise ValueError("there is no strain 'b_bar' in axial symmetry: take elements of second order")
-    averaged = strain == "b_bar" or (strain is None and flows and not axial and has_corners_only(basis))
+    usually = flows and not axial and isinstance(basis.elem.elem, (ElementQuad1, ElementHex1))
+    averaged = strain == "b_bar" or (strain is None and usually)
     return "b_bar" if averaged else "full", "axisymmetric" if axial else usual
 
 
@@ -72,8 +73,8 @@ def strain_operator(basis: CellBasis, strain: str, coordinates: str) -> StrainOp
 
 
 def has_corners_only(basis: CellBasis) -> bool:
-    """Return True for quadrilaterals of four nodes and hexahedra of eight."""
-    return isinstance(basis.elem.elem, (ElementQuad1, ElementHex1))
+    """Return True for elements whose only nodes are their corners."""
+    return basis.Nbfun == basis.mesh.dim() * len(basis.mesh.t)
 
 
 def _gradients(basis: CellBasis) -> ndarray:
