@@ -31,6 +31,11 @@ _ON_EDGE = 1e-9
 _FACING = 1.0
 #: ... nor do facets whose normals are less opposed than this: the walls of a corner, which strains tilt a little.
 _OPPOSED = 0.2
+#: Distance of a further cut from the edges of a joint, as a share of the facet. A joint that opens turns about its
+#: outermost point, .113 of a piece inside the edge: an arch of 12 blocks with 4 facets in a joint collapses under
+#: a load 10.6 % below the exact one without these cuts, and 3.2, 1.1 and .6 % with .3, .1 and .05. With .05 a block on
+#: an incline finds no equilibrium .02 degrees before it slides.
+_EDGE = 0.1
 _LAST_STEP = 1e-9  # of Newton's method: the error is its square
 
 
@@ -174,16 +179,20 @@ def between(surface: Surface, cuts: ndarray, n: int) -> SlavePoints:
 
 def common_cuts(slave: Surface, slave_nodes: ndarray, master: Surface, master_nodes: ndarray, facing: NeighbourList
                 ) -> ndarray:
-    """Return chain coordinates of the ends of the slave's facets and, projected, of the master's."""
-    m = len(master.facets)
+    """Return chain coordinates of the ends of the slave's facets and, projected, of the master's, and beside edges."""
+    m, n = len(master.facets), len(slave.facets)
     ends = master.at(np.arange(m), -np.ones((m, 1)), master_nodes, 0).x[0]
     if not master.closed:
         ends = np.concatenate((ends, master.at(np.array([m - 1]), np.ones((1, 1)), master_nodes, 0).x[0]))
     near = np.full(len(ends), slave.spacing)
     found = project(slave, slave_nodes, ends, near, among=facing.at(slave_nodes, ends))
-    hit = found.found & ~found.vertex & (np.abs(found.xi[:, 0]) < 1.0) & (found.gap < near)
-    inner = found.facet[hit] + 0.5 * (1.0 + found.xi[hit, 0])
-    cuts = np.unique(np.concatenate((np.arange(len(slave.facets) + 1.0), inner)))
+    opposite = found.found & (found.gap < near)
+    hit = opposite & ~found.vertex & (np.abs(found.xi[:, 0]) < 1.0)
+    inner = found.facet + 0.5 * (1.0 + found.xi[:, 0])
+    ends_here = opposite[[-1, 0]] & (not master.closed)  # the chains run in opposite directions
+    beside = np.where(ends_here, inner[[-1, 0]], (0.0, n)) + np.array([_EDGE, -_EDGE])
+    beside = beside[(beside > 0.0) & (beside < n) & (ends_here | (not slave.closed))]
+    cuts = np.unique(np.concatenate((np.arange(n + 1.0), inner[hit], beside)))
     tiny = np.diff(cuts) < _SLIVER
     drop = np.flatnonzero(tiny) + np.where(cuts[1:][tiny] % 1.0 == 0.0, 0, 1)  # keep the segments' own ends
     return np.delete(cuts, drop)
