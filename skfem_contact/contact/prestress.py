@@ -20,8 +20,9 @@ from .laws import Status
 
 #: Components of a stress by their indices in the tensor.
 _TENSOR = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
-#: Distance of the pressure's resultant from the last point, over that of the next one, in a joint that turns about it.
-_PIVOT = 0.3
+#: Distance of the pressure's resultant from the last point, over that of the next one, in a joint that turns about it;
+#: and the distance of the next one, as a share of the facet, that is remarked on: further cuts leave less than .04.
+_PIVOT, _APART = 0.3, 0.1
 _ACCURACY = 1e-14
 _MOST = 10_000
 
@@ -220,8 +221,9 @@ class LinearisedContact(Form):
         places = np.unique(along[self._at])
         if self.pair.slave.dim > 2 or self._points.nodes.shape[1] == 1 or not force.any() or len(places) < 2:
             return
-        from_ends = np.abs(force @ along / force.sum() - places[[0, -1]]) / np.diff(places)[[0, -1]]
-        if from_ends.min() < _PIVOT:
+        apart = np.diff(places)[[0, -1]]
+        from_ends = np.abs(force @ along / force.sum() - places[[0, -1]]) / apart
+        if (from_ends[apart > _APART] < _PIVOT).any():
             yield Remark("pivot", 1.0 - from_ends.min(), f"'{self.pair.slave.name}' turns about its last point of "
                          'quadrature, inside of its end, and the limit is too low: quadrature="nodal" has points at '
-                         "the ends, smaller facets come nearer to them")
+                         'the ends, "segments" close to them')
