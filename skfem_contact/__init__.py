@@ -1,6 +1,7 @@
 """Frictional contact, soil plasticity and staged analysis for scikit-fem."""
 
 from . import mesh, results, testing, water
+from .beams import Beam
 from .checks import guard
 from .contact import AugmentedLagrangian, ContactPair, Surface
 from .contact.laws import Coulomb, InterfaceLaw, Tied
@@ -33,7 +34,7 @@ from .water import PoreWater
 __version__ = "0.2.0"
 
 __all__ = [
-    "AnalysisWarning", "AugmentedLagrangian", "Bar", "ContactPair", "Coulomb", "DruckerPrager", "Field", "Form",
+    "AnalysisWarning", "AugmentedLagrangian", "Bar", "Beam", "ContactPair", "Coulomb", "DruckerPrager", "Field", "Form",
     "HardeningMohrCoulomb", "InterfaceLaw", "Internal", "LinearElastic", "Material", "MatrixForm", "Model",
     "MohrCoulomb", "Newton", "NoEquilibrium", "NotConverged", "PoreWater", "Response", "RigidBoundary", "Sections",
     "SolidForm", "Spring", "Stage", "Surface", "Tied", "Tresca", "Undrained", "VonMises", "box_supports", "dofs_at",

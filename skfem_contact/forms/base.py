@@ -35,7 +35,8 @@ class Response:
         Function that returns a matrix near the tangent with which Newton's method is less prone to stall; by
         default the tangent itself.
     round_off
-        Norm of the forces that round-off may leave: equilibrium is no better than that.
+        Norm of the forces on displacements that round-off may leave, or these forces like `force`: equilibrium is no
+        better than that.
     active
         Active set: the points that are closed and those that slide. Iterations continue while they find new sets.
     measure : ndarray
@@ -53,7 +54,7 @@ class Response:
     """
 
     def __init__(self, force: ndarray, state: Callable[[], Any], stiffness: Callable[[], csr_matrix],
-                 damped: Callable[[], csr_matrix] | None = None, round_off: float = 0.0, active: bytes = b"",
+                 damped: Callable[[], csr_matrix] | None = None, round_off: float | ndarray = 0.0, active: bytes = b"",
                  measure: ndarray | None = None, dofs: ndarray | None = None) -> None:
         self.force, self.round_off, self.active = force, round_off, active
         self.measure = force if measure is None else measure
@@ -82,10 +83,26 @@ class Response:
         if dofs is None:
             more = (0, n - len(self.force))
             return Response(np.pad(self.force, more), lambda: self.state, lambda: padded(self.stiffness, n),
-                            lambda: padded(self.damped, n), self.round_off, self.active, np.pad(self.measure, more))
-        force, measure = (np.bincount(dofs, values, minlength=n) for values in (self.force, self.measure))
+                            lambda: padded(self.damped, n), _each(self.round_off, lambda part: np.pad(part, more)),
+                            self.active, np.pad(self.measure, more))
+
+        def spread(values: ndarray) -> ndarray:
+            return np.bincount(dofs, values, minlength=n)
+
+        force, measure = spread(self.force), spread(self.measure)
         return Response(force, lambda: self.state, lambda: scattered(self.stiffness, dofs, n),
-                        lambda: scattered(self.damped, dofs, n), self.round_off, self.active, measure)
+                        lambda: scattered(self.damped, dofs, n), _each(self.round_off, spread), self.active, measure)
+
+    def lost(self, part: slice) -> float:
+        """Return the norm of the forces that round-off may leave on some dofs."""
+        if isinstance(self.round_off, np.ndarray):
+            return float(np.linalg.norm(self.round_off[part]))
+        return self.round_off if part.start == 0 else 0.0
+
+
+def _each(round_off: float | ndarray, change: Callable[[ndarray], ndarray]) -> float | ndarray:
+    """Return round-off with its forces changed, if it is given by dofs."""
+    return change(round_off) if isinstance(round_off, np.ndarray) else round_off
 
 
 class Form(Staged, InTime, Reducible, Regularised):

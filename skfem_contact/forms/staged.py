@@ -66,6 +66,9 @@ class Staged:
     def pressure_at_nodes(self, x: ndarray) -> ndarray | None:
         """Return the pore pressure that the form adds to the ground, at the nodes of the displacements, (N/dim,)."""
 
+    def line_forces(self, state: Any) -> tuple[ndarray, ...] | None:
+        """Return positions along a beam, x, y, N, V and M there, (n,) each, or None where the form is no beam."""
+
     def continues(self: Self, old: Any) -> Self:
         """Return the form as it replaces an old one and continues from the old state; by default of the same class.
 

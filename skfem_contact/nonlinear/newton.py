@@ -247,7 +247,7 @@ def _why(now: Evaluation, norms: list[float]) -> str:
     worst = now.worst
     names = [k for k, r in now.responses.items() if r.force[worst] != 0.0]
     history = ", ".join(f"{v:.1e}" for v in norms[-5:])
-    round_off = sum(r.round_off for r in now.responses.values())
+    round_off = sum(r.lost(slice(0, None)) for r in now.responses.values())
     noise = f"; round-off alone may leave {round_off:.1e}: the displacements are lost in the coordinates" \
         if round_off > _NOISE * now.size else ""
     return (f"the residual went {history}; the largest unbalanced force, {now.residual[worst]:.3g}, acts on "

@@ -96,7 +96,8 @@ class System:
         responses = responses_of(self.forms, x, states)
         residual = load - sum(r.force for r in responses.values())
         residual[self.fixed] = 0.0
-        norm, hidden = max(self._relative(part, residual, load, responses) for part in self.layout.parts)
+        norm, hidden = max(self._relative(part, residual, load, responses) for part in self.layout.parts
+                           if part.stop > part.start)
         return Evaluation(x, responses, residual, norm, hidden=hidden, scale=self._scale)
 
     def _relative(self, part: slice, residual: ndarray, load: ndarray, responses: Mapping[str, Response]
@@ -107,7 +108,7 @@ class System:
         if self._scale is not None:  # where all forces of a field vanish, as those of multipliers do, others measure it
             everywhere = max(float(np.linalg.norm(self._scale * r.measure)) for r in responses.values())
             scale = max(scale, _FLOOR * everywhere / float(self._scale[part].max()))
-        round_off = sum(r.round_off for r in responses.values()) if part.start == 0 else 0.0
+        round_off = sum(r.lost(part) for r in responses.values())
         if loaded > 0.0:  # displacements so large that their round-off hides the load are no equilibrium
             round_off = min(round_off, _HIDDEN * loaded)
         norm, unit = float(np.linalg.norm(residual[part])), scale if scale > 0 else 1.0
@@ -147,7 +148,7 @@ class System:
         """
         first: list[float] = [elastic] if elastic > 0.0 else []
         regular: list[csr_matrix] = []
-        moves = self.layout.parts[0]
+        moves = self.layout.displacements
 
         def evaluate(z: ndarray) -> Evaluation:
             new = self.evaluate(z, states, load)

@@ -79,29 +79,29 @@ class StageResult(files.StageData):
         form, state = self._pair(pair)
         return contact_report(form, self.x[:form.size], state)
 
-    def section_forces(self, solid: str, sections: Sections) -> SectionForces:
-        """Return normal force, shear force and moment at sections of a body.
+    def section_forces(self, body: str, sections: Sections | None = None) -> SectionForces:
+        """Return normal force, shear force and moment at sections of a body, or at both ends of a beam's elements.
 
         Parameters
         ----------
-        solid
-            Name of the solid that holds the body; it may hold other bodies.
+        body
+            Name of a :class:`~skfem_contact.Beam`, or of the solid that holds the body; it may hold other bodies.
         sections
-            Cuts, :meth:`Sections.ring` or :meth:`Sections.line`.
+            Cuts through a solid, :meth:`Sections.ring` or :meth:`Sections.line`; a beam needs none.
 
         Notes
         -----
-        Between two lines of nodes forces are interpolated linearly. At the end of a body they are those of its last
-        layer of elements. A curved body without layers of elements of length h has moments to ``N h**2 / 8 R``.
+        Between two lines of nodes forces are interpolated linearly; at the end of a body they are its last layer's.
+        A curved body without layers of elements of length h has moments to ``N h**2 / 8 R``.
         """
-        return section_forces(*self._solid(solid), sections)
+        along = look_up(body, self.forms, f"form in stage '{self.name}'").line_forces(self.states[body])
+        return SectionForces(*along) if along and not sections else section_forces(*self._solid(body), sections)
 
     def field(self, name: str, since: StageResult | None = None, *, water: fields.Water | None = None) -> ndarray:
         """Return a field at the nodes, shape (N / dim,), the mesh's vertices first; NaN at nodes of no solid.
 
         Stresses are recovered at the nodes of every region from its elements' forces and stresses
-        (:doc:`theory </theory/recovery>`). A node between regions has the mean of their values; pictures and files have
-        all of them. Invariants are those of the recovered stress.
+        (:doc:`theory </theory/recovery>`); invariants are theirs. A node between regions has the mean of their values.
 
         Parameters
         ----------
@@ -174,7 +174,7 @@ class StageResult(files.StageData):
 
     def _solid(self, name: str) -> tuple[Any, Any]:
         """Return a solid and its state."""
-        return self._of(name, "SolidForm", {key: form for key, form in solids_of(self.forms).items() if form.materials})
+        return self._of(name, "SolidForm", {key: f for key, f in solids_of(self.forms).items() if f.materials})
 
     def _pair(self, name: str) -> tuple[Any, Any]:
         """Return a contact pair and its state."""

@@ -203,8 +203,10 @@ def _check_number(n: int, least: int) -> None:
         raise ValueError(f"the number of sections must be an integer, at least {least}, not {n!r}")
 
 
-def section_forces(form: SolidForm, state: SolidState, sections: Sections) -> SectionForces:
+def section_forces(form: SolidForm, state: SolidState, sections: Sections | None) -> SectionForces:
     """Return normal force, shear force and moment at sections of a body."""
+    if sections is None:
+        raise ValueError("a solid needs `sections`, such as Sections.line(...); only a beam has its own")
     if (dim := form.basis.mesh.dim()) != sections.center.shape[1]:
         raise ValueError(f"these sections have {sections.center.shape[1]} coordinates, the body has {dim}")
     back, front = _lines(form, sections) if sections.curvature.any() else np.zeros((2, len(sections.position)))

@@ -139,7 +139,7 @@ class Setup:
         return total
 
     def vector(self, values: Any, what: str) -> ndarray:
-        """Return values of all dofs, given for all or for the displacements; a ``ValueError`` for others, or NaN."""
+        """Return values of all dofs, given up to the end of any field; a ``ValueError`` for others, or NaN."""
         n, n_first = self.layout.size, self.layout.n_displacements
         given = getattr(values, "coordinates", None)
         if given is not None and (given == "axisymmetric") != (self.coordinates == "axisymmetric"):
@@ -148,7 +148,7 @@ class Setup:
         if np.ma.isMaskedArray(values) or np.iscomplexobj(values):
             raise ValueError(f"{what} must be an array of real numbers, not masked and not complex")
         values = np.array(values, dtype=float, subok=False)
-        if values.shape not in ((n,), (n_first,)):
+        if values.ndim != 1 or len(values) not in {part.stop for part in self.layout.parts}:
             either = f"({n_first},)" if n == n_first else f"({n_first},) or ({n},)"
             raise ValueError(f"{what} has shape {values.shape}, not {either}")
         if not np.isfinite(values).all():

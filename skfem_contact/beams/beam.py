@@ -1,0 +1,319 @@
+"""Beams as a form: stiffness, plastic hinges, weight, loads, section forces and sides in contact."""
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from copy import copy
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy import ndarray
+from numpy.typing import ArrayLike
+from scipy.sparse import csr_matrix
+from scipy.spatial import cKDTree
+from skfem import CellBasis
+from typing_extensions import override
+
+from ..checks import check_plane, finite, format_point, is_number, vector
+from ..forms.base import Form, Response
+from ..layout import Field, FieldDofs
+from ..sparse import Gathering
+from .element import BeamElements, line_of, loose_node
+from .hinges import Flow, Hinges
+
+#: Coordinates are those of a node if they are nearer than this share of the beam.
+_AT = 1e-6
+#: Round-off of a displacement or a rotation, as a share of it.
+_ROUND_OFF = 2e-16
+#: Names of the dofs of a node.
+DofName = Literal["u^1", "u^2", "theta"]
+
+
+@dataclass(frozen=True)
+class BeamState:
+    """State of beams, arrays (m, 9) of the dofs of the m elements.
+
+    Attributes
+    ----------
+    force
+        Forces and moments on the nodes.
+    free
+        Displacements and rotations without force: where the beam was built, and plastic flow.
+    """
+
+    force: ndarray
+    free: ndarray
+
+
+class Beam(Form):
+    """Beams in the plane: a wall, a lining or a frame of Timoshenko elements, elastic or with plastic hinges.
+
+    Small displacements and rotations. The beam has nodes of its own, or those of a line of the mesh, to which it is
+    bonded. Section forces are those on the nodes, see :meth:`~skfem_contact.results.StageResult.section_forces`.
+
+    Parameters
+    ----------
+    basis
+        ``Basis`` of the mesh; None where there are beams only.
+    line
+        Coordinates of the nodes, (n, 2); or the name of a line of facets, on the boundary or inside, of a mesh with
+        elements of second order. A named line begins at its upper end, a level one at its left end, and goes clockwise
+        where it is closed.
+    EI, EA, GA
+        Stiffness against bending, stretching and shear. By default ``GA = EA / 3``, that of a rectangle with nu = 0.25.
+        In plane strain a wall of thickness t has ``EI = E t**3 / 12 / (1 - nu**2)``.
+    spacing
+        Distance of the members of a row: the stiffnesses, strengths and weights are those of one of them. By default
+        they are those per unit of length out of the plane. Section forces are per unit of length.
+    cells
+        Nodes of the elements, (m, 2): start and end; or (m, 3): start, end and middle, which lies on the curve. By
+        default the nodes are the ends of a chain of straight elements.
+    hinges
+        Coordinates of nodes, (k, 2) or (2,), that transfer no moment between their elements.
+    Mp, Np
+        Plastic moment and plastic normal force: hinges flow at nodes where ``|M| / Mp + |N| / Np`` reaches 1.
+    unit_weight
+        Weight per length of the beam.
+    bonded
+        False if a beam along a named line has nodes of its own there.
+    thickness
+        Distance of the two sides, for contact.
+
+    Raises
+    ------
+    ValueError
+        Stiffness or strength that is not positive, a line that is no chain, elements without length, a hinge where no
+        elements meet, hinges that make a mechanism where nothing but beams resists, a basis in space.
+
+    Examples
+    --------
+    A cantilever with a force at its end, ``u = F L**3 / 3 EI + F L / GA``:
+
+    >>> import skfem_contact as sc
+    >>> beam = sc.Beam(None, [[0., 0.], [1., 0.], [2., 0.]], EI=100., EA=1e4, GA=1e3)
+    >>> model = sc.Model({"beam": beam}, beam.dofs((0., 0.)))
+    >>> tip = model.forms["beam"].load((0., -3.), at=(2., 0.))
+    >>> result = model.run([sc.Stage("tip", tip)])
+    >>> result["tip"].section_forces("beam").M.round(9).tolist()
+    [6.0, 3.0, 3.0, -0.0]
+    >>> [round(float(u), 9) for u in result["tip"].x[model.forms["beam"].numbers((2., 0.))]]
+    [0.0, -0.086, -0.06]
+    """
+
+    symmetric = True
+    coordinates = "plane"
+    _dofs: ndarray | None = None
+
+    def __init__(self, basis: CellBasis | None, line: Any, EI: float, EA: float, GA: float | None = None, *,
+                 spacing: float | None = None, cells: ArrayLike | None = None, hinges: ArrayLike = (),
+                 Mp: float = np.inf, Np: float = np.inf, unit_weight: float = 0.0, bonded: bool = True,
+                 thickness: float = 0.0) -> None:
+        GA = EA / 3.0 if GA is None else GA
+        for name, value in {"EI": EI, "EA": EA, "GA": GA, "Mp": Mp, "Np": Np, "spacing": spacing or 1.0}.items():
+            if not (is_number(value, 0.0, np.inf) or (name in ("Mp", "Np") and value == np.inf)):
+                raise ValueError(f"{name} of a beam must be positive, not {value!r}")
+        if np.isfinite(Np) and not np.isfinite(Mp):
+            raise ValueError("Np of a beam needs Mp: its hinges flow by moment and normal force")
+        if min(unit_weight, thickness) < 0.0:
+            raise ValueError(f"unit_weight and thickness must not be negative, not {unit_weight!r} and {thickness!r}")
+        shared, self.points, self.cells = _nodes(basis, line, cells)
+        self._elements = BeamElements.of(self.points[self.cells])
+        self._shared = shared if bonded else None
+        turn = self._turns(np.reshape(finite(hinges, "hinges"), (-1, 2)))
+        self.thickness, self._weight = thickness, unit_weight / (spacing or 1.0)
+        self._lay_out(turn)
+        self._root = self._elements.root(*(value / (spacing or 1.0) for value in (EA, GA, EI)))
+        self._stiffness = self._root @ self._root.transpose(0, 2, 1)
+        self._hinges = Hinges(self._elements.resultants, self._root, self.cells[:, :2], Mp / (spacing or 1.0),
+                              Np / (spacing or 1.0)) if np.isfinite(Mp) else None
+        self._alone = False
+
+    def _turns(self, hinges: ndarray) -> ndarray:
+        """Return numbers of the rotations of the elements' nodes, (m, 3): beyond a hinge another one."""
+        turn, last = self.cells.copy(), len(self.points)
+        for node in (self.node(at) for at in hinges):
+            met = np.argwhere(self.cells[:, :2] == node)
+            if len(met) < 2:
+                raise ValueError(f"no elements meet at the hinge at {format_point(self.points[node])}")
+            for k, end in met[1:]:
+                turn[k, end], last = last, last + 1
+        return turn
+
+    def _lay_out(self, turn: ndarray) -> None:
+        """Number the dofs: displacements, then rotations, as if the beam were alone."""
+        n, n_turns = 2 * len(self.points), int(turn.max()) + 1
+        at = np.zeros((n_turns, 2))
+        at[turn] = self.points[self.cells]
+        scale = 1.0 / float(np.median(self._elements.length))
+        self._displacement = Field("displacement of a beam", np.repeat(self.points, 2, axis=0).T)
+        self._rotation = Field("rotation of a beam", at.T, "rotation", scale)
+        self.fields = (self._rotation,) if self._shared is not None else (self._displacement, self._rotation)
+        displacements = 2 * self.cells[:, :, None] + np.arange(2)
+        self._rows = np.hstack((displacements.reshape(len(self.cells), -1), n + turn))
+        self._size, self._gathering = n + n_turns, Gathering(n + n_turns)
+
+    def __repr__(self) -> str:
+        return f"<Beam {len(self.cells)} elements, {self._elements.length.sum():.4g} long>"
+
+    @override
+    def numbered(self, numbers: Mapping[Field, ndarray]) -> Beam:
+        new = copy(self)
+        own = numbers[self._displacement] if self._shared is None else self._shared.ravel()
+        new._dofs = np.concatenate((own, numbers[self._rotation]))
+        new.acts_on = new._dofs
+        new.changing = new._dofs if self._hinges else np.zeros(0, int)
+        return new
+
+    @override
+    def completed(self, forms: Mapping[str, Form]) -> Beam:
+        new = copy(self)
+        new._alone = all(isinstance(form, Beam) for form in forms.values())
+        return new
+
+    @override
+    def check_stage(self, fixed: ndarray, held: ndarray, duration: float) -> Sequence[Any]:
+        if self._alone and self._dofs is not None:
+            loose = loose_node(self._elements.strains, self._rows, ~np.isin(self._dofs, fixed))
+            if loose is not None:
+                at = np.hstack((self._displacement.coordinates, self._rotation.coordinates))[:, loose]
+                raise ValueError("the beam is a mechanism: its supports and hinges leave a motion without force, "
+                                 f"the largest at {format_point(at)}")
+        return ()
+
+    @override
+    def initial_state(self, x: ndarray | None = None) -> BeamState:
+        zero = np.zeros(self._rows.shape)
+        return BeamState(zero, zero if x is None else self._own(x)[self._rows])
+
+    @override
+    def assemble(self, x: ndarray, state: BeamState) -> Response:
+        place = self._own(x)[self._rows]
+        moved = place - state.free
+        lost = _ROUND_OFF * np.einsum("mij,mj->mi", np.abs(self._stiffness), np.abs(place) + np.abs(state.free))
+        moved = moved - np.einsum("mij,mj->mi", self._elements.rigid, moved[:, [4, 5, 8]])  # of large rigid motions
+        force = np.einsum("mij,mj->mi", self._stiffness, moved)
+        free, flows = state.free, list(self._hinges.flows(force)) if self._hinges else []
+        if flows:
+            free = free.copy()
+            for e, flow, _ in flows:
+                free[e] += flow
+                force[e] -= self._stiffness[e] @ flow
+        total, measure, lost = (self._gathering.force(self._rows, f) for f in (force, np.abs(force), lost))
+        active = b"".join(bytes([*e.to_bytes(4, "big"), *(faces != 0.0).sum(axis=0)]) for e, _, faces in flows)
+        return Response(total, lambda: BeamState(force, free), lambda: self._tangent(flows), None, lost, active,
+                        measure, dofs=self._dofs)
+
+    def _tangent(self, flows: list[Flow]) -> csr_matrix:
+        blocks = self._hinges.tangent(self._stiffness, flows) if self._hinges else self._stiffness
+        return self._gathering.matrix(self._rows, blocks)
+
+    def _own(self, x: ndarray) -> ndarray:
+        return x if self._dofs is None else x[self._dofs]
+
+    @override
+    def rebased(self, x: ndarray, state: BeamState) -> BeamState:
+        return BeamState(state.force, state.free - self._own(x)[self._rows])
+
+    @override
+    def yielding(self, before: BeamState, after: BeamState) -> tuple[int, int]:
+        return int((before.free != after.free).any(axis=1).sum()), len(self.cells)
+
+    @override
+    def summary(self, state: BeamState) -> str:
+        N, _, M = np.moveaxis(self._section_forces(state), 2, 0)
+        return f"N {N.min():.4g} to {N.max():.4g}, M {M.min():.4g} to {M.max():.4g}"
+
+    @override
+    def own_weight(self, acceleration: ndarray) -> ndarray | None:
+        return self.line_load(self._weight * acceleration) if self._weight else None
+
+    @override
+    def line_forces(self, state: BeamState) -> tuple[ndarray, ...]:
+        ends = np.cumsum(self._elements.length)
+        position = np.column_stack((np.append(0.0, ends[:-1]), ends)).ravel()
+        x, y = self.points[self.cells[:, :2].ravel()].T
+        return (position, x, y, *self._section_forces(state).reshape(-1, 3).T)
+
+    def _section_forces(self, state: BeamState) -> ndarray:
+        """Return N, V and M at both ends of the elements, (m, 2, 3)."""
+        return np.asarray(np.einsum("merj,mj->mer", self._elements.resultants, state.force))
+
+    def node(self, at: ArrayLike) -> int:
+        """Return the number of the node at coordinates (2,)."""
+        place = vector(at, 2, "at")
+        distance, node = cKDTree(self.points).query(place)
+        if distance > _AT * np.ptp(self.points, axis=0).max():
+            raise ValueError(f"the beam has no node at {format_point(place)}; the nearest one is at "
+                             f"{format_point(self.points[node])}")
+        return int(node)
+
+    def dofs(self, at: ArrayLike, names: Sequence[DofName] = ("u^1", "u^2", "theta")) -> list[Any]:
+        """Return the dofs of the node at coordinates (2,), by default all, for the supports of a model.
+
+        At a hinge ``"theta"`` is the rotation of the first element that meets there.
+
+        Examples
+        --------
+        >>> import skfem_contact as sc
+        >>> beam = sc.Beam(None, [[0., 0.], [1., 0.]], EI=1., EA=1.)
+        >>> fixed = [*beam.dofs((0., 0.)), *beam.dofs((1., 0.), ["u^2"])]
+        >>> len(sc.Model({"beam": beam}, fixed).fixed)
+        4
+        """
+        node = self.node(at)
+        found: list[Any] = []
+        for name in names:
+            if name == "theta":
+                found.append(FieldDofs(self._rotation, np.array([node])))
+            elif self._shared is not None:
+                found.append(self._shared[node, [("u^1", "u^2").index(name)]])
+            else:
+                found.append(FieldDofs(self._displacement, np.array([2 * node + ("u^1", "u^2").index(name)])))
+        return found
+
+    def numbers(self, at: ArrayLike) -> ndarray:
+        """Return the numbers of the dofs (u^1, u^2, theta) of the node at coordinates (2,), of a model's beam."""
+        node = self.node(at)
+        return self._of_model()[[2 * node, 2 * node + 1, 2 * len(self.points) + node]]
+
+    def load(self, force: ArrayLike, at: ArrayLike, moment: float = 0.0) -> ndarray:
+        """Return the load vector of a force, (2,), and an anticlockwise moment at a node, of a model's beam."""
+        load = np.zeros(self._of_model().max() + 1)
+        load[self.numbers(at)] = [*vector(force, 2, "force"), moment]
+        return load
+
+    def line_load(self, force: ArrayLike) -> ndarray:
+        """Return the load vector of a force per length, (2,), on all elements, of a model's beam."""
+        load = np.zeros(self._of_model().max() + 1)
+        shares = self._elements.load[:, :, None] * vector(force, 2, "force")
+        np.add.at(load, self._of_model()[self._rows[:, :6]], shares.reshape(-1, 6))
+        return load
+
+    def _of_model(self) -> ndarray:
+        if self._dofs is None:
+            raise ValueError('the dofs of the beam are not numbered yet: take it from the model, model.forms["beam"]')
+        return self._dofs
+
+
+def _nodes(basis: CellBasis | None, line: Any, cells: Any) -> tuple[ndarray | None, ndarray, ndarray]:
+    """Return dofs of shared nodes or None, coordinates of all nodes and elements of three nodes."""
+    if basis is not None:
+        check_plane(basis, "Beam")
+    if isinstance(line, str):
+        if basis is None or cells is not None:
+            raise ValueError(f"the line '{line}' needs a basis with this name, and gives its own cells")
+        return line_of(basis, line)
+    points = finite(line, "line")
+    if points.ndim != 2 or points.shape[1] != 2 or len(points) < 2:
+        raise ValueError(f"the line of a beam must be a name, or at least two points (x, y), not {line!r}")
+    n = len(points)
+    given = np.column_stack((np.arange(n - 1), np.arange(1, n))) if cells is None else np.asarray(cells)
+    if given.ndim != 2 or given.shape[1] not in (2, 3) or given.dtype.kind not in "iu" or not len(given) \
+            or given.min() < 0 or given.max() >= n:
+        raise ValueError(f"cells of a beam must be numbers of 2 or 3 of its {n} nodes, not {cells!r}")
+    if given.shape[1] == 2:
+        points = np.vstack((points, points[given].mean(axis=1)))
+        given = np.column_stack((given, n + np.arange(len(given))))
+    if len(unused := np.setdiff1d(np.arange(len(points)), given)):
+        raise ValueError(f"the node of a beam at {format_point(points[unused[0]])} belongs to no element")
+    return None, points, given

@@ -1,0 +1,313 @@
+"""Beams: closed forms of elastic beams, collapse loads of frames, bonded beams, contact on both sides."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from helpers import vector_basis
+from scipy.sparse import coo_matrix
+from skfem import MeshTri
+
+import skfem_contact as sc
+from skfem_contact.beams.element import shapes
+
+QUIET = {"progress": False}
+
+
+def straight(length, n, start=0.0):
+    return np.column_stack((start + np.linspace(0.0, length, n + 1), np.zeros(n + 1)))
+
+
+def solved(beam, fixed, loads, **others):
+    """The stage of a beam under forces at points, its form and its section forces."""
+    model = sc.Model({"beam": beam, **others}, fixed)
+    form = model.forms["beam"]
+    stage = model.run([sc.Stage("load", [form.load(force, at) for force, at in loads])], **QUIET)["load"]
+    return stage, form, stage.section_forces("beam")
+
+
+class Winkler(sc.Form):
+    """Springs k per length across a straight level beam, by three Gauss points."""
+
+    symmetric = True
+
+    def __init__(self, beam, k):
+        self.borrowed, self.K = (beam._displacement,), np.zeros((2 * len(beam.points),) * 2)
+        for xi, w in zip((-np.sqrt(0.6), 0.0, np.sqrt(0.6)), (5 / 9, 8 / 9, 5 / 9), strict=True):
+            for nodes, h in zip(beam.cells, beam._elements.length, strict=True):
+                v = 2 * nodes + 1
+                self.K[np.ix_(v, v)] += k * w * h / 2 * np.outer(shapes(xi)[0], shapes(xi)[0])
+
+    def numbered(self, numbers):
+        self.dofs = numbers[self.borrowed[0]]
+        return self
+
+    def assemble(self, x, state):
+        return sc.Response(self.K @ x[self.dofs], lambda: None, lambda: coo_matrix(self.K).tocsr(), dofs=self.dofs)
+
+
+@pytest.mark.parametrize("n", [1, 2, 8])
+@pytest.mark.parametrize(("shear", "left"), [(1e4, 1e-9), (1e8, 1e-6)])  # GA L^2 / EI: so many digits are left
+def test_cantilever(n, shear, left):
+    """[X] Deflection P L^3 / 3 EI + P L / GA and moment P L, in a slope of 3 in 4, with any number of elements."""
+    way = np.array([0.8, 0.6])
+    beam = sc.Beam(None, np.linspace(0, 2, n + 1)[:, None] * way, EI=1.0, EA=1e3, GA=shear / 4)
+    across = np.array([-0.6, 0.8])
+    stage, form, forces = solved(beam, beam.dofs((0, 0)), [(3.0 * across, 2 * way)])
+    tip = stage.x[form.numbers(2 * way)]
+    assert tip[:2] @ across == pytest.approx(3 * 8 / 3 + 3 * 2 / (shear / 4), rel=left)
+    assert tip[2] == pytest.approx(3 * 4 / 2, rel=left)
+    np.testing.assert_allclose(forces.M, -3.0 * (2.0 - forces.position), atol=3 * left)
+    np.testing.assert_allclose(forces.V, 3.0, rtol=left)
+    np.testing.assert_allclose(forces.N, 0.0, atol=3 * left)
+
+
+@pytest.mark.parametrize(("per", "deflection", "moment"), [(1, 8e-4, 1.2e-3), (2, 7e-5, 9e-5), (4, 2e-5, 1e-5)])
+def test_infinite_winkler_beam(per, deflection, moment):
+    """[X] Hetenyi 1946: w = P lam / 2 k, M = P / 4 lam under the force, with so many elements per 1 / lam.
+
+    What is left at four is shear, EI / GA, in the deflection.
+    """
+    n = 16 * per
+    beam = sc.Beam(None, straight(16.0, n, -8.0), EI=1.0, EA=1e3, GA=1e5)
+    stage, form, forces = solved(beam, beam.dofs((-8.0, 0.0), ["u^1"]), [((0.0, -1.0), (0.0, 0.0))],
+                                 ground=Winkler(beam, 4.0))  # fmt: skip
+    assert -stage.x[form.numbers((0.0, 0.0))[1]] == pytest.approx(1 / 8, rel=deflection)
+    assert forces.M.min() == pytest.approx(-1 / 4, rel=moment)
+
+
+@pytest.mark.parametrize(("curved", "deflection", "moment"), [(True, 6e-4, 2e-5), (False, 3.2e-2, 1.3e-2)])
+def test_ring(curved, deflection, moment):
+    """[X] Two opposite forces on a ring of 16 elements: (pi/4 - 2/pi) P R^3 / EI together, and M = P R / pi there."""
+    n, angle = 16, 2 * np.pi * np.arange(32) / 32
+    points = np.column_stack((np.cos(angle), np.sin(angle)))
+    ends = 2 * np.arange(n)
+    cells = np.column_stack((ends, (ends + 2) % 32, ends + 1))
+    if not curved:
+        points, cells = points[::2], np.column_stack((np.arange(n), (np.arange(n) + 1) % n))
+    beam = sc.Beam(None, points, EI=1.0, EA=1e6, GA=1e6, cells=cells)
+    top, foot = (0.0, 1.0), (0.0, -1.0)
+    fixed = [*beam.dofs((1.0, 0.0), ["u^2"]), *beam.dofs(top, ["u^1"]), *beam.dofs(foot, ["u^1"])]
+    stage, form, forces = solved(beam, fixed, [((0.0, -1.0), top), ((0.0, 1.0), foot)])
+    closer = stage.x[form.numbers(foot)[1]] - stage.x[form.numbers(top)[1]]
+    assert closer == pytest.approx(np.pi / 4 - 2 / np.pi, rel=deflection)
+    assert np.abs(forces.M).max() == pytest.approx(1 / np.pi, rel=moment)
+
+
+def test_hinge_and_line_load():
+    """[X] Two cantilevers that meet at a hinge share a force; under its weight q the shear ends in q L at the wall."""
+    beam = sc.Beam(None, straight(2.0, 4), EI=1.0, EA=1e3, GA=1e6, hinges=(1.0, 0.0))
+    ends = [*beam.dofs((0.0, 0.0)), *beam.dofs((2.0, 0.0))]
+    stage, form, _ = solved(beam, ends, [((0.0, 1.0), (1.0, 0.0))])
+    assert stage.x[form.numbers((1.0, 0.0))[1]] == pytest.approx(0.5 / 3 + 0.5e-6, rel=1e-7)
+    beam = sc.Beam(None, straight(2.0, 4), EI=1.0, EA=1e3, GA=1e6, hinges=(1.0, 0.0), unit_weight=3.0)
+    ends = [*beam.dofs((0.0, 0.0)), *beam.dofs((2.0, 0.0))]
+    forces = sc.Model({"beam": beam}, ends).run([sc.Stage("weight")], **QUIET)["weight"].section_forces("beam")
+    left = forces.position < 1.0
+    np.testing.assert_allclose(forces.V[left], -3.0 * (1 - forces.position[left]), atol=1e-6)
+    np.testing.assert_allclose(forces.M[left], 1.5 * (1 - forces.position[left]) ** 2, atol=1e-6)
+
+
+def at_limit(beam, fixed, loads, start=None):
+    model = sc.Model({"beam": beam}, fixed, newton=sc.Newton(tolerance=1e-9))
+    load = sum(model.forms["beam"].load(force, at) for force, at in loads)
+    first = None if start is None else model.run([sc.Stage("dead", model.forms["beam"].load(*start))], **QUIET)
+    found = model.limit_load(load, start=first, **QUIET)
+    assert found.stop.kind in ("plateau", "collapse"), found.stop
+    return found
+
+
+@pytest.mark.parametrize("n", [2, 4, 8])
+def test_collapse_of_a_propped_cantilever(n):
+    """[X] P = 6 Mp / L with the force in the middle. The tolerance is the difference of hinges at one node."""
+    beam = sc.Beam(None, straight(2.0, n), EI=100.0, EA=1e4, GA=1e6, Mp=3.0)
+    fixed = [*beam.dofs((0.0, 0.0)), *beam.dofs((2.0, 0.0), ["u^2"])]
+    assert at_limit(beam, fixed, [((0.0, -1.0), (1.0, 0.0))]).multiplier == pytest.approx(9.0, rel=1e-6)
+
+
+@pytest.mark.parametrize("n", [2, 4, 8])
+def test_collapse_of_a_portal(n):
+    """[X] A portal of height h and span 2h fixed at its feet, V = 2 H: combined mechanism, 3 H h = 6 Mp."""
+    corners = np.array([[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [2.0, 1.0], [2.0, 0.0]])
+    steps = np.linspace(0, 1, n, endpoint=False)[:, None]
+    points = np.vstack([a + (b - a) * steps for a, b in pairwise(corners)] + [corners[-1:]])
+    beam = sc.Beam(None, points, EI=100.0, EA=1e5, GA=1e6, Mp=3.0)
+    fixed = [*beam.dofs((0.0, 0.0)), *beam.dofs((2.0, 0.0))]
+    found = at_limit(beam, fixed, [((1.0, 0.0), (0.0, 1.0)), ((0.0, -2.0), (1.0, 1.0))])
+    assert found.multiplier == pytest.approx(6.0, rel=1e-6)
+
+
+@pytest.mark.parametrize("share", [0.2, 0.5])
+def test_collapse_under_thrust(share):
+    """[X] A cantilever under the thrust N resists M = Mp (1 - N / Np)."""
+    beam = sc.Beam(None, straight(2.0, 4), EI=100.0, EA=1e4, GA=1e6, Mp=3.0, Np=50.0)
+    found = at_limit(beam, beam.dofs((0.0, 0.0)), [((0.0, 1.0), (2.0, 0.0))], ((-50.0 * share, 0.0), (2.0, 0.0)))
+    assert found.multiplier == pytest.approx(1.5 * (1 - share), rel=1e-6)
+
+
+def test_collapse_by_the_weaker_side_of_a_corner():
+    """[X] A column under thrust below a beam without: the column's end at the corner has the moment Mp (1 - N / Np).
+
+    The column is held upright by its foot, and a force beside its top bends the corner.
+    """
+    beam = sc.Beam(None, [[0.0, 0.0], [0.0, 2.0], [1.0, 2.0]], EI=100.0, EA=1e4, GA=1e6, Mp=3.0, Np=30.0)
+    found = at_limit(beam, beam.dofs((0.0, 0.0)), [((0.0, -1.0), (1.0, 2.0))])
+    assert found.multiplier == pytest.approx(1 / (1 / 3 + 1 / 30), rel=1e-6)  # P * 1 / Mp + P / Np = 1
+
+
+@pytest.mark.parametrize("Mp", [np.inf, 0.5])
+def test_form(Mp):
+    """Forces balance, and the tangent agrees with differences; the share that hinges keep is 1e-6."""
+    beam = sc.Beam(None, [[0.0, 0.0], [1.0, 0.2], [2.0, 0.0]], EI=1.0, EA=10.0, GA=10.0, Mp=Mp,
+                   Np=np.inf if Mp == np.inf else 2.0)  # fmt: skip
+    x = np.random.default_rng(0).standard_normal(15)
+    state = beam.initial_state()
+    assert sc.testing.check_form(beam, x, state, tolerance=1e-5) < (1e-8 if Mp == np.inf else 1e-5)
+    N, M = np.array(beam.line_forces(beam.assemble(x, state).state))[[3, 5]]
+    if Mp < np.inf:
+        # ends at a node differ by 1e-7
+        assert (np.abs(M) / 0.5 + np.abs(N) / 2.0).max() == pytest.approx(1.0, abs=2e-7)
+
+
+@pytest.mark.parametrize("EI", [1e-5, 1.0, 1e5])
+@pytest.mark.parametrize("ratio", [1e-2, 1e2, 1e8])
+def test_stiffness_over_ten_decades(EI, ratio):
+    """[X] A frame of two members that are 1 and 2 long, fixed at its foot: bent by P, and stretched by it."""
+    EA = ratio * EI
+    beam = sc.Beam(None, [[0.0, 0.0], [0.0, 0.5], [0.0, 1.0], [2.0, 1.0]], EI=EI, EA=EA, GA=1e3 * EI)
+    stage, form, forces = solved(beam, beam.dofs((0.0, 0.0)), [((0.0, -3.0), (2.0, 1.0))])
+    down = -stage.x[form.numbers((2.0, 1.0))[1]]
+    # the foot turns the member of length 2 by M * 1 / EI; it bends and shears itself, and the foot is pressed
+    assert down == pytest.approx(3 * 2 * 1 * 2 / EI + 3 * 8 / 3 / EI + 3 * 2 / (1e3 * EI) + 3 / EA, rel=1e-6)
+    np.testing.assert_allclose(forces.N, [-3.0] * 4 + [0.0] * 2, atol=1e-5)
+    np.testing.assert_allclose(np.abs(forces.M), [6.0] * 5 + [0.0], atol=1e-5)
+
+
+def test_spacing():
+    """A row of members at a distance of 2 is as stiff and strong as half of one per unit of length."""
+    values = {"EI": 100.0, "EA": 1e4, "GA": 1e6, "Mp": 3.0, "Np": 30.0, "unit_weight": 1.0}
+    found = []
+    for spacing, share in ((2.0, 1.0), (None, 0.5)):
+        beam = sc.Beam(None, straight(2.0, 2), **{k: share * value for k, value in values.items()}, spacing=spacing)
+        model = sc.Model({"beam": beam}, beam.dofs((0.0, 0.0)))
+        found.append(model.run([sc.Stage("weight")], **QUIET)["weight"].x)
+    np.testing.assert_allclose(*found, rtol=1e-12)
+
+
+@pytest.mark.parametrize(("per", "error"), [(1, 3.5e-3), (2, 1e-3)])
+def test_bonded_to_a_half_plane(per, error):
+    """[X] A force on a long beam on a half-plane, a^3 = 2 EI (1 - nu^2) / E = 1: M(0) = 2 P a / (3 sqrt 3)."""
+    g = np.concatenate((np.arange(0, 6, 1 / per), 6 + 54 * np.linspace(0, 1, 5 * per + 1) ** 2.2))
+    mesh = MeshTri.init_tensor(np.concatenate((-g[:0:-1], g)), -g[::-1]).with_boundaries(
+        {"beam": lambda x: (x[1] > -1e-9) & (abs(x[0]) < 20), "far": lambda x: (x[1] < -59.9) | (abs(x[0]) > 59.9)})
+    basis = vector_basis(mesh, "P2", intorder=2)
+    beam = sc.Beam(basis, "beam", EI=0.5 / (1 - 0.3**2), EA=1e-9, GA=1e4)
+    model = sc.Model({"soil": sc.SolidForm(basis, sc.LinearElastic(E=1.0, nu=0.3)), "beam": beam},
+                     basis.get_dofs("far").all())  # fmt: skip
+    load = model.forms["beam"].load((0.0, -1e-3), at=(0.0, 0.0))
+    stage = model.run([sc.Stage("force", load)], **QUIET)["force"]
+    assert -stage.section_forces("beam").M.min() == pytest.approx(2e-3 / (3 * np.sqrt(3)), rel=error)
+
+
+def test_bonded_inside_a_block():
+    """[X] A stretched block with a line inside: N = EA eps along it, from its left end."""
+    mesh = MeshTri.init_tensor(np.linspace(0, 2, 5), np.linspace(0, 1, 3)).with_defaults().with_boundaries(
+        {"line": lambda x: (abs(x[1] - 0.5) < 1e-9) & (x[0] < 1.5)}, boundaries_only=False)
+    basis = vector_basis(mesh, "P2", intorder=2)
+    beam = sc.Beam(basis, "line", EI=1.0, EA=50.0)
+    fixed = [basis.get_dofs({"left", "right"}).all("u^1"), basis.get_dofs("bottom").all("u^2")]
+    model = sc.Model({"block": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.0)), "beam": beam}, fixed)
+    pulled = np.zeros(basis.N)
+    pulled[basis.get_dofs("right").all("u^1")] = 0.02
+    ends = model.forms["beam"]
+    balance = [ends.load((0.5, 0.0), (1.5, 0.5))]  # the end of the beam pulls the block
+    forces = model.run([sc.Stage("pull", balance, prescribed=pulled)], **QUIET)["pull"].section_forces("beam")
+    np.testing.assert_allclose(forces.x, [0.0, 0.5, 0.5, 1.0, 1.0, 1.5], atol=1e-12)
+    np.testing.assert_allclose(forces.N, 0.5, rtol=1e-9)
+    np.testing.assert_allclose(forces.M, 0.0, atol=1e-9)
+
+
+def test_closed_line_goes_clockwise_from_its_top():
+    angle = np.linspace(0, 2 * np.pi, 8, endpoint=False)
+    p = np.hstack([r * np.array([np.cos(angle), np.sin(angle)]) for r in (1.0, 2.0)])
+    a = np.arange(8)
+    b = (a + 1) % 8
+    mesh = MeshTri(p, np.hstack(([a, b, a + 8], [b, b + 8, a + 8]))).with_boundaries(
+        {"skin": lambda x: np.hypot(*x) < 1.1})
+    beam = sc.Beam(vector_basis(mesh, "P2"), "skin", EI=1.0, EA=1.0)
+    np.testing.assert_allclose(beam.points[beam.cells[:3, 0]], [[s, c] for s, c in
+                               zip(np.sin(np.pi / 4 * a[:3]), np.cos(np.pi / 4 * a[:3]), strict=True)], atol=1e-12)
+
+
+def test_saved_and_resumed(tmp_path):
+    """A portal beyond its elastic limit is saved, loaded, and goes on as if nothing had happened; and mirrored."""
+    ends = []
+    for sign in (1.0, -1.0):
+        points = np.array([[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [2.0, 1.0], [2.0, 0.0]]) * [sign, 1.0]
+        beam = sc.Beam(None, points, EI=100.0, EA=1e5, GA=1e6, Mp=3.0)
+        model = sc.Model({"beam": beam}, [*beam.dofs((0.0, 0.0)), *beam.dofs((2 * sign, 0.0))])
+        form = model.forms["beam"]
+        stages = [sc.Stage(str(H), [form.load((sign * H, 0.0), (0.0, 1.0)), form.load((0.0, -2 * H), (sign, 1.0))])
+                  for H in (5.5, 5.9, 3.0)]  # fmt: skip
+        whole = model.run(stages, **QUIET)
+        model.run(stages[:2], **QUIET).save(tmp_path / "portal")
+        again = model.run(stages[2:], start=sc.load_result(tmp_path / "portal", model), **QUIET)
+        np.testing.assert_allclose(again["3.0"].x, whole["3.0"].x, rtol=1e-8, atol=1e-12)  # Newton's tolerance
+        moved = again.reset()
+        np.testing.assert_allclose(moved[-1].section_forces("beam").M, whole["3.0"].section_forces("beam").M)
+        ends.append(np.abs(whole["3.0"].section_forces("beam").M))
+        assert whole["5.9"].states["beam"].free.any() and "M " in str(whole)
+    np.testing.assert_allclose(*ends, rtol=1e-6)
+
+
+BENT = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]]
+STIFF = {"EI": 1.0, "EA": 1.0}
+
+
+@pytest.mark.parametrize(("message", "call"), [
+    ("EI of a beam must be positive, not 0", lambda: sc.Beam(None, BENT, EI=0.0, EA=1.0)),
+    ("EA of a beam must be positive, not -1", lambda: sc.Beam(None, BENT, EI=1.0, EA=-1.0)),
+    ("Np of a beam needs Mp", lambda: sc.Beam(None, BENT, **STIFF, Np=1.0)),
+    ("spacing of a beam must be positive", lambda: sc.Beam(None, BENT, **STIFF, spacing=-2.0)),
+    ("must be a name, or at least two points", lambda: sc.Beam(None, [[0.0, 0.0]], **STIFF)),
+    ("has no length", lambda: sc.Beam(None, [[0.0, 0.0], [0.0, 0.0], [1.0, 0.0]], **STIFF)),
+    ("no node at \\(0.3, 0\\); the nearest one is at \\(0.5, 0\\)",
+     lambda: sc.Beam(None, BENT, **STIFF).node((0.3, 0.0))),
+    ("no elements meet at the hinge at \\(0, 0\\)", lambda: sc.Beam(None, BENT, **STIFF, hinges=(0.0, 0.0))),
+    ("belongs to no element", lambda: sc.Beam(None, BENT, **STIFF, cells=[[0, 1]])),
+    ("not numbered yet", lambda: sc.Beam(None, BENT, **STIFF).load((1.0, 0.0), (0.0, 0.0))),
+    ("there is no boundary 'wall'", lambda: sc.Beam(vector_basis(MeshTri(), "P2"), "wall", **STIFF)),
+    ("take a basis of second order", lambda: sc.Beam(vector_basis(MeshTri().with_defaults(), "P1"), "top", **STIFF)),
+    ("no single chain: 1 of its 2 facets lie apart",
+     lambda: sc.Beam(vector_basis(MeshTri().with_boundaries({"two": lambda x: abs(x[0] - 0.5) > 0.4}), "P2"), "two",
+                     **STIFF)),
+])  # fmt: skip
+def test_bad_input(message, call):
+    with pytest.raises(ValueError, match=message):
+        call()
+
+
+def test_mechanisms_and_bounds_are_refused():
+    """Hinges or supports that leave a motion are named before anything is computed; bounds name the beam."""
+    beam = sc.Beam(None, straight(3.0, 3), EI=1.0, EA=1e6, hinges=[(1.0, 0.0), (2.0, 0.0)])
+    model = sc.Model({"beam": beam}, [*beam.dofs((0.0, 0.0)), *beam.dofs((3.0, 0.0), ["u^1", "u^2"])])
+    load = model.forms["beam"].load((0.0, -1.0), (1.0, 0.0))
+    with pytest.raises(ValueError, match=r"mechanism: .* the largest at \(2, 0\)"):
+        model.run([sc.Stage("load", load)], **QUIET)
+    basis = vector_basis(MeshTri().refined(1).with_defaults(), "P2", intorder=2)
+    forms = {"soil": sc.SolidForm(basis, sc.Tresca(E=1e3, nu=0.3, c=1.0)), "wall": sc.Beam(basis, "top", **STIFF)}
+    with pytest.raises(ValueError, match="no bounds with 'wall', a Beam"):
+        sc.Model(forms, basis.get_dofs("bottom").all()).bounds()
+
+
+def test_section_forces_of_the_wrong_kind():
+    basis = vector_basis(MeshTri().refined(1).with_defaults(), "P2", intorder=2)
+    forms = {"soil": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3)), "wall": sc.Beam(basis, "top", **STIFF)}
+    model = sc.Model(forms, basis.get_dofs("bottom").all())
+    stage = model.run([sc.Stage("rest", sc.weight(basis, 1.0))], **QUIET)["rest"]
+    cuts = sc.Sections.line((0.5, 0.0), (0.5, 1.0), depth=1.0)
+    for name, sections, message in (("soil", None, "a solid needs `sections`"), ("wall", cuts, "'wall' is a Beam")):
+        with pytest.raises(ValueError, match=message):
+            stage.section_forces(name, sections)
