@@ -17,6 +17,9 @@ UNSYMMETRIC, SYMMETRIC = 11, -2  # PARDISO's types of real matrices
 ANALYSE, FACTOR, SOLVE, RELEASE = 11, 22, 33, -1  # its phases
 OUT_OF_MEMORY = -2  # its error
 OPTIONS = {1: 1, 2: 2, 10: 18, 11: 1, 13: 1}  # own options, METIS, pivots above 1e-18, scaling, matching
+#: Entries up to which minimum degree takes the place of METIS: with 10,000 to 90,000 of plane bodies the analysis takes 13
+#: to 35 % less time and the factor 4 to 13 %; with 350,000 factors take 15 to 30 % more, with 130,000 in space 17 %.
+FEW = 100_000
 SPARE = 1.1  # entries of an analysed pattern to those of the matrix, at most
 
 
@@ -79,7 +82,7 @@ class _Analysis:
         self._stored = np.flatnonzero(indices >= row) if symmetric else slice(None)
         self._rows = np.cumsum(np.bincount(row[self._stored] + 1, minlength=n + 1), dtype=np.int32) + 1
         self._columns = indices[self._stored].astype(np.int32) + 1
-        self._call = _Call(library, SYMMETRIC if symmetric else UNSYMMETRIC)
+        self._call = _Call(library, SYMMETRIC if symmetric else UNSYMMETRIC, pattern.nnz <= FEW)
         self.admits(A)
         self._run(ANALYSE, A)
         weakref.finalize(self, self._call, RELEASE, np.zeros(1), self._rows, self._columns).atexit = False
@@ -122,12 +125,14 @@ def _ones(A: csr_matrix) -> csr_matrix:
 class _Call:
     """Phases of PARDISO on one handle."""
 
-    def __init__(self, library: Any, kind: int) -> None:
+    def __init__(self, library: Any, kind: int, few: bool = False) -> None:
         self._library, self._kind = library, kind
         self._handle = np.zeros(64, dtype=np.intp)
         self._options = np.zeros(64, dtype=np.int32)
         for number, value in OPTIONS.items():
             self._options[number - 1] = value
+        if few:
+            self._options[1] = 0
 
     def __call__(self, phase: int, values: ndarray, rows: ndarray, columns: ndarray, *vectors: ndarray) -> None:
         one, zero, error, kind, phases, size = (
