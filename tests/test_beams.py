@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from helpers import vector_basis
+from helpers import grid, vector_basis
 from scipy.sparse import coo_matrix
 from skfem import MeshTri
 
@@ -311,3 +311,72 @@ def test_section_forces_of_the_wrong_kind():
     for name, sections, message in (("soil", None, "a solid needs `sections`"), ("wall", cuts, "'wall' is a Beam")):
         with pytest.raises(ValueError, match=message):
             stage.section_forces(name, sections)
+
+
+def beside_soil(law, sign=1.0, **options):
+    """A beam 2 high and .2 thick between two blocks of soil on rollers, upwards or downwards: model and beam."""
+    y = np.linspace(0, 2, 9)
+    blocks = {"low": grid("Q2", np.linspace(-1.1, -0.1, 5), y), "high": grid("Q2", np.linspace(0.1, 1.1, 5), y)}
+    basis = vector_basis(sc.join_bodies(blocks), "Q2", intorder=4)
+    beam = sc.Beam(basis, np.column_stack((0 * y, y))[:: int(sign)], EI=1e2, EA=1e6, GA=1e4, thickness=0.2)
+    forms = {"soil": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.0)), "beam": beam,
+             **beam.contact(basis, law, **options)}  # fmt: skip
+    fixed = [basis.get_dofs({"low:bottom", "high:bottom"}).all("u^2"), basis.get_dofs("high:right").all("u^1"),
+             *beam.dofs((0.0, 0.0), ["u^2"])]  # fmt: skip
+    return sc.Model(forms, fixed), beam
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_contact_on_both_sides(sign, tmp_path):
+    """[X] A uniform pressure goes through the beam, which does not bend; a force at its head is borne by both sides.
+
+    The same whichever way the beam goes; saved and resumed in the middle.
+    """
+    model, _ = beside_soil(sc.Coulomb(mu=0.2), sign)
+    push = model.traction("low:left", (10.0, 0.0))
+    result = model.run([sc.Stage("push", push)], **QUIET)
+    for pair in ("low:right", "high:left"):
+        np.testing.assert_allclose(result["push"].tractions(pair).pressure, 10.0, rtol=1e-6)
+    assert np.abs(result["push"].section_forces("beam").M).max() < 1e-6
+    result.save(tmp_path / "wall")
+    again = sc.load_result(tmp_path / "wall", model)
+    head = model.forms["beam"].load((3.0, 0.0), at=(0.0, 2.0))
+    bent, resumed = (model.run([sc.Stage("head", [push, head])], start=start, **QUIET)["head"]
+                     for start in (result, again))  # fmt: skip
+    np.testing.assert_array_equal(bent.x, resumed.x)
+    left, right = (bent.report(pair).force[0] for pair in ("low:right", "high:left"))
+    assert left + right == pytest.approx(3.0, rel=1e-6)  # on the soil
+    M = bent.section_forces("beam").M
+    assert abs(M[[0, -1]]).max() < 1e-2 * abs(M).max()  # the ends are free but for friction with its arm
+    bent.to_vtu(tmp_path / "wall.vtu")
+
+
+def test_contact_is_refused_where_it_cannot_be():
+    y = np.linspace(0, 2, 5)
+    mesh = sc.join_bodies({"low": grid("Q2", y - 2.1, y), "high": grid("Q2", y + 0.1, y)})
+    basis = vector_basis(mesh, "Q2", intorder=4)
+    points = np.column_stack((0 * y, y))
+    thick = sc.Beam(basis, points, **STIFF, thickness=0.2)
+    assert set(thick.contact(basis, sc.Coulomb())) == {"low:right", "high:left"}
+    assert set(thick.contact(basis, sc.Coulomb(), "high:left")) == {"high:left"}
+    with pytest.raises(ValueError, match=r"\['low:left'\] lie on neither side of the beam, 0.1 off its axis"):
+        thick.contact(basis, sc.Coulomb(), ["low:left", "high:left"])
+    with pytest.raises(ValueError, match="no boundary lies on a side of the beam, 0 off its axis"):
+        sc.Beam(basis, points, **STIFF).contact(basis, sc.Coulomb())
+    with pytest.raises(ValueError, match="bonded=False"):
+        sc.Beam(basis, "low:right", **STIFF).contact(basis, sc.Coulomb())
+    with pytest.raises(ValueError, match="on its axis: thickness=0"):
+        sc.Beam(basis, points, **STIFF, thickness=0.2, hinges=(0.0, 1.0)).contact(basis, sc.Coulomb())
+    twice = mesh.with_boundaries({"again": lambda x: abs(x[0] - 0.1) < 1e-9})
+    with pytest.raises(ValueError, match="share facets"):
+        thick.contact(vector_basis(twice, "Q2", intorder=4), sc.Coulomb())
+
+
+def test_law_of_an_interface_from_a_soil():
+    law = sc.Coulomb.from_soil(sc.MohrCoulomb(E=1e4, nu=0.3, c=6.0, phi=30.0), 0.5)
+    assert (law.mu, law.adhesion) == pytest.approx((0.5 * np.tan(np.pi / 6), 3.0))
+    clay = sc.Coulomb.from_soil(sc.Tresca(E=1e4, nu=0.3, c=6.0), 1.0)
+    assert (clay.mu, clay.adhesion) == (0.0, 6.0)
+    for soil, ratio in ((sc.Tresca(E=1e4, nu=0.3, c=6.0), 0.0), (sc.LinearElastic(E=1e4, nu=0.3), 0.5)):
+        with pytest.raises(ValueError, match="ratio must lie in"):
+            sc.Coulomb.from_soil(soil, ratio)

@@ -1,4 +1,4 @@
-"""Three-node Timoshenko elements in the plane, straight or curved, and the lines that they follow.
+"""Three-node Timoshenko elements in the plane, straight or curved, and plastic hinges at their ends.
 
 Displacements and rotations are quadratic, and two Gauss points integrate all terms: no locking. The dofs of an element
 are the displacements of its nodes (start, end, middle), then their rotations, anticlockwise. Strains do not depend on
@@ -7,22 +7,28 @@ eps = t . u', gamma = n . u' - theta, kappa = theta'.
 """
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy import ndarray
+from scipy.optimize import nnls
 from scipy.sparse import coo_matrix, csc_matrix, eye_array
 from scipy.sparse.linalg import splu
-from skfem import CellBasis
-
-from ..checks import facets_of
-from ..surfaces.topology import ordered
 
 _GAUSS = np.array([-1.0, 1.0]) / np.sqrt(3.0)
 #: Share of the force on the middle node that a uniform load on the element leaves at either end.
 _AT_END = 0.25
 #: Length of an element, as a share of the size of the beam, that is none.
 _NO_LENGTH = 1e-6
+#: Share of the stiffness that a hinge keeps in the tangent, as it flows: a mechanism of beams is singular to the last
+#: bit. The limit loads of a propped cantilever, a portal and a column end in a stall with 0, on a plateau with 1e-6.
+_KEPT = 1e-6
+#: Strength by which the ends at a node differ, so that one of two equal ends flows: two leave the node between loose.
+_WEAKEST = 1e-7
+#: Share of the largest singular value of the faces in force below which they depend on each other.
+_DEPENDENT = 1e-8
 #: Squared strain of a motion, relative to the largest one, below which it is none: that of a chain of n elements is
 #: about n**-4, that of a mechanism 1e-16.
 _NO_STRAIN = 1e-13
@@ -75,7 +81,7 @@ class BeamElements:
     def root(self, EA: float, GA: float, EI: float) -> ndarray:
         """Return the matrices R of the stiffness R R', (m, 9, 6)."""
         D = (self.weights[:, :, None] * np.array([EA, GA, EI])).reshape(-1, 6)
-        return np.asarray(np.einsum("msi,ms->mis", self.strains, np.sqrt(D)))
+        return np.asarray(np.einsum("abc,ab->acb", self.strains, np.sqrt(D)))
 
     @property
     def length(self) -> ndarray:
@@ -115,50 +121,71 @@ class BeamElements:
         return found
 
 
-def line_of(basis: CellBasis, name: str) -> tuple[ndarray, ndarray, ndarray]:
-    """Return dofs of the nodes, (n, 2), coordinates and elements of a named line, on the boundary or inside.
+class Flow(NamedTuple):
+    """Flow of one element: its number, change of its dofs without force, and the faces in force, (k, 9)."""
 
-    It begins at its upper end, a level one at its left end, and goes clockwise where it is closed.
+    element: int
+    free: ndarray
+    faces: ndarray
+
+
+class Hinges:
+    """Hinges at both ends of m elements.
+
+    The plastic flow is associated: of all forces within the strength those are taken that are nearest to the elastic
+    ones in complementary energy, by least distance programming (C. L. Lawson and R. J. Hanson, Solving Least Squares
+    Problems, 1974, chapter 23).
+
+    Parameters
+    ----------
+    resultants : ndarray, shape (m, 2, 3, 9)
+        N, V and M at both ends by the forces on the nodes.
+    root : ndarray, shape (m, 9, 6)
+        Matrices R of the elastic stiffness R R'.
+    nodes : ndarray, shape (m, 2)
+        Nodes at the ends.
+    Mp, Np : float
+        Plastic moment and plastic normal force.
     """
-    mesh, facets = basis.mesh, np.unique(facets_of(basis.mesh, name))
-    if len(basis.facet_dofs) != 2:
-        raise ValueError(f"'{name}': beams have three nodes: take a basis of second order")
-    ends = _one_way(mesh.facets[:, facets], name)
-    order = ordered(ends, name)
-    facets, ends = facets[order], ends[:, order]
-    x, closed = mesh.p[:, ends], ends[0, 0] == ends[1, -1]
-    area = (x[0, 0] * x[1, 1] - x[0, 1] * x[1, 0]).sum()
-    high = x[1, 1, -1] - x[1, 0, 0], x[0, 0, 0] - x[0, 1, -1]
-    if area > 0.0 if closed else (high[0] or high[1]) > 0.0:
-        facets, ends = facets[::-1], ends[::-1, ::-1]
-    if closed:
-        top = int(np.argmax((mesh.p[1] - _NO_LENGTH * mesh.p[0])[ends[0]]))
-        facets, ends = np.roll(facets, -top), np.roll(ends, -top, axis=1)
-    nodal, middle = basis.nodal_dofs[0, ends], basis.facet_dofs[0, facets]
-    first, cells = np.unique(np.vstack((nodal, middle)).T, return_inverse=True)
-    return first[:, None] + np.arange(2), basis.doflocs[:, first].T, cells.reshape(-1, 3)
+
+    def __init__(self, resultants: ndarray, root: ndarray, nodes: ndarray, Mp: float, Np: float) -> None:
+        signs = np.array([(a, b) for a in (-1.0, 1.0) for b in (-1.0, 1.0)] if np.isfinite(Np) else [(0, -1), (0, 1)])
+        faces = np.einsum("fr,merj->mefj", signs / [Np, Mp], resultants[:, :, [0, 2]])
+        later = _ranks(nodes.ravel()).reshape(nodes.shape)
+        self._faces = (faces / (1.0 + _WEAKEST * later)[:, :, None, None]).reshape(len(nodes), -1, 9)
+        self._root = root
+
+    def flows(self, force: ndarray) -> Iterator[Flow]:
+        """Yield the flow of every element whose forces on the nodes, (m, 9), exceed its strength."""
+        excess = np.einsum("mfj,mj->mf", self._faces, force) - 1.0
+        for e in np.flatnonzero((excess > 0.0).any(axis=1)):
+            faces = self._faces[e]
+            way = faces @ self._root[e]
+            size = np.linalg.norm(way, axis=1)
+            far = (excess[e] / size).max()
+            beyond = excess[e] / size / far  # all of them in units of the largest: the solution is of order one
+            multiplier, _ = nnls(np.vstack((way.T / size, beyond)), np.append(np.zeros(way.shape[1]), 1.0))
+            multiplier *= far / size / (1.0 - beyond @ multiplier)
+            yield Flow(int(e), faces.T @ multiplier, faces[multiplier > 0.0])
+
+    def tangent(self, stiffness: ndarray, flows: list[Flow]) -> ndarray:
+        """Return the tangents of all elements, (m, 9, 9), some of which flow, from the elastic ones."""
+        tangent = stiffness.copy() if flows else stiffness
+        for e, _, faces in flows:
+            root = self._root[e]
+            across = np.linalg.svd((faces @ root).T, full_matrices=False)
+            lost = root @ across.U[:, _DEPENDENT * across.S[0] < across.S]
+            tangent[e] -= (1.0 - _KEPT) * lost @ lost.T
+        return tangent
 
 
-def _one_way(ends: ndarray, name: str) -> ndarray:
-    """Return end nodes of facets, (2, n), turned so that each facet begins where another one ends."""
-    ends = ends.copy()
-    at: dict[int, list[int]] = {}
-    for k, pair in enumerate(ends.T):
-        for node in pair.tolist():
-            at.setdefault(node, []).append(k)
-    if branch := next((node for node, there in at.items() if len(there) > 2), None):
-        raise ValueError(f"'{name}' is no single chain: it branches at node {branch}")
-    single = [node for node, there in at.items() if len(there) == 1]
-    node, left = (single or list(at))[0], set(range(ends.shape[1]))
-    while here := [k for k in at[node] if k in left]:
-        k = here[0]
-        left.discard(k)
-        if ends[0, k] != node:
-            ends[:, k] = ends[::-1, k]
-        node = int(ends[1, k])
-    if left:
-        raise ValueError(f"'{name}' is no single chain: {len(left)} of its {ends.shape[1]} facets lie apart")
-    return ends
+def _ranks(nodes: ndarray) -> ndarray:
+    """Return how many earlier entries are the same, of each entry."""
+    order = np.argsort(nodes, kind="stable")
+    first = np.searchsorted(nodes[order], nodes[order])
+    ranks = np.empty(len(nodes), int)
+    ranks[order] = np.arange(len(nodes)) - first
+    return ranks
 
 
 def loose_node(strains: ndarray, rows: ndarray, free: ndarray) -> int | None:

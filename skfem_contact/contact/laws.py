@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from enum import IntEnum
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy import ndarray
@@ -158,6 +158,21 @@ class Coulomb(InterfaceLaw):
         if 10.0 < np.max(self.mu, initial=0.0) < 90.0:  # 84 to 89.4 degrees; more is meant as no slip
             warn(f"mu is {np.max(self.mu):.4g}: it is the tangent of the angle of friction, which is given in degrees "
                  "for soils only")
+
+    @classmethod
+    def from_soil(cls, soil: Any, ratio: float) -> Coulomb:
+        """Return the law of an interface that has a share of the strength of a soil with `c` and `phi`, in (0, 1].
+
+        Examples
+        --------
+        >>> import skfem_contact as sc
+        >>> sand = sc.MohrCoulomb(E=1e4, nu=.3, c=3., phi=30.)
+        >>> sc.Coulomb.from_soil(sand, 2 / 3)
+        Coulomb(mu=0.3849001794597505, adhesion=2.0, tension=0.0)
+        """
+        if not (0.0 < ratio <= 1.0 and np.size(getattr(soil, "c", ())) == 1):
+            raise ValueError(f"ratio must lie in (0, 1], and the soil have one c and phi, not {ratio!r} and {soil!r}")
+        return cls(mu=ratio * float(np.tan(np.radians(getattr(soil, "phi", 0.0)))), adhesion=ratio * float(soil.c))
 
     @override
     def reduced(self, factor: float) -> Coulomb:

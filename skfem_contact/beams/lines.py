@@ -1,0 +1,105 @@
+"""Lines of a mesh that beams follow, and boundaries that their sides touch."""
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy import ndarray
+from skfem import CellBasis, Mesh
+
+from ..checks import facets_of, names_of
+from ..surfaces.topology import ordered
+
+#: Distance from the side of a beam, as a share of a facet, up to which a boundary lies on it.
+_NEAR = 0.1
+#: Difference of heights, as a share of lengths, that does not make one end the upper one.
+_LEVEL = 1e-6
+
+
+def line_of(basis: CellBasis, name: str) -> tuple[ndarray, ndarray, ndarray]:
+    """Return dofs of the nodes, (n, 2), coordinates and elements of a named line, on the boundary or inside.
+
+    It begins at its upper end, a level one at its left end, and goes clockwise where it is closed.
+    """
+    mesh, facets = basis.mesh, np.unique(facets_of(basis.mesh, name))
+    if len(basis.facet_dofs) != 2:
+        raise ValueError(f"'{name}': beams have three nodes: take a basis of second order")
+    ends = _one_way(mesh.facets[:, facets], name)
+    order = ordered(ends, name)
+    facets, ends = facets[order], ends[:, order]
+    x, closed = mesh.p[:, ends], ends[0, 0] == ends[1, -1]
+    area = (x[0, 0] * x[1, 1] - x[0, 1] * x[1, 0]).sum()
+    high = x[1, 1, -1] - x[1, 0, 0], x[0, 0, 0] - x[0, 1, -1]
+    if area > 0.0 if closed else (high[0] or high[1]) > 0.0:
+        facets, ends = facets[::-1], ends[::-1, ::-1]
+    if closed:
+        top = int(np.argmax((mesh.p[1] - _LEVEL * mesh.p[0])[ends[0]]))
+        facets, ends = np.roll(facets, -top), np.roll(ends, -top, axis=1)
+    nodal, middle = basis.nodal_dofs[0, ends], basis.facet_dofs[0, facets]
+    first, cells = np.unique(np.vstack((nodal, middle)).T, return_inverse=True)
+    return first[:, None] + np.arange(2), basis.doflocs[:, first].T, cells.reshape(-1, 3)
+
+
+def _one_way(ends: ndarray, name: str) -> ndarray:
+    """Return end nodes of facets, (2, n), turned so that each facet begins where another one ends."""
+    ends = ends.copy()
+    at: dict[int, list[int]] = {}
+    for k, pair in enumerate(ends.T):
+        for node in pair.tolist():
+            at.setdefault(node, []).append(k)
+    if branch := next((node for node, there in at.items() if len(there) > 2), None):
+        raise ValueError(f"'{name}' is no single chain: it branches at node {branch}")
+    single = [node for node, there in at.items() if len(there) == 1]
+    node, left = (single or list(at))[0], set(range(ends.shape[1]))
+    while here := [k for k in at[node] if k in left]:
+        k = here[0]
+        left.discard(k)
+        if ends[0, k] != node:
+            ends[:, k] = ends[::-1, k]
+        node = int(ends[1, k])
+    if left:
+        raise ValueError(f"'{name}' is no single chain: {len(left)} of its {ends.shape[1]} facets lie apart")
+    return ends
+
+
+def touching(mesh: Mesh, boundaries: str | Sequence[str] | None, points: ndarray, half: float) -> dict[str, int]:
+    """Return boundaries and the side of beams, (m, 3, 2), on which they lie, see :func:`side_of`; by default all."""
+    given = list(mesh.boundaries or {}) if boundaries is None else list(names_of(boundaries))
+    sides = {name: side_of(mesh, name, points, half) for name in given}
+    if boundaries is not None and (away := [name for name, side in sides.items() if side is None]):
+        raise ValueError(f"{away} lie on neither side of the beam, {half:g} off its axis")
+    found = {name: side for name, side in sides.items() if side is not None}
+    if not found:
+        raise ValueError(f"no boundary lies on a side of the beam, {half:g} off its axis; existing: {', '.join(given)}")
+    facets = np.concatenate([np.unique(facets_of(mesh, name)) for name in found])
+    if len(np.unique(facets)) < len(facets):
+        raise ValueError(f"the boundaries {list(found)} on the sides of the beam share facets: say which ones touch it")
+    return found
+
+
+def side_of(mesh: Mesh, name: str, points: ndarray, half: float) -> int | None:
+    """Return on which side of beams a boundary lies, 1 for the left one and -1 for the right one; None if on neither.
+
+    Its facets are those of the mesh's surface whose middles lie half a thickness off the beams, (m, 3, 2), and which
+    face them.
+    """
+    facets = np.unique(facets_of(mesh, name))
+    if (mesh.f2t[1, facets] >= 0).any():
+        return None
+    ends = mesh.p[:, mesh.facets[:, facets]].transpose(2, 1, 0)
+    middle, inner = ends.mean(axis=1), mesh.p[:, mesh.t[:, mesh.f2t[0, facets]]].mean(axis=1).T
+    start, end = points[:, [0, 2]].reshape(-1, 2), points[:, [2, 1]].reshape(-1, 2)  # chords of the halves
+    along = end - start
+    length = np.linalg.norm(along, axis=1)
+    t = along / length[:, None]
+    n = np.column_stack((-t[:, 1], t[:, 0]))
+    offset = middle[:, None] - start
+    s = np.einsum("fec,ec->fe", offset, t)
+    beyond = np.maximum(np.maximum(-s, s - length), 0.0)
+    nearest = np.argmin(np.abs(np.einsum("fec,ec->fe", offset, n)) + 2.0 * beyond, axis=1)
+    each = np.arange(len(facets))
+    away, normal = np.einsum("fc,fc->f", offset[each, nearest], n[nearest]), n[nearest]
+    sides = np.sign(np.einsum("fc,fc->f", inner - middle, normal))
+    near = np.abs(away - half * sides) <= _NEAR * np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+    within = beyond[each, nearest] <= _NEAR * length[nearest]
+    return int(sides[0]) if (near & within).all() and (sides == sides[0]).all() else None
