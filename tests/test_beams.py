@@ -347,7 +347,8 @@ def test_contact_on_both_sides(sign, tmp_path):
     left, right = (bent.report(pair).force[0] for pair in ("low:right", "high:left"))
     assert left + right == pytest.approx(3.0, rel=1e-6)  # on the soil
     M = bent.section_forces("beam").M
-    assert abs(M[[0, -1]]).max() < 1e-2 * abs(M).max()  # the ends are free but for friction with its arm
+    # the ends are free; friction has an arm of half the thickness, and its moment is taken as uniform in each element
+    assert abs(M[[0, -1]]).max() < 5e-2 * abs(M).max()
     bent.to_vtu(tmp_path / "wall.vtu")
 
 
