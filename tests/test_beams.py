@@ -381,3 +381,40 @@ def test_law_of_an_interface_from_a_soil():
     for soil, ratio in ((sc.Tresca(E=1e4, nu=0.3, c=6.0), 0.0), (sc.LinearElastic(E=1e4, nu=0.3), 0.5)):
         with pytest.raises(ValueError, match="ratio must lie in"):
             sc.Coulomb.from_soil(soil, ratio)
+# -- bars between beams --------------------------------------------------------------------------------------
+
+
+def test_strut_between_two_walls():
+    """[X] Two cantilevers joined by a row of struts at their heads: S = F k / (2 k + EI 3 / h^3), a member s S."""
+    h, EI, EA, width, spacing, force = 4.0, 1e4, 6e4, 6.0, 2.5, 30.0
+    y = np.linspace(0.0, h, 5)
+    left, right = (sc.Beam(None, np.column_stack((0 * y + x, y)), EI=EI, EA=1e7, GA=1e12) for x in (0.0, width))
+    strut = sc.Bar(None, left.at((0.0, h)), right.at((width, h)), EA * spacing, spacing=spacing, compression_only=True)
+    fixed = [*left.dofs((0.0, 0.0)), *right.dofs((width, 0.0))]
+    model = sc.Model({"left": left, "right": right, "strut": strut}, fixed)
+    push = model.forms["left"].load((force, 0.0), at=(0.0, h))
+    result = model.run([sc.Stage("push", push), sc.Stage("pull", -push)], **QUIET)
+    wall, bar = 3.0 * EI / h**3, EA / width
+    through = force * bar / (2.0 * bar + wall)
+    np.testing.assert_allclose(result["push"].states["strut"].force, -spacing * through, rtol=1e-6)
+    head = result["pull"].x[model.forms["left"].numbers((0.0, h))[0]]
+    assert head == pytest.approx(-force / wall, rel=1e-6)  # no tension: the left wall stands alone
+    assert result["pull"].states["strut"].force[0] == 0.0
+    numbered = model.forms["strut"]
+    x = 1e-3 * np.random.default_rng(1).standard_normal(model.layout.size)
+    sc.testing.check_form(numbered, x, numbered.initial_state())
+
+
+def test_bar_to_a_beam_of_no_model():
+    """A strut at a wall that the model does not hold is named."""
+    wall = sc.Beam(None, [(0.0, 0.0), (0.0, 4.0)], EI=1.0, EA=1.0)
+    other = sc.Beam(None, [(0.0, 0.0), (0.0, 4.0)], EI=1.0, EA=1.0)
+    strut = sc.Bar(None, other.at((0.0, 4.0)), (3.0, 4.0), EA=1.0, fixed_end=True)
+    with pytest.raises(ValueError, match="'strut' acts on the field 'displacement of a beam', which no form"):
+        sc.Model({"wall": wall, "strut": strut}, wall.dofs((0.0, 0.0)))
+    with pytest.raises(ValueError, match="no node at"):
+        wall.at((0.0, 1.0))
+    with pytest.raises(ValueError, match="carries nothing"):
+        sc.Bar(None, wall.at((0.0, 4.0)), (3.0, 4.0), 1.0, True, tension_only=True, compression_only=True)
+    with pytest.raises(ValueError, match="needs its basis"):
+        sc.Bar(None, wall.at((0.0, 4.0)), (3.0, 4.0), 1.0)

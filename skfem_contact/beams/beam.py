@@ -265,6 +265,21 @@ class Beam(Form):
                 found.append(FieldDofs(self._displacement, np.array([2 * node + ("u^1", "u^2").index(name)])))
         return found
 
+    def at(self, points: ArrayLike) -> ndarray | FieldDofs:
+        """Return nodes at coordinates (n, 2) or (2,) as ends of bars: ``Bar(basis, wall.at((0., -1.5)), ...)``.
+
+        Examples
+        --------
+        >>> import skfem_contact as sc
+        >>> wall = sc.Beam(None, [[0., 0.], [0., -4.]], EI=1e4, EA=1e6)
+        >>> sc.Bar(None, wall.at((0., 0.)), (5., -5.), EA=1e5, fixed_end=True, spacing=2.)
+        <Bar 1 bars, EA/L 1.414e+04 to 1.414e+04>
+        """
+        nodes = np.array([self.node(point) for point in np.atleast_2d(finite(points, "points"))])
+        if self._shared is not None:
+            return self.points[nodes]
+        return FieldDofs(self._displacement, 2 * nodes[:, None] + np.arange(2))
+
     def numbers(self, at: ArrayLike) -> ndarray:
         """Return the numbers of the dofs (u^1, u^2, theta) of the node at coordinates (2,), of a model's beam."""
         node = self.node(at)

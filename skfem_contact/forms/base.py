@@ -75,6 +75,11 @@ class Response:
         """Tangent, or a matrix near it with which Newton's method is less prone to stall."""
         return self.stiffness if self._damped is None else self._damped()
 
+    @property
+    def local(self) -> bool:
+        """True for a response of some dofs only."""
+        return self._dofs is not None
+
     def padded(self, n: int) -> Response:
         """Return the response among n dofs."""
         dofs = self._dofs

@@ -1,7 +1,7 @@
 """Links: matrices of scikit-fem, springs, and bars such as anchors and struts."""
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
 
@@ -12,8 +12,8 @@ from scipy.sparse import coo_matrix, csr_matrix, sparray, spmatrix
 from skfem import CellBasis
 from typing_extensions import override
 
-from ..checks import finite, is_number
-from ..layout import dofs_at
+from ..checks import finite, is_number, positive
+from ..layout import Field, FieldDofs, dofs_at
 from .base import Form, Response
 
 
@@ -128,7 +128,7 @@ class BarState:
     Attributes
     ----------
     force
-        Normal force, tension positive.
+        Normal force of one member, tension positive.
     free
         Elongation without force.
     """
@@ -145,19 +145,21 @@ class Bar(Form):
     Parameters
     ----------
     basis
-        ``Basis`` of the mesh.
+        ``Basis`` of the mesh; None where both ends are at beams, or fixed.
     start, end
-        Coordinates of the ends, (n, dim) or (dim,): nodes of the mesh.
+        Coordinates of the ends, (n, dim) or (dim,), nodes of the mesh; or nodes of a beam, :meth:`Beam.at`.
     EA
-        Axial stiffness: force per strain; in the plane that of a metre, EA over the spacing of the anchors.
+        Axial stiffness: force per strain, in the plane per unit of length out of it.
     fixed_end
         True if ground far away holds the ends: they do not move, and need be no nodes.
     yield_force
         Largest normal force; beyond it bars flow.
-    tension_only
-        True if bars, such as ropes, resist no thrust.
+    tension_only, compression_only
+        True if bars, such as ropes, resist no thrust; or, such as struts on corbels, no tension.
     part, end_part
         Subdomains of the nodes, where nodes of two bodies coincide.
+    spacing
+        Distance of the members of a row in the plane: EA, forces and strength are those of one of them.
 
     Raises
     ------
@@ -187,37 +189,52 @@ class Bar(Form):
     (array([20.]), array([0.04]))
     """
 
-    def __init__(self, basis: CellBasis, start: ArrayLike, end: ArrayLike, EA: float, fixed_end: bool = False,
-                 yield_force: float = np.inf, tension_only: bool = False, part: str | None = None,
-                 end_part: str | None = None) -> None:
+    def __init__(self, basis: CellBasis | None, start: ArrayLike | FieldDofs, end: ArrayLike | FieldDofs, EA: float,
+                 fixed_end: bool = False, yield_force: float = np.inf, tension_only: bool = False,
+                 part: str | None = None, end_part: str | None = None, *, compression_only: bool = False,
+                 spacing: float = 1.0) -> None:
         if not (is_number(EA, 0.0, np.inf) and (yield_force == np.inf or is_number(yield_force, 0.0, np.inf))):
             raise ValueError(f"EA and yield_force must be positive, not {EA!r} and {yield_force!r}")
-        ends = [np.atleast_2d(finite(start, "start")), np.atleast_2d(finite(end, "end"))]
-        if any(points.ndim != 2 or points.shape[1] != basis.mesh.dim() for points in ends):
-            raise ValueError(f"the ends of a bar must be points of {basis.mesh.dim()} coordinates, not {start!r} and "
-                             f"{end!r}")
-        a, b = np.broadcast_arrays(*ends)
+        if tension_only and compression_only:
+            raise ValueError("a bar of tension_only and compression_only carries nothing")
+        a, b = np.broadcast_arrays(_points(start, "start", basis), _points(end, "end", basis))
         length = np.linalg.norm(b - a, axis=1)
         if not (length > 0.0).all():
             raise ValueError("the ends of a bar must lie apart, and be finite")
         axis = (b - a) / length[:, None]
-        self._dofs, self._axis = dofs_at(basis, a, part), -axis
-        if not fixed_end:
-            self._dofs = np.hstack((self._dofs, dofs_at(basis, b, end_part)))
-            self._axis = np.hstack((-axis, axis))
-        self.size, self.symmetric, self.unilateral = int(basis.N), True, tension_only
-        self.changing = self.acts_on = np.unique(self._dofs)
-        self._stiffness, self._yield_force = EA / length, yield_force
-        self._tension_only, self._least = tension_only, 0.0 if tension_only else -yield_force
+        ends = [(start, a, part, -axis), *([] if fixed_end else [(end, b, end_part, axis)])]
+        self._axis = np.hstack([sign for *_, sign in ends])
+        self._ends = [at if isinstance(at, FieldDofs) else _at(basis, points, name) for at, points, name, _ in ends]
+        self.borrowed = tuple({at.field: None for at in self._ends if isinstance(at, FieldDofs)})
+        self.symmetric, self.unilateral = True, tension_only or compression_only
+        self._spacing, self._stiffness = positive(spacing, "spacing"), EA / length
+        self._least, self._most = 0.0 if tension_only else -yield_force, 0.0 if compression_only else yield_force
         self._jack: float | None = None
+        if not self.borrowed:
+            self._connect({})
+
+    def _connect(self, numbers: Mapping[Field, ndarray]) -> None:
+        """Set the dofs of both ends."""
+        self._dofs = np.hstack([np.broadcast_to(numbers[at.field][at.indices] if isinstance(at, FieldDofs) else at,
+                                                (len(self._axis), self._axis.shape[1] // len(self._ends)))
+                                for at in self._ends])
+        self._at, rows = np.unique(self._dofs, return_inverse=True)
+        self._rows = rows.reshape(self._dofs.shape)
+        self.changing = self.acts_on = self._at
+
+    @override
+    def numbered(self, numbers: Mapping[Field, ndarray]) -> Bar:
+        new = copy(self)
+        new._connect(numbers)
+        return new
 
     def __repr__(self) -> str:
         return f"<Bar {len(self._axis)} bars, EA/L {self._stiffness.min():.4g} to {self._stiffness.max():.4g}>"
 
     def prestressed(self, force: float) -> Bar:
         """Return the bars with a jack that keeps their force, tension positive, at any elongation."""
-        if not self._least <= force <= self._yield_force:
-            raise ValueError(f"the force of a jack must lie between {self._least:g} and {self._yield_force:g}")
+        if not self._least <= force <= self._most:
+            raise ValueError(f"the force of a jack must lie between {self._least:g} and {self._most:g}")
         new = copy(self)
         new._jack = float(force)
         return new
@@ -235,18 +252,21 @@ class Bar(Form):
         k, elongation = self._stiffness, self._elongation(x)
         elastic = k * (elongation - state.free)
         force = np.full_like(elastic, self._jack) if self._jack is not None else \
-            np.clip(elastic, self._least, self._yield_force)
-        slack = self._tension_only & (elastic < 0.0) & (self._jack is None)
+            np.clip(elastic, self._least, self._most)
+        slack = (force == 0.0) & (self._jack is None)
         # slack ropes and bars that flow have no stiffness
         tangent = np.where((force == elastic) & (self._jack is None), k, 0.0)
 
         def stiffness() -> csr_matrix:
-            blocks = tangent[:, None, None] * self._axis[:, :, None] * self._axis[:, None, :]
-            rows, columns = np.broadcast_arrays(self._dofs[:, :, None], self._dofs[:, None, :])
-            return coo_matrix((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=(self.size, self.size)).tocsr()
+            blocks = tangent[:, None, None] / self._spacing * self._axis[:, :, None] * self._axis[:, None, :]
+            rows, columns = np.broadcast_arrays(self._rows[:, :, None], self._rows[:, None, :])
+            n = len(self._at)
+            return coo_matrix((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=(n, n)).tocsr()
 
-        return Response(np.bincount(self._dofs.ravel(), (force[:, None] * self._axis).ravel(), minlength=len(x)),
-                        lambda: BarState(force, np.where(slack, state.free, elongation - force / k)), stiffness)
+        forces = force[:, None] / self._spacing * self._axis
+        return Response(np.bincount(self._rows.ravel(), forces.ravel(), minlength=len(self._at)),
+                        lambda: BarState(force, np.where(slack, state.free, elongation - force / k)), stiffness,
+                        dofs=self._at)
 
     @override
     def rebased(self, x: ndarray, state: BarState) -> BarState:
@@ -255,3 +275,21 @@ class Bar(Form):
     @override
     def summary(self, state: BarState) -> str:
         return f"forces {state.force.min():.4g} to {state.force.max():.4g}"
+
+
+def _points(end: ArrayLike | FieldDofs, name: str, basis: CellBasis | None) -> ndarray:
+    """Return the coordinates of the ends of bars, (n, dim)."""
+    if isinstance(end, FieldDofs):
+        return end.field.coordinates[:, end.indices[:, 0]].T
+    points = np.atleast_2d(finite(end, name))
+    dim = points.shape[-1] if basis is None else basis.mesh.dim()
+    if points.ndim != 2 or points.shape[1] != dim:
+        raise ValueError(f"the ends of a bar must be points of {dim} coordinates, not {end!r}")
+    return points
+
+
+def _at(basis: CellBasis | None, points: ndarray, part: str | None) -> ndarray:
+    """Return the dofs of nodes of the mesh, (n, dim)."""
+    if basis is None:
+        raise ValueError("a bar between nodes of the mesh needs its basis")
+    return dofs_at(basis, points, part)

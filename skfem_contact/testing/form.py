@@ -67,18 +67,18 @@ def check_form(form: Any, x: ndarray, state: Any, locations: ndarray | None = No
         eager = isinstance(first, Response) and name in vars(first)
         require(not eager, f"the {name} is computed before its first access")
     def arrays() -> tuple[ndarray, ...]:
-        response = form.assemble(x, state)
+        response = _among_all(form, x, state)
         return (response.force, response.stiffness.data, *arrays_of(response.state).values())
 
     out = same_twice(arrays, (x, *arrays_of(state).values()), "form.assemble")
-    force, K = np.asarray(out[0]), cast(Any, first.stiffness)
+    force, K = np.asarray(out[0]), cast(Any, _among_all(form, x, state).stiffness)
     require(isinstance(K, csr_matrix) and K.shape == (len(x), len(x)), "the stiffness is no csr_matrix (N, N)")
     require(force.shape == x.shape and np.isfinite(force).all() and np.isfinite(K.data).all(),
              "the force is no (N,), or not finite")
     if form.symmetric:
         require(abs(K - K.T).max() <= EXACT * abs(K).max(), "`symmetric` is True, but the tangent is not symmetric")
     scale = max(float(np.abs(force).max()), 1e-300)
-    accepted = form.assemble(x, first.state)
+    accepted = _among_all(form, x, first.state)
     require(np.abs(accepted.force - force).max() <= 1e-7 * scale, "the accepted candidate gives another force")
     again = form.outer(x, state, first.state)
     require(again is None or (isinstance(again, tuple) and len(again) == 2 and isinstance(again[1], type(state))),
@@ -89,6 +89,12 @@ def check_form(form: Any, x: ndarray, state: Any, locations: ndarray | None = No
     if locations is not None:
         _check_balance(force, K, x, np.asarray(locations))
     return error
+
+
+def _among_all(form: Form, x: ndarray, state: Any) -> Response:
+    """Return the response; a local one among all dofs."""
+    response = form.assemble(x, state)
+    return response.padded(len(x)) if isinstance(response, Response) and response.local else response
 
 
 def _check_balance(force: ndarray, K: Any, x: ndarray, locations: ndarray) -> None:
@@ -116,7 +122,10 @@ def _form_tangent(form: Form, x: ndarray, state: Any, K: Any, directions: ndarra
     size = max(float(np.abs(x).max()), 1e-6)
     errors, kinks = [], []
     for d in directions:
-        slope, kink = differences(lambda h, d=d: form.assemble(x + h * d, state).force, STEP * size)  # type: ignore[misc]
+        def force(h: Any, d: ndarray = d) -> ndarray:
+            return _among_all(form, x + h * d, state).force
+
+        slope, kink = differences(force, STEP * size)
         largest = max(float(np.abs(K @ d).max()), float(np.abs(slope).max()), 1e-300)
         errors.append(np.abs(slope - K @ d) / largest)
         kinks.append(kink / largest)
