@@ -14,7 +14,7 @@ from scipy.spatial import cKDTree
 from skfem import CellBasis
 from typing_extensions import override
 
-from ..checks import check_plane, finite, format_point, is_number, vector
+from ..checks import finite, format_point, is_number, vector
 from ..contact import ContactPair
 from ..contact.laws import InterfaceLaw
 from ..forms.base import Form, Response
@@ -22,7 +22,7 @@ from ..layout import Field, FieldDofs
 from ..sparse import Gathering
 from ..surfaces.surface import Surface
 from .element import BeamElements, Flow, Hinges, loose_node
-from .lines import line_of, touching
+from .lines import nodes_of, touching
 
 #: Coordinates are those of a node if they are nearer than this share of the beam.
 _AT = 1e-6
@@ -117,7 +117,7 @@ class Beam(Form):
             raise ValueError("Np of a beam needs Mp: its hinges flow by moment and normal force")
         if min(unit_weight, thickness) < 0.0:
             raise ValueError(f"unit_weight and thickness must not be negative, not {unit_weight!r} and {thickness!r}")
-        shared, self.points, self.cells = _nodes(basis, line, cells)
+        shared, self.points, self.cells = nodes_of(basis, line, cells)
         self._elements = BeamElements.of(self.points[self.cells])
         self._shared = shared if bonded else None
         turn = self._turns(np.reshape(finite(hinges, "hinges"), (-1, 2)))
@@ -336,27 +336,3 @@ class Beam(Form):
         if self._dofs is None:
             raise ValueError('the dofs of the beam are not numbered yet: take it from the model, model.forms["beam"]')
         return self._dofs
-
-
-def _nodes(basis: CellBasis | None, line: Any, cells: Any) -> tuple[ndarray | None, ndarray, ndarray]:
-    """Return dofs of shared nodes or None, coordinates of all nodes and elements of three nodes."""
-    if basis is not None:
-        check_plane(basis, "Beam")
-    if isinstance(line, str):
-        if basis is None or cells is not None:
-            raise ValueError(f"the line '{line}' needs a basis with this name, and gives its own cells")
-        return line_of(basis, line)
-    points = finite(line, "line")
-    if points.ndim != 2 or points.shape[1] != 2 or len(points) < 2:
-        raise ValueError(f"the line of a beam must be a name, or at least two points (x, y), not {line!r}")
-    n = len(points)
-    given = np.column_stack((np.arange(n - 1), np.arange(1, n))) if cells is None else np.asarray(cells)
-    if given.ndim != 2 or given.shape[1] not in (2, 3) or given.dtype.kind not in "iu" or not len(given) \
-            or given.min() < 0 or given.max() >= n:
-        raise ValueError(f"cells of a beam must be numbers of 2 or 3 of its {n} nodes, not {cells!r}")
-    if given.shape[1] == 2:
-        points = np.vstack((points, points[given].mean(axis=1)))
-        given = np.column_stack((given, n + np.arange(len(given))))
-    if len(unused := np.setdiff1d(np.arange(len(points)), given)):
-        raise ValueError(f"the node of a beam at {format_point(points[unused[0]])} belongs to no element")
-    return None, points, given

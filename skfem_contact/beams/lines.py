@@ -2,18 +2,43 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy import ndarray
 from skfem import CellBasis, Mesh
 
-from ..checks import facets_of, names_of
+from ..checks import check_plane, facets_of, finite, format_point, names_of
 from ..surfaces.topology import ordered
 
 #: Distance from the side of a beam, as a share of a facet, up to which a boundary lies on it.
 _NEAR = 0.1
 #: Difference of heights, as a share of lengths, that does not make one end the upper one.
 _LEVEL = 1e-6
+
+
+def nodes_of(basis: CellBasis | None, line: Any, cells: Any) -> tuple[ndarray | None, ndarray, ndarray]:
+    """Return dofs of shared nodes or None, coordinates of all nodes and elements of three nodes."""
+    if basis is not None:
+        check_plane(basis, "Beam")
+    if isinstance(line, str):
+        if basis is None or cells is not None:
+            raise ValueError(f"the line '{line}' needs a basis with this name, and gives its own cells")
+        return line_of(basis, line)
+    points = finite(line, "line")
+    if points.ndim != 2 or points.shape[1] != 2 or len(points) < 2:
+        raise ValueError(f"the line of a beam must be a name, or at least two points (x, y), not {line!r}")
+    n = len(points)
+    given = np.column_stack((np.arange(n - 1), np.arange(1, n))) if cells is None else np.asarray(cells)
+    if given.ndim != 2 or given.shape[1] not in (2, 3) or given.dtype.kind not in "iu" or not len(given) \
+            or given.min() < 0 or given.max() >= n:
+        raise ValueError(f"cells of a beam must be numbers of 2 or 3 of its {n} nodes, not {cells!r}")
+    if given.shape[1] == 2:
+        points = np.vstack((points, points[given].mean(axis=1)))
+        given = np.column_stack((given, n + np.arange(len(given))))
+    if len(unused := np.setdiff1d(np.arange(len(points)), given)):
+        raise ValueError(f"the node of a beam at {format_point(points[unused[0]])} belongs to no element")
+    return None, points, given
 
 
 def line_of(basis: CellBasis, name: str) -> tuple[ndarray, ndarray, ndarray]:
