@@ -34,6 +34,10 @@ _CLOSED = 0.05
 #: where a parabola is pressed down in 1, 2, 5 and 20 increments; the radius that sticks is 64, 19, 7 and 0 % off that
 #: with 60. Slips of more times the elastic displacement of the bodies than the second do not count: no part sticks.
 _CLOSING, _GROSS = 0.6, 3.0
+#: Error of the pressure of a round fit on flat facets, about that many times one minus the mean cosine of the angle
+#: between the normals of facets and their means at nodes, that is remarked on: 3.5, 2.8 and 2.2 times for 64, 32 and 16
+#: facets around, 3.5 for a ball; angles of edges, whose cosine is less than the last number, do not count.
+_FLAT, _TIMES, _EDGE = 0.02, 3.0, 0.87
 #: Torque of the pressure on a round fit, as a share of that of friction, likewise.
 _TURNED = 0.02
 #: Round-off of the shear of sticking points, as a share of the largest traction, that is remarked on.
@@ -52,6 +56,7 @@ def remarks(pair: ContactBase, x: ndarray, state: ContactState) -> Iterator[Rema
     yield from _on_sliding(pair, state)
     yield from _on_closing(pair, state)
     yield from _on_turning(pair, x, state)
+    yield from _on_flat_facets(pair, state)
     slave, master, points = pair.slave, pair.master, pair.points(state)
     lost_bond = _without_bond(pair.law, state)
     if lost_bond.any():
@@ -204,6 +209,20 @@ def _on_turning(pair: ContactBase, x: ndarray, state: ContactState) -> Iterator[
         yield Remark("torque", carried, f"the pressure on '{pair.slave.name}' transfers {carried:.1%} of the torque of "
                      "full friction: corners of facets hook, or small rotations are too large; a round fit slips "
                      "before: take curved or smaller elements, or limit_load")
+
+
+def _on_flat_facets(pair: ContactBase, state: ContactState) -> Iterator[Remark]:
+    """Yield a remark on fits whose facets turn at their joints: their pressure is that of other radii."""
+    if isinstance(pair.initial, str) or not state.traction[0].any():
+        return
+    slave, (m, k) = pair.slave, pair.slave.facets.shape
+    own = slave.at(np.repeat(np.arange(m), k), np.tile(slave.shape.nodes, (m, 1)), slave.nodes).normal
+    cosine = np.einsum("nc,nc->n", own, slave.normals[slave.facets.ravel()])
+    error = _TIMES * (1.0 - float(cosine[cosine > _EDGE].mean()))
+    if error > _FLAT:
+        yield Remark("flat facets", error,
+                     f"facets of '{slave.name}' are flat where the bodies are round: the pressure of the fit is "
+                     f"about {error:.0%} too high; take curved elements, of MeshQuad2 or MeshHex2, or smaller ones")
 
 
 def _within_facets(slave: Surface, points: SlavePoints, values: ndarray) -> ndarray:
