@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from helpers import grid, vector_basis
 from scipy.sparse import coo_matrix
-from skfem import MeshTri
+from skfem import MeshQuad, MeshTri, MeshTri2
 
 import skfem_contact as sc
 from skfem_contact.beams.element import shapes
@@ -418,3 +418,88 @@ def test_bar_to_a_beam_of_no_model():
         sc.Bar(None, wall.at((0.0, 4.0)), (3.0, 4.0), 1.0, True, tension_only=True, compression_only=True)
     with pytest.raises(ValueError, match="needs its basis"):
         sc.Bar(None, wall.at((0.0, 4.0)), (3.0, 4.0), 1.0)
+
+
+def crossed(kind, line, n=8):
+    """A square with a line of facets inside, its tags, and the same with a slit."""
+    mesh = kind.init_tensor(np.linspace(0, 1, n + 1), np.linspace(0, 1, n + 1)).with_defaults().with_subdomains(
+        {"low": lambda x: x[1] < 0.5}).with_boundaries({"wall": line}, boundaries_only=False)
+    return mesh, sc.split_along(mesh, "wall")
+
+
+@pytest.mark.parametrize("kind", [MeshTri, MeshQuad])
+@pytest.mark.parametrize(("line", "double", "names"), [
+    (lambda x: (abs(x[0] - 0.5) < 1e-9) & (x[1] > 0.5), 4, ("left", "right")),
+    (lambda x: (abs(x[0] - 0.5) < 1e-9) & (x[1] > 0.2) & (x[1] < 0.8), 3, ("left", "right")),
+    (lambda x: (abs(x[1] - 0.5) < 1e-9), 9, ("below", "above")),
+])  # fmt: skip
+def test_slit(kind, line, double, names):
+    """Nodes between and on the surface are double, ends inside single; both sides face each other, tags stay."""
+    mesh, slit = crossed(kind, line)
+    assert slit.nvertices == mesh.nvertices + double
+    np.testing.assert_array_equal(slit.p[:, slit.t], mesh.p[:, mesh.t])
+    low, high = (slit.boundaries[f"wall|{name}"] for name in names)
+    axis = int(names[0] == "below")
+    for side, sign in ((low, -1), (high, 1)):
+        assert (slit.f2t[1, side] < 0).all() and len(side) == len(mesh.boundaries["wall"])
+        inner = slit.p[:, slit.t[:, slit.f2t[0, side]]].mean(axis=1)[axis]
+        assert (np.sign(inner - 0.5) == sign).all()
+    assert set(slit.boundaries) == {*mesh.boundaries, f"wall|{names[0]}", f"wall|{names[1]}"} - {"wall"}
+    np.testing.assert_array_equal(slit.subdomains["low"], mesh.subdomains["low"])
+    assert len(slit.boundaries["top"]) == len(mesh.boundaries["top"])
+
+
+def test_slit_along_an_arch_of_curved_elements():
+    """A line that rises and falls keeps its sides; second-order meshes keep their middle nodes."""
+    mesh = MeshTri2.from_mesh(MeshTri.init_tensor(np.linspace(0, 1, 9), np.linspace(0, 1, 9)))
+    p = mesh.doflocs.copy()
+    p[1] += 0.3 * np.sin(np.pi * p[0]) * p[1] * (1 - p[1])
+    mesh = MeshTri2(p, mesh.t).with_boundaries({"arch": mesh.facets_satisfying(
+        lambda x: (abs(x[1] - 0.5) < 1e-9) & (x[0] > 0.1) & (x[0] < 0.9))})  # fmt: skip
+    slit = sc.split_along(mesh, "arch")
+    elements = [mesh.dofs.element_dofs, slit.dofs.element_dofs]
+    np.testing.assert_array_equal(mesh.doflocs[:, elements[0]], slit.doflocs[:, elements[1]])
+    below = slit.boundaries["arch|below"]
+    middle = slit.p[:, slit.facets[:, below]].mean(axis=1)
+    assert (slit.p[:, slit.t[:, slit.f2t[0, below]]].mean(axis=1)[1] < middle[1]).all()
+
+
+def ring_of_facets(x):
+    return np.maximum(abs(x[0] - 0.5), abs(x[1] - 0.5))
+
+
+@pytest.mark.parametrize(("line", "message"), [
+    (lambda x: x[1] > 1 - 1e-9, "8 facets lie on its surface"),
+    (lambda x: abs(ring_of_facets(x) - 0.25) < 1e-9, "is closed"),
+    (lambda x: (abs(x[0] - 0.5) < 1e-9) & (abs(x[1] - 0.5) < 0.1) & (x[1] > 0.5), "no node to double"),
+    (lambda x: (abs(x[0] - 0.5) < 1e-9) & (abs(x[1] - 0.5) > 0.2), "lie apart"),
+    (lambda x: (abs(x[0] - 0.5) < 1e-9) | ((abs(x[1] - 0.5) < 1e-9) & (x[0] < 0.5)), "branches"),
+])  # fmt: skip
+def test_slits_that_cannot_be(line, message):
+    with pytest.raises(ValueError, match=message):
+        crossed(MeshQuad, line)
+
+
+def test_sheet_pile_in_a_slit():
+    """[X] A sheet pile without thickness in a slit of a block that is pressed from the side: a uniform stress passes.
+
+    Its head is pulled then: both sides bear the force, and the tip, where the ground is whole, hardly moves.
+    """
+    _, slit = crossed(MeshTri, lambda x: (abs(x[0] - 0.5) < 1e-9) & (x[1] > 0.4), 10)
+    basis = vector_basis(slit, "P2", intorder=2)
+    pile = sc.Beam(basis, "wall|left", EI=10.0, EA=1e4, GA=1e5, bonded=False)
+    forms = {"soil": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.0)), "pile": pile,
+             **pile.contact(basis, sc.Coulomb.from_soil(sc.MohrCoulomb(E=1e4, nu=0.3, c=0.0, phi=30.0), 2 / 3))}
+    assert {"wall|left", "wall|right"} < set(forms)
+    fixed = [basis.get_dofs("bottom").all("u^2"), basis.get_dofs("right").all("u^1"), *pile.dofs((0.5, 0.4), ["u^2"])]
+    model = sc.Model(forms, fixed)
+    push = model.traction("left", (10.0, 0.0))
+    head = model.forms["pile"].load((1.0, 0.0), at=(0.5, 1.0))
+    result = model.run([sc.Stage("push", push), sc.Stage("head", [push, head])], **QUIET)
+    for side in ("wall|left", "wall|right"):
+        found = result["push"].tractions(side)  # contact yields to its penalty, the ground at the tip does not
+        np.testing.assert_allclose(found.pressure[found.y > 0.7], 10.0, rtol=5e-3)
+    forces = result["head"].section_forces("pile")
+    assert abs(forces.V).max() == pytest.approx(abs(forces.V[0]), rel=1e-9)
+    left, right = (result["head"].report(side).force[0] for side in ("wall|left", "wall|right"))
+    assert left + right == pytest.approx(1.0, rel=1e-6)

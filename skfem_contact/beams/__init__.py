@@ -1,4 +1,5 @@
 """Beams: walls, linings and frames, with plastic hinges, alone or in contact with the ground."""
 from .beam import Beam
+from .lines import split_along
 
-__all__ = ["Beam"]
+__all__ = ["Beam", "split_along"]

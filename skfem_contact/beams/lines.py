@@ -1,14 +1,19 @@
-"""Lines of a mesh that beams follow, and boundaries that their sides touch."""
+"""Lines of a mesh: those that beams follow, boundaries that their sides touch, and slits."""
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy import ndarray
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
 from skfem import CellBasis, Mesh
 
 from ..checks import check_plane, facets_of, finite, format_point, names_of
+from ..mesh.check import check_topology, own_tags
+from ..mesh.join import moved, owners_of, renumbered
 from ..surfaces.topology import ordered
 
 #: Distance from the side of a beam, as a share of a facet, up to which a boundary lies on it.
@@ -128,3 +133,62 @@ def side_of(mesh: Mesh, name: str, points: ndarray, half: float) -> int | None:
     near = np.abs(away - half * sides) <= _NEAR * np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
     within = beyond[each, nearest] <= _NEAR * length[nearest]
     return int(sides[0]) if (near & within).all() and (sides == sides[0]).all() else None
+
+
+def split_along(mesh: Mesh, name: str) -> Mesh:
+    """Return a plane mesh with a slit along a named line of facets inside; ends that lie inside stay single.
+
+    The sides of a line ``"wall"`` become the boundaries ``"wall|left"`` and ``"wall|right"``, or ``"wall|below"`` and
+    ``"wall|above"`` if it is more level than upright. Elements keep their numbers, and all other tags stay.
+
+    Raises
+    ------
+    ValueError
+        A line with facets on the surface of the mesh, one that is no open chain, or a single facet inside. Closed lines
+        separate bodies: see :func:`join_bodies`.
+
+    Examples
+    --------
+    >>> from skfem import MeshTri
+    >>> import skfem_contact as sc
+    >>> square = MeshTri().refined(2).with_boundaries({"wall": lambda x: (x[0] == .5) & (x[1] > .4)}, False)
+    >>> slit = sc.split_along(square, "wall")
+    >>> slit.p.shape[1] - square.p.shape[1], list(slit.boundaries)      # two nodes are double, the tip is single
+    (2, ['wall|left', 'wall|right'])
+    """
+    check_topology(mesh)
+    line, tags = np.unique(facets_of(mesh, name)), own_tags(mesh.boundaries)
+    if mesh.dim() != 2 or (n := (mesh.f2t[1, line] < 0).sum()):
+        raise ValueError(f"'{name}' must be a line inside a plane mesh" + ("" if mesh.dim() != 2 else
+                                                                           f", but {n} facets lie on its surface"))
+    others = np.setdiff1d(np.flatnonzero(mesh.f2t[1] >= 0), line)
+    here, there = (mesh.nelements * (mesh.t[:, e] == mesh.facets[:, None, others]).argmax(axis=1) + e
+                   for e in mesh.f2t[:, others])  # the nodes of facets in `t` of either element
+    joined = coo_matrix((np.ones(here.size), (here.ravel(), there.ravel())), shape=(mesh.t.size, mesh.t.size))
+    fan = connected_components(joined, directed=False)[1].reshape(mesh.t.shape)  # elements round a node up to the line
+    first = np.full(mesh.nvertices, mesh.t.size)
+    np.minimum.at(first, mesh.t, fan)
+    slit = renumbered([mesh], np.zeros(mesh.nelements, int), fan - first[mesh.t])
+    if slit.nvertices == mesh.nvertices:
+        raise ValueError(f"'{name}' has no node to double: a single facet needs an end on the surface")
+    sides = {f"{name}|{side}": owners for side, owners in _sides(mesh, line, name).items()}
+    if known := sorted(set(sides) & set(tags)):
+        raise ValueError(f"the names {known} are not unique; rename these boundaries")
+    boundaries = {tag: moved(mesh, slit, part, owners_of(mesh, part)) for tag, part in tags.items() if tag != name}
+    boundaries |= {side: moved(mesh, slit, line, owners) for side, owners in sides.items()}
+    return replace(slit, _boundaries=boundaries, _subdomains=own_tags(mesh.subdomains))
+
+
+def _sides(mesh: Mesh, line: ndarray, name: str) -> dict[str, ndarray]:
+    """Return the elements at the facets of an open line, by the names of its two sides."""
+    ends = _one_way(mesh.facets[:, line], name)
+    chain = ends[:, ordered(ends, name)]
+    if chain[0, 0] == chain[1, -1]:
+        raise ValueError(f"'{name}' is closed, and separates bodies: use join_bodies")
+    way = mesh.p[:, chain[1, -1]] - mesh.p[:, chain[0, 0]]
+    level = bool(abs(way[0]) > abs(way[1]))
+    x, y = (mesh.p[:, ends[1]] - mesh.p[:, ends[0]]) * np.sign(way[0 if level else 1])  # to the right, or upwards
+    inner = mesh.p[:, mesh.t[:, mesh.f2t[0, line]]].mean(axis=1) - mesh.p[:, ends[0]]
+    left = np.where(x * inner[1] > y * inner[0], *mesh.f2t[:, line])
+    return dict(zip(("above", "below") if level else ("left", "right"), (left, mesh.f2t[:, line].sum(axis=0) - left),
+                    strict=True))

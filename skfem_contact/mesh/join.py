@@ -152,14 +152,14 @@ def _side_by_side(meshes: Mapping[str, Mesh]) -> Mesh:
         raise ValueError(f"meshes of different types cannot be joined ({kinds})")
 
     counts = [part.nelements for part in meshes.values()]
-    mesh = _renumbered(list(meshes.values()), np.repeat(np.arange(len(counts)), counts))
+    mesh = renumbered(list(meshes.values()), np.repeat(np.arange(len(counts)), counts))
     subdomains, boundaries, first = Tags(), Tags(), 0
     for name, part in meshes.items():
         _add(subdomains, name, np.arange(first, first + part.nelements))
         for tag, elements in own_tags(part.subdomains).items():
             _add(subdomains, f"{name}:{tag}", elements + first)
         for tag, facets in own_tags(part.boundaries).items():
-            _add(boundaries, f"{name}:{tag}", _moved(part, mesh, facets, _owners(part, facets), first))
+            _add(boundaries, f"{name}:{tag}", moved(part, mesh, facets, owners_of(part, facets), first))
         first += part.nelements
     return replace(mesh, _boundaries=boundaries, _subdomains=subdomains)
 
@@ -169,7 +169,7 @@ def _taken_apart(mesh: Mesh, groups: Mapping[str, str | Collection[str]] | None)
     check_topology(mesh)
     parts = _separate_parts(mesh) if groups is None else _grouped(mesh, groups)
     body = _body_of_elements(mesh, parts)
-    apart = _renumbered([mesh], body)
+    apart = renumbered([mesh], body)
     subdomains = own_tags(mesh.subdomains)
     for name, elements in parts.items():
         if name in subdomains and not np.array_equal(np.unique(subdomains[name]), elements):
@@ -218,15 +218,16 @@ def _body_of_elements(mesh: Mesh, parts: Tags) -> Indices:
     return body
 
 
-def _renumbered(parts: Sequence[Mesh], body: Indices) -> Mesh:
-    """Join the elements of meshes of one type, without tags; every body gets its own nodes.
+def renumbered(parts: Sequence[Mesh], body: Indices, copy: Indices | int = 0) -> Mesh:
+    """Join the elements of meshes of one type, without tags; every body, and every copy of a node, gets its own nodes.
 
     Nodes are sorted by body and keep their order within.  The corners of an element therefore keep their order, also
     where scikit-fem sorts them, and side `k` of an element remains its side `k`.
     """
     offset = np.cumsum([0] + [part.nvertices for part in parts])
     corners = np.hstack([part.t + start for part, start in zip(parts, offset)])
-    t = np.unique(body * offset[-1] + corners, return_inverse=True)[1].reshape(corners.shape)
+    key = (body * offset[-1] + corners) * (np.max(copy) + 1) + copy
+    t = np.unique(key, return_inverse=True)[1].reshape(corners.shape)
     # scikit-fem's validation refuses double nodes
     mesh = replace(parts[0], doflocs=np.zeros((parts[0].dim(), t.max() + 1)), t=t, validate=False,
                    sort_t=all(part.sort_t for part in parts), _boundaries=None, _subdomains=None)
@@ -241,38 +242,38 @@ def _split_boundaries(mesh: Mesh, apart: Mesh, body: Indices, names: Sequence[st
     between = np.flatnonzero((sides[0] != sides[1]) & (sides[1] >= 0))
     result: Tags = {}
     for tag, facets in own_tags(mesh.boundaries).items():
-        owners = _owners(mesh, facets)
+        owners = owners_of(mesh, facets)
         if not np.isin(facets, between).any():
-            _add(result, tag, _moved(mesh, apart, facets, owners))
+            _add(result, tag, moved(mesh, apart, facets, owners))
             continue
         others = mesh.f2t[:, np.asarray(facets)].sum(axis=0) - owners
         for k, name in enumerate(names):
             here = (sides[:, np.asarray(facets)] == k).any(axis=0)
             if here.any():
                 mine = np.where(body[owners] == k, owners, others)[here]
-                _add(result, f"{name}:{tag}", _moved(mesh, apart, facets[here], mine))
+                _add(result, f"{name}:{tag}", moved(mesh, apart, facets[here], mine))
 
     facets, owners = np.tile(between, 2), mesh.f2t[:, between].ravel()
     pairs = np.hstack((sides[:, between], sides[::-1, between]))
     for a, b in np.unique(pairs, axis=1).T:
         here = (pairs == [[a], [b]]).all(axis=0)
         name, other = names[a], names[b]
-        _add(result, f"{name}|{other}", _moved(mesh, apart, facets[here], owners[here]))
+        _add(result, f"{name}|{other}", moved(mesh, apart, facets[here], owners[here]))
         for tag, part in own_tags(mesh.subdomains).items():  # a body of several subdomains
             inside = here & np.isin(owners, part)
             if inside.any() and (inside != here).any() and f"{tag}|{other}" not in result:
-                _add(result, f"{tag}|{other}", _moved(mesh, apart, facets[inside], owners[inside]))
+                _add(result, f"{tag}|{other}", moved(mesh, apart, facets[inside], owners[inside]))
     return result
 
 
-def _owners(mesh: Mesh, facets: Indices) -> Indices:
+def owners_of(mesh: Mesh, facets: Indices) -> Indices:
     """Return the elements from which the facets of a boundary are seen."""
     side = facets.ori if isinstance(facets, OrientedBoundary) else 0
     facets = np.asarray(facets)
     return np.where(mesh.f2t[1, facets] < 0, mesh.f2t[0, facets], mesh.f2t[side, facets])
 
 
-def _moved(old: Mesh, new: Mesh, facets: Indices, owners: Indices, first: int = 0) -> Indices:
+def moved(old: Mesh, new: Mesh, facets: Indices, owners: Indices, first: int = 0) -> Indices:
     """Return a boundary of the new mesh, whose element `first + n` has the corners of the old element `n`."""
     side = np.argmax(old.t2f[:, owners] == np.asarray(facets), axis=0)
     moved = new.t2f[side, owners + first]
