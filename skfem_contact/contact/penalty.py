@@ -25,6 +25,8 @@ logger = logging.getLogger("skfem_contact")
 #: the nodal forces of a Hertz contact are closest to the exact ones at 6 to 12 (surface-to-surface rules, 10 and 20
 #: elements in the half-width): softer ones blunt the contact, harder ones show more of the mesh and take more
 #: iterations.  The penetration is about a sixth of the compression of those layers.
+#: With 60 times the penalty has .1 and .9 % of the displacements in the README and the guide, for .8 and 7.1 %, but
+#: pressures beside the edges of blocks that do not match, from 15 to 30, then range from 0 to 30.
 #: The tangential penalty is the same: half of it saves no iterations in partial slip, and blunts its reversal.
 _RATIO = 6.0
 #: A penalty that is larger than the stiffness by this factor leaves three digits of the penetration.
