@@ -381,6 +381,32 @@ def test_law_of_an_interface_from_a_soil():
     for soil, ratio in ((sc.Tresca(E=1e4, nu=0.3, c=6.0), 0.0), (sc.LinearElastic(E=1e4, nu=0.3), 0.5)):
         with pytest.raises(ValueError, match="ratio must lie in"):
             sc.Coulomb.from_soil(soil, ratio)
+
+
+@pytest.mark.parametrize("bonded", [True, False])
+def test_built_in_deformed_ground(bonded):
+    """[X] A beam that is built while the ground is pressed bears nothing until the pressure rises, then its share."""
+    mesh, slit = crossed(MeshTri, lambda x: abs(x[0] - 0.5) < 1e-9, 4)
+    basis = vector_basis(mesh if bonded else slit, "P2", intorder=2)
+    beam = sc.Beam(basis, "wall" if bonded else "wall|left", EI=1.0, EA=50.0, bonded=bonded)
+    pairs = {} if bonded else beam.contact(basis, sc.Coulomb(mu=10.0))
+    soil = sc.SolidForm(basis, sc.LinearElastic(E=100.0, nu=0.0))
+    sides = basis.get_dofs({"left", "right"}).all("u^1")
+    top = [*beam.dofs((0.5, 0.0), ["u^2"])] if not bonded else []
+    model = sc.Model({"soil": soil, "beam": beam, **pairs}, [sides, basis.get_dofs("bottom").all("u^2"), *top])
+    press = model.traction("top", (0.0, -1.0))
+    stages = [sc.Stage("press", press), sc.Stage("build", press, activate=["beam", *pairs]),
+              sc.Stage("more", 2.0 * press)]  # fmt: skip
+    result = model.run(stages, **QUIET)
+    assert np.abs(result["build"].section_forces("beam").N).max() < 1e-9
+    np.testing.assert_allclose(result["build"].x[: basis.N], result["press"].x[: basis.N], atol=1e-12)
+    N = result["more"].section_forces("beam").N
+    if bonded:  # its foot is held by the ground's; above the load goes over from the ground, which is pressed
+        assert N.min() < -0.05
+    else:  # no pressure between beam and ground, no friction
+        assert np.abs(N).max() < 1e-9
+
+
 # -- bars between beams --------------------------------------------------------------------------------------
 
 
