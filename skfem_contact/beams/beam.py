@@ -120,7 +120,10 @@ class Beam(Form):
         shared, self.points, self.cells = nodes_of(basis, line, cells)
         self._elements = BeamElements.of(self.points[self.cells])
         self._shared = shared if bonded else None
-        turn = self._turns(np.reshape(finite(hinges, "hinges"), (-1, 2)))
+        given = np.atleast_2d(finite(hinges, "hinges"))
+        if given.size and (given.ndim, given.shape[1]) != (2, 2):
+            raise ValueError(f"hinges of a beam must be points (x, y), not {hinges!r}")
+        turn = self._turns(given.reshape(-1, 2))
         self.thickness, self._weight = thickness, unit_weight / (spacing or 1.0)
         self._lay_out(turn)
         self._root = self._elements.root(*(value / (spacing or 1.0) for value in (EA, GA, EI)))

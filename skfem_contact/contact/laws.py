@@ -170,9 +170,10 @@ class Coulomb(InterfaceLaw):
         >>> sc.Coulomb.from_soil(sand, 2 / 3)
         Coulomb(mu=0.3849001794597505, adhesion=2.0, tension=0.0)
         """
-        if not (0.0 < ratio <= 1.0 and np.size(getattr(soil, "c", ())) == 1):
+        c, phi = np.asarray(getattr(soil, "c", ())), getattr(soil, "phi", 0.0)
+        if not (0.0 < ratio <= 1.0 and np.size(c) == np.size(phi) == 1):
             raise ValueError(f"ratio must lie in (0, 1], and the soil have one c and phi, not {ratio!r} and {soil!r}")
-        return cls(mu=ratio * float(np.tan(np.radians(getattr(soil, "phi", 0.0)))), adhesion=ratio * float(soil.c))
+        return cls(mu=ratio * float(np.tan(np.radians(phi))), adhesion=ratio * float(c))
 
     @override
     def reduced(self, factor: float) -> Coulomb:

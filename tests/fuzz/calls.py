@@ -52,6 +52,18 @@ def doors():
     sections = sc.Sections.line([0.1, 0.5], [1.9, 0.5], depth=1.0, n=3)
     bar = sc.Bar(basis, start=[0.0, 1.0], end=[2.0, 1.0], EA=100.0)
     r = sc.rigid
+    beam = sc.Beam(None, [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]], EI=1.0, EA=1.0)
+    frame = sc.Model({"beam": beam}, beam.dofs((0.0, 0.0))).forms["beam"]
+    yield "Beam", sc.Beam, {
+        "basis": None, "line": [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]], "EI": 1.0, "EA": 1.0, "GA": 1.0, "spacing": 2.0,
+        "cells": [[0, 1], [1, 2]], "hinges": [1.0, 0.0], "Mp": 1.0, "Np": 1.0, "unit_weight": 1.0, "bonded": True,
+        "thickness": 0.1}
+    yield "Beam.dofs", beam.dofs, {"at": (0.0, 0.0), "names": ["u^1"]}
+    yield "Beam.load", frame.load, {"force": (0.0, 1.0), "at": (1.0, 0.0), "moment": 1.0}
+    yield "Beam.line_load", frame.line_load, {"force": (0.0, 1.0)}
+    yield "Coulomb.from_soil", sc.Coulomb.from_soil, {"soil": clay, "ratio": 0.5}
+    inner = plain.with_boundaries({"wall": lambda x: abs(x[1] - 0.5) < 1e-9}, boundaries_only=False)
+    yield "split_along", sc.split_along, {"mesh": inner, "name": "wall"}
     yield "LinearElastic", sc.LinearElastic, {"E": 1e4, "nu": 0.3}
     yield "MohrCoulomb", sc.MohrCoulomb, {**soil, "psi": 0.0, "tension": 1.0}
     yield "HardeningMohrCoulomb", sc.HardeningMohrCoulomb, {**soil, "c_end": 5.0, "phi_end": 25.0, "strain_end": 0.1}
@@ -137,7 +149,7 @@ def doors():
     yield "Result.getitem", lambda name: result[name], {"name": "weight"}
     yield "Result.save", result.save, {"file": folder / "r.npz"}
     yield "field", last.field, {"name": "syy", "since": None, "water": None}
-    yield "section_forces", last.section_forces, {"solid": "soil", "sections": sections}
+    yield "section_forces", last.section_forces, {"body": "soil", "sections": sections}
     yield "pore_pressure", last.pore_pressure, {"solid": "soil"}
     yield "tractions", pressed.tractions, {"pair": "joint"}
     yield "report", pressed.report, {"pair": "joint"}
