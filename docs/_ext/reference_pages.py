@@ -22,6 +22,7 @@ ROOMS = {
     "Forms": ("forms",),
     "Materials": ("materials",),
     "Contact": ("contact", "surfaces"),
+    "Beams": ("beams",),
     "Rigid obstacles": ("rigid",),
     "Loads": ("loads",),
     "Water": ("water",),
