@@ -1,7 +1,7 @@
 """Frictional contact, soil plasticity and staged analysis for scikit-fem."""
 
 from . import mesh, results, testing, water
-from .beams import Beam, split_along
+from .beams import Beam, Embedded, split_along
 from .checks import guard
 from .contact import AugmentedLagrangian, ContactPair, Surface
 from .contact.laws import Coulomb, InterfaceLaw, Tied
@@ -34,12 +34,12 @@ from .water import PoreWater
 __version__ = "0.2.0"
 
 __all__ = [
-    "AnalysisWarning", "AugmentedLagrangian", "Bar", "Beam", "ContactPair", "Coulomb", "DruckerPrager", "Field", "Form",
-    "HardeningMohrCoulomb", "InterfaceLaw", "Internal", "LinearElastic", "Material", "MatrixForm", "Model",
-    "MohrCoulomb", "Newton", "NoEquilibrium", "NotConverged", "PoreWater", "Response", "RigidBoundary", "Sections",
-    "SolidForm", "Spring", "Stage", "Surface", "Tied", "Tresca", "Undrained", "VonMises", "box_supports", "dofs_at",
-    "hydrostatic", "join_bodies", "load_mesh", "load_result", "mesh", "results", "rigid", "split_along", "testing",
-    "traction", "water", "water_load", "weight",
+    "AnalysisWarning", "AugmentedLagrangian", "Bar", "Beam", "ContactPair", "Coulomb", "DruckerPrager", "Embedded",
+    "Field", "Form", "HardeningMohrCoulomb", "InterfaceLaw", "Internal", "LinearElastic", "Material", "MatrixForm",
+    "Model", "MohrCoulomb", "Newton", "NoEquilibrium", "NotConverged", "PoreWater", "Response", "RigidBoundary",
+    "Sections", "SolidForm", "Spring", "Stage", "Surface", "Tied", "Tresca", "Undrained", "VonMises", "box_supports",
+    "dofs_at", "hydrostatic", "join_bodies", "load_mesh", "load_result", "mesh", "results", "rigid", "split_along",
+    "testing", "traction", "water", "water_load", "weight",
 ]
 
 guard(__name__, mesh.__name__, results.__name__, rigid.__name__, testing.__name__, water.__name__)

@@ -138,12 +138,12 @@ def test_rooms_modules_and_functions_are_small() -> None:
 
 def test_package_does_not_grow() -> None:
     """Few lines and files, no names that only types need, few names at the top, one class a name."""
-    # beams came as a capability of their own: limits of their own, two names at the top, and 120 lines in other rooms
+    # beams came as a capability of their own: limits of their own, three names at the top, and 120 lines in other rooms
     beams = [name for name in TREES if name.split(".")[0] == "beams"]
-    assert sum(map(lines, beams)) <= 750 and len(beams) <= 4
+    assert sum(map(lines, beams)) <= 1_010 and len(beams) <= 5
     total = sum(lines(name) for name in TREES if name not in beams)
     assert total <= 22_400 + 120 and len(TREES) - len(beams) <= 120, (total, len(TREES))
-    assert len(skfem_contact.__all__) <= 45 + len({"Beam", "split_along"})
+    assert len(skfem_contact.__all__) <= 45 + len({"Beam", "Embedded", "split_along"})
     text = {name: ast.dump(tree) for name, tree in TREES.items()}
     assert not [name for name, dump in text.items() if "TYPE_CHECKING" in dump]
     classes = [node.name for tree in TREES.values() for node in tree.body if isinstance(node, ast.ClassDef)]

@@ -124,12 +124,13 @@ class Beam(Form):
         if given.size and (given.ndim, given.shape[1]) != (2, 2):
             raise ValueError(f"hinges of a beam must be points (x, y), not {hinges!r}")
         turn = self._turns(given.reshape(-1, 2))
-        self.thickness, self._weight = thickness, unit_weight / (spacing or 1.0)
+        self.thickness, self.spacing = thickness, spacing or 1.0
+        self._weight = unit_weight / self.spacing
         self._lay_out(turn)
-        self._root = self._elements.root(*(value / (spacing or 1.0) for value in (EA, GA, EI)))
+        self._root = self._elements.root(*(value / self.spacing for value in (EA, GA, EI)))
         self._stiffness = self._root @ self._root.transpose(0, 2, 1)
-        self._hinges = Hinges(self._elements.resultants, self._root, self.cells[:, :2], Mp / (spacing or 1.0),
-                              Np / (spacing or 1.0)) if np.isfinite(Mp) else None
+        self._hinges = Hinges(self._elements.resultants, self._root, self.cells[:, :2], Mp / self.spacing,
+                              Np / self.spacing) if np.isfinite(Mp) else None
         self._alone = False
 
     def _turns(self, hinges: ndarray) -> ndarray:
