@@ -440,7 +440,7 @@ def test_bar_to_a_beam_of_no_model():
         sc.Model({"wall": wall, "strut": strut}, wall.dofs((0.0, 0.0)))
     with pytest.raises(ValueError, match="no node at"):
         wall.at((0.0, 1.0))
-    with pytest.raises(ValueError, match="carries nothing"):
+    with pytest.raises(ValueError, match="resists nothing"):
         sc.Bar(None, wall.at((0.0, 4.0)), (3.0, 4.0), 1.0, True, tension_only=True, compression_only=True)
     with pytest.raises(ValueError, match="needs its basis"):
         sc.Bar(None, wall.at((0.0, 4.0)), (3.0, 4.0), 1.0)

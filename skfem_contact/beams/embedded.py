@@ -49,9 +49,8 @@ class EmbeddedState:
 class Embedded(Form):
     """Skin and foot of a beam inside the elements of the ground, whose mesh does not know the beam.
 
-    Springs join the beam to the ground at three points of each of its elements. Along the beam they carry at most
-    ``T_max``; across they are elastic. In the plane a member stands for a row, and the ground flows between its members
-    no more than the springs give way.
+    Springs join the beam to the ground at three points of each of its elements. Along the beam they yield at
+    ``T_max``; across they are elastic, so that no ground flows between the members of a row.
 
     Parameters
     ----------

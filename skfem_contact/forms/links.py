@@ -196,7 +196,7 @@ class Bar(Form):
         if not (is_number(EA, 0.0, np.inf) and (yield_force == np.inf or is_number(yield_force, 0.0, np.inf))):
             raise ValueError(f"EA and yield_force must be positive, not {EA!r} and {yield_force!r}")
         if tension_only and compression_only:
-            raise ValueError("a bar of tension_only and compression_only carries nothing")
+            raise ValueError("a bar of tension_only and compression_only resists nothing")
         a, b = np.broadcast_arrays(_points(start, "start", basis), _points(end, "end", basis))
         length = np.linalg.norm(b - a, axis=1)
         if not (length > 0.0).all():

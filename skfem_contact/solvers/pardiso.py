@@ -17,7 +17,7 @@ UNSYMMETRIC, SYMMETRIC = 11, -2  # PARDISO's types of real matrices
 ANALYSE, FACTOR, SOLVE, RELEASE = 11, 22, 33, -1  # its phases
 OUT_OF_MEMORY = -2  # its error
 OPTIONS = {1: 1, 2: 2, 10: 18, 11: 1, 13: 1}  # own options, METIS, pivots above 1e-18, scaling, matching
-#: Entries up to which minimum degree takes the place of METIS: with 10,000 to 90,000 of plane bodies the analysis takes
+#: Entries up to which minimum degree replaces METIS: with 10,000 to 90,000 of plane bodies the analysis takes
 #: 13 to 35 % less time and the factor 4 to 13 %; with 350,000 factors take 15 to 30 % more, with 130,000 in space 17 %.
 FEW = 100_000
 SPARE = 1.1  # entries of an analysed pattern to those of the matrix, at most
