@@ -74,7 +74,8 @@ def column(rng: np.random.Generator) -> Iterator[Check | Finding]:
         yield Check("overburden", float(np.abs(found - stress[:now]).max() / np.abs(stress).max()), 1e-8)
         nodes = [basis.nodal_dofs[1, np.isclose(mesh.p[1], i * d)] for i in range(now + 1)]
         found = np.array([stage.x[dofs].mean() for dofs in nodes])
-        yield Check("settled", float(np.abs(found - u[: now + 1]).max() / size), 1e-8)
+        # the residual, 1e-11, times the ratio of the layers' moduli, and seven stages
+        yield Check("settled", float(np.abs(found - u[: now + 1]).max() / size), 2e-7)
     yield from of_run(model, result, Setting(element=kind))
 
 
