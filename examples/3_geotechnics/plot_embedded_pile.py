@@ -88,4 +88,7 @@ rows.append({"method": "nail", "n": 6, "unknowns": int(model.layout.size), "erro
 print(f"the nail bears {found.multiplier:.4f} kN for 75")
 assert rows[-1]["error"] < 1e-5
 
-print(json.dumps({"rows": rows}))
+# %%
+# Headline numbers
+# ----------------
+print(json.dumps({"case": "embedded pile", "rows": rows}))
