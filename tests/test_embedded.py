@@ -31,7 +31,7 @@ def test_skin_then_foot():
     for n in (2, 3):
         model, load = pile(ground(n))
         found = model.limit_load(load, step=50.0, **QUIET)
-        assert found.multiplier == pytest.approx(260.0, rel=1e-4)  # of the table; 2e-5 measured
+        assert found.multiplier == pytest.approx(260.0, rel=1e-4)  # 2e-5 measured, of the search's tolerance
         assert found.stop.kind == "plateau"
 
 
