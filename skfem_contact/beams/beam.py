@@ -192,9 +192,9 @@ class Beam(Form):
 
     @override
     def assemble(self, x: ndarray, state: BeamState) -> Response:
-        place = self._own(x)[self._rows]
-        moved = place - state.free
-        lost = _ROUND_OFF * np.einsum("mij,mj->mi", np.abs(self._stiffness), np.abs(place) + np.abs(state.free))
+        u = self._own(x)[self._rows]
+        moved = u - state.free
+        lost = _ROUND_OFF * np.einsum("mij,mj->mi", np.abs(self._stiffness), np.abs(u) + np.abs(state.free))
         moved = moved - np.einsum("mij,mj->mi", self._elements.rigid, moved[:, [4, 5, 8]])  # of large rigid motions
         force = np.einsum("mij,mj->mi", self._stiffness, moved)
         free, flows = state.free, list(self._hinges.flows(force)) if self._hinges else []
@@ -245,10 +245,10 @@ class Beam(Form):
 
     def node(self, at: ArrayLike) -> int:
         """Return the number of the node at coordinates (2,)."""
-        place = vector(at, 2, "at")
-        distance, node = cKDTree(self.points).query(place)
+        point = vector(at, 2, "at")
+        distance, node = cKDTree(self.points).query(point)
         if distance > _AT * np.ptp(self.points, axis=0).max():
-            raise ValueError(f"the beam has no node at {format_point(place)}; the nearest one is at "
+            raise ValueError(f"the beam has no node at {format_point(point)}; the nearest one is at "
                              f"{format_point(self.points[node])}")
         return int(node)
 

@@ -94,8 +94,8 @@ class Embedded(Form):
     """
 
     symmetric = unilateral = True
-    _dofs: ndarray
     coordinates = "plane"
+    _dofs: ndarray
 
     def __init__(self, basis: CellBasis, beam: Beam, T_max: float | Callable[[ndarray], ArrayLike], F_max: float = 0.0,
                  stiffness: float | None = None) -> None:
@@ -107,17 +107,16 @@ class Embedded(Form):
         self._spacing, self.borrowed = beam.spacing, beam.fields[:1]
         self._given = None if stiffness is None else positive(stiffness, "stiffness")
         self.positions, points, self._along, self._weight, of_beam = _points(beam)
-        self._lengths = self._weight.reshape(-1, 3).sum(axis=1)
+        self._lengths = self._weight.reshape(-1, len(_POINTS)).sum(axis=1)
+        n = len(self.positions)
         limit = finite(T_max(self.positions) if callable(T_max) else T_max, "T_max")
         if limit.shape not in ((), self.positions.shape) or not (limit >= 0.0).all():
             raise ValueError("T_max must be a skin resistance that is finite and not negative, or a function of the "
                              f"distances, (n,), not {T_max!r}")
-        self.T_max, self.F_max, self._k = np.broadcast_to(limit, len(points)), float(F_max), self._given or 0.0
-        tip = beam.points[beam.cells[-1, 1]]
-        of_ground = _values_at(basis, np.vstack((points, tip)))
+        self.T_max, self.F_max, self._k = np.broadcast_to(limit, n), float(F_max), self._given or 0.0
+        of_ground = _values_at(basis, points)
         self._ground = np.unique(of_ground.indices)
-        foot = coo_matrix((np.ones(2), (np.arange(2), 2 * beam.cells[-1, 1] + np.arange(2))), (2, of_beam.shape[1]))
-        self._jump = csr_matrix(hstack((of_ground[:, self._ground], -_stacked(of_beam, foot))))
+        self._jump = csr_matrix(hstack((of_ground[:, self._ground], -of_beam)))
         self.joins = np.zeros(0, int)
         self.acts_on = self.changing = self._ground
 
@@ -200,32 +199,22 @@ class Embedded(Form):
 
 
 def _points(beam: Beam) -> tuple[ndarray, ndarray, ndarray, ndarray, csr_matrix]:
-    """Return distances from the start, coordinates, tangents with the foot's, weights, and the beam's displacements."""
-    corners, cells, m = beam.points[beam.cells], beam.cells, len(beam.cells)
-    ways = [np.linalg.norm(np.einsum("k,mkc->mc", shapes(xi)[1], corners), axis=1) for xi in _POINTS]
-    lengths = np.einsum("k,km->m", _WEIGHTS, np.array(ways))
+    """Return distances and lengths, (n,); coordinates, tangents and displacements of the beam, also of its foot."""
+    corners, m = beam.points[beam.cells], len(beam.cells)
+    values, slopes = (np.array(parts) for parts in zip(*map(shapes, _POINTS), strict=True))  # (3 points, 3 nodes)
+    way = np.einsum("qk,mkc->mqc", slopes, corners)
+    weights = _WEIGHTS * np.linalg.norm(way, axis=2)
+    lengths = weights.sum(axis=1)
     begin = np.cumsum(lengths) - lengths
-    found: list[tuple[ndarray, ...]] = []
-    for xi, weight in zip(_POINTS, _WEIGHTS, strict=True):
-        N, dN = shapes(xi)
-        way = np.einsum("k,mkc->mc", dN, corners)
-        size = np.linalg.norm(way, axis=1)
-        found.append((begin + 0.5 * (1.0 + xi) * lengths, np.einsum("k,mkc->mc", N, corners), way / size[:, None],
-                      weight * size, np.broadcast_to(N, (m, 3))))
-    s, x, t, w, N = (np.stack(parts, axis=1).reshape(3 * m, *parts[0].shape[1:]) for parts in zip(*found, strict=True))
-    row = 2 * np.arange(3 * m)[:, None, None] + np.arange(2)
-    column = 2 * np.repeat(cells, 3, axis=0)[:, :, None] + np.arange(2)
+    s = begin[:, None] + 0.5 * (1.0 + _POINTS) * lengths[:, None]
+    t = np.vstack((way.reshape(-1, 2), np.einsum("k,kc->c", shapes(1.0)[1], corners[-1])))
+    N = np.vstack((np.tile(values, (m, 1)), shapes(1.0)[0]))
+    cells = np.vstack((np.repeat(beam.cells, len(_POINTS), axis=0), beam.cells[-1]))
+    row, column = 2 * np.arange(len(N))[:, None, None] + np.arange(2), 2 * cells[:, :, None] + np.arange(2)
     row, column, value = np.broadcast_arrays(row, column, N[:, :, None])
-    of_beam = csr_matrix((value.ravel(), (row.ravel(), column.ravel())), shape=(6 * m, 2 * len(beam.points)))
-    end = np.einsum("k,kc->c", shapes(1.0)[1], corners[-1])
-    return s, x, np.vstack((t, end / np.linalg.norm(end))), w, of_beam
-
-
-def _stacked(points: csr_matrix, foot: coo_matrix) -> csr_matrix:
-    """Return the displacements of the beam at the points and at its foot."""
-    lower = coo_matrix((foot.data, (foot.row + points.shape[0], foot.col)), (points.shape[0] + 2, points.shape[1]))
-    upper = points.tocoo()
-    return csr_matrix(coo_matrix((upper.data, (upper.row, upper.col)), lower.shape) + lower)
+    of_beam = csr_matrix((value.ravel(), (row.ravel(), column.ravel())), shape=(2 * len(N), 2 * len(beam.points)))
+    points = np.einsum("pk,pkc->pc", N, beam.points[cells])
+    return s.ravel(), points, t / np.linalg.norm(t, axis=1)[:, None], weights.ravel(), of_beam
 
 
 def _values_at(basis: CellBasis, points: ndarray) -> csr_matrix:

@@ -218,11 +218,11 @@ class LinearisedContact(Form):
         """Yield a remark where the last point of a joint's quadrature, inside of its end, has all of the pressure."""
         force = self._points.weight * np.abs(state.traction[0])
         along = self._points.facet + 0.5 * (1.0 + self._points.xi[:, 0])
-        places = np.unique(along[self._at])
-        if self.pair.slave.dim > 2 or self._points.nodes.shape[1] == 1 or not force.any() or len(places) < 2:
+        positions = np.unique(along[self._at])
+        if self.pair.slave.dim > 2 or self._points.nodes.shape[1] == 1 or not force.any() or len(positions) < 2:
             return
-        apart = np.diff(places)[[0, -1]]
-        from_ends = np.abs(force @ along / force.sum() - places[[0, -1]]) / apart
+        apart = np.diff(positions)[[0, -1]]
+        from_ends = np.abs(force @ along / force.sum() - positions[[0, -1]]) / apart
         if (from_ends[apart > _APART] < _PIVOT).any():
             yield Remark("pivot", 1.0 - from_ends.min(), f"'{self.pair.slave.name}' turns about its last point of "
                          'quadrature, inside of its end, and the limit is too low: quadrature="nodal" has points at '
