@@ -7,6 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from fuzz.blocks import Stack
+from fuzz.frames import as_drawn
+from fuzz.kinds import drawn
+from fuzz.model import build
 from helpers import PlainLaw, grid, vector_basis
 from scipy.sparse import csr_matrix
 from scipy.sparse.linalg import spsolve
@@ -391,3 +394,32 @@ def test_fit_that_carries_too_much_torque_is_told(share, recwarn):
     load = share * 0.2 * (tractions.pressure @ tractions.weight) / torque * unit
     model.run([sc.Stage("turned", load)], start=first, **QUIET)
     assert any("of the torque of full friction" in str(warning.message) for warning in recwarn) is (share > 1.0)
+
+
+@pytest.mark.parametrize(
+    ("gap", "told"), [(-0.2, "lies inside"), (-0.05, None), (0.05, "starts 0.05 away"), (0.01, None)]
+)
+def test_block_that_does_not_touch_in_the_mesh(gap, told, recwarn):
+    """A block with facets of .33 m that lies inside the ground or above it, by more than a quarter or a tenth of them."""
+    base = grid("Q1", np.linspace(-2, 3, 11), np.linspace(-2, 0, 5))
+    block = grid("Q1", np.linspace(0, 1, 4), np.linspace(gap, 1 + gap, 4))
+    basis = vector_basis(sc.join_bodies({"base": base, "block": block}), "Q1", intorder=2)
+    forms = {
+        "bodies": sc.SolidForm(basis, sc.LinearElastic(E=1e5, nu=0.3), unit_weight=20.0),
+        "joint": sc.ContactPair(basis, "block:bottom", "base:top", sc.Coulomb(mu=0.3)),
+    }
+    sc.Model(forms, basis.get_dofs("base:bottom").all()).run([sc.Stage("weight")], **QUIET)
+    text = " ".join(str(warning.message) for warning in recwarn)
+    assert told in text if told else not text
+
+
+def test_gaps_between_nodes_that_multipliers_leave(recwarn):
+    """[X] A block of 2 x 2 facets on 2 x 2 others: a start with a harder penalty moves it by 4 %, which is told."""
+    results = []
+    for increments in (1, 3):
+        model = build(drawn(11000469), as_drawn(3))
+        recwarn.clear()
+        results.append(model.run([replace(model.stages[0], increments=increments)])[-1].x)
+        told = [warning for warning in recwarn if "gapes or penetrates" in str(warning.message)]
+        assert len(told) == (increments == 1)
+    assert np.abs(results[0] - results[1]).max() > 0.03 * np.abs(results[1]).max()

@@ -13,7 +13,7 @@ import numpy as np
 from numpy import ndarray
 from typing_extensions import override
 
-from ..errors import Failure
+from ..errors import Failure, warn
 from .base import ContactBase
 from .diagnosis import PENETRATION
 from .interface import ContactState
@@ -26,6 +26,8 @@ Pair = TypeVar("Pair", bound=ContactBase)
 
 #: Share of the overlap that is left from one pair to the next.
 _LEFT = 0.5
+#: Gap that loose bodies close, as a share of the slave's facets, that is warned of.
+_APART = 0.1
 #: Stiffness of the springs as a share of the penalty: at first, and when they are as good as gone.  Stiffer ones draw
 #: wide gaps, as beside a cylinder on a plane, with many times the load.
 _FIRST, _LAST = 1e-4, 1e-6
@@ -109,6 +111,11 @@ def _start_springs(pair: ContactBase, accepted: ContactState, failure: Failure |
         return None
     logger.info("bodies are loose while contact is open: stabilisation by soft springs closes '%s', which are then "
                 "taken away", pair.slave.name)
+    distance = accepted.gap - accepted.clearance
+    if np.isfinite(nearest := distance.min()) and nearest > _APART * pair.slave.spacing:
+        warn(f"nothing holds a body before contact closes, and '{pair.slave.name}' starts {nearest:.3g} away from "
+             f"'{pair.master.name}', {nearest / pair.slave.spacing:.0%} of a facet: its displacements contain this "
+             'distance; move it in the mesh, or initial="adjusted" if they touch')
     return pair.with_(law=Stabilised(pair.law, _FIRST))
 
 

@@ -59,11 +59,12 @@ class _Unbalanced(RuntimeError):
 class WaterBalance:
     """Newton's method for the heads; at seepage faces either the pressure or the flow is zero.
 
-    The matrix `tie`, (N, N), gives the heads of all nodes from those of the nodes that are not tied to others.
+    The matrix `tie`, (N, N), gives the heads of all nodes from those of the nodes that are not tied to others. What
+    enters is the given supply, more where the head is held, and less at seepage faces.
     """
 
     def __init__(self, flow: DarcyFlow, given: Conditions, tie: csr_matrix, coordinates: ndarray) -> None:
-        self.flow, self.given, self.tie = flow, given, tie
+        self.flow, self.given, self.tie, self._supply = flow, given, tie, tie.T @ given.supply
         diagonal = (tie.T @ flow.saturated @ tie).diagonal()
         self._idle = diagonal == 0.0  # tied nodes, and those of no porous element
         self._diagonal = np.where(self._idle, diagonal.max(), diagonal)
@@ -120,8 +121,8 @@ class WaterBalance:
             head = self._step(self.tie @ np.where(leaking, flow.elevation, head), fixed, laws, residuals)
             relative = flow.relative(head, laws)[0]
             inflow, round_off = self.tie.T @ flow.inflow(head, relative), flow.round_off(head, relative)
-            unbalanced = float(np.linalg.norm(inflow[~fixed]))
-            leaks = np.where(leaking, inflow <= round_off, self._face & (head > flow.elevation + self._tolerance))
+            unbalanced = float(np.linalg.norm((inflow - self._supply)[~fixed]))
+            leaks = np.where(leaking, inflow - self._supply <= round_off, self._face & (head > flow.elevation + self._tolerance))
             steady = bool((leaks == leaking).all())
             if steady and unbalanced <= max(tolerance * np.linalg.norm(inflow), np.linalg.norm(round_off)):
                 return _State(head, leaking, (*now.iterations, iteration))
@@ -134,7 +135,8 @@ class WaterBalance:
         flow = self.flow
 
         def unbalanced(head: ndarray) -> ndarray:
-            return np.where(fixed, 0.0, self.tie.T @ flow.inflow(head, flow.relative(head, laws)[0]))
+            inflow = self.tie.T @ flow.inflow(head, flow.relative(head, laws)[0])
+            return np.where(fixed, 0.0, inflow - self._supply)
 
         before = unbalanced(head)
         residuals.append(float(np.linalg.norm(before)))

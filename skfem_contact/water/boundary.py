@@ -1,17 +1,18 @@
-"""Boundary conditions of water: heads, seepage faces, and connected boundaries through which water passes freely."""
+"""Boundary conditions of water: heads, seepage faces, fluxes, wells, and connected boundaries through which water passes freely."""
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix, eye, lil_matrix
 from scipy.sparse.csgraph import connected_components
-from skfem import CellBasis, Mesh
+from skfem import Basis, CellBasis, FacetBasis, LinearForm, Mesh
 
-from ..checks import format_point, look_up, names_of
+from ..checks import finite, format_point, look_up, names_of
 from ..layout import elements_of
+from .darcy import radius
 
 #: Head or pressure on a boundary: a number, or a function of coordinates (dim, ...).
 Given = float | Callable[[ndarray], ndarray]
@@ -25,14 +26,16 @@ _PAIRS = 200_000
 
 @dataclass(frozen=True)
 class Conditions:
-    """Conditions at the nodes: held heads, their values (NaN elsewhere) and seepage faces, (N,) each.
+    """Conditions at the nodes: held heads, their values (NaN elsewhere), seepage faces and supply, (N,) each.
 
-    Facets of the boundaries through which water passes are `passing`, by name.
+    The supply is the water that enters per time as given. Facets of the boundaries through which water passes are
+    `passing`, by name.
     """
 
     held: ndarray
     head: ndarray
     face: ndarray
+    supply: ndarray
     passing: Mapping[str, ndarray]
 
 
@@ -53,12 +56,16 @@ def values_at(given: Given, x: ndarray, what: str) -> ndarray:
     return np.broadcast_to(values, x.shape[1:])
 
 
-def conditions(basis: CellBasis, head: Mapping[str, Given], seepage_face: str | Sequence[str]) -> Conditions:
-    """Return the conditions at the nodes from those on boundaries; a head holds at and below its own height."""
+def conditions(basis: CellBasis, head: Mapping[str, Given], seepage_face: str | Sequence[str],
+               flux: Mapping[str, Given], sources: Mapping[str, Given], axisymmetric: bool) -> Conditions:
+    """Return the conditions at the nodes from those on boundaries; a head holds at and below its own height.
+
+    Boundaries with a flux into the ground are seepage faces as well: what the ground does not take runs off.
+    """
     mesh, faces = basis.mesh, names_of(seepage_face)
     if not isinstance(head, Mapping) or not head:
         raise ValueError("there is no head: give {boundary: head} for the boundaries that are under water")
-    nodes = {name: nodes_on(basis, name) for name in (*head, *faces)}
+    nodes = {name: nodes_on(basis, name) for name in (*head, *faces, *flux)}
     passing = {name: np.asarray(mesh.boundaries[name]) for name in nodes}
     values, by = np.full(basis.N, np.nan), np.zeros(basis.N, dtype=object)
     tolerance = _SAME * float(np.ptp(mesh.p, axis=1).max())
@@ -71,10 +78,59 @@ def conditions(basis: CellBasis, head: Mapping[str, Given], seepage_face: str | 
                              f"{format_point(mesh.p[:, at[clash[0]]])} and give it different heads")
         values[at], by[at] = heads[wet], name
     held = ~np.isnan(values)
-    on_face = np.zeros(basis.N, dtype=bool)
+    on_face, supply = np.zeros(basis.N, dtype=bool), sourced(basis, sources, axisymmetric)
     for name in faces:
         on_face[nodes[name]] = True
-    return Conditions(held, values, on_face & ~held, passing)
+    for name, rate in flux.items():
+        if held[nodes[name]].all():
+            raise ValueError(f"boundary '{name}' has a flux and a head at all its nodes: give one of them")
+        entering = through(basis, passing[name], rate, axisymmetric)
+        supply += entering
+        on_face[entering > 0.0] = True
+    return Conditions(held, values, on_face & ~held, supply, passing)
+
+
+def through(basis: CellBasis, facets: ndarray, rate: Given, axisymmetric: bool) -> ndarray:
+    """Return the water that enters the nodes through facets by a rate per area, (N,)."""
+    if len(facets) == 0:
+        return np.zeros(basis.N)
+    sides = FacetBasis(basis.mesh, basis.elem, facets=facets)
+    rates = _at_points(sides, rate, "flux", axisymmetric)
+    return np.asarray(LinearForm(lambda v, w: rates * v).assemble(sides))
+
+
+def sourced(basis: CellBasis, sources: Mapping[str, Given], axisymmetric: bool) -> ndarray:
+    """Return the water that enters the nodes by rates per volume of subdomains, (N,)."""
+    total = np.zeros(basis.N)
+    for name, rate in sources.items():
+        elements = np.intersect1d(look_up(name, basis.mesh.subdomains or {}, "subdomain"), elements_of(basis))
+        if len(elements) == 0:
+            raise ValueError(f"subdomain '{name}' has a source and no element of the porous ground")
+        part = Basis(basis.mesh, basis.elem, intorder=2, elements=elements)
+        rates = _at_points(part, rate, f"source of subdomain '{name}'", axisymmetric)
+        total += LinearForm(lambda v, w, rates=rates: rates * v).assemble(part)
+    return total
+
+
+def _at_points(basis: CellBasis | FacetBasis, rate: Given, what: str, axisymmetric: bool) -> ndarray:
+    """Return a rate at the integration points, times the radius in axial symmetry."""
+    x = np.asarray(basis.global_coordinates())
+    return radius(basis, axisymmetric) * values_at(rate, x.reshape(len(x), -1), what).reshape(x.shape[1:])
+
+
+def pumped(basis: CellBasis, wells: Mapping[str, float], given: Conditions) -> tuple[Conditions, ndarray]:
+    """Return the conditions with wells, and the first node of the well for each of its nodes, itself else, (N,)."""
+    face, supply, passing, first = given.face.copy(), given.supply.copy(), dict(given.passing), np.arange(basis.N)
+    for name, discharge in wells.items():
+        at = nodes_on(basis, name)
+        taken = at[given.held[at] | (first[at] != at)]
+        if len(taken):
+            raise ValueError(f"well '{name}' shares the node at {format_point(basis.mesh.p[:, taken[0]])} with a head or "
+                             "with another well")
+        first[at], face[at] = at[0], False
+        supply[at[0]] -= float(finite(discharge, f"discharge of well '{name}'"))
+        passing[name] = np.asarray(basis.mesh.boundaries[name])
+    return replace(given, face=face, supply=supply, passing=passing), first
 
 
 def _below(name: str, value: Given, x: ndarray, tolerance: float) -> tuple[ndarray, ndarray]:

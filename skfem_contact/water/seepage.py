@@ -3,9 +3,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from types import MappingProxyType
 
 import numpy as np
 from numpy import ndarray
+from scipy.sparse import csr_matrix
 from scipy.spatial import cKDTree
 from skfem import CellBasis, FacetBasis, LinearForm, Mesh
 
@@ -15,7 +17,7 @@ from ..forms.assembly import strain_of
 from ..forms.base import Coordinates
 from ..layout import elements_of
 from .balance import WaterBalance
-from .boundary import Given, check_heads, conditions, tied_heads
+from .boundary import Given, check_heads, conditions, nodes_on, pumped, through, tied_heads
 from .darcy import DarcyFlow, Permeability, Ramp, Retention, head_basis, permeability_tensors, radius, regions
 
 _RAMP = Ramp()
@@ -61,6 +63,7 @@ class Seepage:
     velocity: ndarray
     iterations: tuple[int, ...]
     _passing: Mapping[str, ndarray] = field(repr=False)
+    _flux: Mapping[str, Given] = field(repr=False)
     _by_element: ndarray = field(repr=False)
     _unit_weight: float = field(repr=False)
     _axisymmetric: bool = field(repr=False)
@@ -89,7 +92,9 @@ class Seepage:
         passing = np.unique(np.concatenate(list(self._passing.values())))
         own, whole = self._size(np.intersect1d(facets, passing)), self._size(passing)
         share = np.divide(own, whole, out=np.zeros_like(own), where=whole > 0.0)
-        return float(share @ self.inflow)
+        given = [sum((through(self.basis, np.intersect1d(self._passing[name], part), rate, self._axisymmetric)
+                      for name, rate in self._flux.items()), np.zeros(len(self.head))) for part in (facets, passing)]
+        return float(given[0].sum() + share @ (self.inflow - given[1]))
 
     def flux(self, boundary: str) -> tuple[ndarray, ndarray]:
         """Return the nodes of a boundary and the water that enters there per area; negative where it leaves.
@@ -141,7 +146,9 @@ class Seepage:
 
 
 def seepage(basis: CellBasis, permeability: Permeability | Mapping[str, Permeability], head: Mapping[str, Given], *,
-            unit_weight: float, seepage_face: str | Sequence[str] = (), connected: Sequence[tuple[str, str]] = (),
+            unit_weight: float, seepage_face: str | Sequence[str] = (), flux: Mapping[str, Given] = MappingProxyType({}),
+            wells: Mapping[str, float] = MappingProxyType({}), sources: Mapping[str, Given] = MappingProxyType({}),
+            connected: Sequence[tuple[str, str]] = (),
             retention: Retention | Mapping[str, Retention] = _RAMP, coordinates: Coordinates | None = None) -> Seepage:
     """Solve the steady flow of water through the ground, confined or with a free surface.
 
@@ -166,6 +173,15 @@ def seepage(basis: CellBasis, permeability: Permeability | Mapping[str, Permeabi
     seepage_face
         Names of boundaries through which water may leave but not enter, at zero pressure; also of those in `head`. All
         other boundaries are tight.
+    flux
+        Water that enters by boundary, per time and area: a number or a function of coordinates (dim, ...). It is
+        infiltration where it is positive, and what the ground does not take at zero pressure runs off; evaporation
+        where it is negative.
+    wells
+        Water that is pumped by boundary, per time (and unit of thickness, or radian): the screen is a boundary under
+        water, with one unknown head.
+    sources
+        Water that enters by subdomain, per time and volume: a number or a function of coordinates (dim, ...).
     connected
         Pairs of boundaries of bodies that share no nodes, ``("core|shell", "shell|core")``, between which water passes
         freely: the nodes of the side with the smaller facets take the heads of the other. Other joints are tight.
@@ -187,7 +203,7 @@ def seepage(basis: CellBasis, permeability: Permeability | Mapping[str, Permeabi
     Warns
     -----
     AnalysisWarning
-        The transition between wet and dry is wider than requested; or water flows off through dry ground that conducts
+        A well falls dry; the transition between wet and dry is wider than requested; or water flows off through dry ground that conducts
         better than the wet ground from which it comes, so that the free surface is inaccurate.
 
     Examples
@@ -213,12 +229,15 @@ def seepage(basis: CellBasis, permeability: Permeability | Mapping[str, Permeabi
     positive(unit_weight, "unit_weight")
     axisymmetric = strain_of(basis, None, coordinates, False)[1] == "axisymmetric"
     porous = head_basis(basis)
-    given = conditions(porous, head, seepage_face)
+    given, first = pumped(porous, wells, conditions(porous, head, seepage_face, flux, sources, axisymmetric))
     tensors = permeability_tensors(porous, permeability)
     laws = regions(porous, retention, "retention")
     datum = float(np.nanmean(given.head))
     flow = DarcyFlow(porous, tensors, axisymmetric, datum)
-    tie = tied_heads(porous, connected, given.held)
+    screened = first != np.arange(porous.N)
+    screened[first[screened]] = True
+    tie = tied_heads(porous, connected, given.held | screened)
+    tie = csr_matrix(tie @ csr_matrix((np.ones(porous.N), (np.arange(porous.N), first))))
     check_heads(porous, given.held, tie)
     lowered = replace(given, head=given.head - datum)
     found = WaterBalance(flow, lowered, tie, porous.mesh.p[:, :porous.N]).solve(laws)
@@ -227,9 +246,19 @@ def seepage(basis: CellBasis, permeability: Permeability | Mapping[str, Permeabi
     heads = np.full(porous.N, np.nan)
     used = np.unique(porous.element_dofs)
     heads[used] = found.head[used] + datum
+    _warn_of_dry_wells(porous, wells, heads)
     pressure = unit_weight * np.maximum(heads - porous.mesh.p[-1, :porous.N], 0.0)
-    return Seepage(porous, heads, pressure, found.inflow, velocity, found.iterations, given.passing,
+    return Seepage(porous, heads, pressure, found.inflow, velocity, found.iterations, given.passing, flux,
                    flow.by_element(found.head, found.relative), unit_weight, axisymmetric)
+
+
+def _warn_of_dry_wells(basis: CellBasis, wells: Mapping[str, float], head: ndarray) -> None:
+    """Report wells whose level lies below the top of their screen."""
+    for name in wells:
+        at = nodes_on(basis, name)
+        if head[at[0]] < (top := basis.mesh.p[-1, at].max()):
+            warn(f"well '{name}' falls dry: its level, {head[at[0]]:.4g}, lies below the top of its screen, {top:.4g}, "
+                 "where water would flow freely; pump less, or give the level as its head with seepage_face=")
 
 
 def _warn_of_dry_ground(basis: CellBasis, tensors: ndarray, relative: ndarray, velocity: ndarray) -> None:
