@@ -529,3 +529,77 @@ def test_sheet_pile_in_a_slit():
     assert abs(forces.V).max() == pytest.approx(abs(forces.V[0]), rel=1e-9)
     left, right = (result["head"].report(side).force[0] for side in ("wall|left", "wall|right"))
     assert left + right == pytest.approx(1.0, rel=1e-6)
+
+
+def pit_beside_a_sheet_pile():
+    """Ground of 12 m with a sheet pile of 8 m in a slit, 3 m of it above the bottom of a pit to its left."""
+    mesh = MeshTri.init_tensor(np.linspace(-6, 6, 13), np.linspace(-12, 0, 13)).with_defaults().with_boundaries(
+        {"wall": lambda x: (abs(x[0]) < 1e-9) & (x[1] > -8)}, False)
+    mesh = sc.split_along(mesh, "wall").with_subdomains({
+        "pit": lambda x: (x[0] < 0) & (x[1] > -3), "left": lambda x: (x[0] < 0) & (x[1] < -3),
+        "right": lambda x: x[0] > 0})
+    face = mesh.boundaries["wall|left"]
+    below = mesh.p[1, mesh.facets[:, face]].mean(axis=0) < -3.0
+    mesh = mesh.with_boundaries({"front": face[below], "dug": face[~below]}).with_boundaries(
+        {"floor": lambda x: (abs(x[1] + 3) < 1e-9) & (x[0] < 1e-9), "lake": lambda x: (x[1] > -1e-9) & (x[0] > -1e-9)},
+        False)
+    basis = vector_basis(mesh, "P2")
+    wall = sc.Beam(basis, "wall|right", EI=6e4, EA=4e6, bonded=False)
+    forms = {name: sc.SolidForm(basis.with_elements(name), sc.LinearElastic(E=4e4, nu=0.3), unit_weight=20.0)
+             for name in ("left", "right", "pit")}
+    forms |= {"wall": wall, **wall.contact(basis, sc.Coulomb(mu=0.3), ["front", "dug", "wall|right"])}
+    model = sc.Model(forms, sc.box_supports(basis), water_unit_weight=10.0)
+    return model, {name: form for name, form in model.forms.items() if name not in ("pit", "dug")}, basis
+
+
+def pumped(basis):
+    """The flow below the sheet pile as the pit is pumped dry."""
+    wet = basis.with_elements({"left", "right"})
+    return sc.water.seepage(wet, 1e-4, {"lake": 0.0, "floor": -3.0}, unit_weight=10.0)
+
+
+@pytest.mark.parametrize(("level", "largest"), [(0.0, 1e-12), (-3.0, 1e-12), (-1.25, 5e-3)])  # a kink in an element
+def test_water_levels_on_both_sides_of_a_beam(level, largest):
+    """[X] Force and moment about the surface of triangular pressures, free water in the pit included."""
+    model, dug, _ = pit_beside_a_sheet_pile()
+    wall = model.forms["wall"]
+    load = model.water_on(dug, {"left": level, "right": 0.0})[wall._dofs[:2 * len(wall.points):2]]
+    left, right = 5.0 * (8.0 + level) ** 2, 5.0 * 8.0**2
+    assert load.sum() == pytest.approx(left - right, rel=largest, abs=1e-10)
+    moment = left * (8.0 - (8.0 + level) / 3.0) - right * 8.0 * 2.0 / 3.0
+    assert load @ -wall.points[:, 1] == pytest.approx(moment, rel=largest, abs=1e-9)
+
+
+def test_flow_presses_on_both_sides_of_a_beam():
+    """[X] The pressures of both faces of the slit, linear between their nodes; no water in the pit."""
+    model, dug, basis = pit_beside_a_sheet_pile()
+    mesh, water, wall, net = basis.mesh, pumped(basis), model.forms["wall"], 0.0
+    for name, sign in (("wall|right", -1.0), ("front", 1.0)):
+        ends = mesh.facets[:, mesh.boundaries[name]]
+        (y0, y1), (p0, p1) = mesh.p[1, ends], 10.0 * (water.head[ends] - mesh.p[1, ends])
+        net += sign * (0.5 * (p0 + p1) * abs(y1 - y0)).sum()
+    load = model.water_on(dug, water)[wall._dofs[:2 * len(wall.points):2]]
+    assert load.sum() == pytest.approx(net, rel=1e-12) and net < -100.0
+
+
+def test_contact_beside_water_carries_effective_stress():
+    """[X] A sheet pile is in balance: the ground's forces on it and those of the water."""
+    model, _, basis = pit_beside_a_sheet_pile()
+    pump = sc.Stage("pump", water=pumped(basis), deactivate=["pit", "dug"])
+    stage = model.run([pump], start=model.k0_state(K0=0.5), **QUIET)["pump"]
+    wall = model.forms["wall"]
+    contact = sum(stage.report(name).force[0] for name in ("front", "wall|right"))
+    pushed = stage.load[wall._dofs[:2 * len(wall.points):2]].sum()
+    assert contact == pytest.approx(pushed, rel=1e-6)  # of the iterations
+
+
+@pytest.mark.parametrize(("n", "error"), [(16, 6e-3), (32, 1.5e-3)])  # the curvature of parabolas: second order
+def test_buoyancy_of_a_thick_ring(n, error):
+    """[X] Water on both sides of a ring of some thickness: the weight of the water in its place."""
+    angle = 2.0 * np.pi * np.arange(2 * n) / (2 * n) + 0.3
+    ends = np.arange(0, 2 * n, 2)
+    ring = sc.Beam(None, 2.0 * np.column_stack((np.cos(angle), np.sin(angle))), 1.0, 1.0,
+                   cells=np.column_stack((ends, (ends + 2) % (2 * n), ends + 1)), thickness=0.3)
+    points, normals, lengths, _ = ring._elements.sides(0.15)
+    force = -((10.0 - 9.81 * points[:, 1]) * lengths) @ normals
+    assert force == pytest.approx([0.0, 9.81 * 2.0 * np.pi * 2.0 * 0.3], rel=error, abs=1e-9)

@@ -1,16 +1,15 @@
 """Beams as a form: stiffness, plastic hinges, weight, loads, section forces and sides in contact."""
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy import ndarray
 from numpy.typing import ArrayLike
 from scipy.sparse import csr_matrix
-from scipy.spatial import cKDTree
 from skfem import CellBasis
 from typing_extensions import override
 
@@ -18,18 +17,15 @@ from ..checks import finite, format_point, is_number, vector
 from ..contact import ContactPair
 from ..contact.laws import InterfaceLaw
 from ..forms.base import Form, Response
-from ..layout import Field, FieldDofs
+from ..layout import Field
 from ..sparse import Gathering
 from ..surfaces.surface import Surface
 from .element import BeamElements, Flow, Hinges, loose_node
 from .lines import nodes_of, touching
+from .nodes import BeamNodes
 
-#: Coordinates are those of a node if they are nearer than this share of the beam.
-_AT = 1e-6
 #: Round-off of a displacement or a rotation, as a share of it.
 _ROUND_OFF = 2e-16
-#: Names of the dofs of a node.
-DofName = Literal["u^1", "u^2", "theta"]
 
 
 @dataclass(frozen=True)
@@ -48,7 +44,7 @@ class BeamState:
     free: ndarray
 
 
-class Beam(Form):
+class Beam(BeamNodes):
     """Beams in the plane: a wall, a lining or a frame of Timoshenko elements, elastic or with plastic hinges.
 
     Small displacements and rotations. The beam has nodes of its own, or those of a line of the mesh, to which it is
@@ -103,7 +99,6 @@ class Beam(Form):
 
     symmetric = True
     coordinates = "plane"
-    _dofs: ndarray | None = None
 
     def __init__(self, basis: CellBasis | None, line: Any, EI: float, EA: float, GA: float | None = None, *,
                  spacing: float | None = None, cells: ArrayLike | None = None, hinges: ArrayLike = (),
@@ -131,7 +126,7 @@ class Beam(Form):
         self._stiffness = self._root @ self._root.transpose(0, 2, 1)
         self._hinges = Hinges(self._elements.resultants, self._root, self.cells[:, :2], Mp / self.spacing,
                               Np / self.spacing) if np.isfinite(Mp) else None
-        self._alone = False
+        self._alone = self._wet = False
 
     def _turns(self, hinges: ndarray) -> ndarray:
         """Return numbers of the rotations of the elements' nodes, (m, 3): beyond a hinge another one."""
@@ -173,6 +168,7 @@ class Beam(Form):
     def completed(self, forms: Mapping[str, Form]) -> Beam:
         new = copy(self)
         new._alone = all(isinstance(form, Beam) for form in forms.values())
+        new._wet = any(form.law is not None and self._displacement in form.borrowed for form in forms.values())
         return new
 
     @override
@@ -233,6 +229,20 @@ class Beam(Form):
         return self.line_load(self._weight * acceleration) if self._weight else None
 
     @override
+    def water_load(self, pressure: Callable[[ndarray, ndarray, ndarray], ndarray]) -> ndarray | None:
+        if not self._wet:  # no side touches the ground
+            return None
+        points, normals, lengths, shares = self._elements.sides(0.5 * self.thickness)
+        force = -(pressure(points, normals, lengths) * lengths)[:, None] * normals
+        return self._distributed(np.tile(self._rows[:, :6], (4, 1)), shares[:, :, None] * force[:, None])
+
+    def _distributed(self, rows: ndarray, forces: ndarray) -> ndarray:
+        """Return the load vector of forces (n, 3, 2) on nodes, whose dofs are (n, 6)."""
+        load = np.zeros(self._of_model().max() + 1)
+        np.add.at(load, self._of_model()[rows], forces.reshape(-1, 6))
+        return load
+
+    @override
     def line_forces(self, state: BeamState) -> tuple[ndarray, ...]:
         ends = np.cumsum(self._elements.length)
         position = np.column_stack((np.append(0.0, ends[:-1]), ends)).ravel()
@@ -243,64 +253,9 @@ class Beam(Form):
         """Return N, V and M at both ends of the elements, (m, 2, 3)."""
         return np.asarray(np.einsum("merj,mj->mer", self._elements.resultants, state.force))
 
-    def node(self, at: ArrayLike) -> int:
-        """Return the number of the node at coordinates (2,)."""
-        point = vector(at, 2, "at")
-        distance, node = cKDTree(self.points).query(point)
-        if distance > _AT * np.ptp(self.points, axis=0).max():
-            raise ValueError(f"the beam has no node at {format_point(point)}; the nearest one is at "
-                             f"{format_point(self.points[node])}")
-        return int(node)
-
-    def dofs(self, at: ArrayLike, names: Sequence[DofName] = ("u^1", "u^2", "theta")) -> list[Any]:
-        """Return the dofs of the node at coordinates (2,), by default all, for the supports of a model.
-
-        At a hinge ``"theta"`` is the rotation of the first element that meets there.
-
-        """
-        node = self.node(at)
-        found: list[Any] = []
-        for name in names:
-            if name == "theta":
-                found.append(FieldDofs(self._rotation, np.array([node])))
-            elif self._shared is not None:
-                found.append(self._shared[node, [("u^1", "u^2").index(name)]])
-            else:
-                found.append(FieldDofs(self._displacement, np.array([2 * node + ("u^1", "u^2").index(name)])))
-        return found
-
-    def at(self, points: ArrayLike) -> ndarray | FieldDofs:
-        """Return nodes at coordinates (n, 2) or (2,) as ends of bars: ``Bar(basis, wall.at((0., -1.5)), ...)``.
-
-        Examples
-        --------
-        >>> import skfem_contact as sc
-        >>> wall = sc.Beam(None, [[0., 0.], [0., -4.]], EI=1e4, EA=1e6)
-        >>> sc.Bar(None, wall.at((0., 0.)), (5., -5.), EA=1e5, fixed_end=True, spacing=2.)
-        <Bar 1 bars, EA/L 1.414e+04 to 1.414e+04>
-        """
-        nodes = np.array([self.node(point) for point in np.atleast_2d(finite(points, "points"))])
-        if self._shared is not None:
-            return self.points[nodes]
-        return FieldDofs(self._displacement, 2 * nodes[:, None] + np.arange(2))
-
-    def numbers(self, at: ArrayLike) -> ndarray:
-        """Return the numbers of the dofs (u^1, u^2, theta) of the node at coordinates (2,), of a model's beam."""
-        node = self.node(at)
-        return self._of_model()[[2 * node, 2 * node + 1, 2 * len(self.points) + node]]
-
-    def load(self, force: ArrayLike, at: ArrayLike, moment: float = 0.0) -> ndarray:
-        """Return the load vector of a force, (2,), and an anticlockwise moment at a node, of a model's beam."""
-        load = np.zeros(self._of_model().max() + 1)
-        load[self.numbers(at)] = [*vector(force, 2, "force"), moment]
-        return load
-
     def line_load(self, force: ArrayLike) -> ndarray:
         """Return the load vector of a force per length, (2,), on all elements, of a model's beam."""
-        load = np.zeros(self._of_model().max() + 1)
-        shares = self._elements.load[:, :, None] * vector(force, 2, "force")
-        np.add.at(load, self._of_model()[self._rows[:, :6]], shares.reshape(-1, 6))
-        return load
+        return self._distributed(self._rows[:, :6], self._elements.load[:, :, None] * vector(force, 2, "force"))
 
     def contact(self, basis: CellBasis, law: InterfaceLaw, boundaries: str | Sequence[str] | None = None,
                 **options: Any) -> dict[str, ContactPair]:
@@ -335,8 +290,3 @@ class Beam(Form):
                                   self.cells if sign > 0 else self.cells[:, [1, 0, 2]],
                                   f"{'left' if sign > 0 else 'right'} side of a beam",
                                   rotations=(self._rotation, np.arange(n)), thickness=self.thickness)
-
-    def _of_model(self) -> ndarray:
-        if self._dofs is None:
-            raise ValueError('the dofs of the beam are not numbered yet: take it from the model, model.forms["beam"]')
-        return self._dofs

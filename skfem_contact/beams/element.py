@@ -18,6 +18,8 @@ from scipy.sparse import coo_matrix, csc_matrix, eye_array
 from scipy.sparse.linalg import splu
 
 _GAUSS = np.array([-1.0, 1.0]) / np.sqrt(3.0)
+#: Second derivatives of the functions of the nodes.
+_CURVATURE = np.array([1.0, 1.0, -2.0])
 #: Share of the force on the middle node that a uniform load on the element leaves at either end.
 _AT_END = 0.25
 #: Length of an element, as a share of the size of the beam, that is none.
@@ -101,6 +103,22 @@ class BeamElements:
     def load(self) -> ndarray:
         """Share of every node in a uniform load, (m, 3)."""
         return np.asarray(sum(w[:, None] * shapes(xi)[0] for xi, w in zip(_GAUSS, self.weights.T, strict=True)))
+
+    def sides(self, half: float) -> tuple[ndarray, ...]:
+        """Return both sides, half a thickness off the axis, at the Gauss points: n = 4 m.
+
+        Points and outward normals, (n, 2) each, lengths, (n,), and the shares of the nodes in a force there, (n, 3).
+        """
+        found = []
+        for g, xi in enumerate(_GAUSS):
+            N, dN = shapes(xi)
+            x, along, turn = (np.einsum("k,mkc->mc", part, self.points) for part in (N, dN, _CURVATURE))
+            J = self.weights[:, [g]]
+            left = np.column_stack((-along[:, 1], along[:, 0])) / J
+            bend = (turn * left).sum(axis=1) / J[:, 0] ** 2
+            found += [(x + sign * half * left, sign * left, J[:, 0] * (1.0 - sign * half * bend),
+                       np.tile(N, (len(J), 1))) for sign in (1.0, -1.0)]
+        return tuple(np.concatenate(parts) for parts in zip(*found, strict=True))
 
     @property
     def resultants(self) -> ndarray:

@@ -1,7 +1,7 @@
 """Optional parts of a form: stages, steps in time, reduction of strength, regularisation."""
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import fields, is_dataclass
 from types import MappingProxyType
 from typing import Any, TypeVar
@@ -62,6 +62,12 @@ class Staged:
     def own_weight(self, acceleration: ndarray) -> ndarray | None:
         """Return the load vector of the weight under an acceleration over that of gravity, (dim,), or None."""
         return None
+
+    def water_load(self, pressure: Callable[[ndarray, ndarray, ndarray], ndarray]) -> ndarray | None:
+        """Return the load vector of water on sides that are no facets, or None.
+
+        Its pressure, (n,), is a function of points and outward normals, (n, dim) each, and sizes, (n,).
+        """
 
     def pressure_at_nodes(self, x: ndarray) -> ndarray | None:
         """Return the pore pressure that the form adds to the ground, at the nodes of the displacements, (N/dim,)."""

@@ -1,7 +1,7 @@
 """Loads of a stage: weights of active bodies and water at rest, beside the loads on top."""
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ from skfem import FacetBasis, Mesh
 from skfem.generic_utils import OrientedBoundary
 
 from ..checks import look_up
+from ..forms.base import Form
 from ..layout import elements_of
 from ..loads import at_points, face_load, hydrostatic, pore_load
 
@@ -35,26 +36,40 @@ def as_pressure(water: Any, mesh: Mesh, unit_weight: float | None) -> Any:
     return hydrostatic(water, unit_weight=unit_weight)
 
 
-def water_at_rest(solids: Mapping[str, Any], water: Any, unit_weight: float | None) -> ndarray:
-    """Return the load of water in the pores and on all boundaries of active bodies, (N,).
+def water_at_rest(solids: Mapping[str, Any], others: Iterable[Form], water: Any, unit_weight: float | None
+                  ) -> Iterator[ndarray]:
+    """Yield the loads of water in the pores and on all boundaries of active bodies, and on other active forms.
 
     The pressure acts on every facet that bounds the active elements: free surfaces, excavated faces, both sides of
     contacts. Levels by region apply to the elements of these regions, a seepage to the elements of its basis: others
-    are dry. A facet of a body without pores takes the head of the nearest facet of a porous one.
+    are dry. A facet of a body without pores, and a side of a beam, take the head of the nearest facet of a porous body.
     """
     first = next(iter(solids.values()))
     mesh, axisymmetric = first.basis.mesh, first.coordinates == "axisymmetric"
     pressure = as_pressure(water, mesh, unit_weight)
-    total = np.zeros(first.basis.N)
     for form in solids.values():
         if form.porous:
-            total += pore_load(form.basis, _in_elements(form.basis, pressure, form.elements), axisymmetric)
+            yield pore_load(form.basis, _in_elements(form.basis, pressure, form.elements), axisymmetric)
     outside = FacetBasis(mesh, first.basis.elem, facets=_bounding(mesh, solids))
     owner, faced = np.asarray(outside.tind), None
+    porous = np.isin(owner, np.concatenate([f.elements for f in solids.values() if f.porous] or [np.zeros(0, int)]))
     if isinstance(pressure, Mapping) or hasattr(pressure, "pressure_at"):
-        faced = _faced(outside, np.concatenate([f.elements for f in solids.values() if f.porous]))
+        faced = _faced(_surroundings(outside), porous)
         owner = owner[faced]
-    return total + face_load(outside, _in_elements(outside, pressure, owner, faced), axisymmetric)
+    yield face_load(outside, _in_elements(outside, pressure, owner, faced), axisymmetric)
+
+    def beside(*sides: ndarray) -> ndarray:
+        """Return the pressure on sides at points, with normals and sizes, (n, dim) and (n,)."""
+        if callable(pressure):
+            return np.asarray(pressure(sides[0].T))
+        around = [np.concatenate(parts) for parts in zip(_surroundings(outside), sides)]
+        facets = _faced(around, np.append(porous, np.zeros(len(sides[0]), bool)))[len(porous):]
+        faces = facets < len(porous)
+        values = np.zeros(len(facets))
+        values[faces] = _opposite(outside, pressure, facets[faces], sides[0][faces])
+        return values
+
+    yield from (load for form in others if (load := form.water_load(beside)) is not None)
 
 
 def _bounding(mesh: Mesh, solids: Mapping[str, Any]) -> OrientedBoundary:
@@ -67,14 +82,36 @@ def _bounding(mesh: Mesh, solids: Mapping[str, Any]) -> OrientedBoundary:
     return OrientedBoundary(facets, second[facets].astype(int))
 
 
-def _faced(outside: FacetBasis, porous: ndarray) -> ndarray:
+def _surroundings(outside: FacetBasis) -> list[ndarray]:
+    """Return middles, normals, (n, dim) each, and sizes of facets, (n,)."""
+    middle, normal = (np.asarray(values).mean(axis=2).T for values in (outside.global_coordinates(), outside.normals))
+    return [middle, normal, outside.dx.sum(axis=1) ** (1.0 / (outside.mesh.dim() - 1))]
+
+
+def _opposite(outside: FacetBasis, pressure: Any, facets: ndarray, points: ndarray) -> ndarray:
+    """Return the pressure at points (n, 2) by the head, level or pressure at the nearest points of facets (n,)."""
+    mesh, owner, values = outside.mesh, outside.tind[facets], np.zeros(len(points))
+    ends = mesh.facets[:, outside.find[facets]]
+    a, b = mesh.p[:, ends].transpose(1, 2, 0)
+    share = np.clip(((points - a) * (b - a)).sum(axis=1) / ((b - a) ** 2).sum(axis=1), 0.0, 1.0)
+    weights = np.stack((1.0 - share, share))
+    if hasattr(pressure, "pressure_at"):
+        wet = np.isin(owner, elements_of(pressure.basis))
+        values[wet] = pressure.pressure_at(points[wet].T, (weights * pressure.head[ends]).sum(axis=0)[wet])
+        return values
+    for name, given in (pressure if isinstance(pressure, Mapping) else {"": pressure}).items():
+        here = np.isin(owner, mesh.subdomains[name]) if name else np.full(len(points), True)
+        values[here] = given(points[here].T) if callable(given) else (weights * given[ends]).sum(axis=0)[here]
+    return values
+
+
+def _faced(sides: Sequence[ndarray], porous: ndarray) -> ndarray:
     """Return for each facet itself where its element is porous, else the nearest porous facet that it faces.
 
     Ground on the other side of a wall is not faced: it lies behind, or its normal has the same direction.
     """
-    middle, normal = (np.asarray(values).mean(axis=2).T for values in (outside.global_coordinates(), outside.normals))
-    wet = np.flatnonzero(np.isin(outside.tind, porous))
-    faced, size = np.arange(len(middle)), outside.dx.sum(axis=1) ** (1.0 / (outside.mesh.dim() - 1))
+    middle, normal, size = sides
+    wet, faced = np.flatnonzero(porous), np.arange(len(middle))
     if len(wet):
         tree = cKDTree(middle[wet])
         for facet in np.setdiff1d(faced, wet):
@@ -100,10 +137,10 @@ def _in_elements(basis: Any, pressure: Any, elements: ndarray, faced: ndarray | 
     x = np.asarray(basis.global_coordinates())
     values = np.zeros(x.shape[1:])
     if hasattr(pressure, "pressure_at"):
-        wet = np.isin(elements, elements_of(pressure.basis))
-        if wet.any():
-            head = None if faced is None else pressure.head_at(x[:, faced[wet]].mean(axis=2))[:, None]
-            values[wet] = pressure.pressure_at(x[:, wet], head)
+        wet, head = np.isin(elements, elements_of(pressure.basis)), at_points(basis, pressure.head)
+        if faced is not None and (other := wet & (faced != np.arange(len(wet)))).any():
+            head[other] = pressure.head_at(x[:, other], head[faced[other]].mean(axis=1)[:, None])
+        values[wet] = pressure.pressure_at(x[:, wet], head[wet])
         return values
     if not isinstance(pressure, Mapping):
         return at_points(basis, pressure)

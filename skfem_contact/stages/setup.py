@@ -134,8 +134,8 @@ class Setup:
         """Return the load of water at rest in and on some forms, (N,); zero for None and False."""
         total = np.zeros(self.layout.size)
         if water is not None and water is not False:
-            wet = water_at_rest(solids_of(forms), water, self.water_unit_weight)
-            total[:len(wet)] = wet
+            for wet in water_at_rest(solids_of(forms), forms.values(), water, self.water_unit_weight):
+                total[:len(wet)] += wet
         return total
 
     def vector(self, values: Any, what: str) -> ndarray:

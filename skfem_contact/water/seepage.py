@@ -126,9 +126,9 @@ class Seepage:
                              None if outside is None else np.broadcast_to(outside, x.shape[1:]).ravel())
         return head.reshape(x.shape[1:])
 
-    def pressure_at(self, x: ndarray, outside: ndarray | None = None) -> ndarray:
-        """Return the pore pressure at coordinates (dim, ...), as a function like :func:`hydrostatic`."""
-        return self._unit_weight * np.maximum(self.head_at(x, outside) - np.asarray(x)[-1], 0.0)
+    def pressure_at(self, x: ndarray, head: ndarray | None = None) -> ndarray:
+        """Return the pressure at coordinates (dim, ...), as a function like :func:`hydrostatic`, or under a head."""
+        return self._unit_weight * np.maximum((self.head_at(x) if head is None else head) - np.asarray(x)[-1], 0.0)
 
     @property
     def free_surface(self) -> list[ndarray]:
