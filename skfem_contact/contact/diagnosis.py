@@ -26,8 +26,8 @@ _BETWEEN = 0.004
 _ELASTIC = 1e-6
 #: Pressure of overlaps of the mesh from their differences within facets, as a share of that found, likewise.
 _RIPPLE = 0.05
-#: Mean overlap of the mesh where pressure acts, as a share of the facets, likewise: fits have a hundredth, indenters that
-#: start pressed into their base up to .2.
+#: Mean overlap of the mesh where pressure acts, as a share of the facets, likewise: fits have a hundredth, indenters
+#: that start inside of their base up to .2.
 _DEEP = 0.25
 #: Share of the pressure that acts along the slave where nodes face joints of the master, likewise; and how near to
 #: one, as a share of the facet, they do so: strains move them by less.

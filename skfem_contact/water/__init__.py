@@ -2,8 +2,9 @@
 
 from .consolidation import PoreWater
 from .darcy import Ramp, Retention, VanGenuchten
+from .inflow import Inflow
 from .porous import PoreState
 from .seepage import Seepage, seepage
 from .seepage_face import SeepageFace
 
-__all__ = ["PoreState", "PoreWater", "Ramp", "Retention", "Seepage", "SeepageFace", "VanGenuchten", "seepage"]
+__all__ = ["Inflow", "PoreState", "PoreWater", "Ramp", "Retention", "Seepage", "SeepageFace", "VanGenuchten", "seepage"]

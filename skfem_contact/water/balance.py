@@ -121,8 +121,9 @@ class WaterBalance:
             head = self._step(self.tie @ np.where(leaking, flow.elevation, head), fixed, laws, residuals)
             relative = flow.relative(head, laws)[0]
             inflow, round_off = self.tie.T @ flow.inflow(head, relative), flow.round_off(head, relative)
-            unbalanced = float(np.linalg.norm((inflow - self._supply)[~fixed]))
-            leaks = np.where(leaking, inflow - self._supply <= round_off, self._face & (head > flow.elevation + self._tolerance))
+            beyond = inflow - self._supply
+            unbalanced = float(np.linalg.norm(beyond[~fixed]))
+            leaks = np.where(leaking, beyond <= round_off, self._face & (head > flow.elevation + self._tolerance))
             steady = bool((leaks == leaking).all())
             if steady and unbalanced <= max(tolerance * np.linalg.norm(inflow), np.linalg.norm(round_off)):
                 return _State(head, leaking, (*now.iterations, iteration))

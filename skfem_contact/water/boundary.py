@@ -1,4 +1,4 @@
-"""Boundary conditions of water: heads, seepage faces, fluxes, wells, and connected boundaries through which water passes freely."""
+"""Boundary conditions of water: heads, seepage faces, fluxes, wells, and connected boundaries."""
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
@@ -95,8 +95,10 @@ def through(basis: CellBasis, facets: ndarray, rate: Given, axisymmetric: bool) 
     if len(facets) == 0:
         return np.zeros(basis.N)
     sides = FacetBasis(basis.mesh, basis.elem, facets=facets)
-    rates = _at_points(sides, rate, "flux", axisymmetric)
-    return np.asarray(LinearForm(lambda v, w: rates * v).assemble(sides))
+    rates, entering = _at_points(sides, rate, "flux", axisymmetric), np.zeros(basis.N)
+    on = np.unique(basis.mesh.facets[:, facets])
+    entering[on] = LinearForm(lambda v, w: rates * v).assemble(sides)[on]  # round-off at the other nodes
+    return entering
 
 
 def sourced(basis: CellBasis, sources: Mapping[str, Given], axisymmetric: bool) -> ndarray:
@@ -125,8 +127,8 @@ def pumped(basis: CellBasis, wells: Mapping[str, float], given: Conditions) -> t
         at = nodes_on(basis, name)
         taken = at[given.held[at] | (first[at] != at)]
         if len(taken):
-            raise ValueError(f"well '{name}' shares the node at {format_point(basis.mesh.p[:, taken[0]])} with a head or "
-                             "with another well")
+            raise ValueError(f"well '{name}' shares the node at {format_point(basis.mesh.p[:, taken[0]])} with a head "
+                             "or another well")
         first[at], face[at] = at[0], False
         supply[at[0]] -= float(finite(discharge, f"discharge of well '{name}'"))
         passing[name] = np.asarray(basis.mesh.boundaries[name])

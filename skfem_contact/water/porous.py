@@ -202,7 +202,7 @@ class Surroundings(NamedTuple):
                              "them the same `strain`")
         touching = {name: form for name, form in forms.items() if form.joins is not None and form.unilateral
                     and np.isin(form.joins, basis.element_dofs).any()}
-        leaks = any(field.shared == PRESSURE for form in forms.values() for field in form.borrowed)
+        leaks = any(field.shared == PRESSURE for form in forms.values() if form.unilateral for field in form.borrowed)
         return cls(modulus[here], shear[here], leaks, touching, measures.pop())
 
 

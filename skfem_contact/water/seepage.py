@@ -17,10 +17,11 @@ from ..forms.assembly import strain_of
 from ..forms.base import Coordinates
 from ..layout import elements_of
 from .balance import WaterBalance
-from .boundary import Given, check_heads, conditions, nodes_on, pumped, through, tied_heads
+from .boundary import Given, check_heads, conditions, nodes_on, pumped, sourced, through, tied_heads
 from .darcy import DarcyFlow, Permeability, Ramp, Retention, head_basis, permeability_tensors, radius, regions
 
 _RAMP = Ramp()
+_NOTHING: Mapping[str, float] = MappingProxyType({})
 #: Ground is dry below the first relative permeability and wet above the second one.
 _DRY, _WET = 0.01, 0.5
 #: Share of the flow through dry ground from which a warning is given.
@@ -64,6 +65,7 @@ class Seepage:
     iterations: tuple[int, ...]
     _passing: Mapping[str, ndarray] = field(repr=False)
     _flux: Mapping[str, Given] = field(repr=False)
+    _from_sources: ndarray = field(repr=False)
     _by_element: ndarray = field(repr=False)
     _unit_weight: float = field(repr=False)
     _axisymmetric: bool = field(repr=False)
@@ -80,8 +82,9 @@ class Seepage:
         """Return the water that enters the ground through a boundary, per time; negative where it leaves.
 
         The discharge is the sum of the nodes' reactions, so that nothing is lost. A node between two boundaries
-        through which water passes counts for both in proportion to their sizes. With the subdomain `of` it is the
-        water that enters this part of the ground there, also from ground on the other side of the boundary.
+        through which water passes counts for both in proportion to their sizes; rain that runs off does not count.
+        With the subdomain `of` it is the water that enters this part of the ground there, also from ground on the other
+        side of the boundary.
         """
         mesh = self.basis.mesh
         facets = np.asarray(look_up(boundary, mesh.boundaries or {}, "boundary"))
@@ -92,9 +95,12 @@ class Seepage:
         passing = np.unique(np.concatenate(list(self._passing.values())))
         own, whole = self._size(np.intersect1d(facets, passing)), self._size(passing)
         share = np.divide(own, whole, out=np.zeros_like(own), where=whole > 0.0)
-        given = [sum((through(self.basis, np.intersect1d(self._passing[name], part), rate, self._axisymmetric)
-                      for name, rate in self._flux.items()), np.zeros(len(self.head))) for part in (facets, passing)]
-        return float(given[0].sum() + share @ (self.inflow - given[1]))
+        entering = self.inflow - self._from_sources
+        mine, rates = (sum((through(self.basis, np.intersect1d(self._passing[name], part), rate, self._axisymmetric)
+                            for name, rate in self._flux.items()), np.zeros(len(own))) for part in (facets, passing))
+        taken = np.where(rates > 0.0, np.clip(entering, 0.0, rates), rates)  # the rest runs off
+        by_rate = np.divide(mine, rates, out=np.zeros_like(own), where=rates != 0.0)
+        return float(by_rate @ taken + share @ (entering - taken))
 
     def flux(self, boundary: str) -> tuple[ndarray, ndarray]:
         """Return the nodes of a boundary and the water that enters there per area; negative where it leaves.
@@ -146,9 +152,9 @@ class Seepage:
 
 
 def seepage(basis: CellBasis, permeability: Permeability | Mapping[str, Permeability], head: Mapping[str, Given], *,
-            unit_weight: float, seepage_face: str | Sequence[str] = (), flux: Mapping[str, Given] = MappingProxyType({}),
-            wells: Mapping[str, float] = MappingProxyType({}), sources: Mapping[str, Given] = MappingProxyType({}),
-            connected: Sequence[tuple[str, str]] = (),
+            unit_weight: float, seepage_face: str | Sequence[str] = (),
+            flux: Mapping[str, Given] = _NOTHING, wells: Mapping[str, float] = _NOTHING,
+            sources: Mapping[str, Given] = _NOTHING, connected: Sequence[tuple[str, str]] = (),
             retention: Retention | Mapping[str, Retention] = _RAMP, coordinates: Coordinates | None = None) -> Seepage:
     """Solve the steady flow of water through the ground, confined or with a free surface.
 
@@ -203,8 +209,8 @@ def seepage(basis: CellBasis, permeability: Permeability | Mapping[str, Permeabi
     Warns
     -----
     AnalysisWarning
-        A well falls dry; the transition between wet and dry is wider than requested; or water flows off through dry ground that conducts
-        better than the wet ground from which it comes, so that the free surface is inaccurate.
+        A well falls dry; the transition between wet and dry is wider than requested; or water flows off through dry
+        ground that conducts better than the wet ground from which it comes, so that the free surface is inaccurate.
 
     Examples
     --------
@@ -237,7 +243,7 @@ def seepage(basis: CellBasis, permeability: Permeability | Mapping[str, Permeabi
     screened = first != np.arange(porous.N)
     screened[first[screened]] = True
     tie = tied_heads(porous, connected, given.held | screened)
-    tie = csr_matrix(tie @ csr_matrix((np.ones(porous.N), (np.arange(porous.N), first))))
+    tie = csr_matrix(tie @ csr_matrix((np.ones(porous.N), (np.arange(porous.N), first)), shape=tie.shape))
     check_heads(porous, given.held, tie)
     lowered = replace(given, head=given.head - datum)
     found = WaterBalance(flow, lowered, tie, porous.mesh.p[:, :porous.N]).solve(laws)
@@ -249,6 +255,7 @@ def seepage(basis: CellBasis, permeability: Permeability | Mapping[str, Permeabi
     _warn_of_dry_wells(porous, wells, heads)
     pressure = unit_weight * np.maximum(heads - porous.mesh.p[-1, :porous.N], 0.0)
     return Seepage(porous, heads, pressure, found.inflow, velocity, found.iterations, given.passing, flux,
+                   sourced(porous, sources, axisymmetric),
                    flow.by_element(found.head, found.relative), unit_weight, axisymmetric)
 
 

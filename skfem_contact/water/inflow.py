@@ -1,0 +1,107 @@
+"""Water that enters or leaves consolidating ground at given rates: rain, wells, leaks."""
+from __future__ import annotations
+
+from collections.abc import Mapping
+from copy import copy
+from typing import Any
+
+import numpy as np
+from numpy import ndarray
+from scipy.sparse import csr_matrix
+from typing_extensions import override
+
+from ..checks import look_up
+from ..forms.base import Form, Response
+from ..layout import Field
+from .boundary import Given, sourced, through
+from .consolidation import PoreWater
+
+
+class Inflow(Form):
+    r"""Water that enters ground with :class:`PoreWater` at given rates, for as long as the form is active.
+
+    Rates are changed by stages, with ``Stage(change=...)`` or ``deactivate``. What the ground does not take leaves it
+    at a :class:`SeepageFace` on the same boundary.
+
+    Parameters
+    ----------
+    water
+        Water of the ground.
+    flux
+        Rates per area by boundary: numbers or functions of coordinates (dim, ...). A well of discharge Q has
+        -Q over the area of its screen, :math:`2 \pi r` a unit of depth.
+    sources
+        Rates per volume by subdomain, likewise.
+
+    Examples
+    --------
+    Water that is pressed into a closed layer lifts it by its volume:
+
+    >>> import numpy as np
+    >>> from skfem import Basis, ElementTriP2, ElementVector, MeshTri
+    >>> import skfem_contact as sc
+    >>> mesh = MeshTri.init_tensor(np.array([0., .1]), np.linspace(0, 1, 6)).with_defaults()
+    >>> basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
+    >>> pores = sc.PoreWater(basis, permeability=1e-4, unit_weight=10.)
+    >>> forms = {"clay": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.)), "water": pores,
+    ...          "well": sc.water.Inflow(pores, {"bottom": 1e-6})}
+    >>> stage = sc.Stage("pressed in", duration=100.)
+    >>> result = sc.Model(forms, sc.box_supports(basis, base="rollers")).run([stage])
+    >>> round(float(result[-1].x[basis.get_dofs("top").all("u^2")].mean()), 9)
+    0.0001
+    """
+
+    symmetric, second_order = True, True
+    _at: ndarray
+    _duration = 0.0
+
+    def __init__(self, water: PoreWater, flux: Mapping[str, Given] | None = None,
+                 sources: Mapping[str, Given] | None = None) -> None:
+        if not flux and not sources:
+            raise ValueError("Inflow has neither flux nor sources: give a rate by boundary or by subdomain")
+        self._water, self._flux, self._sources = water, dict(flux or {}), dict(sources or {})
+        self.size, self.borrowed = water.ground.N, water.fields
+        self._rates = self._entering(False)
+
+    def __repr__(self) -> str:
+        return f"<Inflow {self._rates.sum():.4g} per time>"
+
+    def _entering(self, axisymmetric: bool) -> ndarray:
+        basis = self._water.pressures
+        named = basis.mesh.boundaries or {}
+        return sum((through(basis, look_up(name, named, "boundary"), rate, axisymmetric)
+                    for name, rate in self._flux.items()), sourced(basis, self._sources, axisymmetric))
+
+    @override
+    def completed(self, forms: Mapping[str, Form]) -> Inflow:
+        return self._in(self._water.completed(forms))
+
+    @override
+    def continues(self, old: Form) -> Inflow:
+        super().continues(old)
+        return self._in(old._water)  # type: ignore[attr-defined]
+
+    def _in(self, water: PoreWater) -> Inflow:
+        new = copy(self)
+        new._water = water
+        new._rates = new._entering(water.coordinates == "axisymmetric")
+        return new
+
+    @override
+    def numbered(self, numbers: Mapping[Field, ndarray]) -> Inflow:
+        new = copy(self)
+        new._at, new.size = numbers[self.borrowed[0]], None
+        return new
+
+    @override
+    def over(self, duration: float) -> Inflow:
+        new = copy(self)
+        new._duration = duration
+        return new
+
+    @override
+    def assemble(self, x: ndarray, state: Any) -> Response:
+        force = np.zeros(len(x))
+        force[self._at] = self._duration * self._rates
+        nothing = csr_matrix((len(x), len(x)))
+        return Response(force, lambda: None, lambda: nothing)

@@ -1,0 +1,172 @@
+"""Water at given rates: rain, wells and sources, in steady flow and in consolidation."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from helpers import vector_basis
+from scipy.special import exp1
+from skfem import Basis, ElementHex1, ElementQuad1, MeshHex, MeshQuad
+
+import skfem_contact as sc
+
+#: Permeability and unit weight of water.
+K, WATER = 1e-5, 10.0
+
+
+def heads(mesh):
+    return Basis(mesh, ElementHex1() if mesh.dim() == 3 else ElementQuad1())
+
+
+def strip(length=40.0, height=10.0, n=1):
+    return MeshQuad.init_tensor(np.linspace(0, length, 40 * n + 1), np.linspace(0, height, 20 * n + 1)).with_defaults()
+
+
+@pytest.mark.parametrize(("n", "tolerance"), [(1, 4e-4), (2, 2.5e-4)])
+def test_rain_between_two_ditches(n, tolerance):
+    """[X] N. K. Girinskii: the integral of h - y over the depth is (h0² + N x (L - x) / k) / 2 for any surface."""
+    rain, level, length = 1e-6, 3.0, 40.0
+    ditches = {"left": level, "right": level}
+    water = sc.water.seepage(heads(strip(n=n)), K, ditches, unit_weight=WATER, seepage_face=list(ditches),
+                             flux={"top": rain})  # fmt: skip
+    assert water.discharge("top") == pytest.approx(rain * length, rel=1e-9)  # the balance of the iteration
+    for name in ditches:
+        assert water.discharge(name) == pytest.approx(-0.5 * rain * length, rel=1e-9)
+    y = np.linspace(0, 10, 4001)
+    above = np.maximum(water.head_at(np.array([np.full_like(y, 0.5 * length), y])) - y, 0.0)
+    exact = 0.5 * (level**2 + 0.25 * rain / K * length**2)
+    # the ramp lets some water flow sideways above the surface: measured 3.2e-4 and 2.0e-4
+    assert np.trapezoid(above, y) == pytest.approx(exact, rel=tolerance)
+
+
+def test_rain_that_the_ground_does_not_take():
+    """[X] Rain that floods the surface to its ends: the flow is that under a level there, the rest runs off."""
+    mesh, ditches = strip(), {"left": 3.0, "right": 3.0}
+    rule = {"unit_weight": WATER, "seepage_face": list(ditches)}
+    rained = sc.water.seepage(heads(mesh), K, ditches, flux={"top": 1e3 * K}, **rule)
+    flooded = sc.water.seepage(heads(mesh), K, {**ditches, "top": 10.0}, **rule)
+    np.testing.assert_allclose(rained.head, flooded.head, atol=1e-9)
+    enters = rained.discharge("top")
+    assert enters == pytest.approx(-rained.discharge("left") - rained.discharge("right"), rel=1e-9)
+    assert enters == pytest.approx(np.maximum(flooded.inflow, 0.0).sum(), rel=1e-9)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_well_in_a_confined_layer(dim):
+    """[X] Uniform flow to a screen: the drawdown is Q L / (k A)."""
+    lines = [*[np.linspace(0, 4, 7), np.linspace(0, 2, 4)][: dim - 1], np.linspace(-3, -2, 4)]
+    mesh = (MeshHex if dim == 3 else MeshQuad).init_tensor(*lines)
+    mesh = mesh.with_boundaries({"far": lambda x: x[0] == 0.0, "screen": lambda x: x[0] == 4.0})
+    area, pumped = 2.0 if dim == 3 else 1.0, 1e-4
+    water = sc.water.seepage(heads(mesh), K, {"far": 45.0}, unit_weight=WATER, wells={"screen": pumped})
+    np.testing.assert_allclose(water.head, 45.0 - pumped / (K * area) * mesh.p[0], rtol=1e-12)
+    assert water.discharge("screen") == pytest.approx(-pumped, rel=1e-12)
+
+
+def test_well_with_a_radius():
+    """[X] G. Thiem: the drawdown is Q ln(R / r) / 2 pi k b, in layers as well, whatever they take each."""
+    r = np.geomspace(0.1, 50.0, 100)
+    mesh = MeshQuad.init_tensor(r, np.linspace(0, 5, 6))
+    mesh = mesh.with_boundaries({"screen": lambda x: x[0] < 0.1001, "far": lambda x: x[0] > 49.999})
+    mesh = mesh.with_subdomains({"sand": lambda x: x[1] > 2.0, "silt": lambda x: x[1] < 2.0})
+    pumped = 0.01 / (2 * np.pi)  # per radian
+    water = sc.water.seepage(heads(mesh), {"sand": 1e-4, "silt": 2e-5}, {"far": 60.0}, unit_weight=WATER,
+                             wells={"screen": pumped}, coordinates="axisymmetric")  # fmt: skip
+    drawdown = pumped / (3 * 1e-4 + 2 * 2e-5) * np.log(500.0)
+    at = np.isclose(mesh.p[0], 0.1)
+    # conductance of a linear element in r: (q + 1) ln(q) / 2 (q - 1) times the exact one, 3.3e-4 with q = 500^(1/99)
+    np.testing.assert_allclose(60.0 - water.head[at], drawdown, rtol=5e-4)
+    assert np.ptp(water.head[at]) < 1e-12
+    assert water.discharge("screen", of="silt") == pytest.approx(-pumped * 4e-5 / 3.4e-4, rel=1e-6)
+
+
+def test_well_that_falls_dry_is_told():
+    """More water than the head can drive to the top of the screen."""
+    mesh = strip(4.0, 1.0).with_boundaries({"screen": lambda x: x[0] == 0.0})
+    with pytest.warns(sc.AnalysisWarning, match="well 'screen' falls dry: its level, -?[0-9.]+, lies below the top"):
+        sc.water.seepage(heads(mesh), K, {"right": 1.5}, unit_weight=WATER, wells={"screen": 3e-6})
+
+
+def test_sources():
+    """[X] A source w in a strip with both ends at zero: k h'' = -w, exact at the nodes."""
+    mesh = strip(4.0, 1.0).with_subdomains({"all": lambda x: x[0] > -1.0})
+    water = sc.water.seepage(heads(mesh), K, {"left": 9.0, "right": 9.0}, unit_weight=WATER, sources={"all": 2e-6})
+    np.testing.assert_allclose(water.head, 9.0 + 0.1 * mesh.p[0] * (4.0 - mesh.p[0]), rtol=1e-10)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_water_balances(seed):
+    """[X] Rain, a well and a source in random ground: what enters at boundaries and in the ground leaves by 1e-8."""
+    rng = np.random.default_rng(seed)
+    length, height = rng.uniform(8, 30), rng.uniform(4, 9)
+    mesh = strip(length, height)
+    mesh = mesh.with_boundaries({"screen": lambda x: (x[0] > length - 1e-9) & (x[1] < 0.3 * height)})
+    mesh = mesh.with_subdomains({"low": lambda x: x[1] < 0.5 * height, "high": lambda x: x[1] > 0.5 * height})
+    k = dict(zip(("low", "high"), 10.0 ** rng.uniform(-7, -4, 2)))
+    source = 10.0 ** rng.uniform(-10, -8)
+    pumped = min(k.values()) * rng.uniform(-0.5, 0.5)
+    water = sc.water.seepage(
+        heads(mesh), k, {"left": height * rng.uniform(0.8, 1.0)}, unit_weight=WATER, seepage_face="left",
+        flux={"top": 10.0 ** rng.uniform(-9, -5)}, wells={"screen": pumped}, sources={"low": source},
+    )  # fmt: skip
+    through = [water.discharge(name) for name in ("left", "top", "screen")]
+    assert through[2] == pytest.approx(-pumped, rel=1e-8)
+    assert abs(sum(through) + 0.5 * length * height * source) <= 1e-8 * np.abs(through).sum()
+
+
+def theis(r, t, pumped, transmissivity, storativity):
+    return pumped / (4 * np.pi * transmissivity) * exp1(r**2 * storativity / (4 * transmissivity * t))
+
+
+@pytest.mark.parametrize("increments", [1, 4])
+def test_pumping_test_with_recovery(increments):
+    """[X] C. V. Theis: drawdown at three distances while a well pumps and after it has stopped."""
+    r = np.geomspace(0.05, 3000.0, 111)
+    mesh = MeshQuad.init_tensor(r, np.array([0.0, 5.0]))
+    sides = {"screen": lambda x: x[0] < 0.0501, "far": lambda x: x[0] > 2999.0, "bottom": lambda x: x[1] == 0.0}
+    mesh = mesh.with_boundaries(sides)
+    basis = vector_basis(mesh, "Q1", intorder=2)
+    k, b, stiffness, pumped = 1e-4, 5.0, 1e5, 0.01
+    water = sc.PoreWater(basis, k, unit_weight=WATER, time_error=1e-3)
+    forms = {
+        "sand": sc.SolidForm(basis, sc.LinearElastic(E=stiffness, nu=0.0), coordinates="axisymmetric"),
+        "water": water,
+        "well": sc.water.Inflow(water, {"screen": -pumped / (2 * np.pi * 0.05 * b)}),
+    }
+    fixed = [basis.get_dofs(elements=True).all("u^1"), basis.get_dofs("bottom").all("u^2"), water.dofs("far")]
+    stages = [
+        sc.Stage("pump", duration=6e4, increments=increments),
+        sc.Stage("rest", duration=3e4, increments=increments, deactivate="well"),
+    ]
+    result = sc.Model(forms, fixed).run(stages, progress=False)
+    T, S = k * b, WATER * b / stiffness
+    for stage, exact in (("pump", lambda r: theis(r, 6e4, pumped, T, S)),
+                         ("rest", lambda r: theis(r, 9e4, pumped, T, S) - theis(r, 3e4, pumped, T, S))):  # fmt: skip
+        at = np.flatnonzero((mesh.p[0] > 1.0) & (mesh.p[0] < 30.0))
+        drawdown = -result[stage].forms["water"].pressure(result[stage].x)[at] / WATER
+        # the mesh has 1e-3 (elements grow by 1.11), the steps in time as much
+        np.testing.assert_allclose(drawdown, exact(mesh.p[0, at]), rtol=3e-3)
+    pumping = result["pump"].forms["water"].inflow(result["pump"].states["water"])
+    assert pumping == pytest.approx(-pumped / (2 * np.pi) * 6e4, rel=1e-9)
+
+
+def test_wrong_rates():
+    """Rates that contradict something, with the place."""
+    mesh = strip(4.0, 1.0).with_boundaries({"screen": lambda x: x[0] == 0.0})
+    basis, level = heads(mesh), {"left": 1.5}
+
+    def flow(head=level, **given):
+        return sc.water.seepage(basis, K, head, unit_weight=WATER, **given)
+
+    with pytest.raises(ValueError, match="boundary 'left' has a flux and a head at all its nodes"):
+        flow(flux={"left": 1e-6})
+    with pytest.raises(ValueError, match=r"well 'screen' shares the node at \(0, 0\) with a head"):
+        flow(wells={"screen": 1e-6})
+    with pytest.raises(ValueError, match="wells must be a dictionary of names, each a finite number"):
+        flow({"right": 1.5}, wells={"screen": np.nan})
+    with pytest.raises(ValueError, match="the flux must be a finite number, or a function of coordinates"):
+        flow(flux={"top": lambda x: np.nan * x[0]})
+    with pytest.raises(ValueError, match="subdomain"):
+        flow(sources={"nowhere": 1e-6})
+    with pytest.raises(ValueError, match="Inflow has neither flux nor sources"):
+        sc.water.Inflow(sc.PoreWater(vector_basis(mesh, "Q1", intorder=2), K, unit_weight=WATER))
