@@ -139,7 +139,7 @@ def test_rooms_modules_and_functions_are_small() -> None:
 def test_package_does_not_grow() -> None:
     """Few lines and files, no names that only types need, few names at the top, one class a name."""
     # beams and soils came as capabilities of their own: limits of their own, names at the top, and 180 lines elsewhere;
-    # rain, wells and remarks on gaps another 200
+    # rain, wells, remarks on gaps and water on beams another 330
     soils = [name for name in TREES if name.split(".")[0] == "laboratory"
              or name in {"materials.cam_clay", "materials.hoek_brown", "materials.hardening_soil",
                          "materials.hardening_return"}]  # fmt: skip
@@ -147,7 +147,7 @@ def test_package_does_not_grow() -> None:
     beams = [name for name in TREES if name.split(".")[0] == "beams"]
     assert sum(map(lines, beams)) <= 1_500 and len(beams) <= 7
     total = sum(lines(name) for name in TREES if name not in beams + soils)
-    assert total <= 22_400 + 180 + 200 and len(TREES) - len(beams) - len(soils) <= 120, (total, len(TREES))
+    assert total <= 22_400 + 180 + 330 and len(TREES) - len(beams) - len(soils) <= 120, (total, len(TREES))
     assert len(skfem_contact.__all__) <= 45 + len({"Beam", "Embedded", "split_along"}) + len(
         {"CamClay", "HardeningSoil", "HoekBrown", "element_test"}
     )

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from fuzz import joints
 from fuzz.blocks import Stack
 from fuzz.frames import as_drawn
 from fuzz.kinds import drawn
@@ -17,6 +18,7 @@ from skfem import Basis, ElementQuad1, ElementQuad2, ElementTriP2, ElementVector
 
 import skfem_contact as sc
 from skfem_contact.collapse.mechanism import as_collapse
+from skfem_contact.solvers.superlu import SuperLU
 
 QUIET = {"progress": False}
 
@@ -423,3 +425,20 @@ def test_gaps_between_nodes_that_multipliers_leave(recwarn):
         told = [warning for warning in recwarn if "gapes or penetrates" in str(warning.message)]
         assert len(told) == (increments == 1)
     assert np.abs(results[0] - results[1]).max() > 0.03 * np.abs(results[1]).max()
+
+
+def test_block_that_sticks_is_not_at_its_limit():
+    """[X] A block that sticks on a slope does no work until its friction is used up: tan(phi) over tan(slope)."""
+    drawn = Stack(1.3122, (0.7586,), (0.6446,), float(np.radians(21.9)), "segments")
+    found = drawn.model(2).strength_reduction(**QUIET)
+    assert found.factor == pytest.approx(drawn.slides(), abs=0.01)
+    assert found.stop.shows_limit
+
+
+@pytest.mark.parametrize("rigid", [False, True])
+def test_bounds_of_a_smooth_joint_without_pardiso(rigid, monkeypatch):
+    """Blocks on a slope that nothing holds without friction: no safe estimate, and no failure of the factor."""
+    monkeypatch.setattr("skfem_contact.limit_analysis.elements.as_engine", SuperLU)
+    drawn = Stack(1.25, (0.42,), (0.57,), float(np.radians(24.5)), "nodal")
+    for name, value, tolerance in joints.bounds(drawn, True, "given", rigid):
+        assert value <= tolerance, name

@@ -33,8 +33,9 @@ _FIRST = (1.0, 0.7, 0.5, 0.35, 0.25)
 _BALANCE, _LOOSE = 0.03, 0.1
 #: Share of the tolerance that the curve's end may leave open.
 _OPEN = 0.25
-#: Work, as a share of the elastic work of the whole load, from which it can be prescribed.
-_NOTICEABLE = 1e-4
+#: Work, as a share of the elastic work of the whole load and of what the residual's tolerance leaves, from which it can
+#: be prescribed: a block that sticks does .6 times its residual, 1.1e-4, without any motion.
+_NOTICEABLE, _BY_RESIDUAL = 1e-4, 3.0
 
 
 class _Strength:
@@ -196,7 +197,7 @@ def _approach(branch: _Strength, first: Point, newton: Newton, least: float, ste
               log: SearchLog) -> tuple[list[Point], NotConverged | None]:
     """Take fixed factors until the load does work: as long as the bodies are elastic the factor has no effect."""
     response = _elastic(branch, first)
-    noticeable = _NOTICEABLE * branch.whole.work(branch.load, response)
+    noticeable = max(_NOTICEABLE, _BY_RESIDUAL * newton.tolerance) * branch.whole.work(branch.load, response)
     last = first
     while last.parameter <= max_value:
         factor = last.parameter + step

@@ -245,6 +245,7 @@ class Program:
             self._ordered = FreeBlock(self._engine.order(K, self.reduction.coordinates))
         A, order = self._ordered.gather(K), self._ordered.order
         diagonal = A.diagonal()
+        share = np.where(diagonal > 0.0, diagonal, diagonal.max())  # nothing resists what has zero: a smooth joint
 
         def solve(b: ndarray) -> ndarray:
             y = np.empty_like(b)
@@ -252,7 +253,7 @@ class Program:
             return y
 
         for shift in _SHIFTS:
-            A.setdiag(diagonal * (1.0 + shift))
+            A.setdiag(diagonal + shift * share)
             try:
                 inverse = self._engine.factor(A, symmetric=True)
             except RuntimeError:

@@ -1,0 +1,134 @@
+r"""
+Wells
+=====
+
+A well pumps the discharge Q from a layer of the thickness b. In a confined layer the steady drawdown between two radii
+is :math:`Q \ln(R / r) / 2 \pi k b` (G. Thiem 1906), and after the time t it is
+
+.. math:: s = \frac{Q}{4 \pi T} \, W\!\left(\frac{r^2 S}{4 T t}\right) , \qquad T = k b , \quad
+          S = \gamma_w b \left( \frac{1}{M} + n \beta \right) ,
+
+with the exponential integral W, the stiffness M of the ground without lateral strain, and the storage of the water
+(C. V. Theis 1935). What recovers after the pump has stopped follows by superposition. With a free surface the
+discharge is :math:`\pi k (h_2^2 - h_1^2) / \ln(R / r)` (J. Dupuit), in spite of the seepage face above the level in the
+well.
+
+``error`` is the largest relative error of the drawdown, or of the discharge.
+"""
+import json
+import time
+import warnings
+
+import matplotlib.pyplot as plt
+import numpy as np
+from scipy.special import exp1
+from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+
+import skfem_contact as sc
+
+K, WATER, PUMPED, THICK, WELL = 1e-4, 9.81, 0.01, 5.0, 0.1
+PER_RADIAN = PUMPED / (2 * np.pi)
+
+
+def layer(far, n, m=1, height=THICK):
+    """Rings of elements that grow with the radius, between the well and the radius `far`."""
+    mesh = MeshQuad.init_tensor(np.geomspace(WELL, far, n + 1), np.linspace(0, height, m + 1))
+    return mesh.with_boundaries({"screen": lambda x: x[0] < WELL * (1 + 1e-9), "far": lambda x: x[0] > far * (1 - 1e-9),
+                                 "bottom": lambda x: x[1] == 0.0})
+
+
+rows = []
+
+
+def row(method, n, unknowns, error, began, limit):
+    """Note and check the error of an analysis."""
+    rows.append({"method": method, "n": n, "unknowns": unknowns, "error": float(error),
+                 "cpu_s": round(time.process_time() - began, 2)})
+    print(f"{method:<24} n = {n:3d}  error {error:.1e}")
+    assert error < limit
+
+
+# %%
+# Steady flow
+# -----------
+# The screen is a boundary with one unknown head. A well that falls dry is told.
+
+for n in (25, 50, 100):
+    began = time.process_time()
+    flow = sc.water.seepage(Basis(layer(50.0, n), ElementQuad1()), K, {"far": 40.0}, unit_weight=WATER,
+                            wells={"screen": PER_RADIAN}, coordinates="axisymmetric")
+    drawdown = 40.0 - flow.head[np.isclose(flow.basis.mesh.p[0], WELL)][0]
+    exact = PER_RADIAN / (K * THICK) * np.log(50.0 / WELL)
+    row("confined, steady", n, len(flow.head), abs(drawdown / exact - 1), began, 4 / n**2)
+
+for n in (20, 40):
+    began = time.process_time()
+    basis = Basis(layer(20.0, 2 * n, n, 10.0), ElementQuad1())
+    flow = sc.water.seepage(basis, K, {"far": 10.0, "screen": 4.0}, unit_weight=WATER, seepage_face="screen",
+                            coordinates="axisymmetric")
+    exact = K * (100 - 16) / 2 / np.log(20.0 / WELL)
+    row("free surface", n, len(flow.head), abs(flow.discharge("far") / exact - 1), began, 2e-3)
+
+# %%
+# A pumping test
+# --------------
+# `Inflow` is a form that brings water, or takes it, at a rate: the pump runs for 20 hours, and stops. The ground
+# does not strain sideways, and its cover is a constant load.
+
+warnings.filterwarnings("ignore", message=".*of the elements beside drains")  # the far side: nothing arrives there
+DAY, STIFFNESS, STORAGE = 7.2e4, 1e5, 2e-6
+OBSERVED = (1.0, 5.0, 25.0)
+
+
+def pumping_test(n, time_error):
+    """Result of the pumping test on n rings."""
+    basis = Basis(layer(4000.0, n), ElementVector(ElementQuad1()), intorder=2)
+    pores = sc.PoreWater(basis, K, unit_weight=WATER, storage=STORAGE, time_error=time_error)
+    forms = {
+        "sand": sc.SolidForm(basis, sc.LinearElastic(E=STIFFNESS, nu=0.0), coordinates="axisymmetric"),
+        "water": pores,
+        "pump": sc.water.Inflow(pores, {"screen": -PUMPED / (2 * np.pi * WELL * THICK)}),
+    }
+    fixed = [basis.get_dofs(elements=True).all("u^1"), basis.get_dofs("bottom").all("u^2"), pores.dofs("far")]
+    times = np.geomspace(600.0, DAY, 9)
+    stages = [sc.Stage(f"pump {i}", duration=float(step)) for i, step in enumerate(np.diff(times, prepend=0.0))]
+    stages += [sc.Stage(f"rest {i}", duration=float(step), deactivate="pump" if i == 0 else ())
+               for i, step in enumerate(np.diff(times, prepend=0.0))]
+    return sc.Model(forms, fixed).run(stages, progress=False)
+
+
+def theis(r, t):
+    """Drawdown after the time t of pumping."""
+    T, S = K * THICK, WATER * THICK * (1 / STIFFNESS + STORAGE)
+    return PUMPED / (4 * np.pi * T) * exp1(r**2 * S / (4 * T * t))
+
+
+for n, time_error in ((60, 1e-3), (120, 1e-4)):
+    began = time.process_time()
+    result = pumping_test(n, time_error)
+    water = result[-1].forms["water"]
+    at = [np.abs(water.ground.mesh.p[0] - r).argmin() for r in OBSERVED]
+    r = water.ground.mesh.p[0, at]
+    t = np.array([stage.time for stage in result])
+    drawdown = np.array([-water.pressure(stage.x)[at] / WATER for stage in result])
+    after = np.maximum(t - DAY, 1e-30)[:, None]
+    exact = theis(r, t[:, None]) - np.where(t[:, None] > DAY + 1.0, theis(r, after), 0.0)
+    entered = water.inflow(result[-1].states["water"]) / (-PER_RADIAN * DAY) - 1
+    error = np.abs(drawdown - exact).max(axis=0) / exact.max(axis=0)
+    row("pumping and recovery", n, len(result[-1].x), error.max(), began, 3e-3 if n == 120 else 1e-2)
+    print(f"   {sum(len(stage.iterations) for stage in result)} steps, balance of the water {entered:+.0e}")
+    assert abs(entered) < 1e-8
+
+# %%
+# Drawdown in the course of time
+# ------------------------------
+
+figure, ax = plt.subplots(figsize=(7, 4), layout="constrained")
+for i, distance in enumerate(r):
+    line, = ax.plot(t / 3600, exact[:, i], label=f"Theis, r = {distance:.1f} m")
+    ax.plot(t / 3600, drawdown[:, i], "o", color=line.get_color(), ms=4)
+ax.set(xlabel="time in hours", ylabel="drawdown")
+ax.invert_yaxis()
+ax.legend()
+plt.show()
+print(json.dumps({"case": "well", "rows": rows}))
