@@ -603,3 +603,19 @@ def test_buoyancy_of_a_thick_ring(n, error):
     points, normals, lengths, _ = ring._elements.sides(0.15)
     force = -((10.0 - 9.81 * points[:, 1]) * lengths) @ normals
     assert force == pytest.approx([0.0, 9.81 * 2.0 * np.pi * 2.0 * 0.3], rel=error, abs=1e-9)
+
+
+def test_envelope():
+    """[X] Extremes of two stages of a cantilever with their names, also in the table; a body of no stage is named."""
+    beam = sc.Beam(None, straight(2.0, 2), EI=100.0, EA=1e4)
+    model = sc.Model({"beam": beam}, beam.dofs((0.0, 0.0)))
+    form = model.forms["beam"]
+    stages = [sc.Stage("down", form.load((4.0, -3.0), (2.0, 0.0))), sc.Stage("up", form.load((-1.0, 1.0), (2.0, 0.0)))]
+    found = model.run(stages, **QUIET).envelope("beam")
+    assert found.largest.M == pytest.approx([6.0, 3.0, 3.0, 0.0], abs=1e-9)
+    assert found.smallest.M == pytest.approx([-2.0, -1.0, -1.0, 0.0], abs=1e-9)
+    assert found.largest.N == pytest.approx(4.0) and found.smallest.N == pytest.approx(-1.0)
+    assert (found.stages["M"][:, 0] == ["up", "down"]).all() and (found.stages["N"][1] == "down").all()
+    assert [line.split() for line in str(found).splitlines()][4] == ["M", "-2", "at", "0", "up"]
+    with pytest.raises(ValueError, match="no form"):
+        model.run(stages, **QUIET).envelope("wall")

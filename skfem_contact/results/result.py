@@ -13,7 +13,7 @@ from ..checks import look_up
 from ..display import html_table
 from ..forms.base import Form, as_forms, internal_force, pairs_of, solids_of
 from . import export, fields, files, strength
-from .sections import SectionForces, Sections, section_forces
+from .sections import Envelope, SectionForces, Sections, section_forces
 from .tractions import ContactReport, Tractions, contact_report, tractions
 
 #: Change of a form's internal force at a reset, as a share of all forces, that is more than round-off.
@@ -64,10 +64,7 @@ class StageResult(files.StageData):
     """
 
     def reactions(self) -> ndarray:
-        """Return the forces of the supports, (N,): internal forces less the load.
-
-        At degrees of freedom that are not fixed the residual is left.
-        """
+        """Return the forces of the supports, (N,): internal forces less the load; the residual where none is fixed."""
         return internal_force(self.forms, self.x, self.states) - self.load
 
     def tractions(self, pair: str) -> Tractions:
@@ -160,10 +157,7 @@ class StageResult(files.StageData):
         return pyvista.from_meshio(export.grid(self))
 
     def to_frame(self) -> Any:
-        """Return coordinates and all fields at the nodes of solids as a pandas data frame, a row for each node.
-
-        Tractions and section forces become a frame by ``pandas.DataFrame(vars(tractions))``.
-        """
+        """Return fields at the nodes of solids as a pandas data frame; tractions: ``DataFrame(vars(tractions))``."""
         return export.frame(self)
 
     def contour(self, quantity: str, **options: Any) -> Any:
@@ -238,6 +232,11 @@ class Result:
         return [(s.name, len(s.iterations), sum(s.iterations), f"{s.residual:.1e}", f"{s.fraction:.0%}",
                  "; ".join(f"{k}: {v}" for k, v in s.summary.items() if v)) for s in self.stages]
 
+    def envelope(self, body: str, sections: Sections | None = None) -> Envelope:
+        """Return the extreme section forces at the ends of all stages that hold a body; increments do not count."""
+        there = [stage for stage in self if body in stage.states] or self.stages[-1:]  # which names what is missing
+        return Envelope.of({stage.name: stage.section_forces(body, sections) for stage in there})
+
     def save(self, file: str | Path) -> None:
         """Write all stages to one compressed file, from which :func:`load_result` resumes; it gets the end ``.npz``.
 
@@ -289,8 +288,7 @@ def load_result(file: str | Path, forms: Any) -> Result:
     file
         Name of the file, with or without the end ``.npz`` of :meth:`Result.save`.
     forms
-        The model, or the forms of the analysis by the same names; of forms that are inactive in a stage the file holds
-        no state.
+        The model, or the forms of the analysis by the same names.
 
     Raises
     ------

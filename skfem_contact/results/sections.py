@@ -11,7 +11,10 @@ resultant is that of the nodal forces of the elements on the free side.
 """
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from itertools import product
+from typing import Any
 
 import numpy as np
 from numpy import ndarray
@@ -85,6 +88,35 @@ class SectionForces:
         about = np.cross(self.axis, side)
         V, M = dot(self.V, side), -dot(self.M, about)
         return SectionForces(self.position, self.x, self.z, self.N, V, M)
+
+
+@dataclass(frozen=True)
+class Envelope:
+    """Smallest and largest section forces over stages; ``print(envelope)`` shows the extremes with their stages.
+
+    ``stages["M"]``, (2, n), has the names of the stages of the smallest and of the largest moments.
+    """
+
+    smallest: SectionForces
+    largest: SectionForces
+    stages: dict[str, Any]
+
+    @classmethod
+    def of(cls, forces: Mapping[str, SectionForces]) -> Envelope:
+        """Return the envelope of section forces by the names of their stages."""
+        names, first = np.array(list(forces)), next(iter(forces.values()))
+        values = {key: np.array([getattr(part, key) for part in forces.values()]) for key in "NVM"}
+        low, high = ({key: v[at(v, axis=0), range(v.shape[1])] for key, v in values.items()}
+                     for at in (np.argmin, np.argmax))
+        stages = {key: names[np.array([v.argmin(axis=0), v.argmax(axis=0)])] for key, v in values.items()}
+        return cls(replace(first, **low), replace(first, **high), stages)
+
+    def __str__(self) -> str:
+        lines = []
+        for key, (k, part, at) in product("NVM", ((0, self.smallest, np.argmin), (1, self.largest, np.argmax))):
+            i = int(at(getattr(part, key)))
+            lines.append(f"{key} {getattr(part, key)[i]:10.4g} at {part.position[i]:<8.4g} {self.stages[key][k, i]}")
+        return "\n".join(lines)
 
 
 @dataclass(frozen=True)

@@ -1,23 +1,19 @@
 """Loads of a stage: weights of active bodies and water at rest, beside the loads on top."""
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
 from numpy import ndarray
-from scipy.spatial import cKDTree
 from skfem import FacetBasis, Mesh
 from skfem.generic_utils import OrientedBoundary
 
+from ..beams.sides import facing, pressure_beside, surroundings
 from ..checks import look_up
 from ..forms.base import Form
 from ..layout import elements_of
 from ..loads import at_points, face_load, hydrostatic, pore_load
-
-#: Facets that are tried first as the one that another faces, and how far off one that touches may lie, over its size:
-#: the rise of an arc of 16 chords is .05 of a chord.
-_NEAR, _OFF = 16, 0.1
 
 
 def as_pressure(water: Any, mesh: Mesh, unit_weight: float | None) -> Any:
@@ -54,20 +50,12 @@ def water_at_rest(solids: Mapping[str, Any], others: Iterable[Form], water: Any,
     owner, faced = np.asarray(outside.tind), None
     porous = np.isin(owner, np.concatenate([f.elements for f in solids.values() if f.porous] or [np.zeros(0, int)]))
     if isinstance(pressure, Mapping) or hasattr(pressure, "pressure_at"):
-        faced = _faced(_surroundings(outside), porous)
+        faced = facing(surroundings(outside), porous)
         owner = owner[faced]
     yield face_load(outside, _in_elements(outside, pressure, owner, faced), axisymmetric)
 
     def beside(*sides: ndarray) -> ndarray:
-        """Return the pressure on sides at points, with normals and sizes, (n, dim) and (n,)."""
-        if callable(pressure):
-            return np.asarray(pressure(sides[0].T))
-        around = [np.concatenate(parts) for parts in zip(_surroundings(outside), sides)]
-        facets = _faced(around, np.append(porous, np.zeros(len(sides[0]), bool)))[len(porous):]
-        faces = facets < len(porous)
-        values = np.zeros(len(facets))
-        values[faces] = _opposite(outside, pressure, facets[faces], sides[0][faces])
-        return values
+        return pressure_beside(outside, porous, pressure, sides)
 
     yield from (load for form in others if (load := form.water_load(beside)) is not None)
 
@@ -80,53 +68,6 @@ def _bounding(mesh: Mesh, solids: Mapping[str, Any]) -> OrientedBoundary:
     first, second = active[mesh.f2t[0]], active[mesh.f2t[1]] & (mesh.f2t[1] >= 0)
     facets = np.flatnonzero(first != second)
     return OrientedBoundary(facets, second[facets].astype(int))
-
-
-def _surroundings(outside: FacetBasis) -> list[ndarray]:
-    """Return middles, normals, (n, dim) each, and sizes of facets, (n,)."""
-    middle, normal = (np.asarray(values).mean(axis=2).T for values in (outside.global_coordinates(), outside.normals))
-    return [middle, normal, outside.dx.sum(axis=1) ** (1.0 / (outside.mesh.dim() - 1))]
-
-
-def _opposite(outside: FacetBasis, pressure: Any, facets: ndarray, points: ndarray) -> ndarray:
-    """Return the pressure at points (n, 2) by the head, level or pressure at the nearest points of facets (n,)."""
-    mesh, owner, values = outside.mesh, outside.tind[facets], np.zeros(len(points))
-    ends = mesh.facets[:, outside.find[facets]]
-    a, b = mesh.p[:, ends].transpose(1, 2, 0)
-    share = np.clip(((points - a) * (b - a)).sum(axis=1) / ((b - a) ** 2).sum(axis=1), 0.0, 1.0)
-    weights = np.stack((1.0 - share, share))
-    if hasattr(pressure, "pressure_at"):
-        wet = np.isin(owner, elements_of(pressure.basis))
-        values[wet] = pressure.pressure_at(points[wet].T, (weights * pressure.head[ends]).sum(axis=0)[wet])
-        return values
-    for name, given in (pressure if isinstance(pressure, Mapping) else {"": pressure}).items():
-        here = np.isin(owner, mesh.subdomains[name]) if name else np.full(len(points), True)
-        values[here] = given(points[here].T) if callable(given) else (weights * given[ends]).sum(axis=0)[here]
-    return values
-
-
-def _faced(sides: Sequence[ndarray], porous: ndarray) -> ndarray:
-    """Return for each facet itself where its element is porous, else the nearest porous facet that it faces.
-
-    Ground on the other side of a wall is not faced: it lies behind, or its normal has the same direction.
-    """
-    middle, normal, size = sides
-    wet, faced = np.flatnonzero(porous), np.arange(len(middle))
-    if len(wet):
-        tree = cKDTree(middle[wet])
-        for facet in np.setdiff1d(faced, wet):
-            for n in (min(_NEAR, len(wet)), len(wet)):
-                near = wet[np.atleast_1d(tree.query(middle[facet], n)[1])]
-                distance = middle[near] - middle[facet]
-                ahead, turned = distance @ normal[facet], normal[near] @ normal[facet]
-                apart = np.linalg.norm(distance, axis=1)
-                close = apart < 0.495 * (size[facet] + size[near])
-                touching = close & (turned < -0.5) & (abs(ahead) < _OFF * size[facet])
-                facing = touching | ((turned < 0.5) & (ahead > _OFF**2 * apart))
-                if facing.any():
-                    faced[facet] = near[facing.argmax()]
-                    break
-    return faced
 
 
 def _in_elements(basis: Any, pressure: Any, elements: ndarray, faced: ndarray | None = None) -> ndarray:
