@@ -612,9 +612,9 @@ def test_envelope():
     form = model.forms["beam"]
     stages = [sc.Stage("down", form.load((4.0, -3.0), (2.0, 0.0))), sc.Stage("up", form.load((-1.0, 1.0), (2.0, 0.0)))]
     found = model.run(stages, **QUIET).envelope("beam")
-    assert found.largest.M == pytest.approx([6.0, 3.0, 3.0, 0.0], abs=1e-9)
-    assert found.smallest.M == pytest.approx([-2.0, -1.0, -1.0, 0.0], abs=1e-9)
-    assert found.largest.N == pytest.approx(4.0) and found.smallest.N == pytest.approx(-1.0)
+    assert pytest.approx([6.0, 3.0, 3.0, 0.0], abs=1e-9) == found.largest.M
+    assert pytest.approx([-2.0, -1.0, -1.0, 0.0], abs=1e-9) == found.smallest.M
+    assert pytest.approx(4.0) == found.largest.N and pytest.approx(-1.0) == found.smallest.N
     assert (found.stages["M"][:, 0] == ["up", "down"]).all() and (found.stages["N"][1] == "down").all()
     assert [line.split() for line in str(found).splitlines()][4] == ["M", "-2", "at", "0", "up"]
     with pytest.raises(ValueError, match="no form"):
