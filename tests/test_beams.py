@@ -619,3 +619,74 @@ def test_envelope():
     assert [line.split() for line in str(found).splitlines()][4] == ["M", "-2", "at", "0", "up"]
     with pytest.raises(ValueError, match="no form"):
         model.run(stages, **QUIET).envelope("wall")
+
+
+def shell(line, cells=None, GA=1e4):
+    return sc.Beam(None, line, EI=2.5, EA=3e4, GA=GA, cells=cells, coordinates="axisymmetric", nu=0.3)
+
+
+def test_bent_edge_of_a_cylinder():
+    """[X] A tank of radius a clamped at its foot, filled with water (S. Timoshenko, Plates and Shells, art. 118).
+
+    GA is large: the closed form has no shear. The tank is high: exp(-8) of the edge is left at its top.
+    """
+    a, h, n, fluid = 8.0, 7.0, 24, 10.0
+    wall = shell(np.column_stack((np.full(n + 1, a), np.linspace(0, h, n + 1))), GA=1e9)
+    model = sc.Model({"wall": wall}, wall.dofs((a, 0.0)))
+    load = model.forms["wall"].line_load(lambda x: np.stack((fluid * (h - x[1]), 0.0 * x[1])))
+    forces = model.run([sc.Stage("filled", load)], **QUIET)["filled"].section_forces("wall")
+    membrane, z = 3e4 * (1 - 0.3**2), forces.y
+    beta = (membrane / (4 * 2.5 * a**2)) ** 0.25
+    wave = np.exp(-beta * z) * (h * np.cos(beta * z) + (h - 1 / beta) * np.sin(beta * z))
+    moment = fluid / (2 * beta**2) * np.exp(-beta * z) * ((h - 1 / beta) * np.cos(beta * z) - h * np.sin(beta * z))
+    assert pytest.approx(moment, abs=1e-3 * moment[0]) == abs(forces.M[0]) / forces.M[0] * forces.M
+    assert pytest.approx(fluid * a * (h - z - wave), abs=2e-3 * fluid * a * h) == forces.N_hoop
+    assert pytest.approx(0.3 * forces.M, abs=1e-9) == forces.M_hoop
+
+
+def test_uniform_moment_of_a_ring_plate():
+    """[X] Moments at both rims bend a ring into a sphere: the moment around is that along, u = M r^2 / 2 D (1 + nu)."""
+    plate = shell(np.column_stack((np.linspace(1, 3, 4), np.zeros(4))))
+    model = sc.Model({"plate": plate}, plate.dofs((3.0, 0.0), ["u^2"]))
+    form = model.forms["plate"]
+    load = form.load((0.0, 0.0), (3.0, 0.0), moment=6.0) + form.load((0.0, 0.0), (1.0, 0.0), moment=-2.0)
+    stage = model.run([sc.Stage("bent", load)], **QUIET)["bent"]
+    forces = stage.section_forces("plate")
+    assert np.stack((forces.M, forces.M_hoop)) == pytest.approx(-2.0, rel=1e-9)
+    assert stage.x[form.numbers((1.0, 0.0))[1]] == pytest.approx(-2.0 * (9 - 1) / 2 / 2.5 / 1.3, rel=1e-9)
+
+
+@pytest.mark.parametrize(("n", "error"), [(16, 8e-3), (32, 2e-3)])  # second order: the curvature of parabolas
+def test_sphere_under_pressure(n, error):
+    """[X] p R / 2 in both directions, held at its rims as in a whole sphere."""
+    angle = np.radians(np.linspace(20, 120, 2 * n + 1))
+    way = np.column_stack((np.sin(angle), np.cos(angle)))
+    ends = np.arange(0, 2 * n, 2)
+    sphere = shell(5.0 * way, np.column_stack((ends, ends + 2, ends + 1)))
+    model = sc.Model({"sphere": sphere}, sphere.dofs(5.0 * way[-1], ["u^2"]))
+    form, N = model.forms["sphere"], 40.0 * 5.0 / 2
+    load = form.line_load(lambda x: 40.0 * x / 5.0)
+    for end, sign in ((0, -1.0), (-1, 1.0)):
+        s, c = way[end]
+        load += form.load(sign * N * 5.0 * s * np.array([c, -s]), 5.0 * way[end])
+    forces = model.run([sc.Stage("blown", load)], **QUIET)["blown"].section_forces("sphere")
+    assert np.stack((forces.N, forces.N_hoop)) == pytest.approx(N, rel=error)
+
+
+def test_shells_beside_solids_and_bad_shells():
+    """[X] A shell bonded to a thick cylinder; a plane beam there, a pole, and nu elsewhere are refused."""
+    mesh = MeshQuad.init_tensor(np.linspace(1, 2, 3), np.linspace(0, 3, 4)).with_defaults()
+    basis = vector_basis(mesh, "Q2")
+    ground = sc.SolidForm(basis, sc.LinearElastic(E=1.0, nu=0.3), coordinates="axisymmetric")
+    lining = sc.Beam(basis, "left", EI=1.0, EA=1e3, coordinates="axisymmetric")
+    model = sc.Model({"ground": ground, "lining": lining}, basis.get_dofs({"bottom", "top"}).all("u^2"))
+    stage = model.run([sc.Stage("press", model.traction("left", (5.0, 0.0)))], **QUIET)["press"]
+    ring, bore = 1e3, 1.0 / 1.3 * (4 - 1) / (0.4 + 4)  # pressures over displacements
+    assert stage.section_forces("lining").N_hoop == pytest.approx(5.0 * ring / (ring + bore), rel=1e-3)
+    with pytest.raises(ValueError, match="coordinate systems"):
+        sc.Model({"ground": ground, "lining": sc.Beam(basis, "left", EI=1.0, EA=1e3)}, ())
+    for wrong in ({"coordinates": "axisymmetric", "Mp": 1.0}, {"nu": 0.2}, {"coordinates": "axisymmetric", "nu": 0.6}):
+        with pytest.raises(ValueError, match="shell of revolution"):
+            sc.Beam(None, [[1.0, 0.0], [1.0, 1.0]], 1.0, 1.0, **wrong)
+    with pytest.raises(ValueError, match="small hole"):
+        shell([[0.0, 0.0], [1.0, 0.0]])

@@ -4,7 +4,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy import ndarray
@@ -20,7 +20,7 @@ from ..forms.base import Form, Response
 from ..layout import Field
 from ..sparse import Gathering
 from ..surfaces.surface import Surface
-from .element import BeamElements, Flow, Hinges, loose_node
+from .element import BeamElements, Flow, Hinges, ShellElements, loose_node
 from .lines import nodes_of, touching
 from .nodes import BeamNodes
 
@@ -77,6 +77,10 @@ class Beam(BeamNodes):
         False if a beam along a named line has nodes of its own there.
     thickness
         Distance of the two sides, for contact.
+    coordinates, nu
+        ``"axisymmetric"`` for a shell of revolution about x = 0 with this Poisson's ratio: stiffnesses and section
+        forces are per width, with ``EI = E t**3 / 12 / (1 - nu**2)`` and ``EA = E t / (1 - nu**2)``. Forces on nodes
+        are per radian.
 
     Raises
     ------
@@ -98,12 +102,12 @@ class Beam(BeamNodes):
     """
 
     symmetric = True
-    coordinates = "plane"
 
     def __init__(self, basis: CellBasis | None, line: Any, EI: float, EA: float, GA: float | None = None, *,
                  spacing: float | None = None, cells: ArrayLike | None = None, hinges: ArrayLike = (),
                  Mp: float = np.inf, Np: float = np.inf, unit_weight: float = 0.0, bonded: bool = True,
-                 thickness: float = 0.0) -> None:
+                 thickness: float = 0.0, coordinates: Literal["plane", "axisymmetric"] = "plane",
+                 nu: float = 0.0) -> None:
         GA = EA / 3.0 if GA is None else GA
         for name, value in {"EI": EI, "EA": EA, "GA": GA, "Mp": Mp, "Np": Np, "spacing": spacing or 1.0}.items():
             if not (is_number(value, 0.0, np.inf) or (name in ("Mp", "Np") and value == np.inf)):
@@ -113,7 +117,11 @@ class Beam(BeamNodes):
         if min(unit_weight, thickness) < 0.0:
             raise ValueError(f"unit_weight and thickness must not be negative, not {unit_weight!r} and {thickness!r}")
         shared, self.points, self.cells = nodes_of(basis, line, cells)
-        self._elements = BeamElements.of(self.points[self.cells])
+        self.coordinates, corners = coordinates, self.points[self.cells]
+        shell = coordinates == "axisymmetric"
+        if (shell and (not -1.0 < nu <= 0.5 or spacing is not None or np.isfinite(Mp))) or (not shell and nu):
+            raise ValueError(f"nu={nu!r} is for a shell of revolution, -1 < nu <= 0.5; it has no spacing and no Mp")
+        self._elements = ShellElements.about_axis(corners, nu) if shell else BeamElements.of(corners)
         self._shared = shared if bonded else None
         given = np.atleast_2d(finite(hinges, "hinges"))
         if given.size and (given.ndim, given.shape[1]) != (2, 2):
@@ -124,7 +132,8 @@ class Beam(BeamNodes):
         self._lay_out(turn)
         self._root = self._elements.root(*(value / self.spacing for value in (EA, GA, EI)))
         self._stiffness = self._root @ self._root.transpose(0, 2, 1)
-        self._hinges = Hinges(self._elements.resultants, self._root, self.cells[:, :2], Mp / self.spacing,
+        self._section = self._elements.section(self._root, EA / self.spacing, EI / self.spacing)
+        self._hinges = Hinges(self._section, self._root, self.cells[:, :2], Mp / self.spacing,
                               Np / self.spacing) if np.isfinite(Mp) else None
         self._alone = self._wet = False
 
@@ -221,7 +230,7 @@ class Beam(BeamNodes):
 
     @override
     def summary(self, state: BeamState) -> str:
-        N, _, M = np.moveaxis(self._section_forces(state), 2, 0)
+        N, _, M, *_ = np.moveaxis(self._section_forces(state), 2, 0)
         return f"N {N.min():.4g} to {N.max():.4g}, M {M.min():.4g} to {M.max():.4g}"
 
     @override
@@ -247,15 +256,24 @@ class Beam(BeamNodes):
         ends = np.cumsum(self._elements.length)
         position = np.column_stack((np.append(0.0, ends[:-1]), ends)).ravel()
         x, y = self.points[self.cells[:, :2].ravel()].T
-        return (position, x, y, *self._section_forces(state).reshape(-1, 3).T)
+        forces = self._section_forces(state)
+        N, V, M, *hoop = forces.reshape(-1, forces.shape[2]).T
+        return (position, x, y, N, V, M, *((None, None, None, *hoop) if hoop else ()))
 
     def _section_forces(self, state: BeamState) -> ndarray:
-        """Return N, V and M at both ends of the elements, (m, 2, 3)."""
-        return np.asarray(np.einsum("merj,mj->mer", self._elements.resultants, state.force))
+        """Return N, V and M at both ends of the elements, (m, 2, 3), of a shell also those of the hoop, (m, 2, 5)."""
+        return np.asarray(np.einsum("merj,mj->mer", self._section, state.force))
 
-    def line_load(self, force: ArrayLike) -> ndarray:
-        """Return the load vector of a force per length, (2,), on all elements, of a model's beam."""
-        return self._distributed(self._rows[:, :6], self._elements.load[:, :, None] * vector(force, 2, "force"))
+    def line_load(self, force: ArrayLike | Callable[[ndarray], ArrayLike]) -> ndarray:
+        """Return the load vector of a force per length, (2,), on all elements, of a model's beam.
+
+        It may be a function of coordinates (2, n) that returns (2, n). On a shell it is a force per area.
+        """
+        if not callable(force):
+            return self._distributed(self._rows[:, :6], self._elements.load[:, :, None] * vector(force, 2, "force"))
+        points, _, lengths, shares = self._elements.sides(0.0)  # each point twice
+        values = 0.5 * finite(force(points.T), "force").T * lengths[:, None]
+        return self._distributed(np.tile(self._rows[:, :6], (4, 1)), shares[:, :, None] * values[:, None])
 
     def contact(self, basis: CellBasis, law: InterfaceLaw, boundaries: str | Sequence[str] | None = None,
                 **options: Any) -> dict[str, ContactPair]:

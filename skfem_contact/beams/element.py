@@ -16,6 +16,7 @@ from numpy import ndarray
 from scipy.optimize import nnls
 from scipy.sparse import coo_matrix, csc_matrix, eye_array
 from scipy.sparse.linalg import splu
+from typing_extensions import override
 
 _GAUSS = np.array([-1.0, 1.0]) / np.sqrt(3.0)
 #: Second derivatives of the functions of the nodes.
@@ -50,8 +51,8 @@ class BeamElements:
     ----------
     points : ndarray, shape (m, 3, 2)
         Coordinates of start, end and middle.
-    strains : ndarray, shape (m, 6, 9)
-        Strains (eps, gamma, kappa) at both Gauss points by the dofs.
+    strains : ndarray, shape (m, 2 q, 9)
+        Strains (eps, gamma, kappa) at both Gauss points by the dofs: q = 3.
     weights : ndarray, shape (m, 2)
         Lengths that the Gauss points stand for.
     """
@@ -81,9 +82,13 @@ class BeamElements:
         return cls(points, strains, weights)
 
     def root(self, EA: float, GA: float, EI: float) -> ndarray:
-        """Return the matrices R of the stiffness R R', (m, 9, 6)."""
+        """Return the matrices R of the stiffness R R', (m, 9, 2 q)."""
         D = (self.weights[:, :, None] * np.array([EA, GA, EI])).reshape(-1, 6)
         return np.asarray(np.einsum("abc,ab->acb", self.strains, np.sqrt(D)))
+
+    def section(self, root: ndarray, EA: float, EI: float) -> ndarray:
+        """Return the section forces at start and end by the forces on the nodes, (m, 2, q, 9)."""
+        return self.resultants
 
     @property
     def length(self) -> ndarray:
@@ -137,6 +142,76 @@ class BeamElements:
                 found[:, end, 1, 2 * node:2 * node + 2] = share * n
                 found[:, end, 2, 6 + node] = -share
         return found
+
+
+@dataclass(frozen=True, eq=False)
+class ShellElements(BeamElements):
+    """Elements of shells of revolution about x = 0, per radian: q = 5 with the hoop strains u_x / x and theta t_x / x.
+
+    Attributes
+    ----------
+    nu : float
+        Poisson's ratio.
+    radius : ndarray, shape (m, 2)
+        Distances of the Gauss points from the axis.
+    """
+
+    nu: float
+    radius: ndarray
+
+    @classmethod
+    def about_axis(cls, points: ndarray, nu: float) -> ShellElements:
+        """Return the elements between nodes (m, 3, 2)."""
+        if points[..., 0].min() <= _NO_LENGTH * np.ptp(points):
+            raise ValueError("a shell of revolution lies at x > 0; at a pole leave a small hole")
+        plane = BeamElements.of(points)
+        strains, radius = np.zeros((len(points), 2, 5, 9)), np.zeros((len(points), 2))
+        strains[:, :, :3] = plane.strains.reshape(-1, 2, 3, 9)
+        for g, xi in enumerate(_GAUSS):
+            N, dN = shapes(xi)
+            radius[:, g] = points[:, :, 0] @ N
+            strains[:, g, 3, 0:6:2] = N / radius[:, [g]]
+            strains[:, g, 4, 6:] = N * (points[:, :, 0] @ dN / plane.weights[:, g] / radius[:, g])[:, None]
+        return cls(points, strains.reshape(-1, 10, 9), plane.weights, nu, radius)
+
+    @override
+    def root(self, EA: float, GA: float, EI: float) -> ndarray:
+        D = np.diag([EA, GA, EI, EA, EI])
+        D[[0, 3, 2, 4], [3, 0, 4, 2]] = self.nu * np.array([EA, EA, EI, EI])
+        half = np.sqrt(self.weights * self.radius)[:, :, None, None] * np.linalg.cholesky(D)
+        return np.asarray(np.einsum("mgqj,mgqr->mjgr", self.strains.reshape(-1, 2, 5, 9), half).reshape(-1, 9, 10))
+
+    @override
+    def section(self, root: ndarray, EA: float, EI: float) -> ndarray:
+        """Return N, V and M per width at start and end, then N and M around the axis, by strains from the forces."""
+        moved = np.linalg.pinv(root @ root.transpose(0, 2, 1), hermitian=True)  # but for a rise along the axis
+        at, full = self.points[:, :2, 0], 1.0 - self.nu**2
+        along = np.stack([self.points[:, :, 0] @ shapes(xi)[1] for xi in (-1.0, 1.0)], axis=1)
+        slope = along / np.stack([np.linalg.norm(np.einsum("k,mkc->mc", shapes(xi)[1], self.points), axis=1)
+                                  for xi in (-1.0, 1.0)], axis=1)
+        found = np.zeros((len(self.points), 2, 5, 9))
+        found[:, :, :3] = self.resultants / at[:, :, None, None]
+        found[:, :, 3] = self.nu * found[:, :, 0] + full * EA * moved[:, [0, 2]] / at[..., None]
+        found[:, :, 4] = self.nu * found[:, :, 2] - full * EI * moved[:, 6:8] * (slope / at)[..., None]
+        return found
+
+    @property
+    @override
+    def rigid(self) -> ndarray:
+        motion = super().rigid
+        motion[..., [0, 2]] = 0.0
+        return motion
+
+    @property
+    @override
+    def load(self) -> ndarray:
+        return np.asarray(sum((r * w)[:, None] * shapes(xi)[0]
+                              for xi, w, r in zip(_GAUSS, self.weights.T, self.radius.T, strict=True)))
+
+    @override
+    def sides(self, half: float) -> tuple[ndarray, ...]:
+        points, normals, lengths, shares = super().sides(half)
+        return points, normals, lengths, shares * points[:, [0]]
 
 
 class Flow(NamedTuple):
@@ -209,7 +284,7 @@ def _ranks(nodes: ndarray) -> ndarray:
 def loose_node(strains: ndarray, rows: ndarray, free: ndarray) -> int | None:
     """Return the dof that moves most in a motion without strain of the free dofs, (n,), or None if there is none."""
     size = np.linalg.norm(strains, axis=2, keepdims=True)
-    blocks = strains / size
+    blocks = strains / np.where(size > 0.0, size, 1.0)
     row = np.broadcast_to(np.arange(blocks[..., 0].size).reshape(*blocks.shape[:2], 1), blocks.shape)
     column = np.broadcast_to(rows[:, None], blocks.shape)
     B = coo_matrix((blocks.ravel(), (row.ravel(), column.ravel())), shape=(row.max() + 1, len(free))).tocsc()[:, free]

@@ -49,9 +49,9 @@ class SectionForces:
         Moment, in the plane positive where the fibres to the left of the axis, the outer ones of a ring, are in
         tension. In space a vector across the axis.
     T
-        Torque about the axis; None in the plane.
-    axis
-        Direction of the axis, shape (n, 3); None in the plane.
+        Torque about the axis; None in the plane, like `axis`, its direction, (n, 3).
+    N_hoop, M_hoop
+        Normal force and moment around the axis of a shell of revolution, else None.
     """
 
     position: ndarray
@@ -63,6 +63,8 @@ class SectionForces:
     z: ndarray | None = None
     T: ndarray | None = None
     axis: ndarray | None = None
+    N_hoop: ndarray | None = None
+    M_hoop: ndarray | None = None
 
     def towards(self, left: ArrayLike) -> SectionForces:
         """Return the section forces of bending in a plane, with the height for y, from those in space.
@@ -92,10 +94,7 @@ class SectionForces:
 
 @dataclass(frozen=True)
 class Envelope:
-    """Smallest and largest section forces over stages; ``print(envelope)`` shows the extremes with their stages.
-
-    ``stages["M"]``, (2, n), has the names of the stages of the smallest and of the largest moments.
-    """
+    """Smallest and largest section forces over stages, whose names are ``stages["M"]``, (2, n); printed as a table."""
 
     smallest: SectionForces
     largest: SectionForces
@@ -112,11 +111,10 @@ class Envelope:
         return cls(replace(first, **low), replace(first, **high), stages)
 
     def __str__(self) -> str:
-        lines = []
-        for key, (k, part, at) in product("NVM", ((0, self.smallest, np.argmin), (1, self.largest, np.argmax))):
-            i = int(at(getattr(part, key)))
-            lines.append(f"{key} {getattr(part, key)[i]:10.4g} at {part.position[i]:<8.4g} {self.stages[key][k, i]}")
-        return "\n".join(lines)
+        both = enumerate((self.smallest, self.largest))
+        ends = [(key, getattr(part, key), k) for key, (k, part) in product("NVM", both)]
+        return "\n".join(f"{key} {v[i]:10.4g} at {self.smallest.position[i]:<8.4g} {self.stages[key][k, i]}"
+                         for key, v, k in ends for i in [v.argmax() if k else v.argmin()])
 
 
 @dataclass(frozen=True)
