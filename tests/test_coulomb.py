@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from helpers import body_along, facing, unknowns_of
 
-from skfem_contact import ContactPair, Coulomb, Tied
+from skfem_contact import AnalysisWarning, ContactPair, Coulomb, Tied
 from skfem_contact.contact.laws import Status
 from skfem_contact.results.tractions import tractions
 
@@ -249,3 +249,12 @@ def test_parameters_along_the_slave():
 def test_bad_parameters(name, value):
     with pytest.raises(ValueError, match=rf"{name} must be"):
         Coulomb(**{name: value})
+
+
+def test_a_search_tries_any_friction_without_a_warning(recwarn):
+    """Friction over a small factor is no angle in degrees, as it is told where a user gives it."""
+    law = Coulomb(mu=0.4, adhesion=2.0, tension=1.0).reduced(0.02)
+    assert (law.mu, law.adhesion, law.tension) == (20.0, 100.0, 50.0)
+    assert not recwarn.list
+    with pytest.warns(AnalysisWarning, match="tangent of the angle"):
+        Coulomb(mu=20.0)

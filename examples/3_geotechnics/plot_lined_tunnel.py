@@ -197,8 +197,8 @@ for label, mu in (("full slip", 0.0), ("no slip", 1.0)):
 # --------------------
 # A :class:`skfem_contact.Beam` along the wall of the tunnel, bonded to it or in contact without friction: a thin ring.
 # Movements :math:`u=a\cos 2\theta` outwards and :math:`v=b\sin 2\theta` along it with rotations :math:`c\sin 2\theta`
-# have the strains :math:`(a + 2 b)/R`, :math:`(2 a + b)/R - c` and :math:`2 c/R`; ground and ring move together. Nodes of
-# the solid lining are held, as are the rotations on the axes of symmetry.
+# have the strains :math:`(a + 2 b)/R`, :math:`(2 a + b)/R - c` and :math:`2 c/R`; ground and ring move together. Nodes
+# of the solid lining are held, as are the rotations on the axes of symmetry.
 
 THICK = WALL - INNER
 PLATE = SHOTCRETE.E / (1 - SHOTCRETE.nu**2)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass, replace
 from enum import IntEnum
 from typing import Any, NamedTuple
@@ -180,7 +181,10 @@ class Coulomb(InterfaceLaw):
         """Return the law with friction, adhesion and tension cut-off divided by a positive factor."""
         if not factor > 0.0:
             raise ValueError(f"the factor must be positive, not {factor!r}")
-        return replace(self, mu=self.mu / factor, adhesion=self.adhesion / factor, tension=self.tension / factor)
+        new = copy(self)  # without a warning of the friction that a search tries
+        for name in ("mu", "adhesion", "tension"):
+            object.__setattr__(new, name, getattr(self, name) / factor)
+        return new
 
     @property
     def symmetric(self) -> bool:  # type: ignore[override]
