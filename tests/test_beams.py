@@ -690,3 +690,30 @@ def test_shells_beside_solids_and_bad_shells():
             sc.Beam(None, [[1.0, 0.0], [1.0, 1.0]], 1.0, 1.0, **wrong)
     with pytest.raises(ValueError, match="small hole"):
         shell([[0.0, 0.0], [1.0, 0.0]])
+
+
+def test_beams_in_files(tmp_path):
+    """[X] Elements of beams with displacements of the ground and section forces; nothing at the points of solids."""
+    meshio = pytest.importorskip("meshio")
+    mesh = MeshTri.init_tensor(np.linspace(0, 4, 5), np.linspace(0, 2, 3)).with_defaults()
+    basis = vector_basis(mesh, "P2")
+    forms = {"soil": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3)),
+             "slab": sc.Beam(basis, "top", EI=50.0, EA=1e4),
+             "rod": sc.Beam(None, [[1.0, 2.5], [3.0, 2.5]], EI=1.0, EA=1e2)}
+    model = sc.Model(forms, [basis.get_dofs("bottom").all(), *forms["rod"].dofs((1.0, 2.5))])
+    form = model.forms["slab"]
+    loads = [form.load((0.0, -5.0), (2.0, 2.0)), model.forms["rod"].load((3.0, 0.0), (3.0, 2.5))]
+    stage = model.run([sc.Stage("load", loads)], **QUIET)["load"]
+    stage.to_vtu(tmp_path / "slab.vtu")
+    found = meshio.read(tmp_path / "slab.vtu")
+    elements = np.concatenate([block.data for block in found.cells if block.type == "line3"])
+    slab, rod = elements[:4], elements[4:]
+    assert len(rod) == 1
+    forces = stage.section_forces("slab")
+    assert found.point_data["M"][slab[:, :2].ravel()] == pytest.approx(forces.M)
+    assert found.point_data["N"][rod] == pytest.approx(3.0)
+    assert found.point_data["displacement"][rod[0], 0] == pytest.approx([0.0, 0.06, 0.03])
+    middle = np.flatnonzero(np.isclose(found.points[slab[:, 1], 0], 2.0))[0]
+    assert found.point_data["displacement"][slab[middle, 1], 1] == pytest.approx(stage.x[form.numbers((2.0, 2.0))[1]])
+    assert np.isnan(found.point_data["M"][found.cells[0].data]).all()
+    assert not np.isnan(found.point_data["stress"][found.cells[0].data]).any()

@@ -260,6 +260,13 @@ class Beam(BeamNodes):
         N, V, M, *hoop = forces.reshape(-1, forces.shape[2]).T
         return (position, x, y, N, V, M, *((None, None, None, *hoop) if hoop else ()))
 
+    @override
+    def line_points(self, x: ndarray, state: BeamState) -> tuple[ndarray, dict[str, ndarray]]:
+        ends = self._section_forces(state)
+        forces = np.concatenate((ends, ends.mean(axis=1, keepdims=True)), axis=1).reshape(-1, ends.shape[2]).T
+        moved = self._own(x)[self._rows[:, :6]].reshape(-1, 2)
+        return self._elements.points.reshape(-1, 2), {"displacement": moved, **dict(zip("NVM", forces))}
+
     def _section_forces(self, state: BeamState) -> ndarray:
         """Return N, V and M at both ends of the elements, (m, 2, 3), of a shell also those of the hoop, (m, 2, 5)."""
         return np.asarray(np.einsum("merj,mj->mer", self._section, state.force))

@@ -75,6 +75,9 @@ class Staged:
     def line_forces(self, state: Any) -> tuple[ndarray, ...] | None:
         """Return positions along a beam, x, y, N, V and M there, (n,) each, or None where the form is no beam."""
 
+    def line_points(self, x: ndarray, state: Any) -> tuple[ndarray, dict[str, ndarray]] | None:
+        """Return start, end and middle of a beam's elements, (3 m, dim), with values there, or None."""
+
     def continues(self: Self, old: Any) -> Self:
         """Return the form as it replaces an old one and continues from the old state; by default of the same class.
 

@@ -39,7 +39,7 @@ def frame(stage: StageData) -> Any:
 
 
 def grid(stage: StageData, known: Mapping[str, SolidForm] | None = None) -> meshio.Mesh:
-    """Return the solids of a stage, region by region, and the facets of its contact pairs as a mesh.
+    """Return the solids of a stage, region by region, the facets of its contact pairs and its beams as a mesh.
 
     Regions are numbered through all known solids, by default those of the stage.
     """
@@ -63,10 +63,26 @@ def grid(stage: StageData, known: Mapping[str, SolidForm] | None = None) -> mesh
     for interface in interfaces(stage).values():
         blocks.append(vtk_cells(point[interface.facets], dim - 1))
         parts.append(interface.on_facets())
+    points, point_data = _with_beams(stage, _in_space(basis.doflocs[:, dim * mesh.nodes].T, 3), point_data, blocks)
+    parts += [{}] * (len(blocks) - len(parts))
     kinds = {key: values for part in parts for key, values in part.items()}
     cell_data = {key: [part.get(key, _nothing(like, len(cells))) for part, (_, cells) in zip(parts, blocks)]
                  for key, like in kinds.items()}
-    return meshio.Mesh(_in_space(basis.doflocs[:, dim * mesh.nodes].T, 3), blocks, point_data, cell_data)
+    return meshio.Mesh(points, blocks, point_data, cell_data)
+
+
+def _with_beams(stage: StageData, points: ndarray, data: dict[str, ndarray], blocks: list[tuple[str, ndarray]]
+                ) -> tuple[ndarray, dict[str, ndarray]]:
+    """Return points and their data with those of beams behind them, whose elements become a block each."""
+    for name, state in stage.states.items():
+        if (along := stage.forms[name].line_points(stage.x, state)) is not None:
+            where, new = _in_space(along[0], 3), {**along[1], "displacement": _in_space(along[1]["displacement"], 3)}
+            blocks.append(("line3", len(points) + np.arange(len(where)).reshape(-1, 3)))
+            both = (data, len(points)), (new, len(where))
+            data = {key: np.concatenate([part.get(key, _nothing(like, n)) for part, n in both])
+                    for key, like in {**data, **new}.items()}
+            points = np.concatenate((points, where))
+    return points, data
 
 
 def series(file: str | Path, stages: Sequence[StageData]) -> list[Path]:

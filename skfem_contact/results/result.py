@@ -139,14 +139,14 @@ class StageResult(files.StageData):
         return strength.undrained_strength(*self._solid(solid))
 
     def to_vtu(self, file: str | Path) -> None:
-        """Write the solids and the contact to a ``.vtu`` file.
+        """Write the solids, the contact and the beams to a ``.vtu`` file.
 
         Points have the ``displacement``, the recovered ``stress`` and ``strain`` (xx, yy, zz, xy, yz, xz; engineering
         shear) and the equivalent ``plastic_strain``. Regions share no points, so that no value is averaged between
         regions. Cells have means of ``stress`` and ``plastic_strain``, the number of the ``body``, in the order of
         :func:`~skfem_contact.mesh.join.bodies`, and of the ``region``, counted through the materials of all solids. The
         slave's facets of every contact pair are cells with ``pressure``, ``shear``, ``gap``, ``slip`` and ``status``.
-        Quadratic elements stay quadratic.
+        Quadratic elements stay quadratic. Elements of beams have points of their own with ``N``, ``V`` and ``M``.
         """
         export.grid(self).write(file, file_format="vtu")
 
