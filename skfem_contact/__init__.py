@@ -1,6 +1,6 @@
 """Frictional contact, soil plasticity and staged analysis for scikit-fem."""
 
-from . import mesh, results, testing, water
+from . import laboratory, mesh, results, testing, water
 from .beams import Beam, Embedded, split_along
 from .checks import guard
 from .contact import AugmentedLagrangian, ContactPair, Surface
@@ -10,6 +10,7 @@ from .forms.base import Form, Response
 from .forms.links import Bar, MatrixForm, Spring
 from .forms.rigid_boundary import RigidBoundary
 from .forms.solid import SolidForm
+from .laboratory import element_test
 from .layout import Field, box_supports, dofs_at
 from .loads import hydrostatic, traction, water_load, weight
 from .materials import (
@@ -38,8 +39,8 @@ __all__ = [
     "Field", "Form", "HardeningMohrCoulomb", "InterfaceLaw", "Internal", "LinearElastic", "Material", "MatrixForm",
     "Model", "MohrCoulomb", "Newton", "NoEquilibrium", "NotConverged", "PoreWater", "Response", "RigidBoundary",
     "Sections", "SolidForm", "Spring", "Stage", "Surface", "Tied", "Tresca", "Undrained", "VonMises", "box_supports",
-    "dofs_at", "hydrostatic", "join_bodies", "load_mesh", "load_result", "mesh", "results", "rigid", "split_along",
-    "testing", "traction", "water", "water_load", "weight",
+    "dofs_at", "element_test", "hydrostatic", "join_bodies", "load_mesh", "load_result", "mesh", "results", "rigid",
+    "split_along", "testing", "traction", "water", "water_load", "weight",
 ]
 
-guard(__name__, mesh.__name__, results.__name__, rigid.__name__, testing.__name__, water.__name__)
+guard(__name__, laboratory.__name__, mesh.__name__, results.__name__, rigid.__name__, testing.__name__, water.__name__)

@@ -1,0 +1,194 @@
+"""Steps of laboratory tests: one linear condition on stress or strain for each component.
+
+A round sample stays round by equal strains, not by equal stresses: on an edge of Mohr-Coulomb's pyramid two equal
+stresses are one condition. For the same reason shear strains are prescribed where nothing else is.
+"""
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy import ndarray
+from numpy.typing import ArrayLike
+
+from ..checks import finite, look_up
+
+COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "zx")
+_UNIT = dict(zip(COMPONENTS, np.eye(6), strict=True))
+_SUM = np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
+_STRESSES = _UNIT | {"p": -_SUM / 3, "q": _UNIT["xx"] - _UNIT["yy"]}
+_STRAINS = _UNIT | {"volume": _SUM, "xx-zz": _UNIT["xx"] - _UNIT["zz"]}
+
+
+@dataclass(frozen=True, eq=False)
+class PathStep:
+    """PathStep of an element test: as many conditions as there are components.
+
+    Shear components without a condition keep their strain. Values are numbers, or one number a sample.
+
+    Parameters
+    ----------
+    stress
+        Effective stresses at the end of the step, tension positive: ``"xx"``, ``"yy"`` (axial), ``"zz"``, ``"xy"``,
+        ``"yz"``, ``"zx"``, ``"p"`` (mean stress, compression positive) or ``"q"`` (xx - yy). None keeps the value.
+    strain
+        Changes of strains in the step: the same components, with engineering shear, ``"volume"`` or ``"xx-zz"``.
+    increments
+        Number of increments.
+    duration
+        Time, which only time-dependent materials need.
+    total
+        Component of the normal stress that stays in total stress where the water cannot leave: its effective stress
+        gives the pore pressure.
+
+    Examples
+    --------
+    >>> import skfem_contact as sc
+    >>> plane_strain = sc.laboratory.PathStep(stress={"xx": None}, strain={"yy": -0.01, "zz": 0.0})
+    >>> sc.element_test(sc.LinearElastic(E=100.0, nu=0.25), -10.0, plane_strain).stress[-1].ravel().round(9)
+    array([-10.        , -11.06666667, -10.26666667,   0.        ])
+    """
+
+    stress: Mapping[str, ArrayLike | None] = field(default_factory=dict)
+    strain: Mapping[str, ArrayLike] = field(default_factory=dict)
+    increments: int = 100
+    duration: float = 0.0
+    total: str | None = None
+
+    def __post_init__(self) -> None:
+        if self.increments < 1 or self.duration < 0:
+            raise ValueError(f"increments must be positive and duration not negative, got {self.increments} and "
+                             f"{self.duration}")
+        for names, known in ((self.stress, _STRESSES), (self.strain, _STRAINS)):
+            for name in names:
+                look_up(name, known, "component of a step")
+        if self.total is not None:
+            look_up(self.total, dict.fromkeys(COMPONENTS[:3]), "normal stress")
+
+    def conditions(self, ncomp: int) -> tuple[ndarray, ndarray]:
+        """Return the rows of stresses and of strains, (n, ncomp) each, ncomp in all."""
+        stresses = [_STRESSES[name] for name in self.stress]
+        strains = [_STRAINS[name] for name in self.strain]
+        named = {*self.stress, *self.strain}
+        strains += [_UNIT[name] for name in COMPONENTS[3:ncomp] if name not in named]
+        if len(stresses) + len(strains) != ncomp or any(row[ncomp:].any() for row in stresses + strains):
+            raise ValueError(f"a step of {ncomp} components needs {ncomp} conditions, of which shear strains are kept "
+                             f"by themselves; given are {[*self.stress, *self.strain]}")
+        return tuple(np.reshape(rows, (-1, 6))[:, :ncomp] for rows in (stresses, strains))  # type: ignore[return-value]
+
+    def targets(self, stress: ndarray, strain: ndarray) -> tuple[ndarray, ndarray]:
+        """Return the values of the conditions at the end of the step, (n, n_samples) each."""
+        S, E = self.conditions(len(stress))
+        stresses, strains = S @ stress, E @ strain
+        for row, value in zip(stresses, self.stress.values()):
+            if value is not None:
+                row[...] = finite(value, "stress of a step")
+        for row, value in zip(strains, self.strain.values()):
+            row += finite(value, "strain of a step")
+        return stresses, strains
+
+
+def isotropic(stress: ArrayLike, increments: int = 100) -> PathStep:
+    """Return a step to equal normal stresses.
+
+    Parameters
+    ----------
+    stress
+        The effective stress at its end, tension positive; a number or one number a sample.
+    increments
+        Number of increments.
+
+    Examples
+    --------
+    >>> import skfem_contact as sc
+    >>> sc.element_test(sc.LinearElastic(E=30.0, nu=0.0), -1.0, sc.laboratory.isotropic(-2.0)).volume[-1].round(9)
+    array([-0.1])
+    """
+    return PathStep(dict.fromkeys(COMPONENTS[:3], stress), {}, increments)
+
+
+def oedometer(stress: ArrayLike | None = None, strain: ArrayLike | None = None, increments: int = 100,
+              duration: float = 0.0) -> PathStep:
+    """Return a step of axial compression (yy) without lateral strain.
+
+    Parameters
+    ----------
+    stress
+        Axial effective stress at its end, tension positive; or `strain`.
+    strain
+        Change of the axial strain.
+    increments, duration
+        As those of :class:`PathStep`.
+
+    Examples
+    --------
+    >>> import skfem_contact as sc
+    >>> test = sc.element_test(sc.LinearElastic(E=100.0, nu=0.0), -10.0, sc.laboratory.oedometer(stress=-20.0))
+    >>> test.axial[-1].round(9)
+    array([-0.1])
+    """
+    return _axial(stress, strain, {}, {"xx": 0.0, "zz": 0.0}, increments, duration, None)
+
+
+def triaxial(strain: ArrayLike | None = None, stress: ArrayLike | None = None, drained: bool = True,
+             increments: int = 100, duration: float = 0.0) -> PathStep:
+    """Return a step of axial compression or extension (yy) at constant cell pressure.
+
+    Parameters
+    ----------
+    strain
+        Change of the axial strain, negative in compression; or `stress`.
+    stress
+        Axial effective stress at its end, tension positive.
+    drained
+        True for a constant lateral stress. False for a constant volume: the pore pressure follows from the cell
+        pressure. A material :class:`~skfem_contact.Undrained` takes True, its stresses are total ones.
+    increments, duration
+        As those of :class:`PathStep`.
+
+    Examples
+    --------
+    >>> import skfem_contact as sc
+    >>> sand = sc.MohrCoulomb(E=2e4, nu=0.25, c=0.0, phi=30.0)
+    >>> sc.element_test(sand, -100.0, sc.laboratory.triaxial(-0.05)).q[-1].round(6)
+    array([200.])
+    """
+    if drained:
+        return _axial(stress, strain, {"xx": None}, {"xx-zz": 0.0}, increments, duration, None)
+    return _axial(stress, strain, {}, {"xx-zz": 0.0, "volume": 0.0}, increments, duration, "xx")
+
+
+def simple_shear(gamma: ArrayLike, drained: bool = True, increments: int = 100, duration: float = 0.0) -> PathStep:
+    """Return a step of simple shear (xy) without lateral strain.
+
+    Parameters
+    ----------
+    gamma
+        Change of the engineering shear strain.
+    drained
+        True for a constant normal stress yy, False for a constant volume.
+    increments, duration
+        As those of :class:`PathStep`.
+
+    Examples
+    --------
+    >>> import skfem_contact as sc
+    >>> test = sc.element_test(sc.LinearElastic(E=100.0, nu=0.25), -10.0, sc.laboratory.simple_shear(0.01))
+    >>> test.stress[-1, 3].round(9)
+    array([0.4])
+    """
+    side = {"xx": 0.0, "zz": 0.0, "xy": gamma}
+    if drained:
+        return PathStep({"yy": None}, side, increments, duration)
+    return PathStep({}, side | {"yy": 0.0}, increments, duration, "yy")
+
+
+def _axial(stress: ArrayLike | None, strain: ArrayLike | None, stresses: Mapping[str, ArrayLike | None],
+           strains: Mapping[str, ArrayLike], increments: int, duration: float, total: str | None) -> PathStep:
+    """Return a step that is driven by its axial stress or strain."""
+    if (stress is None) == (strain is None):
+        raise ValueError("the axial direction needs either a stress or a strain")
+    if stress is None:
+        return PathStep(stresses, {"yy": strain, **strains}, increments, duration, total)  # type: ignore[dict-item]
+    return PathStep({"yy": stress, **stresses}, strains, increments, duration, total)
