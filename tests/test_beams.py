@@ -717,3 +717,87 @@ def test_beams_in_files(tmp_path):
     assert found.point_data["displacement"][slab[middle, 1], 1] == pytest.approx(stage.x[form.numbers((2.0, 2.0))[1]])
     assert np.isnan(found.point_data["M"][found.cells[0].data]).all()
     assert not np.isnan(found.point_data["stress"][found.cells[0].data]).any()
+
+
+def helix(n, turns, radius, pitch):
+    """Nodes and elements of n curved elements round the third axis, and the angles of the nodes."""
+    angle, ends = np.linspace(0, 2 * np.pi * turns, 2 * n + 1), np.arange(0, 2 * n, 2)
+    points = np.column_stack((radius * np.cos(angle), radius * np.sin(angle), pitch * angle / (2 * np.pi)))
+    return points, np.column_stack((ends, ends + 2, ends + 1)), angle
+
+
+SECTION = {"EI": 3.0, "GJ": 2.0, "EA": 1e5, "GA": 1e4}
+
+
+@pytest.mark.parametrize(("n", "error"), [(2, 3e-3), (4, 2e-4), (8, 1.2e-5)])  # fourth order
+def test_quarter_circle_bent_out_of_its_plane(n, error):
+    """[X] Castigliano: P R^3 (pi / 4 EI + (3 pi / 4 - 2) / GJ) + pi P R / 2 GA; at the support M = T = P R."""
+    points, cells, _ = helix(n, 0.25, 1.5, 0.0)
+    beam = sc.Beam(None, points, cells=cells, **SECTION)
+    stage, form, forces = solved(beam, beam.dofs(points[0]), [((0.0, 0.0, 2.0), points[-1])])
+    exact = 2.0 * (1.5**3 * (np.pi / 4 / 3.0 + (3 * np.pi / 4 - 2) / 2.0) + 1.5 * np.pi / 2 / 1e4)
+    assert stage.x[form.numbers(points[-1])[2]] == pytest.approx(exact, rel=error)
+    assert pytest.approx(np.tile([0.0, 0.0, 2.0], (2 * n, 1)), abs=1e-8) == forces.V
+    assert np.linalg.norm(forces.M[0]) == pytest.approx(3.0, rel=20 * error)  # the tangent of a parabola at its end
+    assert abs(forces.T[0]) == pytest.approx(3.0, rel=20 * error)
+
+
+@pytest.mark.parametrize("force", [(0.0, 0.0, 1.0), (0.3, -0.5, 0.8)])
+def test_helical_cantilever(force):
+    """[X] Work of the force from the section forces by statics (Castigliano), two turns in 32 curved elements."""
+    (points, cells, angle), P, rise = helix(32, 2.0, 1.0, 0.5), np.array(force), 0.5 / (2 * np.pi)
+    beam = sc.Beam(None, points, cells=cells, **SECTION)
+    stage, form, _ = solved(beam, beam.dofs(points[0]), [(P, points[-1])])
+    s, w = np.polynomial.legendre.leggauss(40)
+    t = 0.5 * angle[-1] * (s + 1.0)
+    tangent = np.column_stack((-np.sin(t), np.cos(t), np.full(40, rise))) / np.hypot(1.0, rise)
+    M = np.cross(points[-1] - np.column_stack((np.cos(t), np.sin(t), rise * t)), P)
+    T, N = (tangent * M).sum(axis=1), tangent @ P
+    density = ((M**2).sum(axis=1) - T**2) / 3.0 + T**2 / 2.0 + N**2 / 1e5 + (P @ P - N**2) / 1e4
+    exact = 0.5 * angle[-1] * np.hypot(1.0, rise) * w @ density
+    assert stage.x[form.numbers(points[-1])[:3]] @ P == pytest.approx(exact, rel=1e-4)
+
+
+def test_straight_cantilever_in_space(tmp_path):
+    """[X] Statics of a skew cantilever, its plane bending, its own weight, a bar to it, saved and resumed."""
+    way = np.array([2.0, 1.0, -1.0]) / np.sqrt(6)
+    beam = sc.Beam(None, np.array([[0.0] * 3, way, 2 * way]), unit_weight=3.0, **SECTION)
+    bar = sc.Bar(None, beam.at(way), way + np.array([0.0, 0.0, 1.0]), EA=1e-6, fixed_end=True)
+    model = sc.Model({"beam": beam, "bar": bar}, beam.dofs((0.0, 0.0, 0.0)))
+    form, P, turn = model.forms["beam"], np.array([0.2, -1.0, 0.5]), np.array([0.1, 0.2, 0.3])
+    result = model.run([sc.Stage("weight"), sc.Stage("load", form.load(P, 2 * way, turn))], **QUIET)
+    result.save(tmp_path / "space.npz")
+    forces = sc.load_result(tmp_path / "space.npz", model)["load"].section_forces("beam")
+    weight = np.array([0.0, 0.0, -3.0])
+    whole = P + 2 * weight
+    assert forces.N[0] == pytest.approx(whole @ way, rel=1e-5)  # the bar bears a little
+    assert forces.M[0] + forces.T[0] * way == pytest.approx(np.cross(2 * way, P) + turn + np.cross(2 * way, weight),
+                                                            rel=1e-5)
+    side = forces.towards((0.0, 0.0, 1.0))
+    up = np.array([0.0, 0.0, 1.0]) - way[2] * way
+    assert side.V[0] == pytest.approx(whole @ up / np.linalg.norm(up), rel=1e-5)
+    assert float(result["load"].summary["beam"].split()[-1]) == pytest.approx(np.linalg.norm(forces.M[0]), rel=1e-3)
+    x = np.random.default_rng(0).standard_normal(model.layout.size)
+    sc.testing.check_form(form, x, form.initial_state())
+
+
+@pytest.mark.parametrize(("message", "options"), [
+    ("no spacing, hinges", {"Mp": 1.0}), ("no spacing, hinges", {"hinges": (0.0, 0.0)}),
+    ("no spacing, hinges", {"coordinates": "axisymmetric"}), ("GJ of a beam", {"GJ": -1.0})])
+def test_bad_beams_in_space(message, options):
+    with pytest.raises(ValueError, match=message):
+        sc.Beam(None, [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]], EI=1.0, EA=1.0, **options)
+
+
+def test_beams_in_space_are_refused_in_the_plane():
+    beam = sc.Beam(None, [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]], EI=1.0, EA=1.0)
+    basis = vector_basis(MeshTri().refined(1).with_defaults(), "P2")
+    with pytest.raises(ValueError, match="contact of a beam"):
+        beam.contact(basis, sc.Coulomb(mu=0.3))
+    with pytest.raises(ValueError, match="embedded beams are plane"):
+        sc.Embedded(basis, beam, T_max=1.0)
+    with pytest.raises(ValueError, match=r"has the dofs u\^1, u\^2, u\^3, theta\^1"):
+        beam.dofs((0.0, 0.0, 0.0), ["theta"])
+    with pytest.raises(ValueError, match="a motion without force"):
+        model = sc.Model({"beam": beam}, beam.dofs((0.0, 0.0, 0.0), ["u^1", "u^2", "u^3", "theta^2", "theta^3"]))
+        model.run([sc.Stage("twist", model.forms["beam"].load((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (1.0, 0.0, 0.0)))])

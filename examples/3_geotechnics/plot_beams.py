@@ -148,6 +148,23 @@ ax.legend(frameon=False)
 plt.show()
 
 # %%
+# In space
+# --------
+# Points (x, y, z) make beams in space, with six dofs a node and round sections. A quarter of a circle, held at one end
+# and loaded across its plane at the other, is bent and twisted. By Castigliano's theorem its end moves by
+# :math:`P R^3 (\pi / 4 EI + (3 \pi / 4 - 2) / GJ) + \pi P R / 2 GA`.
+for n, largest in ((4, 1e-3), (8, 1e-4)):
+    begin = process_time()
+    angle, ends = np.linspace(0, np.pi / 2, 2 * n + 1), np.arange(0, 2 * n, 2)
+    points = 1.5 * np.column_stack((np.cos(angle), np.sin(angle), 0 * angle))
+    bow = sc.Beam(None, points, EI=3.0, GJ=2.0, EA=1e4, GA=1e3, cells=np.column_stack((ends, ends + 2, ends + 1)))
+    model = sc.Model({"bow": bow}, bow.dofs(points[0]))
+    form = model.forms["bow"]
+    stage = model.run([sc.Stage("bent", form.load((0.0, 0.0, 1.0), at=points[-1]))], progress=False)["bent"]
+    exact = 1.5**3 * (np.pi / 4 / 3.0 + (3 * np.pi / 4 - 2) / 2.0) + np.pi * 1.5 / 2e3
+    record("quarter circle in space, w", n, model, begin, [stage.x[form.numbers(points[-1])[2]]], [exact], largest)
+
+# %%
 # A beam bonded to a half-plane
 # -----------------------------
 # The name of a line instead of points: the beam has the nodes of the ground there. Under a force on a long beam the

@@ -20,7 +20,7 @@ from ..forms.base import Form, Response
 from ..layout import Field
 from ..sparse import Gathering
 from ..surfaces.surface import Surface
-from .element import BeamElements, Flow, Hinges, ShellElements, loose_node
+from .element import BeamElements, Flow, Hinges, ShellElements, SpaceElements, loose_node
 from .lines import nodes_of, touching
 from .nodes import BeamNodes
 
@@ -45,7 +45,7 @@ class BeamState:
 
 
 class Beam(BeamNodes):
-    """Beams in the plane: a wall, a lining or a frame of Timoshenko elements, elastic or with plastic hinges.
+    """Beams: a wall, a lining or a frame of Timoshenko elements, elastic or with plastic hinges.
 
     Small displacements and rotations. The beam has nodes of its own, or those of a line of the mesh, to which it is
     bonded. Section forces are those on the nodes, see :meth:`~skfem_contact.results.StageResult.section_forces`.
@@ -55,9 +55,9 @@ class Beam(BeamNodes):
     basis
         ``Basis`` of the mesh; None where there are beams only.
     line
-        Coordinates of the nodes, (n, 2); or the name of a line of facets, on the boundary or inside, of a mesh with
-        elements of second order. A named line begins at its upper end, a level one at its left end, and goes clockwise
-        where it is closed.
+        Coordinates of the nodes, (n, 2), in space (n, 3); or the name of a line of facets, on the boundary or inside,
+        of a plane mesh with elements of second order. A named line begins at its upper end, a level one at its left
+        end, and goes clockwise where it is closed.
     EI, EA, GA
         Stiffness against bending, stretching and shear. By default ``GA = EA / 3``, that of a rectangle with nu = 0.25.
         In plane strain a wall of thickness t has ``EI = E t**3 / 12 / (1 - nu**2)``.
@@ -81,6 +81,9 @@ class Beam(BeamNodes):
         ``"axisymmetric"`` for a shell of revolution about x = 0 with this Poisson's ratio: stiffnesses and section
         forces are per width, with ``EI = E t**3 / 12 / (1 - nu**2)`` and ``EA = E t / (1 - nu**2)``. Forces on nodes
         are per radian.
+    GJ
+        Stiffness against twist of a beam in space, whose line has points (n, 3) and whose section is round; by default
+        ``0.8 * EI``, for nu = 0.25.
 
     Raises
     ------
@@ -107,9 +110,10 @@ class Beam(BeamNodes):
                  spacing: float | None = None, cells: ArrayLike | None = None, hinges: ArrayLike = (),
                  Mp: float = np.inf, Np: float = np.inf, unit_weight: float = 0.0, bonded: bool = True,
                  thickness: float = 0.0, coordinates: Literal["plane", "axisymmetric"] = "plane",
-                 nu: float = 0.0) -> None:
-        GA = EA / 3.0 if GA is None else GA
-        for name, value in {"EI": EI, "EA": EA, "GA": GA, "Mp": Mp, "Np": Np, "spacing": spacing or 1.0}.items():
+                 nu: float = 0.0, GJ: float | None = None) -> None:
+        GA, GJ = EA / 3.0 if GA is None else GA, 0.8 * EI if GJ is None else GJ
+        for name, value in {"EI": EI, "EA": EA, "GA": GA, "GJ": GJ, "Mp": Mp, "Np": Np,
+                            "spacing": spacing or 1.0}.items():
             if not (is_number(value, 0.0, np.inf) or (name in ("Mp", "Np") and value == np.inf)):
                 raise ValueError(f"{name} of a beam must be positive, not {value!r}")
         if np.isfinite(Np) and not np.isfinite(Mp):
@@ -121,7 +125,12 @@ class Beam(BeamNodes):
         shell = coordinates == "axisymmetric"
         if (shell and (not -1.0 < nu <= 0.5 or spacing is not None or np.isfinite(Mp))) or (not shell and nu):
             raise ValueError(f"nu={nu!r} is for a shell of revolution, -1 < nu <= 0.5; it has no spacing and no Mp")
-        self._elements = ShellElements.about_axis(corners, nu) if shell else BeamElements.of(corners)
+        if space := corners.shape[2] == 3:
+            self.coordinates = "space"
+            if shell or spacing is not None or np.isfinite(Mp) or np.size(hinges) or thickness:
+                raise ValueError("a beam in space has no spacing, hinges, Mp or thickness, and is no shell")
+        self._elements = ShellElements.about_axis(corners, nu) if shell else \
+            (SpaceElements if space else BeamElements).of(corners)
         self._shared = shared if bonded else None
         given = np.atleast_2d(finite(hinges, "hinges"))
         if given.size and (given.ndim, given.shape[1]) != (2, 2):
@@ -130,7 +139,7 @@ class Beam(BeamNodes):
         self.thickness, self.spacing = thickness, spacing or 1.0
         self._weight = unit_weight / self.spacing
         self._lay_out(turn)
-        self._root = self._elements.root(*(value / self.spacing for value in (EA, GA, EI)))
+        self._root = self._elements.root(*(value / self.spacing for value in (EA, GA, EI, GJ)))
         self._stiffness = self._root @ self._root.transpose(0, 2, 1)
         self._section = self._elements.section(self._root, EA / self.spacing, EI / self.spacing)
         self._hinges = Hinges(self._section, self._root, self.cells[:, :2], Mp / self.spacing,
@@ -150,15 +159,17 @@ class Beam(BeamNodes):
 
     def _lay_out(self, turn: ndarray) -> None:
         """Number the dofs: displacements, then rotations, as if the beam were alone."""
-        n, n_turns = 2 * len(self.points), int(turn.max()) + 1
-        at = np.zeros((n_turns, 2))
+        dim, turns = self.points.shape[1], 1 if self.points.shape[1] == 2 else 3
+        n, n_turns = dim * len(self.points), turns * (int(turn.max()) + 1)
+        at = np.zeros((int(turn.max()) + 1, dim))
         at[turn] = self.points[self.cells]
         scale = 1.0 / float(np.median(self._elements.length))
-        self._displacement = Field("displacement of a beam", np.repeat(self.points, 2, axis=0).T)
-        self._rotation = Field("rotation of a beam", at.T, "rotation", scale)
+        self._displacement = Field("displacement of a beam", np.repeat(self.points, dim, axis=0).T)
+        self._rotation = Field("rotation of a beam", np.repeat(at, turns, axis=0).T, "rotation", scale)
         self.fields = (self._rotation,) if self._shared is not None else (self._displacement, self._rotation)
-        displacements = 2 * self.cells[:, :, None] + np.arange(2)
-        self._rows = np.hstack((displacements.reshape(len(self.cells), -1), n + turn))
+        moves, turned = (k * cells[:, :, None] + np.arange(k) for k, cells in ((dim, self.cells), (turns, turn)))
+        self._rows = np.hstack((moves.reshape(len(self.cells), -1), n + turned.reshape(len(self.cells), -1)))
+        self._middle = np.append(np.arange(2 * dim, 3 * dim), 3 * dim + np.arange(2 * turns, 3 * turns))
         self._size, self._gathering = n + n_turns, Gathering(n + n_turns)
 
     def __repr__(self) -> str:
@@ -200,7 +211,7 @@ class Beam(BeamNodes):
         u = self._own(x)[self._rows]
         moved = u - state.free
         lost = _ROUND_OFF * np.einsum("mij,mj->mi", np.abs(self._stiffness), np.abs(u) + np.abs(state.free))
-        moved = moved - np.einsum("mij,mj->mi", self._elements.rigid, moved[:, [4, 5, 8]])  # of large rigid motions
+        moved = moved - np.einsum("mij,mj->mi", self._elements.rigid, moved[:, self._middle])  # of large rigid motions
         force = np.einsum("mij,mj->mi", self._stiffness, moved)
         free, flows = state.free, list(self._hinges.flows(force)) if self._hinges else []
         if flows:
@@ -230,7 +241,8 @@ class Beam(BeamNodes):
 
     @override
     def summary(self, state: BeamState) -> str:
-        N, _, M, *_ = np.moveaxis(self._section_forces(state), 2, 0)
+        N, _, M = self.line_forces(state)[3:6]
+        M = np.linalg.norm(M, axis=1) if M.ndim == 2 else M
         return f"N {N.min():.4g} to {N.max():.4g}, M {M.min():.4g} to {M.max():.4g}"
 
     @override
@@ -243,44 +255,44 @@ class Beam(BeamNodes):
             return None
         points, normals, lengths, shares = self._elements.sides(0.5 * self.thickness)
         force = -(pressure(points, normals, lengths) * lengths)[:, None] * normals
-        return self._distributed(np.tile(self._rows[:, :6], (4, 1)), shares[:, :, None] * force[:, None])
+        return self._distributed(shares[:, :, None] * force[:, None])
 
-    def _distributed(self, rows: ndarray, forces: ndarray) -> ndarray:
-        """Return the load vector of forces (n, 3, 2) on nodes, whose dofs are (n, 6)."""
-        load = np.zeros(self._of_model().max() + 1)
-        np.add.at(load, self._of_model()[rows], forces.reshape(-1, 6))
+    def _distributed(self, forces: ndarray) -> ndarray:
+        """Return the load vector of forces (n, 3, dim) on the nodes of all elements in turn."""
+        load, rows = np.zeros(self._of_model().max() + 1), self._rows[:, :forces[0].size]
+        np.add.at(load, self._of_model()[np.tile(rows, (len(forces) // len(rows), 1))], forces.reshape(len(forces), -1))
         return load
 
     @override
-    def line_forces(self, state: BeamState) -> tuple[ndarray, ...]:
+    def line_forces(self, state: BeamState) -> tuple[Any, ...]:
         ends = np.cumsum(self._elements.length)
         position = np.column_stack((np.append(0.0, ends[:-1]), ends)).ravel()
-        x, y = self.points[self.cells[:, :2].ravel()].T
-        forces = self._section_forces(state)
-        N, V, M, *hoop = forces.reshape(-1, forces.shape[2]).T
-        return (position, x, y, N, V, M, *((None, None, None, *hoop) if hoop else ()))
+        x, y, *z = self.points[self.cells[:, :2].ravel()].T
+        forces = np.einsum("merj,mj->mer", self._section, state.force).reshape(len(position), -1)
+        if not z:
+            N, V, M, *hoop = forces.T
+            return (position, x, y, N, V, M, *((None, None, None, *hoop) if hoop else ()))
+        t = self._elements.tangents().reshape(-1, 3)
+        N, T = (np.einsum("nc,nc->n", part, t) for part in (forces[:, :3], forces[:, 3:]))
+        return position, x, y, N, forces[:, :3] - N[:, None] * t, forces[:, 3:] - T[:, None] * t, z[0], T, t
 
     @override
     def line_points(self, x: ndarray, state: BeamState) -> tuple[ndarray, dict[str, ndarray]]:
-        ends = self._section_forces(state)
-        forces = np.concatenate((ends, ends.mean(axis=1, keepdims=True)), axis=1).reshape(-1, ends.shape[2]).T
-        moved = self._own(x)[self._rows[:, :6]].reshape(-1, 2)
-        return self._elements.points.reshape(-1, 2), {"displacement": moved, **dict(zip("NVM", forces))}
-
-    def _section_forces(self, state: BeamState) -> ndarray:
-        """Return N, V and M at both ends of the elements, (m, 2, 3), of a shell also those of the hoop, (m, 2, 5)."""
-        return np.asarray(np.einsum("merj,mj->mer", self._section, state.force))
+        dim, values = self.points.shape[1], {}
+        for key, ends in zip("NVM", self.line_forces(state)[3:6], strict=True):
+            both = ends.reshape(len(self.cells), 2, -1)
+            values[key] = np.concatenate((both, both.mean(axis=1, keepdims=True)), axis=1).reshape(-1, *ends.shape[1:])
+        values["displacement"] = self._own(x)[self._rows[:, :3 * dim]].reshape(-1, dim)
+        return self._elements.points.reshape(-1, dim), values
 
     def line_load(self, force: ArrayLike | Callable[[ndarray], ArrayLike]) -> ndarray:
-        """Return the load vector of a force per length, (2,), on all elements, of a model's beam.
+        """Return the load vector of a force per length, (dim,), on all elements, of a model's beam.
 
-        It may be a function of coordinates (2, n) that returns (2, n). On a shell it is a force per area.
+        It may be a function of coordinates (dim, n) that returns (dim, n). On a shell it is a force per area.
         """
-        if not callable(force):
-            return self._distributed(self._rows[:, :6], self._elements.load[:, :, None] * vector(force, 2, "force"))
-        points, _, lengths, shares = self._elements.sides(0.0)  # each point twice
-        values = 0.5 * finite(force(points.T), "force").T * lengths[:, None]
-        return self._distributed(np.tile(self._rows[:, :6], (4, 1)), shares[:, :, None] * values[:, None])
+        points, lengths, shares = self._elements.gauss()
+        values = finite(force(points.T), "force").T if callable(force) else vector(force, points.shape[1], "force")
+        return self._distributed(shares[:, :, None] * (values * lengths[:, None])[:, None])
 
     def contact(self, basis: CellBasis, law: InterfaceLaw, boundaries: str | Sequence[str] | None = None,
                 **options: Any) -> dict[str, ContactPair]:
@@ -300,6 +312,8 @@ class Beam(BeamNodes):
         ValueError
             A bonded beam; a thick beam with hinges; boundaries that do not lie on a side, that share facets, or none.
         """
+        if self.coordinates == "space":
+            raise ValueError("contact of a beam is in the plane")
         if self._shared is not None:
             raise ValueError("a bonded beam has no contact: give it nodes of its own, bonded=False")
         if self.thickness and self._rotation.n > len(self.points):

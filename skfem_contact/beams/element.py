@@ -1,4 +1,4 @@
-"""Three-node Timoshenko elements in the plane, straight or curved, and plastic hinges at their ends.
+"""Three-node Timoshenko elements, straight or curved, in the plane, of shells and in space; hinges at their ends.
 
 Displacements and rotations are quadratic, and two Gauss points integrate all terms: no locking. The dofs of an element
 are the displacements of its nodes (start, end, middle), then their rotations, anticlockwise. Strains do not depend on
@@ -43,6 +43,16 @@ def shapes(xi: float) -> tuple[ndarray, ndarray]:
             np.array([xi - 0.5, xi + 0.5, -2.0 * xi]))
 
 
+def _along(points: ndarray, xi: float) -> tuple[ndarray, ndarray, ndarray, ndarray]:
+    """Return lengths, (m,), tangents, (m, dim), functions and their derivatives by the arc length, (3,) and (m, 3)."""
+    N, dN = shapes(xi)
+    along, chord = np.einsum("k,mkc->mc", dN, points), points[:, 1] - points[:, 0]
+    if not ((along * chord).sum(axis=1) > _NO_LENGTH * np.ptp(points) * np.linalg.norm(chord, axis=1)).all():
+        raise ValueError("an element of a beam has no length, or its middle lies beyond its ends")
+    J = np.linalg.norm(along, axis=1)[:, None]
+    return J[:, 0], along / J, N, dN / J
+
+
 @dataclass(frozen=True, eq=False)
 class BeamElements:
     """Geometry of m elements.
@@ -66,22 +76,15 @@ class BeamElements:
         """Return the elements between nodes (m, 3, 2)."""
         strains, weights = np.zeros((len(points), 6, 9)), np.zeros((len(points), 2))
         for g, xi in enumerate(_GAUSS):
-            N, dN = shapes(xi)
-            along = np.einsum("k,mkc->mc", dN, points)
-            chord = points[:, 1] - points[:, 0]
-            if not ((along * chord).sum(axis=1) > _NO_LENGTH * np.ptp(points) * np.linalg.norm(chord, axis=1)).all():
-                raise ValueError("an element of a beam has no length, or its middle lies beyond its ends")
-            weights[:, g] = J = np.linalg.norm(along, axis=1)
-            t = along / J[:, None]
+            weights[:, g], t, N, slope = _along(points, xi)
             n = np.column_stack((-t[:, 1], t[:, 0]))
-            slope = dN / J[:, None]
             for row, direction in enumerate((t, n)):
                 strains[:, 3 * g + row, :6] = (slope[:, :, None] * direction[:, None]).reshape(-1, 6)
             strains[:, 3 * g + 1, 6:] = -N
             strains[:, 3 * g + 2, 6:] = slope
         return cls(points, strains, weights)
 
-    def root(self, EA: float, GA: float, EI: float) -> ndarray:
+    def root(self, EA: float, GA: float, EI: float, GJ: float = 0.0) -> ndarray:
         """Return the matrices R of the stiffness R R', (m, 9, 2 q)."""
         D = (self.weights[:, :, None] * np.array([EA, GA, EI])).reshape(-1, 6)
         return np.asarray(np.einsum("abc,ab->acb", self.strains, np.sqrt(D)))
@@ -95,6 +98,11 @@ class BeamElements:
         """Lengths, (m,)."""
         return np.asarray(self.weights.sum(axis=1))
 
+    def tangents(self) -> ndarray:
+        """Return unit tangents at start and end, (m, 2, dim)."""
+        along = np.stack([np.einsum("k,mkc->mc", shapes(xi)[1], self.points) for xi in (-1.0, 1.0)], axis=1)
+        return np.asarray(along / np.linalg.norm(along, axis=2, keepdims=True))
+
     @property
     def rigid(self) -> ndarray:
         """Dofs in rigid motions of unit motions of the middle node, (m, 9, 3)."""
@@ -104,10 +112,11 @@ class BeamElements:
         motion[:, 0:6:2, 2], motion[:, 1:6:2, 2] = -arm[:, :, 1], arm[:, :, 0]
         return motion
 
-    @property
-    def load(self) -> ndarray:
-        """Share of every node in a uniform load, (m, 3)."""
-        return np.asarray(sum(w[:, None] * shapes(xi)[0] for xi, w in zip(_GAUSS, self.weights.T, strict=True)))
+    def gauss(self) -> tuple[ndarray, ndarray, ndarray]:
+        """Return points, (n, dim), lengths, (n,), and the shares of the nodes in a force, (n, 3), at n = 2 m points."""
+        values = np.array([shapes(xi)[0] for xi in _GAUSS])
+        points = np.einsum("gk,mkc->gmc", values, self.points).reshape(-1, self.points.shape[2])
+        return points, self.weights.T.ravel(), np.repeat(values, len(self.points), axis=0)
 
     def sides(self, half: float) -> tuple[ndarray, ...]:
         """Return both sides, half a thickness off the axis, at the Gauss points: n = 4 m.
@@ -133,9 +142,8 @@ class BeamElements:
         a quarter of the force on the middle node.
         """
         found = np.zeros((len(self.points), 2, 3, 9))
-        for end, sign, xi in ((0, -1.0, -1.0), (1, 1.0, 1.0)):
-            along = np.einsum("k,mkc->mc", shapes(xi)[1], self.points)
-            t = along / np.linalg.norm(along, axis=1)[:, None]
+        for end, sign in ((0, -1.0), (1, 1.0)):
+            t = self.tangents()[:, end]
             n = np.column_stack((-t[:, 1], t[:, 0]))
             for node, share in ((end, sign), (2, -sign * _AT_END)):
                 found[:, end, 0, 2 * node:2 * node + 2] = share * t
@@ -175,7 +183,7 @@ class ShellElements(BeamElements):
         return cls(points, strains.reshape(-1, 10, 9), plane.weights, nu, radius)
 
     @override
-    def root(self, EA: float, GA: float, EI: float) -> ndarray:
+    def root(self, EA: float, GA: float, EI: float, GJ: float = 0.0) -> ndarray:
         D = np.diag([EA, GA, EI, EA, EI])
         D[[0, 3, 2, 4], [3, 0, 4, 2]] = self.nu * np.array([EA, EA, EI, EI])
         half = np.sqrt(self.weights * self.radius)[:, :, None, None] * np.linalg.cholesky(D)
@@ -186,13 +194,11 @@ class ShellElements(BeamElements):
         """Return N, V and M per width at start and end, then N and M around the axis, by strains from the forces."""
         moved = np.linalg.pinv(root @ root.transpose(0, 2, 1), hermitian=True)  # but for a rise along the axis
         at, full = self.points[:, :2, 0], 1.0 - self.nu**2
-        along = np.stack([self.points[:, :, 0] @ shapes(xi)[1] for xi in (-1.0, 1.0)], axis=1)
-        slope = along / np.stack([np.linalg.norm(np.einsum("k,mkc->mc", shapes(xi)[1], self.points), axis=1)
-                                  for xi in (-1.0, 1.0)], axis=1)
         found = np.zeros((len(self.points), 2, 5, 9))
         found[:, :, :3] = self.resultants / at[:, :, None, None]
         found[:, :, 3] = self.nu * found[:, :, 0] + full * EA * moved[:, [0, 2]] / at[..., None]
-        found[:, :, 4] = self.nu * found[:, :, 2] - full * EI * moved[:, 6:8] * (slope / at)[..., None]
+        turned = moved[:, 6:8] * (self.tangents()[..., 0] / at)[..., None]
+        found[:, :, 4] = self.nu * found[:, :, 2] - full * EI * turned
         return found
 
     @property
@@ -202,16 +208,61 @@ class ShellElements(BeamElements):
         motion[..., [0, 2]] = 0.0
         return motion
 
-    @property
     @override
-    def load(self) -> ndarray:
-        return np.asarray(sum((r * w)[:, None] * shapes(xi)[0]
-                              for xi, w, r in zip(_GAUSS, self.weights.T, self.radius.T, strict=True)))
+    def gauss(self) -> tuple[ndarray, ndarray, ndarray]:
+        points, lengths, shares = super().gauss()
+        return points, lengths, shares * points[:, [0]]
 
     @override
     def sides(self, half: float) -> tuple[ndarray, ...]:
         points, normals, lengths, shares = super().sides(half)
         return points, normals, lengths, shares * points[:, [0]]
+
+
+class SpaceElements(BeamElements):
+    """Elements in space, of round sections: q = 6 with two shear strains, two curvatures and the twist."""
+
+    @classmethod
+    @override
+    def of(cls, points: ndarray) -> SpaceElements:
+        m = len(points)
+        strains, weights = np.zeros((m, 2, 6, 18)), np.zeros((m, 2))
+        for g, xi in enumerate(_GAUSS):
+            weights[:, g], t, N, slope = _along(points, xi)
+            first = np.cross(t, np.eye(3)[np.abs(t).argmin(axis=1)])
+            first /= np.linalg.norm(first, axis=1)[:, None]
+            second = np.cross(t, first)
+            for row, axis in enumerate((t, first, second)):
+                strains[:, g, row, :9] = (slope[:, :, None] * axis[:, None]).reshape(m, 9)
+                strains[:, g, (5, 3, 4)[row], 9:] = strains[:, g, row, :9]
+            strains[:, g, 1, 9:] = -(N[:, None] * second[:, None]).reshape(m, 9)
+            strains[:, g, 2, 9:] = (N[:, None] * first[:, None]).reshape(m, 9)
+        return cls(points, strains.reshape(m, 12, 18), weights)
+
+    @override
+    def root(self, EA: float, GA: float, EI: float, GJ: float = 0.0) -> ndarray:
+        D = (self.weights[:, :, None] * np.array([EA, GA, GA, EI, EI, GJ])).reshape(-1, 12)
+        return np.asarray(np.einsum("abc,ab->acb", self.strains, np.sqrt(D)))
+
+    @property
+    @override
+    def rigid(self) -> ndarray:
+        motion, arm = np.zeros((len(self.points), 18, 6)), self.points - self.points[:, [2]]
+        for c in range(3):
+            motion[:, c:9:3, c] = motion[:, 9 + c::3, 3 + c] = 1.0
+            motion[:, :9, 3 + c] = np.cross(np.eye(3)[c], arm).reshape(-1, 9)
+        return motion
+
+    @property
+    @override
+    def resultants(self) -> ndarray:
+        """Force and moment at start and end by the forces on the nodes, (m, 2, 6, 18)."""
+        found = np.zeros((len(self.points), 2, 6, 18))
+        for end, sign in ((0, -1.0), (1, 1.0)):
+            for node, share in ((end, sign), (2, -sign * _AT_END)):
+                for c in range(3):
+                    found[:, end, c, 3 * node + c] = found[:, end, 3 + c, 9 + 3 * node + c] = share
+        return found
 
 
 class Flow(NamedTuple):

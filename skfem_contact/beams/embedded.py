@@ -100,6 +100,8 @@ class Embedded(Form):
     def __init__(self, basis: CellBasis, beam: Beam, T_max: float | Callable[[ndarray], ArrayLike], F_max: float = 0.0,
                  stiffness: float | None = None) -> None:
         check_plane(basis, "Embedded")
+        if beam.points.shape[1] != 2:
+            raise ValueError("embedded beams are plane: along a line in space the settlement grows with any finer mesh")
         if len(beam.fields) < 2:
             raise ValueError("the beam is bonded to the ground along a line: embed one with nodes of its own")
         if not is_number(F_max, -1e-300, np.inf):

@@ -24,15 +24,17 @@ _LEVEL = 1e-6
 
 def nodes_of(basis: CellBasis | None, line: Any, cells: Any) -> tuple[ndarray | None, ndarray, ndarray]:
     """Return dofs of shared nodes or None, coordinates of all nodes and elements of three nodes."""
-    if basis is not None:
-        check_plane(basis, "Beam")
     if isinstance(line, str):
+        if basis is not None:
+            check_plane(basis, "a beam along a named line")
         if basis is None or cells is not None:
             raise ValueError(f"the line '{line}' needs a basis with this name, and gives its own cells")
         return line_of(basis, line)
     points = finite(line, "line")
-    if points.ndim != 2 or points.shape[1] != 2 or len(points) < 2:
-        raise ValueError(f"the line of a beam must be a name, or at least two points (x, y), not {line!r}")
+    dims = (2, 3) if basis is None else (basis.mesh.dim(),)
+    if points.ndim != 2 or points.shape[1] not in dims or len(points) < 2:
+        raise ValueError(f"the line of a beam must be a name, or at least two points (x, y), in space (x, y, z), not "
+                         f"{line!r}")
     n = len(points)
     given = np.column_stack((np.arange(n - 1), np.arange(1, n))) if cells is None else np.asarray(cells)
     if given.ndim != 2 or given.shape[1] not in (2, 3) or given.dtype.kind not in "iu" or not len(given) \

@@ -16,7 +16,7 @@ from ..layout import Field, FieldDofs
 #: Coordinates are those of a node if they are nearer than this share of the beam.
 _AT = 1e-6
 #: Names of the dofs of a node.
-DofName = Literal["u^1", "u^2", "theta"]
+DofName = Literal["u^1", "u^2", "u^3", "theta", "theta^1", "theta^2", "theta^3"]
 
 
 class BeamNodes(Form):
@@ -28,30 +28,39 @@ class BeamNodes(Form):
     _rotation: Field
     _dofs: ndarray | None = None
 
+    @property
+    def _names(self) -> tuple[DofName, ...]:
+        """Names of the dofs of a node."""
+        if self.points.shape[1] == 2:
+            return "u^1", "u^2", "theta"
+        return "u^1", "u^2", "u^3", "theta^1", "theta^2", "theta^3"
+
     def node(self, at: ArrayLike) -> int:
-        """Return the number of the node at coordinates (2,)."""
-        point = vector(at, 2, "at")
+        """Return the number of the node at coordinates (dim,)."""
+        point = vector(at, self.points.shape[1], "at")
         distance, node = cKDTree(self.points).query(point)
         if distance > _AT * np.ptp(self.points, axis=0).max():
             raise ValueError(f"the beam has no node at {format_point(point)}; the nearest one is at "
                              f"{format_point(self.points[node])}")
         return int(node)
 
-    def dofs(self, at: ArrayLike, names: Sequence[DofName] = ("u^1", "u^2", "theta")) -> list[Any]:
-        """Return the dofs of the node at coordinates (2,), by default all, for the supports of a model.
+    def dofs(self, at: ArrayLike, names: Sequence[DofName] | None = None) -> list[Any]:
+        """Return the dofs of the node at coordinates (dim,), by default all, for the supports of a model.
 
-        At a hinge ``"theta"`` is the rotation of the first element that meets there.
-
+        In space the rotations are ``"theta^1"``, ``"theta^2"`` and ``"theta^3"``. At a hinge ``"theta"`` is that of the
+        first element that meets there.
         """
-        node = self.node(at)
+        node, dim = self.node(at), self.points.shape[1]
         found: list[Any] = []
-        for name in names:
-            if name == "theta":
-                found.append(FieldDofs(self._rotation, np.array([node])))
-            elif self._shared is not None:
-                found.append(self._shared[node, [("u^1", "u^2").index(name)]])
+        for name in self._names if names is None else names:
+            if name not in self._names:
+                raise ValueError(f"a node of the beam has the dofs {', '.join(self._names)}, not {name!r}")
+            k, turns = self._names.index(name), len(self._names) - dim
+            if k >= dim:
+                found.append(FieldDofs(self._rotation, np.array([turns * node + k - dim])))
             else:
-                found.append(FieldDofs(self._displacement, np.array([2 * node + ("u^1", "u^2").index(name)])))
+                found.append(FieldDofs(self._displacement, np.array([dim * node + k])) if self._shared is None
+                             else self._shared[node, [k]])
         return found
 
     def at(self, points: ArrayLike) -> ndarray | FieldDofs:
@@ -67,17 +76,21 @@ class BeamNodes(Form):
         nodes = np.array([self.node(point) for point in np.atleast_2d(finite(points, "points"))])
         if self._shared is not None:
             return self.points[nodes]
-        return FieldDofs(self._displacement, 2 * nodes[:, None] + np.arange(2))
+        dim = self.points.shape[1]
+        return FieldDofs(self._displacement, dim * nodes[:, None] + np.arange(dim))
 
     def numbers(self, at: ArrayLike) -> ndarray:
-        """Return the numbers of the dofs (u^1, u^2, theta) of the node at coordinates (2,), of a model's beam."""
-        node = self.node(at)
-        return self._of_model()[[2 * node, 2 * node + 1, 2 * len(self.points) + node]]
+        """Return the numbers of all dofs of the node at coordinates (dim,), displacements first, of a model's beam."""
+        node, dim = self.node(at), self.points.shape[1]
+        turns = len(self._names) - dim
+        return self._of_model()[[*(dim * node + np.arange(dim)),
+                                 *(dim * len(self.points) + turns * node + np.arange(turns))]]
 
-    def load(self, force: ArrayLike, at: ArrayLike, moment: float = 0.0) -> ndarray:
-        """Return the load vector of a force, (2,), and an anticlockwise moment at a node, of a model's beam."""
-        load = np.zeros(self._of_model().max() + 1)
-        load[self.numbers(at)] = [*vector(force, 2, "force"), moment]
+    def load(self, force: ArrayLike, at: ArrayLike, moment: ArrayLike = 0.0) -> ndarray:
+        """Return the load vector of a force and a moment, anticlockwise or (3,), at a node, of a model's beam."""
+        load, dim = np.zeros(self._of_model().max() + 1), self.points.shape[1]
+        turn = np.broadcast_to(finite(moment, "moment"), (len(self._names) - dim,))
+        load[self.numbers(at)] = [*vector(force, dim, "force"), *turn]
         return load
 
     def _of_model(self) -> ndarray:

@@ -72,7 +72,7 @@ class Staged:
     def pressure_at_nodes(self, x: ndarray) -> ndarray | None:
         """Return the pore pressure that the form adds to the ground, at the nodes of the displacements, (N/dim,)."""
 
-    def line_forces(self, state: Any) -> tuple[ndarray, ...] | None:
+    def line_forces(self, state: Any) -> tuple[Any, ...] | None:
         """Return positions along a beam, x, y, N, V and M there, (n,) each, or None where the form is no beam."""
 
     def line_points(self, x: ndarray, state: Any) -> tuple[ndarray, dict[str, ndarray]] | None:
