@@ -14,6 +14,7 @@ from .laboratory import element_test
 from .layout import Field, box_supports, dofs_at
 from .loads import hydrostatic, traction, water_load, weight
 from .materials import (
+    CamClay,
     DruckerPrager,
     HardeningMohrCoulomb,
     Internal,
@@ -35,12 +36,12 @@ from .water import PoreWater
 __version__ = "0.2.0"
 
 __all__ = [
-    "AnalysisWarning", "AugmentedLagrangian", "Bar", "Beam", "ContactPair", "Coulomb", "DruckerPrager", "Embedded",
-    "Field", "Form", "HardeningMohrCoulomb", "InterfaceLaw", "Internal", "LinearElastic", "Material", "MatrixForm",
-    "Model", "MohrCoulomb", "Newton", "NoEquilibrium", "NotConverged", "PoreWater", "Response", "RigidBoundary",
-    "Sections", "SolidForm", "Spring", "Stage", "Surface", "Tied", "Tresca", "Undrained", "VonMises", "box_supports",
-    "dofs_at", "element_test", "hydrostatic", "join_bodies", "load_mesh", "load_result", "mesh", "results", "rigid",
-    "split_along", "testing", "traction", "water", "water_load", "weight",
+    "AnalysisWarning", "AugmentedLagrangian", "Bar", "Beam", "CamClay", "ContactPair", "Coulomb", "DruckerPrager",
+    "Embedded", "Field", "Form", "HardeningMohrCoulomb", "InterfaceLaw", "Internal", "LinearElastic", "Material",
+    "MatrixForm", "Model", "MohrCoulomb", "Newton", "NoEquilibrium", "NotConverged", "PoreWater", "Response",
+    "RigidBoundary", "Sections", "SolidForm", "Spring", "Stage", "Surface", "Tied", "Tresca", "Undrained", "VonMises",
+    "box_supports", "dofs_at", "element_test", "hydrostatic", "join_bodies", "load_mesh", "load_result", "mesh",
+    "results", "rigid", "split_along", "testing", "traction", "water", "water_load", "weight",
 ]
 
 guard(__name__, laboratory.__name__, mesh.__name__, results.__name__, rigid.__name__, testing.__name__, water.__name__)

@@ -73,7 +73,7 @@ class Failure:
 
 
 class IncrementTooLarge(RuntimeError):
-    """Error of :meth:`Form.outer` where an increment is too large to be followed and must be cut."""
+    """Error of a material's update or of :meth:`Form.outer`: the increment is too large and must be cut."""
 
 
 @dataclass(frozen=True)

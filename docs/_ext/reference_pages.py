@@ -23,6 +23,7 @@ ROOMS = {
     "Materials": ("materials",),
     "Contact": ("contact", "surfaces"),
     "Beams": ("beams",),
+    "Laboratory tests": ("laboratory",),
     "Rigid obstacles": ("rigid",),
     "Loads": ("loads",),
     "Water": ("water",),

@@ -1,11 +1,12 @@
 """Constitutive laws: pure functions of strain increment and accepted state on arrays of points."""
 
 from .base import Internal, Material, Update
+from .cam_clay import CamClay
 from .drucker_prager import DruckerPrager, VonMises
 from .elastic import LinearElastic
 from .hardening import HardeningMohrCoulomb
 from .mohr_coulomb import MohrCoulomb, Tresca
 from .undrained import Undrained
 
-__all__ = ["DruckerPrager", "HardeningMohrCoulomb", "Internal", "LinearElastic", "Material", "MohrCoulomb", "Tresca",
-           "Undrained", "Update", "VonMises"]
+__all__ = ["CamClay", "DruckerPrager", "HardeningMohrCoulomb", "Internal", "LinearElastic", "Material", "MohrCoulomb",
+           "Tresca", "Undrained", "Update", "VonMises"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import fields
 from typing import Any, Literal, NamedTuple, get_args
 
 import numpy as np
@@ -286,6 +287,18 @@ def as_parameter(name: str, value: ArrayLike) -> Parameter:
         return float(array)
     array.flags.writeable = False
     return array
+
+
+def as_parameters(material: Any) -> None:
+    """Check the fields of a frozen dataclass as parameters; arrays must agree in length."""
+    given = {field.name: getattr(material, field.name) for field in fields(material)}
+    for field in fields(material):
+        if given[field.name] is not None or field.default is not None:
+            object.__setattr__(material, field.name, as_parameter(field.name, given[field.name]))
+    lengths = {name: np.size(value) for name, value in given.items() if np.ndim(value)}
+    if len(set(lengths.values())) > 1:
+        listed = ", ".join(f"{name} has {length}" for name, length in lengths.items())
+        raise ValueError(f"parameter arrays must have one value an element: {listed}")
 
 
 def require(name: str, value: Parameter, holds: Any, demand: str) -> None:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from copy import copy
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from typing_extensions import override
 
-from .base import Array, Flow, Material, Parameter, Update, along_elements, as_parameter, require
+from .base import Array, Flow, Material, Parameter, Update, along_elements, as_parameter, as_parameters, require
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,14 +24,7 @@ class Isotropic(Material):
     nu: Parameter
 
     def __post_init__(self) -> None:
-        given = {field.name: getattr(self, field.name) for field in fields(self)}
-        for field in fields(self):
-            if given[field.name] is not None or field.default is not None:
-                object.__setattr__(self, field.name, as_parameter(field.name, given[field.name]))
-        lengths = {name: np.size(value) for name, value in given.items() if np.ndim(value)}
-        if len(set(lengths.values())) > 1:
-            listed = ", ".join(f"{name} has {length}" for name, length in lengths.items())
-            raise ValueError(f"parameter arrays must have one value an element: {listed}")
+        as_parameters(self)
         require("E", self.E, np.greater(self.E, 0), "be positive")
         require("nu", self.nu, np.greater(self.nu, -1) & np.less(self.nu, 0.5), "lie between -1 and 0.5")
 

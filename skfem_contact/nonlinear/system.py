@@ -12,7 +12,7 @@ import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix
 
-from ..errors import NoEquilibrium, NotConverged
+from ..errors import IncrementTooLarge, NoEquilibrium, NotConverged
 from ..forms.base import Form, Response, responses_of
 from ..layout import Layout
 from ..solvers.direct import LinearSolver, SingularSystem, Solve
@@ -93,7 +93,10 @@ class System:
         """Evaluate all forms at displacements, unless these have run away."""
         if not np.abs(x).max(initial=0.0) < _ENDLESS:
             raise NotConverged("the iterations run away: the displacements are no numbers any more")
-        responses = responses_of(self.forms, x, states)
+        try:
+            responses = responses_of(self.forms, x, states)
+        except IncrementTooLarge as error:
+            raise NotConverged(f"the increment is too large: {error}", x) from error
         residual = load - sum(r.force for r in responses.values())
         residual[self.fixed] = 0.0
         norm, hidden = max(self._relative(part, residual, load, responses) for part in self.layout.parts

@@ -63,7 +63,8 @@ def require_all(holds: ndarray, message: str) -> None:
 
 
 def check_material(material: Material, strain: float = 1e-3, shape: tuple[int, int] = (50, 4), ncomp: Literal[4, 6] = 4,
-                   steps: int = 5, dissipation: bool = True, tolerance: float = 1e-5, seed: int = 0) -> float:
+                   steps: int = 5, dissipation: bool = True, tolerance: float = 1e-5, seed: int = 0,
+                   initial_stress: float = 0.0) -> float:
     """Check a material on random strain paths.
 
     Shapes are right, a second call returns the same, and arguments do not change.  The returned stress is admissible: a
@@ -83,11 +84,14 @@ def check_material(material: Material, strain: float = 1e-3, shape: tuple[int, i
     steps
         Length of the paths.
     dissipation
-        True if plastic strain must do work on the stress in every step.
+        True if plastic strain must do work on the stress in every step. The plastic strain is that of the accepted
+        stiffness: pass False for a hyperelastic law, whose stiffness changes in the step.
     tolerance
         Error of the tangent, relative to the largest elastic modulus.
     seed
         Seed of the random numbers.
+    initial_stress
+        Isotropic stress from which the paths start, tension positive.
 
     Returns
     -------
@@ -106,6 +110,7 @@ def check_material(material: Material, strain: float = 1e-3, shape: tuple[int, i
     require(np.abs(D - np.swapaxes(D, -1, -2)).max() <= EXACT * np.abs(D).max(), "the elasticity is not symmetric")
     require(np.linalg.eigvalsh(D).min() > 0, "the elasticity is not positive definite")
     stress = np.zeros((ncomp, *shape))
+    stress[:3] = initial_stress
     internal = material.initial_internal(stress)
     worst = 0.0
     for _ in range(steps):

@@ -1,0 +1,342 @@
+"""Modified Cam Clay with the hyperelasticity of Houlsby, Amorosi and Rojas.
+
+Inside this file compression is positive, p holds the attraction, e is the deviator of the elastic strain and E = e:e.
+The free energy (p_a / k) exp(k ev + k g E) gives p = p_a exp(k ev + k g E), the stress p (1 + 2 g e) and the stress
+ratio eta = q / p = sqrt(6 g^2 E): p is always positive, and the stress alone is the elastic state (G. T. Houlsby,
+A. Amorosi, E. Rojas, Geotechnique 55 (2005) 383-392, exponent 1).
+
+With the associated flow of q^2 / M^2 + p (p - pc) the deviator keeps the direction of its trial, eta = x eta_trial with
+x = 1 / (1 + y), and the plastic volume strain of an increment is D = y (M^2 - eta^2) / (6 g). The yield condition is
+one equation in y >= 0:
+
+    F = ln(p / pc) + k dev - k g E_0 - (k + 1 / (lambda - kappa)) D + k g E x^2 + ln(1 + eta^2 / M^2) = 0
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from typing_extensions import override
+
+from ..errors import IncrementTooLarge
+from .base import (
+    PLASTIC_STRAIN,
+    Array,
+    Internal,
+    Material,
+    Parameter,
+    Update,
+    along_elements,
+    as_parameters,
+    require,
+)
+from .plastic import chosen
+
+#: Excess of the yield condition in ln(p) that is round-off: its terms are some tens with errors of 1e-15.
+_ROUND_OFF = 1e-13
+#: Iterations: 5 to 12 are needed for strain increments of 1e-6 to 1e-1, bisections included.
+_MOST = 80
+#: Change of ln(p) in an increment beyond which it is refused: the pressure changes by a factor of 5e8.
+_LARGEST = 20.0
+#: Share of the attraction below which round-off decides the pressure.
+_LEAST = 1e-8
+#: Square of the elastic deviator without a direction.
+_ROUND = 1e-24
+#: Convexity of the surface in the deviatoric plane, see :class:`CamClay`.
+_LEAST_EXTENSION = 0.6
+
+
+class _Constants(NamedTuple):
+    """Floats, or arrays over points: moduli over p, hardening, critical state and attraction."""
+
+    k: Parameter
+    g: Parameter
+    hardening: Parameter
+    M: Parameter
+    extension: Parameter
+    attraction: Parameter
+
+
+class _Trial(NamedTuple):
+    """Coefficients of the yield condition in y: floats or arrays (n,)."""
+
+    base: Array
+    B: Parameter
+    k: Parameter
+    g: Parameter
+    E: Array
+    m2: Array
+
+
+@dataclass(frozen=True, eq=False)
+class CamClay(Material):
+    r"""Modified Cam Clay: stiffness that grows with the pressure, compression, and flow to a critical state.
+
+    The logarithm of the specific volume falls with that of the mean effective stress p by ``kappa`` inside the yield
+    surface :math:`q^2 / M^2 + p (p - p_c) = 0` and by ``lambda_`` on it, without an elastic range of pressures where
+    p is zero: ground without stress needs an `attraction`. Elasticity is hyperelastic: closed cycles of strain do no
+    work.
+
+    Parameters
+    ----------
+    kappa, lambda_ : float or ndarray
+        Swelling and compression index of ln(volume) on ln(p), 0 < kappa < lambda: those of void ratio e on the common
+        logarithm are larger by 2.3 (1 + e). Like all parameters a float or one value an element.
+    M : float or ndarray
+        Slope q / p of the critical state in triaxial compression, 6 sin(phi) / (3 - sin(phi)).
+    nu : float or ndarray
+        Poisson's ratio at isotropic stress.
+    p_ref : float or ndarray
+        Typical mean stress. Penalties and elastic estimates follow from its stiffness, stresses do not.
+    OCR : float or ndarray
+        Preconsolidation pressure p_c over the equivalent pressure p + q^2 / (M^2 p) of the initial stress, at least 1.
+    POP : float or ndarray
+        Stress that is added to that preconsolidation pressure.
+    extension : float or ndarray
+        M in triaxial extension over that in compression, 0.6 to 1; (3 - sin(phi)) / (3 + sin(phi)) for Mohr-Coulomb.
+        Between them follows D. Sheng, S. W. Sloan, H. S. Yu, Comput. Mech. 26 (2000) 185-196.
+    attraction : float or ndarray
+        Isotropic stress that is added to every stress, such as c cot(phi).
+
+    Examples
+    --------
+    Isotropic compression to the fourfold pressure: the volume shrinks by lambda ln 4.
+
+    >>> import numpy as np
+    >>> import skfem_contact as sc
+    >>> clay = sc.CamClay(kappa=0.02, lambda_=0.1, M=1.2, nu=0.25, p_ref=100.0)
+    >>> test = sc.element_test(clay, -100.0, sc.laboratory.isotropic(-400.0, increments=1))
+    >>> (test.volume[-1] / np.log(4.0)).round(9)
+    array([-0.1])
+    """
+
+    kappa: Parameter
+    lambda_: Parameter
+    M: Parameter
+    nu: Parameter
+    p_ref: Parameter
+    OCR: Parameter = 1.0
+    POP: Parameter = 0.0
+    extension: Parameter = 1.0
+    attraction: Parameter = 0.0
+
+    internal = (Internal(PLASTIC_STRAIN), Internal("preconsolidation pressure", unit="stress"))
+    stress_dependent = True
+
+    def __post_init__(self) -> None:
+        as_parameters(self)
+        for name in ("kappa", "M", "p_ref"):
+            require(name, getattr(self, name), np.greater(getattr(self, name), 0), "be positive")
+        require("lambda_", self.lambda_, np.greater(self.lambda_, self.kappa), "exceed kappa")
+        require("nu", self.nu, np.greater(self.nu, -1) & np.less(self.nu, 0.5), "lie between -1 and 0.5")
+        require("OCR", self.OCR, np.greater_equal(self.OCR, 1), "not be less than 1")
+        for name in ("POP", "attraction"):
+            require(name, getattr(self, name), np.greater_equal(getattr(self, name), 0), "not be negative")
+        convex = np.greater_equal(self.extension, _LEAST_EXTENSION) & np.less_equal(self.extension, 1)
+        require("extension", self.extension, convex, f"lie between {_LEAST_EXTENSION} and 1")
+
+    def _constants(self, shape: tuple[int, ...]) -> _Constants:
+        """Return the constants at the points of a stress of a shape, flattened."""
+        k, shear = 1 / self.kappa, 1.5 * (1 - 2 * self.nu) / (1 + self.nu)
+        values = k, shear * k, 1 / (self.lambda_ - self.kappa), self.M, self.extension, self.attraction
+        spread = (along_elements(value, shape) for value in values)
+        return _Constants(*(value.ravel() if isinstance(value, np.ndarray) else value for value in spread))
+
+    @override
+    def elasticity(self, ncomp: int, stress: Array | None = None, internal: Array | None = None) -> Array:
+        if stress is None:
+            p = np.asarray(self.p_ref + 0 * self.kappa + 0 * self.nu)
+            k, g = 1 / self.kappa, 1.5 * (1 - 2 * self.nu) / (1 + self.nu) / self.kappa
+            return _elastic(p, np.zeros((ncomp, *p.shape)), k, g)
+        c = self._constants(stress.shape)
+        p, e, _ = _elastic_strain(stress.reshape(ncomp, -1), c)
+        self._check_pressure(p, p <= 0)
+        return _elastic(p, e, c.k, c.g).reshape(*stress.shape[1:], ncomp, ncomp)
+
+    @override
+    def initial_internal(self, stress: Array) -> Array:
+        c = self._constants(stress.shape)
+        p, e, E = _elastic_strain(stress.reshape(len(stress), -1), c)
+        self._check_pressure(p, (p < 0) | ((p == 0) & (E > 0)))
+        equivalent = p * (1 + 6 * c.g**2 * E / _critical(e, E, c)[0] ** 2)
+        pressure = along_elements(self.OCR, stress.shape) * equivalent.reshape(stress.shape[1:])
+        pressure += along_elements(self.POP, stress.shape)
+        return np.stack((np.zeros_like(pressure), pressure))
+
+    def _check_pressure(self, p: Array, wrong: NDArray[np.bool_]) -> None:
+        """Refuse points without a positive pressure."""
+        if wrong.any():
+            worst = int(np.argmin(np.where(wrong, p, np.inf)))
+            raise ValueError(f"{self.label} has neither stiffness nor strength without pressure, but p plus the "
+                             f"attraction is {p[worst]:.4g} at point {worst} ({wrong.sum()} of {p.size} points): begin "
+                             "with compressive initial stresses, or give `attraction`")
+
+    @override
+    def yielding(self, before: Array, after: Array) -> NDArray[np.bool_]:
+        return np.any(after[:2] != before[:2], axis=0)
+
+    @override
+    def mobilised(self, stress: Array, internal: Array) -> tuple[Array, Array]:
+        c = self._constants(stress.shape)
+        p, e, E = _elastic_strain(stress.reshape(len(stress), -1), c)
+        pair = np.sqrt(6 * E) * c.g * p, _critical(e, E, c)[0] * p
+        return pair[0].reshape(stress.shape[1:]), pair[1].reshape(stress.shape[1:])
+
+    @override
+    def update(self, strain_increment: Array, stress: Array, internal: Array) -> Update:
+        shape, n, c = stress.shape, len(stress), self._constants(stress.shape)
+        flat, pc = stress.reshape(n, -1), internal[1].ravel()
+        p0, e0, E0 = _elastic_strain(flat, c)
+        strain = -strain_increment.reshape(n, -1)
+        if (none := p0 <= 0).any():
+            self._check_pressure(p0, none & strain.any(axis=0))
+            p0, pc = np.where(none, 1.0, p0), np.where(none, 1.0, pc)
+        volume = strain[:3].sum(axis=0)
+        e = e0 + 0.5 * strain
+        e[:3] += 0.5 * strain[:3] - volume / 3
+        E = _square(e)
+        M, dM = _critical(e, E, c)
+        growth = c.k * (volume - c.g * E0)
+        t = _Trial(np.log(p0 / pc) + growth, c.k + c.hardening, c.k, c.g, E, M * M)
+        y = _returned(t)
+        x = 1 / (1 + y)
+        D = y * (t.m2 - 6 * c.g**2 * E * x * x) / (6 * c.g)
+        change = growth - c.k * D + c.k * c.g * E * x * x
+        p = p0 * np.exp(np.clip(change, -_LARGEST, _LARGEST))
+        lost = (np.abs(change) > _LARGEST) | (p < _LEAST * c.attraction)
+        if lost.any():
+            raise IncrementTooLarge(f"{self.label}: the mean stress changes from {p0[lost][0]:.3g} to {p[lost][0]:.3g} "
+                                    f"or further ({lost.sum()} of {p.size} points)")
+        new = -2 * c.g * p * x * e
+        new[:3] += c.attraction - p
+        new[:, none] = flat[:, none]
+        strained = internal[0].ravel() + np.hypot(y * x * np.sqrt(2 * E / 3), D)
+        memory = np.stack((strained, np.where(none, internal[1].ravel(), pc * np.exp(c.hardening * D))))
+
+        def tangent() -> Array:
+            self._check_pressure(np.where(none, 0.0, p0), none)
+            return _tangent(t, c, y, e, p, M, dM)
+
+        return Update(new.reshape(shape), memory.reshape(2, *shape[1:]), np.arange(p.size), tangent)
+
+
+def _square(e: Array) -> Array:
+    """Return e:e of a deviator with tensor shears."""
+    return np.square(e[:3]).sum(axis=0) + 2 * np.square(e[3:]).sum(axis=0)
+
+
+def _elastic_strain(stress: Array, c: _Constants) -> tuple[Array, Array, Array]:
+    """Return the pressure, the deviator of the elastic strain with tensor shears, and its square."""
+    mean = stress[:3].mean(axis=0)
+    p = c.attraction - mean
+    e = -stress / (2 * c.g * np.where(p > 0, p, 1.0))
+    e[:3] -= e[:3].mean(axis=0)
+    return p, e, _square(e)
+
+
+def _elastic(p: Array, e: Array, k: Parameter, g: Parameter) -> Array:
+    """Return the elastic moduli, (..., ncomp, ncomp), at pressures (...) and deviators (ncomp, ...)."""
+    ratio = 2 * g * e
+    ratio[:3] += 1
+    ratio = np.moveaxis(ratio, 0, -1)
+    stiff, shear = np.broadcast_arrays(p * k, p * g)
+    return stiff[..., None, None] * ratio[..., :, None] * ratio[..., None, :] \
+        + 2 * shear[..., None, None] * _deviator(len(e))
+
+
+def _deviator(ncomp: int) -> Array:
+    """Return the matrix from engineering strains to their deviator with tensor shears."""
+    unit = np.diag(np.r_[1.0, 1.0, 1.0, np.full(ncomp - 3, 0.5)])
+    unit[:3, :3] -= 1 / 3
+    return unit
+
+
+def _critical(e: Array, E: Array, c: _Constants) -> tuple[Array, Array | None]:
+    """Return M at the Lode angle of a deviator, and its derivative by the strain, None if it is constant."""
+    if np.all(c.extension == 1.0):
+        return np.broadcast_to(np.asarray(c.M, dtype=float), E.shape), None
+    fourth = np.asarray(c.extension) ** 4
+    xx, yy, zz, xy = e[:4]
+    yz, zx = e[4:] if len(e) == 6 else (0 * xx, 0 * xx)
+    minors = np.array([yy * zz - yz * yz, zz * xx - zx * zx, xx * yy - xy * xy, yz * zx - xy * zz,
+                       xy * zx - xx * yz, xy * yz - yy * zx])
+    third = xx * minors[0] + xy * minors[3] + zx * minors[5]
+    minors = minors[:len(e)]
+    directed = E > _ROUND
+    cube = np.where(directed, E, 1.0) ** 1.5
+    sine = np.where(directed, np.clip(3 * np.sqrt(6) * third / cube, -1, 1), 0.0)
+    base = 1 + fourth - (1 - fourth) * sine
+    M = c.M * (2 * fourth / base) ** 0.25
+    slope = np.where(directed, 0.25 * M * (1 - fourth) / base * 3 * np.sqrt(6) / cube, 0.0)
+    minors[:3] -= minors[:3].mean(axis=0)
+    return M, slope * (minors - 3 * third / np.where(directed, E, 1.0) * e)
+
+
+def _condition(y: Array, t: _Trial) -> tuple[Array, Array]:
+    """Return the yield condition F and its derivative."""
+    x = 1 / (1 + y)
+    square = t.E * x * x
+    h = 6 * t.g**2 * square
+    rate = (t.m2 - h) / (6 * t.g) + 2 * y * t.g * square * x
+    value = t.base - t.B * y * (t.m2 - h) / (6 * t.g) + t.k * t.g * square + np.log1p(h / t.m2)
+    return value, -t.B * rate - 2 * t.k * t.g * square * x - 2 * h * x / (t.m2 + h)
+
+
+def _returned(t: _Trial) -> Array:
+    """Return the root y of the yield condition, zero in elastic points.
+
+    Beyond the critical state, y_M = eta_trial / M - 1, F falls. Dry of it, the root lies in (0, y_M) if F(y_M) < 0:
+    Newton's method without the bracket jumps between several roots there.
+    """
+    y = np.zeros_like(t.E)
+    first = _condition(y, t)[0]
+    points = np.flatnonzero(first > _ROUND_OFF * (1 + np.abs(t.base)))
+    if not points.size:
+        return y
+    t, first = chosen(t, points), first[points]
+    critical = np.maximum(np.sqrt(6 * t.g**2 * t.E / t.m2) - 1, 0.0)
+    beyond = _condition(critical, t)[0] > 0
+    farthest = 6 * t.g / t.m2 * (first / t.B + t.g * t.E / 4) * (1 + 1e-9) + 1e-12
+    low, high = np.where(beyond, critical, 0.0), np.where(beyond, np.maximum(farthest, critical), critical)
+    at = low.copy()
+    for _ in range(_MOST):
+        value, slope = _condition(at, t)
+        low, high = np.where(value > 0, at, low), np.where(value > 0, high, at)
+        step = at - value / slope
+        inside = (slope < 0) & (step >= low) & (step <= high)
+        new = np.where(inside, step, 0.5 * (low + high))
+        done = np.abs(new - at) <= 4e-15 * (1 + new)
+        at = new
+        if done.any():
+            y[points[done]] = at[done]
+            kept = np.flatnonzero(~done)
+            points, low, high, at, t = points[kept], low[kept], high[kept], at[kept], chosen(t, kept)
+            if not points.size:
+                return y
+    raise IncrementTooLarge(f"the return to the yield surface of Cam Clay fails at {points.size} points")
+
+
+def _tangent(t: _Trial, c: _Constants, y: Array, e: Array, p: Array, M: Array, dM: Array | None) -> Array:
+    """Return d stress / d strain = sigma (x) d ln(p) + 2 g p (e (x) dx + x I_dev), shape (n, ncomp, ncomp)."""
+    ncomp, x, k, g, E = len(e), 1 / (1 + y), t.k, t.g, t.E
+    h = 6 * g**2 * E * x * x
+    slope = _condition(y, t)[1]
+    D_y = (t.m2 - h) / (6 * g) + 2 * y * g * E * x**3
+    one = np.r_[1.0, 1.0, 1.0, np.zeros(ncomp - 3)][:, None]
+    dF = k * one + ((t.B * y + k) * g * x * x + 6 * g**2 * x * x / (t.m2 + h)) * 2 * e
+    dD = -y * g * x * x * 2 * e
+    if dM is not None:
+        D_M = y * M / (3 * g)
+        dF += (-t.B * D_M - 2 * h / (M * (t.m2 + h))) * dM
+        dD += D_M * dM
+    dy = np.where(y > 0, -dF / slope, 0.0)
+    dx = -x * x * dy
+    change = k * (one - dD - D_y * dy + 2 * g * x * x * e + 2 * g * E * x * dx)
+    stress = p * (one + 2 * g * x * e)
+    result = stress.T[:, :, None] * change.T[:, None, :]
+    result += (2 * g * p * e).T[:, :, None] * dx.T[:, None, :]
+    result += (2 * g * p * x)[:, None, None] * _deviator(ncomp)
+    return result
