@@ -250,4 +250,4 @@ def test_searches_are_refused_in_words():
     with pytest.raises(ValueError, match="strength"):
         model.strength_reduction(load, **QUIET)
     with pytest.raises(ValueError, match="CamClay"):
-        model.bounds(permanent=0 * load, live=load)
+        model.bounds(weight=20.0)
