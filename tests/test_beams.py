@@ -794,7 +794,7 @@ def test_beams_in_space_are_refused_in_the_plane():
     basis = vector_basis(MeshTri().refined(1).with_defaults(), "P2")
     with pytest.raises(ValueError, match="contact of a beam"):
         beam.contact(basis, sc.Coulomb(mu=0.3))
-    with pytest.raises(ValueError, match="embedded beams are plane"):
+    with pytest.raises(ValueError, match="the beam has 3 coordinates, the ground 2"):
         sc.Embedded(basis, beam, T_max=1.0)
     with pytest.raises(ValueError, match=r"has the dofs u\^1, u\^2, u\^3, theta\^1"):
         beam.dofs((0.0, 0.0, 0.0), ["theta"])

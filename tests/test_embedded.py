@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from skfem import Basis, ElementTriP2, ElementVector, MeshTri
+from skfem import Basis, ElementHexS2, ElementTriP2, ElementVector, MeshHex, MeshTri
 
 import skfem_contact as sc
 
@@ -134,3 +134,63 @@ def test_without_ground_and_in_bounds():
     model, _ = pile(basis)
     with pytest.raises(ValueError, match="no bounds with"):
         model.bounds(weight=20.0)
+
+
+def in_space(side, fraction, half=False, T_max=1e6, F_max=1e6, n=1):
+    """Pile of 20 m and radius 0.4 m in elements of `side` beside it: a quarter or a half of it, model and form."""
+    away = side * np.array([0, 1, 2, 3, 4.6, 7.2, 11.3, 17.8])
+    x = np.append(away[away < 40], 50.0)
+    z = np.concatenate((-50 + 30 * np.linspace(0, 1, 5) ** 0.6, -20 + 20 * np.linspace(0, 1, 9 * n)[1:]))
+    mesh = MeshHex.init_tensor(np.unique(np.append(-x, x)) if half else x, x, z).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementHexS2()), intorder=4)
+    area, depth = np.pi * 0.4**2 * fraction, np.linspace(0, -20, 21)
+    line = np.column_stack((0 * depth, 0 * depth, depth))
+    E = 1e7 - 1e4
+    beam = sc.Beam(None, line, EI=E * area * 0.04, EA=E * area, GA=4e6 * area, GJ=0.8 * E * area * 0.04)
+    forms = {"soil": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3)), "pile": beam,
+             "skin": sc.Embedded(basis, beam, T_max, F_max, radius=0.4)}
+    sides = [basis.get_dofs(lambda x, c=c: np.isclose(abs(x[c]), 50.0)).all(f"u^{c + 1}") for c in (0, 1)]
+    cut = [basis.get_dofs(lambda x, c=c: np.isclose(x[c], 0.0)).all(f"u^{c + 1}") for c in ((1,) if half else (0, 1))]
+    names = ["u^2", "theta^1", "theta^3"] + ([] if half else ["u^1", "theta^2"])
+    held = [dof for point in beam.points for dof in beam.dofs(point, names)]
+    model = sc.Model(forms, [basis.get_dofs(lambda x: np.isclose(x[2], -50.0)).all(), *sides, *cut, *held])
+    return model, model.forms["pile"]
+
+
+def test_pile_in_space_settles_like_a_solid_one():
+    """[X] A solid pile of 1000 kN in a fine axisymmetric mesh settles by 9.32 mm: within 5 % in coarse elements."""
+    found = []
+    for side in (3.2, 1.6):
+        model, form = in_space(side, 0.25)
+        stage = model.run([sc.Stage("load", form.load((0.0, 0.0, -250.0), (0.0, 0.0, 0.0)))], **QUIET)["load"]
+        found.append(-1e3 * stage.x[form.numbers((0.0, 0.0, 0.0))[2]])
+        assert form.line_forces(stage.states["pile"])[3].min() == pytest.approx(-250.0, rel=0.01)
+    assert found == pytest.approx([9.32, 9.32], rel=0.05)
+    assert found[0] == pytest.approx(found[1], rel=0.015)
+
+
+def test_pile_in_space_bends_like_a_solid_one():
+    """[X] A solid pile under 100 kN at its head, in 54,000 dofs, moves by 4.74 mm; a half of it bears half of that."""
+    model, form = in_space(1.6, 0.5, half=True, n=2)
+    stage = model.run([sc.Stage("push", form.load((50.0, 0.0, 0.0), (0.0, 0.0, 0.0)))], **QUIET)["push"]
+    assert 1e3 * stage.x[form.numbers((0.0, 0.0, 0.0))[0]] == pytest.approx(4.74, rel=0.05)
+
+
+def test_limit_of_a_pile_in_space():
+    """[X] A quarter of a pile: 20 m of skin with 10 kN/m and the foot with 30 kN."""
+    model, form = in_space(3.2, 0.25, T_max=10.0, F_max=30.0)
+    found = model.limit_load(form.load((0.0, 0.0, -1.0), (0.0, 0.0, 0.0)), step=50.0, **QUIET)
+    assert found.multiplier == pytest.approx(230.0, rel=1e-3)
+
+
+def test_bad_piles_in_space():
+    mesh = MeshHex.init_tensor(*3 * [np.linspace(0.0, 2.0, 3)]).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementHexS2()), intorder=4)
+    nail = sc.Beam(None, [[1.0, 1.0, 2.0], [1.0, 1.0, 0.5]], EI=1.0, EA=1.0)
+    long = sc.Beam(None, [[1.0, 1.0, 2.0], [1.0, 1.0, -0.5]], EI=1.0, EA=1.0)
+    with pytest.raises(ValueError, match="has a radius, not None"):
+        sc.Embedded(basis, nail, T_max=1.0)
+    with pytest.raises(ValueError, match=r"leaves the mesh at \(1, 1, -"):
+        sc.Embedded(basis, long, T_max=1.0, radius=0.1)
+    with pytest.raises(ValueError, match=r"has a radius, not 0\.1"):
+        sc.Embedded(ground(), sc.Beam(None, np.linspace((0, 0), (0, -10), 11), EI=1e5, EA=3e6), T_max=1.0, radius=0.1)
