@@ -105,15 +105,15 @@ class ElementTest:
             Measured columns with the names ``"shear"`` (shear strain), ``"p"``, ``"q"``, ``"volume"`` and
             ``"pore_pressure"``, drawn as points where both columns of a diagram exist.
         """
-        from matplotlib.figure import Figure
+        import matplotlib.pyplot as plt
 
         undrained = np.abs(self.volume).max() < 1e-3 * np.abs(self.strain).max()
         third = ("pore_pressure", "excess pore pressure") if undrained else ("volume", "volume strain")
         values = {name: getattr(self, name) for name in ("shear", "p", "q", "volume", "pore_pressure")}
         names = ((("shear", "shear strain"), ("q", "q")), (("p", "p'"), ("q", "q")),
                  (("shear", "shear strain"), third), (("p", "p'"), ("volume", "volume strain")))
-        figure = Figure(figsize=(8.0, 6.5), layout="constrained")
-        for axes, ((x, along), (y, upright)) in zip(figure.subplots(2, 2).flat, names, strict=True):
+        figure, panels = plt.subplots(2, 2, figsize=(8.0, 6.5), layout="constrained")
+        for axes, ((x, along), (y, upright)) in zip(panels.flat, names, strict=True):
             axes.plot(values[x], values[y], linewidth=1.2)
             if beside and x in beside and y in beside:
                 axes.plot(beside[x], beside[y], "k.", markersize=4)

@@ -1,0 +1,154 @@
+r"""
+Laboratory tests of clay and rock
+=================================
+
+:func:`~skfem_contact.element_test` follows a material along a path of prescribed stresses and strains, as a laboratory
+does with a sample. The tests of Modified Cam Clay are compared with closed forms and quadratures of the law, those of
+Hoek-Brown with its strength.
+"""
+
+import json
+from time import process_time
+
+import matplotlib.pyplot as plt
+import numpy as np
+from scipy.integrate import quad
+from scipy.optimize import brentq
+
+import skfem_contact as sc
+from skfem_contact.laboratory import isotropic, oedometer, simple_shear, triaxial
+
+KAPPA, LAMBDA, M, NU, P = 0.02, 0.10, 1.2, 0.25, 100.0
+SHEAR = 1.5 * (1 - 2 * NU) / (1 + NU) / KAPPA  # shear modulus over mean stress
+rows = []
+
+
+def timed(name, material, stress, path):
+    """Result of an element test, and the row of its figures without an error."""
+    begin = process_time()
+    test = sc.element_test(material, stress, path)
+    rows.append({"method": name, "n": len(test.p) - 1, "unknowns": test.stress.shape[1], "error": None,
+                 "cpu_s": round(process_time() - begin, 3), "iterations": int(test.iterations.sum())})  # fmt: skip
+    return test
+
+
+def clay(OCR=1.0):
+    """Clay with an overconsolidation ratio."""
+    return sc.CamClay(KAPPA, LAMBDA, M, NU, p_ref=P, OCR=OCR)
+
+
+# %%
+# Isotropic compression and unloading
+# -----------------------------------
+# The logarithm of the volume falls by :math:`\lambda` and rises by :math:`\kappa` times the change of :math:`\ln p`:
+# one increment is as exact as many.
+
+for increments in (1, 10):
+    test = timed(f"isotropic, {increments} increments", clay(), -P,
+                 [isotropic(-4 * P, increments), isotropic(-2 * P, increments)])
+    exact = -LAMBDA * np.log(4), -LAMBDA * np.log(4) + KAPPA * np.log(2)
+    rows[-1]["error"] = float(np.abs(test.volume[[increments, -1], 0] / exact - 1).max())
+    assert rows[-1]["error"] < 1e-9
+
+# %%
+# Undrained triaxial compression
+# ------------------------------
+# On the yield surface the volume stays if :math:`\lambda \ln(p / p_0) = \eta^2 / (6 g) + (\lambda - \kappa)
+# [\ln OCR - \ln(1 + \eta^2 / M^2)]` with the stress ratio :math:`\eta = q / p` and :math:`g = G / p`. The path does not
+# depend on the increments. Overconsolidated clay goes to the right of its initial stress, and ends at the same line.
+
+undrained = {}
+for OCR in (1.0, 1.5, 4.0):
+    for increments in (100, 800):
+        test = timed(f"undrained, OCR {OCR}, {increments} increments", clay(OCR), -P,
+                     triaxial(-0.3, drained=False, increments=increments))
+        on = test.variable("plastic strain")[:, 0] > 1e-6
+        p, eta = test.p[on, 0], test.q[on, 0] / test.p[on, 0]
+        exact = P * np.exp((eta**2 / (6 * SHEAR) + (LAMBDA - KAPPA) * np.log(OCR / (1 + eta**2 / M**2))) / LAMBDA)
+        rows[-1]["error"] = float(np.abs(p / exact - 1).max())
+        assert rows[-1]["error"] < 1e-7
+    strength = 0.5 * M * P * np.exp((M**2 / (6 * SHEAR) + (LAMBDA - KAPPA) * np.log(OCR / 2)) / LAMBDA)
+    print(f"OCR {OCR}: c_u = {test.q[-1, 0] / 2:.2f}, exact {strength:.2f} kPa")
+    assert abs(test.q[-1, 0] / 2 / strength - 1) < 2e-3
+    undrained[OCR] = test
+
+# %%
+# Drained triaxial compression
+# ----------------------------
+# The stress path is the straight line :math:`p = 3 p_0 / (3 - \eta)`. The shear strain is a quadrature over the stress
+# ratio. The flow is taken at the end of an increment: the error halves with the increments.
+
+
+def shear_strain(eta):
+    """Shear strain of drained compression up to a stress ratio."""
+    def rate(x):
+        return (1 / (3 - x) + 2 * x / (M**2 + x**2)) * 2 * x / (M**2 - x**2)
+
+    return (LAMBDA - KAPPA) * quad(rate, 0, eta, epsabs=1e-12)[0] + eta / (3 * SHEAR)
+
+
+errors = []
+for increments in (100, 200, 400):
+    test = timed(f"drained, {increments} increments", clay(), -P, triaxial(-0.1, increments=increments))
+    ratio, strain = test.q[-1, 0] / test.p[-1, 0], test.volume[-1, 0] / 3 - test.axial[-1, 0]
+    exact = brentq(lambda x, s=strain: shear_strain(x) - s, 0.1, M - 1e-9)
+    errors.append(abs(ratio / exact - 1))
+    rows[-1]["error"] = float(errors[-1])
+    assert np.abs(test.p[-1] * (3 - ratio) / (3 * P) - 1) < 1e-9
+print("drained, relative errors of the stress ratio:", " ".join(f"{error:.1e}" for error in errors))
+assert errors[-1] < 2e-3
+assert 1.8 < errors[0] / errors[1] < 2.2
+assert 1.8 < errors[1] / errors[2] < 2.2
+
+# %%
+# Many samples at once
+# --------------------
+# An array of stresses gives one sample each. The four diagrams show three cell pressures in drained compression, an
+# unloading and a second compression.
+
+several = timed("three cell pressures", clay(), [-50.0, -100.0, -200.0],
+                [triaxial(-0.06), triaxial(0.005, increments=10), triaxial(-0.1)])
+several.plot()
+assert np.ptp(several.q[-1] / several.p[-1]) < 1e-9  # the law has no length of stress
+
+# %%
+# Rock
+# ----
+# Hoek-Brown in triaxial compression, triaxial extension, oedometric compression and simple shear. The dilatancy of 20
+# degrees is capped by the friction of the tangent, which falls with the pressure.
+
+rock = sc.HoekBrown(E=5.7e6, nu=0.25, sigma_ci=30e3, m_b=1.7, s=0.0039, a=0.51, psi=20.0)
+cell = np.array([-0.5e3, -2e3, -8e3])
+
+
+def excess(stress):
+    """Principal stress difference over the strength, less one."""
+    full = np.array([[stress[0], stress[3], 0 * stress[0]], [stress[3], stress[1], 0 * stress[0]],
+                     [0 * stress[0], 0 * stress[0], stress[2]]])  # fmt: skip
+    values = np.linalg.eigvalsh(full.transpose(2, 0, 1))
+    strength = rock.sigma_ci * (rock.s - rock.m_b * values[:, 2] / rock.sigma_ci) ** rock.a
+    return np.abs((values[:, 2] - values[:, 0]) / strength - 1).max()
+
+
+for name, step in {"compression": triaxial(-0.02), "extension": triaxial(0.02), "simple shear": simple_shear(0.05),
+                   "oedometer": oedometer(strain=-0.05)}.items():  # fmt: skip
+    test = timed(f"rock, {name}", rock, cell, step)
+    rows[-1]["error"] = float(excess(test.stress[-1]))
+    assert rows[-1]["error"] < 1e-8
+
+# %%
+# Undrained paths
+# ---------------
+
+fig, ax = plt.subplots(figsize=(6, 4), layout="constrained")
+for OCR, test in undrained.items():
+    ax.plot(test.p, test.q, label=f"OCR {OCR:g}")
+ax.plot([0, 150], [0, M * 150], "k--", linewidth=0.8, label="critical state")
+ax.set(xlabel="p' [kPa]", ylabel="q [kPa]", xlim=(0, 180), ylim=(0, 200))
+ax.legend(frameon=False)
+plt.show()
+
+# %%
+# Headline numbers
+# ----------------
+print(json.dumps({"case": "element tests", "rows": rows}))
