@@ -141,12 +141,16 @@ class SolidForm(Form):
         """Return the body with other materials, ``{subdomain: material}``; matrices that do not change are shared."""
         for name in materials:
             look_up(name, self.materials, "region of this solid")
-        new = copy(self)
-        new._set(tuple(region_of(r.name, materials.get(r.name, r.material), r.elements) for r in self.regions))
-        if not all(np.array_equal(a.material.elasticity(self._ncomp), b.material.elasticity(self._ncomp))
-                   for a, b in zip(self.regions, new.regions, strict=True)):
+        regions = tuple(region_of(r.name, materials.get(r.name, r.material), r.elements) for r in self.regions)
+        if all(np.array_equal(a.material.elasticity(self._ncomp), b.material.elasticity(self._ncomp))
+               for a, b in zip(self.regions, regions, strict=True)):
+            _ = self._diagonal  # with the stiffness: computed once, for the bodies of all strengths
+            new = copy(self)
+        else:
+            new = copy(self)
             for name in ("_elasticity", "elastic_stiffness", "_diagonal"):
                 new.__dict__.pop(name, None)
+        new._set(regions)
         return new
 
     @override
