@@ -181,9 +181,11 @@ def test_unchanged_factor_is_used_again(blocks, monkeypatch):
 
 
 def test_order_is_kept_until_the_factors_grow(blocks, monkeypatch):
-    """[X] The order is computed for the first matrix and again when a pattern has spoilt it, not else."""
+    """[X] The order is computed for the first matrix of a mesh and again when a pattern has spoilt it, not else."""
     calls, nested = [], superlu.nested_dissection
     monkeypatch.setattr(superlu, "nested_dissection", lambda *a: calls.append(1) or nested(*a))
+    monkeypatch.setattr(superlu, "_orders", {})
+    DirectSolver(blocks.locations, blocks.free, "superlu").factor(blocks.stiffness(1.0, 1.0))  # of another model
     solver = DirectSolver(blocks.locations, blocks.free, "superlu")
     solver.factor(blocks.stiffness(1.0, 1.0))
     solver.factor(blocks.stiffness(2.0, 1.0, partners=np.roll(np.arange(N + 1), 1)))

@@ -114,6 +114,7 @@ class SolidForm(Form):
             raise ValueError(f"{missing} have no unit weight: give one for each subdomain, 0 for a weightless one")
         B, self.weight = strain_operator(self.basis, self.strain, self.coordinates)
         self._ncomp = B.shape[2]
+        check_materials(regions, self.basis.nelems, self._ncomp)
         self._set(regions)
         self._pattern = Pattern.of(self.basis)
         self._force_matrix = force_matrix(B, self.weight, self.basis.element_dofs, self.basis.N)
@@ -128,12 +129,10 @@ class SolidForm(Form):
 
     def _set(self, regions: tuple[Region, ...]) -> None:
         """Set the regions, and the attributes that follow from their materials."""
-        check_materials(regions, self.basis.nelems, self._ncomp)
         self.regions, self.materials = regions, {region.name: region.material for region in regions}
-        materials = self.materials.values()
-        self.symmetric = all(material.symmetric for material in materials)
-        self._n_internal = max(material.n_internal for material in materials)
-        changing = any(m.n_internal or m.stress_dependent or m.time_dependent for m in materials)
+        laws = self.materials.values()
+        self.symmetric, self._n_internal = all(law.symmetric for law in laws), max(law.n_internal for law in laws)
+        changing = any(law.n_internal or law.stress_dependent or law.time_dependent for law in laws)
         self.changing = None if changing else self.joins
         self.strengths = tuple(name for name, material in self.materials.items() if material.reducible)
 
@@ -141,15 +140,18 @@ class SolidForm(Form):
         """Return the body with other materials, ``{subdomain: material}``; matrices that do not change are shared."""
         for name in materials:
             look_up(name, self.materials, "region of this solid")
+        new = self._of(materials)
+        check_materials(new.regions, self.basis.nelems, self._ncomp)
+        return new
+
+    def _of(self, materials: Mapping[str, Material]) -> SolidForm:
         regions = tuple(region_of(r.name, materials.get(r.name, r.material), r.elements) for r in self.regions)
-        if all(np.array_equal(a.material.elasticity(self._ncomp), b.material.elasticity(self._ncomp))
-               for a, b in zip(self.regions, regions, strict=True)):
+        if same := all(np.array_equal(a.material.elasticity(self._ncomp), b.material.elasticity(self._ncomp))
+                       for a, b in zip(self.regions, regions, strict=True)):
             _ = self._diagonal  # with the stiffness: computed once, for the bodies of all strengths
-            new = copy(self)
-        else:
-            new = copy(self)
-            for name in ("_elasticity", "elastic_stiffness", "_diagonal"):
-                new.__dict__.pop(name, None)
+        new = copy(self)
+        for name in () if same else ("_elasticity", "elastic_stiffness", "_diagonal"):
+            vars(new).pop(name, None)
         new._set(regions)
         return new
 
@@ -162,7 +164,7 @@ class SolidForm(Form):
 
     @override
     def reduced(self, factor: float, flow: str, names: Collection[str]) -> SolidForm:
-        return self.with_materials({n: self.materials[n].reduced(factor, cast(Flow, flow)) for n in names})
+        return self._of({n: self.materials[n].reduced(factor, cast(Flow, flow)) for n in names})
 
     @override
     def over(self, duration: float) -> SolidForm:
@@ -281,12 +283,10 @@ class SolidForm(Form):
     def remarks(self, x: ndarray, state: SolidState) -> Iterator[Remark]:
         moved = zip(x[self.basis.element_dofs], self.basis.basis, strict=True)
         gradient = np.asarray(sum(u[:, None] * np.asarray(shape.grad) for u, (shape,) in moved))
-        turn = float(np.abs(gradient - gradient.swapaxes(0, 1)).max(initial=0.0)) / 2.0
-        if turn > _TURN:
+        if (turn := float(np.abs(gradient - gradient.swapaxes(0, 1)).max(initial=0.0)) / 2.0) > _TURN:
             yield Remark("rotation", turn, f"elements rotate by up to {np.degrees(turn):.0f} degrees: rotations are "
                          f"taken for small, which lets lengths grow by {turn**2 / 2.0:.0%}")
-        strain = float(np.abs(state.strain).max(initial=0.0))
-        if strain > _STRAIN:
+        if (strain := float(np.abs(state.strain).max(initial=0.0))) > _STRAIN:
             units = "; are E and the loads in the same units?" if strain > 1.0 else ""
             yield Remark("strain", strain, f"strains of up to {strain:.0%} are taken for small{units}")
         yielded = float((self.variable(PLASTIC_STRAIN, state) > 0).mean())
