@@ -41,7 +41,7 @@ class SuperLU:
             return nested_dissection(graph, locations)
         parts = (graph.indptr, graph.indices, np.ascontiguousarray(locations))
         key = blake2b(b"".join(part.tobytes() for part in parts)).digest()
-        # what was used last stands last
+        # what was used last is the last one
         _orders[key] = order = _orders.pop(key) if key in _orders else nested_dissection(graph, locations)
         while len(_orders) > KEPT:
             _orders.pop(next(iter(_orders)))
