@@ -442,3 +442,15 @@ def test_bounds_of_a_smooth_joint_without_pardiso(rigid, monkeypatch):
     drawn = Stack(1.25, (0.42,), (0.57,), float(np.radians(24.5)), "nodal")
     for name, value, tolerance in joints.bounds(drawn, True, "given", rigid):
         assert value <= tolerance, name
+
+
+def test_limit_load_on_a_material_that_refuses_increments():
+    """Clay that hardens under a footing: the search ends, whatever increments the clay refuses, and says how."""
+    mesh = MeshQuad.init_tensor(np.linspace(0, 10, 6), np.linspace(-6, 0, 5)).with_defaults()
+    mesh = mesh.with_boundaries({"foot": lambda x: (x[1] > -1e-9) & (x[0] < 2.1)})
+    basis = Basis(mesh, ElementVector(ElementQuad2()), intorder=4)
+    clay = sc.CamClay(kappa=0.02, lambda_=0.1, M=1.2, nu=0.25, p_ref=50.0, attraction=1.0)
+    model = sc.Model({"clay": sc.SolidForm(basis, clay, unit_weight=18.0)}, sc.box_supports(basis))
+    with pytest.warns(sc.AnalysisWarning, match="no collapse was shown"):
+        found = model.limit_load(sc.traction(basis, "foot", (0.0, -1.0)), start=model.k0_state(K0=0.6), **QUIET)
+    assert found.multiplier > 100.0

@@ -214,6 +214,6 @@ def correct(branch: Branch, control: ndarray, points: list[Point], work: float, 
     try:
         now, norms = iterate(evaluate(guess), evaluate, direction, newton, branch.search, at_least=1, damp=True)
     except NotConverged as error:
-        error.x = None if error.x is None else error.x[:-1]
+        error.x = None if error.x is None else error.x[:len(control)]
         raise
     return Point(now.z[:-1], now.states, float(now.z[-1]), work, norms)
