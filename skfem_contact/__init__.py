@@ -17,6 +17,7 @@ from .materials import (
     CamClay,
     DruckerPrager,
     HardeningMohrCoulomb,
+    HardeningSoil,
     HoekBrown,
     Internal,
     LinearElastic,
@@ -38,10 +39,10 @@ __version__ = "0.2.0"
 
 __all__ = [
     "AnalysisWarning", "AugmentedLagrangian", "Bar", "Beam", "CamClay", "ContactPair", "Coulomb", "DruckerPrager",
-    "Embedded", "Field", "Form", "HardeningMohrCoulomb", "HoekBrown", "InterfaceLaw", "Internal", "LinearElastic",
-    "Material", "MatrixForm", "Model", "MohrCoulomb", "Newton", "NoEquilibrium", "NotConverged", "PoreWater",
-    "Response", "RigidBoundary", "Sections", "SolidForm", "Spring", "Stage", "Surface", "Tied", "Tresca", "Undrained",
-    "VonMises", "box_supports", "dofs_at", "element_test", "hydrostatic", "join_bodies", "load_mesh", "load_result",
+    "Embedded", "Field", "Form", "HardeningMohrCoulomb", "HardeningSoil", "HoekBrown", "InterfaceLaw", "Internal",
+    "LinearElastic", "Material", "MatrixForm", "Model", "MohrCoulomb", "Newton", "NoEquilibrium", "NotConverged",
+    "PoreWater", "Response", "RigidBoundary", "Sections", "SolidForm", "Spring", "Stage", "Surface", "Tied", "Tresca",
+    "Undrained", "VonMises", "box_supports", "dofs_at", "element_test", "hydrostatic", "join_bodies", "load_mesh", "load_result",
     "mesh", "results", "rigid", "split_along", "testing", "traction", "water", "water_load", "weight",
 ]
 

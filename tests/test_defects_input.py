@@ -294,6 +294,8 @@ SETTINGS = {
     sc.DruckerPrager: {"E": 1e3, "nu": 0.3, "k": 1.0, "alpha": 0.1, "beta": 0.1},
     sc.HardeningMohrCoulomb: {"E": 1e3, "nu": 0.3, "c": 1.0, "c_end": 0.5, "phi": 30.0, "phi_end": 20.0,
                               "strain_end": 0.1, "psi": 5.0},
+    sc.HardeningSoil: {"E50_ref": 37e3, "Eoed_ref": 29.6e3, "Eur_ref": 90e3, "m": 0.5, "c": 1.0, "phi": 41.0,
+                       "psi": 14.0},
     sc.Undrained: {"nu_undrained": 0.495},
     sc.water.VanGenuchten: {"alpha": 2.0, "n": 3.0, "least": 1e-6},
     sc.water.Ramp: {"width": 0.5, "least": 1e-3},

@@ -5,9 +5,10 @@ from .cam_clay import CamClay
 from .drucker_prager import DruckerPrager, VonMises
 from .elastic import LinearElastic
 from .hardening import HardeningMohrCoulomb
+from .hardening_soil import HardeningSoil
 from .hoek_brown import HoekBrown
 from .mohr_coulomb import MohrCoulomb, Tresca
 from .undrained import Undrained
 
-__all__ = ["CamClay", "DruckerPrager", "HardeningMohrCoulomb", "HoekBrown", "Internal", "LinearElastic", "Material",
-           "MohrCoulomb", "Tresca", "Undrained", "Update", "VonMises"]
+__all__ = ["CamClay", "DruckerPrager", "HardeningMohrCoulomb", "HardeningSoil", "HoekBrown", "Internal", "LinearElastic",
+           "Material", "MohrCoulomb", "Tresca", "Undrained", "Update", "VonMises"]

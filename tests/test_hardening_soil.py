@@ -1,0 +1,187 @@
+"""Hardening Soil: closed forms of its tests, random increments, failure and bad input."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import skfem_contact as sc
+from skfem_contact.errors import IncrementTooLarge
+from skfem_contact.laboratory import oedometer, triaxial
+
+#: Dense Hostun sand.
+HOSTUN: dict[str, Any] = {"E50_ref": 37e3, "Eoed_ref": 29.6e3, "Eur_ref": 90e3, "m": 0.5, "phi": 41.0, "nu_ur": 0.2,
+                          "R_f": 0.9, "K0nc": 0.34}  # fmt: skip
+
+
+def sand(c: float = 0.0, psi: float = 14.0, **changes: Any) -> sc.HardeningSoil:
+    return sc.HardeningSoil(c=c, psi=psi, **(HOSTUN | changes))
+
+
+def stresses(n: int, ncomp: int, seed: int = 1) -> np.ndarray:
+    """Random stresses inside of the failure surface, (ncomp, n, 1)."""
+    rng = np.random.default_rng(seed)
+    result, vertical = np.zeros((ncomp, n, 1)), rng.uniform(5.0, 400.0, n)
+    for row, share in zip(result, (rng.uniform(0.4, 1, n), np.ones(n), rng.uniform(0.4, 1, n)), strict=False):
+        row[:, 0] = -share * vertical
+    return result
+
+
+def test_cap_and_dilatancy_in_closed_form() -> None:
+    """Figures of Hostun sand to their printed digits; they depend neither on cohesion nor on the units."""
+    for law in (sand(), sand(c=7.0), sand(E50_ref=37e6, Eoed_ref=29.6e6, Eur_ref=90e6, p_ref=1e5)):
+        assert law.constants.cap_slope == pytest.approx(5.32012, abs=5e-6)
+        assert law.constants.cap_modulus * 37e3 / law.E50_ref == pytest.approx(54381, abs=0.5)
+        assert law.constants.sin_cv == pytest.approx(0.49227, abs=5e-6)
+
+
+@pytest.mark.parametrize("increments", [4, 20])
+def test_hyperbola_is_exact_where_cap_and_dilatancy_rest(increments: int) -> None:
+    test = sc.element_test(sand(psi=0.0, OCR=20.0), -300.0, triaxial(-0.04, increments=increments))
+    failure = 300 * 2 * np.sin(np.radians(41)) / (1 - np.sin(np.radians(41)))
+    strain, initial = -test.axial[:, 0], 2 * 37e3 / 1.1 * 3**0.5
+    exact = np.minimum(strain / (1 / initial + strain * 0.9 / failure), failure)
+    assert np.abs(test.q[:, 0] - exact).max() < 1e-9 * failure  # Newton's tolerance
+
+
+def test_oedometer_meets_its_modulus_and_K0() -> None:
+    """The stiffness is that of the accepted stress: the error falls linearly with the increment."""
+    start, errors = -np.array([[6.8], [20.0], [6.8], [0.0]]), []
+    for increments in (20, 80):
+        test = sc.element_test(sand(), start, oedometer(-200.0, increments=increments))
+        exact = 2 * (np.sqrt(200) - np.sqrt(20)) * 10 / 29.6e3
+        errors.append(abs(-test.axial[-1, 0] / exact - 1))
+        assert test.stress[-1, 0, 0] / test.stress[-1, 1, 0] == pytest.approx(0.34, rel=5e-3)
+    assert errors[1] < 5.05e-3 and errors[1] < 0.3 * errors[0]
+
+
+def increments(size: float, shape: tuple[int, ...]) -> np.ndarray:
+    return size * np.random.default_rng(2).standard_normal(shape)
+
+
+@pytest.mark.parametrize("c", [0.0, 5.0])
+@pytest.mark.parametrize("ncomp", [4, 6])
+@pytest.mark.parametrize("size", [1e-6, 1e-5, 1e-4])
+def test_random_increments(size: float, ncomp: int, c: float) -> None:
+    """The answer is admissible, dissipates, and has its tangent."""
+    law, n = sand(c), 20_000 if ncomp == 4 else 2_000
+    stress = stresses(n, ncomp)
+    internal, strain = law.initial_internal(stress), increments(size, (ncomp, n, 1))
+    new = law.update(strain, stress, internal)
+    again = law.update(np.zeros_like(strain), new.stress, new.internal)
+    shift = c / np.tan(np.radians(41))
+    mean = np.maximum(shift - new.stress[:3].mean(axis=0), 1e-3)  # the floor of the stiffness is at 0.1
+    assert (np.abs(again.stress - new.stress) / mean).max() <= 1e-8
+    assert (new.internal >= internal).all()
+
+    elastic = law.elasticity(ncomp, stress, internal)[:, 0]
+    relaxed = np.linalg.solve(elastic, (new.stress - stress)[:, :, 0].T[:, :, None])[:, :, 0].T
+    flow = strain[:, :, 0] - relaxed
+    work = (new.stress[:, :, 0] * flow).sum(axis=0)
+    assert (work >= -1e-10 * np.abs(new.stress).max() * np.abs(strain).max()).all()
+
+    tangent, h, largest = new.tangent(), 1e-5 * size, elastic[new.plastic].max(axis=(1, 2))
+    error = np.zeros(new.plastic.size)
+    for j in range(ncomp):
+        step = np.zeros_like(strain)
+        step[j] = h
+        ahead, behind = (law.update(strain + sign * step, stress, internal).stress for sign in (1, -1))
+        quotient = ((ahead - behind) / (2 * h))[:, new.plastic, 0].T
+        error = np.maximum(error, np.abs(tangent[:, :, j] - quotient).max(axis=1) / largest)
+    assert np.quantile(error, 0.98) < 1e-6  # the others have a kink within the step
+
+
+@pytest.mark.parametrize("scale", [1.0, 1e3])
+def test_units(scale: float) -> None:
+    law = sand(2.0 * scale, E50_ref=37e3 * scale, Eoed_ref=29.6e3 * scale, Eur_ref=90e3 * scale, p_ref=100 * scale)
+    one, stress = sand(2.0), stresses(500, 4)
+    strain = increments(1e-4, stress.shape)
+    expected = one.update(strain, stress, one.initial_internal(stress)).stress
+    found = law.update(strain, scale * stress, law.initial_internal(scale * stress)).stress
+    assert np.abs(found / scale - expected).max() < 1e-9 * np.abs(expected).max()  # Newton's last step
+
+
+def test_reversed_cycles_do_not_drift() -> None:
+    """After the first cycle 200 more between the same strains are elastic, without a power law to the round-off."""
+    law = sand(m=0.0, K0nc=None)
+    stress = np.array([-60.0, -100.0, -60.0, 0.0])[:, None, None]
+    internal = law.initial_internal(stress)
+    step, ends = np.array([0.0, 0.0, 0.0, 2e-4])[:, None, None], []
+    for _ in range(201):
+        for sign in (1, -1):
+            new = law.update(sign * step, stress, internal)
+            stress, internal = new.stress, new.internal
+        ends.append((stress.copy(), internal.copy()))
+    assert np.abs(ends[-1][0] - ends[1][0]).max() < 1e-10 * 100
+    assert np.array_equal(ends[-1][1][1:], ends[1][1][1:])
+
+
+@pytest.mark.parametrize("ocr", [1.0, 5.0, 50.0])
+@pytest.mark.parametrize("p0", [1.0, 100.0, 1e4])
+def test_triaxial_test_ends_on_the_failure_surface(ocr: float, p0: float) -> None:
+    test = sc.element_test(sand(OCR=ocr), -p0, triaxial(-0.5 * (p0 / 100) ** 0.5, increments=100))
+    assert test.q[-1, 0] == pytest.approx(p0 * 3.814951, rel=1e-6)  # 2 sin phi / (1 - sin phi)
+
+
+def test_extension_and_unloading_towards_zero() -> None:
+    extension = sc.element_test(sand(), -100.0, triaxial(0.05))
+    assert extension.stress[-1, 1, 0] == pytest.approx(-100 / 4.814951, rel=1e-6)  # the active pressure
+    unloaded = sc.element_test(sand(c=1.0), -np.array([[34.0], [100.0], [34.0], [0.0]]), oedometer(-0.5))
+    assert unloaded.stress[-1, 1, 0] == pytest.approx(-0.5, abs=1e-9)
+
+
+def test_strength() -> None:
+    """Strength reduction and bounds are those of Mohr-Coulomb."""
+    law, mohr = sand(5.0), sc.MohrCoulomb(37e3, 0.2, c=5.0, phi=41.0, psi=14.0)
+    assert law.cone() == mohr.cone() and law.cone("davis_b") == mohr.cone("davis_b")
+    reduced, expected = law.reduced(1.5), mohr.reduced(1.5)
+    assert isinstance(reduced, sc.MohrCoulomb) and isinstance(expected, sc.MohrCoulomb)
+    assert (reduced.c, reduced.phi, reduced.psi) == (expected.c, expected.phi, expected.psi)
+    stress = stresses(5, 4)
+    for found, known in zip(law.mobilised(stress, stress), mohr.mobilised(stress, stress), strict=True):
+        assert np.array_equal(found, known)
+    internal = law.initial_internal(stress)
+    new = law.update(np.array([0, -1e-3, 0, 0])[:, None, None] + 0 * stress, stress, internal)
+    assert law.yielding(internal, new.internal).all()
+
+
+@pytest.mark.parametrize(("changes", "message"), [
+    ({"m": 1.5}, "m must lie in 0..1, got 1.5"), ({"OCR": 0.5}, "OCR must be at least 1"),
+    ({"psi": 50.0}, "psi must lie between 0 and phi"), ({"Eur_ref": 5e4}, "exceed the initial modulus 67272"),
+    ({"Eoed_ref": 9e4}, "cannot both be met"), ({"K0nc": 0.1}, "beyond failure, which begins at 0.2077"),
+    ({"E50_ref": [1e4, 2e4]}, "E50_ref must be a finite number"), ({"R_f": 1.0}, "R_f must lie between"),
+])  # fmt: skip
+def test_bad_parameters(changes: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        sand(**changes)
+
+
+def test_bad_initial_stress() -> None:
+    inside = stresses(6, 4)
+    outside, torn = inside.copy(), inside.copy()
+    outside[:, 4, 0], torn[:, 3, 0] = (-10.0, -100.0, -30.0, 0.0), (1.0, -1.0, 0.0, 0.0)
+    with pytest.raises(ValueError, match=r"outside the failure surface by 51.8.* worst in element 4"):
+        sand().initial_internal(outside)
+    with pytest.raises(ValueError, match="in tension at 1 points, the worst in element 3"):
+        sand().initial_internal(torn)
+    with pytest.warns(sc.AnalysisWarning, match=r"less than 0.1,.* give a small cohesion"):
+        sand().initial_internal(1e-4 * inside)
+
+
+def test_preconsolidation() -> None:
+    """The cap goes through the largest stress of the past, on the line of normal consolidation."""
+    stress = -np.array([34.0, 100.0, 34.0, 0.0])[:, None, None]
+    cap = {name: law.initial_internal(stress)[2].item() for name, law in
+           {"normal": sand(), "OCR": sand(OCR=2.0), "POP": sand(POP=100.0)}.items()}
+    assert cap["OCR"] == pytest.approx(2 * cap["normal"], rel=1e-12)
+    assert cap["POP"] == pytest.approx(cap["OCR"], rel=1e-12)
+
+
+def test_increment_without_an_answer_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("skfem_contact.materials.hardening_return._ITERATIONS", 1)
+    law, stress = replace(sand(), OCR=1.0), stresses(20, 4)
+    with pytest.raises(IncrementTooLarge, match="have no admissible stress"):
+        law.update(increments(1e-2, stress.shape), stress, law.initial_internal(stress))
