@@ -10,5 +10,5 @@ from .hoek_brown import HoekBrown
 from .mohr_coulomb import MohrCoulomb, Tresca
 from .undrained import Undrained
 
-__all__ = ["CamClay", "DruckerPrager", "HardeningMohrCoulomb", "HardeningSoil", "HoekBrown", "Internal", "LinearElastic",
-           "Material", "MohrCoulomb", "Tresca", "Undrained", "Update", "VonMises"]
+__all__ = ["CamClay", "DruckerPrager", "HardeningMohrCoulomb", "HardeningSoil", "HoekBrown", "Internal",
+           "LinearElastic", "Material", "MohrCoulomb", "Tresca", "Undrained", "Update", "VonMises"]
