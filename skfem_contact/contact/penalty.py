@@ -29,6 +29,10 @@ logger = logging.getLogger("skfem_contact")
 #: pressures beside the edges of blocks that do not match, from 15 to 30, then range from 0 to 30.
 #: The tangential penalty is the same: half of it saves no iterations in partial slip, and blunts its reversal.
 _RATIO = 6.0
+#: Tangential penalty over the normal one beside beams and shells, which slip along most of their length. With 1 a pit
+#: of 5 m beside a wall takes 40 iterations, and its strength reduction stalls at 2.92 after 291; with .1 it takes 31,
+#: and the search ends on a plateau at 2.95 after 138. The largest moment changes by .1 %.
+_ALONG_BEAM = 0.1
 #: A penalty that is larger than the stiffness by this factor leaves three digits of the penetration.
 _TOO_HARD = 1e9
 #: Penalty over the stiffness of the surfaces that the method goes to from whatever it was given, and the one that it
@@ -79,7 +83,8 @@ def chosen(slave: Surface, master: Surface, bodies: Sequence[csr_matrix], penalt
     if not known:
         return penalty, None  # type: ignore[return-value]
     stiffness = known[0] if len(known) == 1 else 1.0 / (1.0 / known[0] + 1.0 / known[1])
-    penalty = penalty or (_RATIO * stiffness, _RATIO * stiffness)
+    beside_beam = not all(surface.meshed for surface in moving)
+    penalty = penalty or (_RATIO * stiffness, (_ALONG_BEAM if beside_beam else 1.0) * _RATIO * stiffness)
     if warns and max(penalty) > _TOO_HARD * stiffness:
         warn(f"contact of '{slave.name}' on '{master.name}': the penalty, {max(penalty):.3g}, is "
              f"{max(penalty) / stiffness:.0e} times the stiffness of the surfaces: round-off hides the "
