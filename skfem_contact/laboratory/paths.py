@@ -90,14 +90,7 @@ class PathStep:
 
 
 def isotropic(stress: ArrayLike, increments: int = 100) -> PathStep:
-    """Return a step to equal normal stresses.
-
-    Parameters
-    ----------
-    stress
-        The effective stress at its end, tension positive; a number or one number a sample.
-    increments
-        Number of increments.
+    """Return a step to an isotropic effective stress, tension positive.
 
     Examples
     --------
@@ -108,18 +101,8 @@ def isotropic(stress: ArrayLike, increments: int = 100) -> PathStep:
     return PathStep(dict.fromkeys(COMPONENTS[:3], stress), {}, increments)
 
 
-def oedometer(stress: ArrayLike | None = None, strain: ArrayLike | None = None, increments: int = 100,
-              duration: float = 0.0) -> PathStep:
-    """Return a step of axial compression (yy) without lateral strain.
-
-    Parameters
-    ----------
-    stress
-        Axial effective stress at its end, tension positive; or `strain`.
-    strain
-        Change of the axial strain.
-    increments, duration
-        As those of :class:`PathStep`.
+def oedometer(stress: ArrayLike | None = None, strain: ArrayLike | None = None, increments: int = 100) -> PathStep:
+    """Return a step to an axial stress (yy), or of a change of axial strain, without lateral strain.
 
     Examples
     --------
@@ -128,24 +111,15 @@ def oedometer(stress: ArrayLike | None = None, strain: ArrayLike | None = None, 
     >>> test.axial[-1].round(9)
     array([-0.1])
     """
-    return _axial(stress, strain, {}, {"xx": 0.0, "zz": 0.0}, increments, duration, None)
+    return _axial(stress, strain, {}, {"xx": 0.0, "zz": 0.0}, increments)
 
 
 def triaxial(strain: ArrayLike | None = None, stress: ArrayLike | None = None, drained: bool = True,
-             increments: int = 100, duration: float = 0.0) -> PathStep:
-    """Return a step of axial compression or extension (yy) at constant cell pressure.
+             increments: int = 100) -> PathStep:
+    """Return a step of a change of axial strain (yy), or to an axial effective stress, at constant cell pressure.
 
-    Parameters
-    ----------
-    strain
-        Change of the axial strain, negative in compression; or `stress`.
-    stress
-        Axial effective stress at its end, tension positive.
-    drained
-        True for a constant lateral stress. False for a constant volume: the pore pressure follows from the cell
-        pressure. A material :class:`~skfem_contact.Undrained` takes True, its stresses are total ones.
-    increments, duration
-        As those of :class:`PathStep`.
+    Undrained, the volume is constant, and the pore pressure follows from the cell pressure. A material
+    :class:`~skfem_contact.Undrained` has total stresses and takes ``drained=True``.
 
     Examples
     --------
@@ -155,21 +129,12 @@ def triaxial(strain: ArrayLike | None = None, stress: ArrayLike | None = None, d
     array([200.])
     """
     if drained:
-        return _axial(stress, strain, {"xx": None}, {"xx-zz": 0.0}, increments, duration, None)
-    return _axial(stress, strain, {}, {"xx-zz": 0.0, "volume": 0.0}, increments, duration, "xx")
+        return _axial(stress, strain, {"xx": None}, {"xx-zz": 0.0}, increments)
+    return _axial(stress, strain, {}, {"xx-zz": 0.0, "volume": 0.0}, increments, "xx")
 
 
-def simple_shear(gamma: ArrayLike, drained: bool = True, increments: int = 100, duration: float = 0.0) -> PathStep:
-    """Return a step of simple shear (xy) without lateral strain.
-
-    Parameters
-    ----------
-    gamma
-        Change of the engineering shear strain.
-    drained
-        True for a constant normal stress yy, False for a constant volume.
-    increments, duration
-        As those of :class:`PathStep`.
+def simple_shear(gamma: ArrayLike, drained: bool = True, increments: int = 100) -> PathStep:
+    """Return a step of a change of engineering shear strain (xy) at constant normal stress yy, or constant volume.
 
     Examples
     --------
@@ -179,16 +144,15 @@ def simple_shear(gamma: ArrayLike, drained: bool = True, increments: int = 100, 
     array([0.4])
     """
     side = {"xx": 0.0, "zz": 0.0, "xy": gamma}
-    if drained:
-        return PathStep({"yy": None}, side, increments, duration)
-    return PathStep({}, side | {"yy": 0.0}, increments, duration, "yy")
+    return PathStep({"yy": None}, side, increments) if drained else PathStep(
+        {}, side | {"yy": 0.0}, increments, total="yy")
 
 
 def _axial(stress: ArrayLike | None, strain: ArrayLike | None, stresses: Mapping[str, ArrayLike | None],
-           strains: Mapping[str, ArrayLike], increments: int, duration: float, total: str | None) -> PathStep:
+           strains: Mapping[str, ArrayLike], increments: int, total: str | None = None) -> PathStep:
     """Return a step that is driven by its axial stress or strain."""
     if (stress is None) == (strain is None):
         raise ValueError("the axial direction needs either a stress or a strain")
-    if stress is None:
-        return PathStep(stresses, {"yy": strain, **strains}, increments, duration, total)  # type: ignore[dict-item]
-    return PathStep({"yy": stress, **stresses}, strains, increments, duration, total)
+    if strain is not None:
+        return PathStep(stresses, {"yy": strain, **strains}, increments, total=total)
+    return PathStep({"yy": stress, **stresses}, strains, increments, total=total)

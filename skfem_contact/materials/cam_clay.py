@@ -22,17 +22,7 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from ..errors import IncrementTooLarge
-from .base import (
-    PLASTIC_STRAIN,
-    Array,
-    Internal,
-    Material,
-    Parameter,
-    Update,
-    along_elements,
-    as_parameters,
-    require,
-)
+from .base import PLASTIC_STRAIN, Array, Internal, Material, Parameter, Update, along_elements, as_parameters, require
 from .plastic import chosen
 
 #: Excess of the yield condition in ln(p) that is round-off: its terms are some tens with errors of 1e-15.
@@ -61,7 +51,7 @@ class _Constants(NamedTuple):
 
 
 class _Trial(NamedTuple):
-    """Coefficients of the yield condition in y: floats or arrays (n,)."""
+    """Coefficients of the yield condition in y."""
 
     base: Array
     B: Parameter
