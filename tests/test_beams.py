@@ -582,6 +582,17 @@ def test_flow_presses_on_both_sides_of_a_beam():
     assert load.sum() == pytest.approx(net, rel=1e-12) and net < -100.0
 
 
+def test_pressures_at_vertices_on_both_sides_of_a_beam():
+    """[X] Those of a flow, as the flow itself; beside water in the pit they do not say what presses there."""
+    model, dug, basis = pit_beside_a_sheet_pile()
+    water = pumped(basis)
+    wall = model.forms["wall"]._dofs
+    given, flow = (model.water_on(dug, pressure)[wall] for pressure in (np.nan_to_num(water.pressure), water))
+    np.testing.assert_allclose(given, flow, atol=1e-9 * abs(flow).max())
+    with pytest.raises(ValueError, match=r"above the ground, at .* give water levels or a seepage"):
+        model.water_on(dug, np.maximum(-10.0 * basis.mesh.p[1], 0.0))
+
+
 def test_contact_beside_water_carries_effective_stress():
     """[X] A sheet pile is in balance: the ground's forces on it and those of the water."""
     model, _, basis = pit_beside_a_sheet_pile()

@@ -9,6 +9,7 @@ from numpy import ndarray
 from scipy.spatial import cKDTree
 from skfem import FacetBasis
 
+from ..checks import format_point
 from ..layout import elements_of
 
 #: Facets that are tried first as the one that another faces, and how far off one that touches may lie, over its size:
@@ -50,6 +51,10 @@ def _opposite(outside: FacetBasis, pressure: Any, facets: ndarray, points: ndarr
     for name, given in (pressure if isinstance(pressure, Mapping) else {"": pressure}).items():
         here = np.isin(owner, mesh.subdomains[name]) if name else np.full(len(points), True)
         values[here] = given(points[here].T) if callable(given) else (weights * given[ends]).sum(axis=0)[here]
+        off = np.linalg.norm(a + share[:, None] * (b - a) - points, axis=1) > _OFF * np.linalg.norm(b - a, axis=1)
+        if not callable(given) and (lost := here & off & (values > 0.0)).any():
+            raise ValueError("pressures at the vertices do not say what presses on a beam above the ground, at "
+                             f"{format_point(points[lost][0])}: give water levels or a seepage")
     return values
 
 
