@@ -61,31 +61,25 @@ def element_test(material: Material, stress: ArrayLike, path: PathStep | Sequenc
     array([400.   , 538.034])
     """
     law, start = as_material(material), _components(stress)
-    steps = [path] if isinstance(path, PathStep) else list(path)
-    internal = law.initial_internal(start[:, :, None])[:, :, 0]
-    state = np.zeros_like(start), start, internal
+    state = np.zeros_like(start), start, law.initial_internal(start[:, :, None])[:, :, 0]
     _check_start(law, state)
-    history, pressures, counts, numbers = [state], [_excess(law, state)], [0], [-1]
-    for number, step in enumerate(steps):
-        before = state
-        targets = step.targets(state[1], state[0])
-        S, E = rows = step.conditions(len(start))
-        origin = S @ state[1], E @ state[0]
+    history = [(*state, np.zeros(start.shape[1]), -1, 0)]
+    for number, step in enumerate([path] if isinstance(path, PathStep) else path):
+        before, targets, rows = state, step.targets(state[1], state[0]), step.conditions(len(start))
+        origin = rows[0] @ state[1], rows[1] @ state[0]
         for k in range(step.increments):
-            share = (k + 1) / step.increments
-            goal = tuple(a + share * (b - a) for a, b in zip(origin, targets))
+            goal = tuple(a + (k + 1) / step.increments * (b - a) for a, b in zip(origin, targets))
             try:
                 state, count = _increment(law, state, rows, goal, step.duration / step.increments)
             except (_NoEquilibrium, IncrementTooLarge) as error:
                 failure = NotConverged(f"step {number} of the element test stops after {k} of {step.increments} "
                                        f"increments: {error}; `result` of this error holds the states before")
-                failure.result = _result(law, history, pressures, numbers, counts)
+                failure.result = _result(law, history)
                 raise failure from error
-            history.append(state)
-            pressures.append(_excess(law, state) + _held(step, state, before))
-            counts.append(count)
-            numbers.append(number)
-    return _result(law, history, pressures, numbers, counts)
+            row = None if step.total is None else COMPONENTS.index(step.total)
+            held = np.zeros(start.shape[1]) if row is None else state[1][row] - before[1][row]
+            history.append((*state, held, number, count))
+    return _result(law, history)
 
 
 class _NoEquilibrium(Exception):
@@ -184,24 +178,11 @@ def _listed(stress: ndarray) -> str:
     return ", ".join(f"{name} = {value:.4g}" for name, value in zip(COMPONENTS, stress))
 
 
-def _excess(law: Material, state: _State) -> ndarray:
-    """Return the excess pore pressure of the material itself."""
-    pressure = law.variable(EXCESS_PRESSURE, state[2])
-    return np.zeros(state[1].shape[1]) if pressure is None else pressure
-
-
-def _held(step: PathStep, now: _State, before: _State) -> Any:
-    """Return the pore pressure that keeps a total stress."""
-    if step.total is None:
-        return 0.0
-    row = COMPONENTS.index(step.total)
-    return now[1][row] - before[1][row]
-
-
-def _result(law: Material, history: Sequence[_State], pressures: Sequence[ndarray], numbers: Sequence[int],
-            counts: Sequence[int]) -> ElementTest:
+def _result(law: Material, history: Sequence[tuple[Any, ...]]) -> ElementTest:
     """Return the histories; stresses of an undrained material become effective."""
-    strain, stress, internal = (np.array(part) for part in zip(*history))
+    strain, stress, internal, pressure, numbers, counts = map(np.array, zip(*history))
+    if (own := law.variable(EXCESS_PRESSURE, internal.swapaxes(0, 1))) is not None:
+        pressure = pressure + own
     if law.undrained:
         stress = law.drained(stress.swapaxes(0, 1), internal.swapaxes(0, 1))[0].swapaxes(0, 1)
-    return ElementTest(law, stress, strain, internal, np.array(pressures), np.array(numbers), np.array(counts))
+    return ElementTest(law, stress, strain, internal, pressure, numbers, counts)

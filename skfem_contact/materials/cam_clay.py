@@ -50,17 +50,6 @@ class _Constants(NamedTuple):
     attraction: Parameter
 
 
-class _Trial(NamedTuple):
-    """Coefficients of the yield condition in y."""
-
-    base: Array
-    B: Parameter
-    k: Parameter
-    g: Parameter
-    E: Array
-    m2: Array
-
-
 @dataclass(frozen=True, eq=False)
 class CamClay(Material):
     r"""Modified Cam Clay: stiffness that grows with the pressure, compression, and flow to a critical state.
@@ -118,13 +107,13 @@ class CamClay(Material):
 
     def __post_init__(self) -> None:
         as_parameters(self)
-        for name in ("kappa", "M", "p_ref"):
-            require(name, getattr(self, name), np.greater(getattr(self, name), 0), "be positive")
+        for name in ("kappa", "M", "p_ref", "POP", "attraction"):
+            value, history = getattr(self, name), name in ("POP", "attraction")
+            require(name, value, np.greater_equal(value, 0) if history else np.greater(value, 0),
+                    "not be negative" if history else "be positive")
         require("lambda_", self.lambda_, np.greater(self.lambda_, self.kappa), "exceed kappa")
         require("nu", self.nu, np.greater(self.nu, -1) & np.less(self.nu, 0.5), "lie between -1 and 0.5")
         require("OCR", self.OCR, np.greater_equal(self.OCR, 1), "not be less than 1")
-        for name in ("POP", "attraction"):
-            require(name, getattr(self, name), np.greater_equal(getattr(self, name), 0), "not be negative")
         convex = np.greater_equal(self.extension, _LEAST_EXTENSION) & np.less_equal(self.extension, 1)
         require("extension", self.extension, convex, f"lie between {_LEAST_EXTENSION} and 1")
 
@@ -189,11 +178,10 @@ class CamClay(Material):
         e[:3] += 0.5 * strain[:3] - volume / 3
         E = _square(e)
         M, dM = _critical(e, E, c)
-        growth = c.k * (volume - c.g * E0)
-        t = _Trial(np.log(p0 / pc) + growth, c.k + c.hardening, c.k, c.g, E, M * M)
-        y = _returned(t)
+        c, growth = c._replace(M=M), c.k * (volume - c.g * E0)
+        y = _returned(np.log(p0 / pc) + growth, E, c)
         x = 1 / (1 + y)
-        D = y * (t.m2 - 6 * c.g**2 * E * x * x) / (6 * c.g)
+        D = y * (M**2 - 6 * c.g**2 * E * x * x) / (6 * c.g)
         change = growth - c.k * D + c.k * c.g * E * x * x
         p = p0 * np.exp(np.clip(change, -_LARGEST, _LARGEST))
         lost = (np.abs(change) > _LARGEST) | (p < _LEAST * c.attraction)
@@ -208,7 +196,7 @@ class CamClay(Material):
 
         def tangent() -> Array:
             self._check_pressure(np.where(none, 0.0, p0), none)
-            return _tangent(t, c, y, e, p, M, dM)
+            return _tangent(y, e, p, E, dM, c)
 
         return Update(new.reshape(shape), memory.reshape(2, *shape[1:]), np.arange(p.size), tangent)
 
@@ -265,68 +253,63 @@ def _critical(e: Array, E: Array, c: _Constants) -> tuple[Array, Array | None]:
     return M, slope * (minors - 3 * third / np.where(directed, E, 1.0) * e)
 
 
-def _condition(y: Array, t: _Trial) -> tuple[Array, Array]:
+def _condition(y: Array, base: Array, E: Array, c: _Constants) -> tuple[Array, Array]:
     """Return the yield condition F and its derivative."""
-    x = 1 / (1 + y)
-    square = t.E * x * x
-    h = 6 * t.g**2 * square
-    rate = (t.m2 - h) / (6 * t.g) + 2 * y * t.g * square * x
-    value = t.base - t.B * y * (t.m2 - h) / (6 * t.g) + t.k * t.g * square + np.log1p(h / t.m2)
-    return value, -t.B * rate - 2 * t.k * t.g * square * x - 2 * h * x / (t.m2 + h)
+    x, B, m2 = 1 / (1 + y), c.k + c.hardening, c.M**2
+    square = E * x * x
+    h = 6 * c.g**2 * square
+    rate = (m2 - h) / (6 * c.g) + 2 * y * c.g * square * x
+    value = base - B * y * (m2 - h) / (6 * c.g) + c.k * c.g * square + np.log1p(h / m2)
+    return value, -B * rate - 2 * c.k * c.g * square * x - 2 * h * x / (m2 + h)
 
 
-def _returned(t: _Trial) -> Array:
+def _returned(base: Array, E: Array, c: _Constants) -> Array:
     """Return the root y of the yield condition, zero in elastic points.
 
     Beyond the critical state, y_M = eta_trial / M - 1, F falls. Dry of it, the root lies in (0, y_M) if F(y_M) < 0:
     Newton's method without the bracket jumps between several roots there.
     """
-    y = np.zeros_like(t.E)
-    first = _condition(y, t)[0]
-    points = np.flatnonzero(first > _ROUND_OFF * (1 + np.abs(t.base)))
-    if not points.size:
-        return y
-    t, first = chosen(t, points), first[points]
-    critical = np.maximum(np.sqrt(6 * t.g**2 * t.E / t.m2) - 1, 0.0)
-    beyond = _condition(critical, t)[0] > 0
-    farthest = 6 * t.g / t.m2 * (first / t.B + t.g * t.E / 4) * (1 + 1e-9) + 1e-12
+    y = np.zeros_like(E)
+    first = _condition(y, base, E, c)[0]
+    points = np.flatnonzero(first > _ROUND_OFF * (1 + np.abs(base)))
+    base, E, c, first = base[points], E[points], chosen(c, points), first[points]
+    critical = np.maximum(np.sqrt(6 * E) * c.g / c.M - 1, 0.0)
+    beyond = _condition(critical, base, E, c)[0] > 0
+    farthest = 6 * c.g / c.M**2 * (first / (c.k + c.hardening) + c.g * E / 4) * (1 + 1e-9) + 1e-12
     low, high = np.where(beyond, critical, 0.0), np.where(beyond, np.maximum(farthest, critical), critical)
     at = low.copy()
     for _ in range(_MOST):
-        value, slope = _condition(at, t)
+        if not points.size:
+            return y
+        value, slope = _condition(at, base, E, c)
         low, high = np.where(value > 0, at, low), np.where(value > 0, high, at)
         step = at - value / slope
         inside = (slope < 0) & (step >= low) & (step <= high)
         new = np.where(inside, step, 0.5 * (low + high))
-        done = np.abs(new - at) <= 4e-15 * (1 + new)
+        kept = np.flatnonzero(np.abs(new - at) > 4e-15 * (1 + new))
+        y[points] = new
+        if kept.size < points.size:
+            c, points = chosen(c, kept), points[kept]
+            base, E, low, high, new = (a[kept] for a in (base, E, low, high, new))
         at = new
-        if done.any():
-            y[points[done]] = at[done]
-            kept = np.flatnonzero(~done)
-            points, low, high, at, t = points[kept], low[kept], high[kept], at[kept], chosen(t, kept)
-            if not points.size:
-                return y
     raise IncrementTooLarge(f"the return to the yield surface of Cam Clay fails at {points.size} points")
 
 
-def _tangent(t: _Trial, c: _Constants, y: Array, e: Array, p: Array, M: Array, dM: Array | None) -> Array:
+def _tangent(y: Array, e: Array, p: Array, E: Array, dM: Array | None, c: _Constants) -> Array:
     """Return d stress / d strain = sigma (x) d ln(p) + 2 g p (e (x) dx + x I_dev), shape (n, ncomp, ncomp)."""
-    ncomp, x, k, g, E = len(e), 1 / (1 + y), t.k, t.g, t.E
+    ncomp, x, k, g, B, M = len(e), 1 / (1 + y), c.k, c.g, c.k + c.hardening, c.M
     h = 6 * g**2 * E * x * x
-    slope = _condition(y, t)[1]
-    D_y = (t.m2 - h) / (6 * g) + 2 * y * g * E * x**3
+    slope = _condition(y, np.zeros_like(E), E, c)[1]
+    D_y = (M**2 - h) / (6 * g) + 2 * y * g * E * x**3
     one = np.r_[1.0, 1.0, 1.0, np.zeros(ncomp - 3)][:, None]
-    dF = k * one + ((t.B * y + k) * g * x * x + 6 * g**2 * x * x / (t.m2 + h)) * 2 * e
+    dF = k * one + ((B * y + k) * g * x * x + 6 * g**2 * x * x / (M**2 + h)) * 2 * e
     dD = -y * g * x * x * 2 * e
     if dM is not None:
-        D_M = y * M / (3 * g)
-        dF += (-t.B * D_M - 2 * h / (M * (t.m2 + h))) * dM
-        dD += D_M * dM
+        dF += (-B * y * M / (3 * g) - 2 * h / (M * (M**2 + h))) * dM
+        dD += y * M / (3 * g) * dM
     dy = np.where(y > 0, -dF / slope, 0.0)
     dx = -x * x * dy
     change = k * (one - dD - D_y * dy + 2 * g * x * x * e + 2 * g * E * x * dx)
-    stress = p * (one + 2 * g * x * e)
-    result = stress.T[:, :, None] * change.T[:, None, :]
+    result = (p * (one + 2 * g * x * e)).T[:, :, None] * change.T[:, None, :]
     result += (2 * g * p * e).T[:, :, None] * dx.T[:, None, :]
-    result += (2 * g * p * x)[:, None, None] * _deviator(ncomp)
-    return result
+    return result + (2 * g * p * x)[:, None, None] * _deviator(ncomp)
