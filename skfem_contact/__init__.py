@@ -42,8 +42,8 @@ __all__ = [
     "Embedded", "Field", "Form", "HardeningMohrCoulomb", "HardeningSoil", "HoekBrown", "InterfaceLaw", "Internal",
     "LinearElastic", "Material", "MatrixForm", "Model", "MohrCoulomb", "Newton", "NoEquilibrium", "NotConverged",
     "PoreWater", "Response", "RigidBoundary", "Sections", "SolidForm", "Spring", "Stage", "Surface", "Tied", "Tresca",
-    "Undrained", "VonMises", "box_supports", "dofs_at", "element_test", "hydrostatic", "join_bodies", "load_mesh", "load_result",
-    "mesh", "results", "rigid", "split_along", "testing", "traction", "water", "water_load", "weight",
+    "Undrained", "VonMises", "box_supports", "dofs_at", "element_test", "hydrostatic", "join_bodies", "load_mesh",
+    "load_result", "mesh", "results", "rigid", "split_along", "testing", "traction", "water", "water_load", "weight",
 ]
 
 guard(__name__, laboratory.__name__, mesh.__name__, results.__name__, rigid.__name__, testing.__name__, water.__name__)
