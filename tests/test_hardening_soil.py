@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from skfem import Basis, ElementQuad2, ElementVector, MeshQuad
 
 import skfem_contact as sc
 from skfem_contact.errors import IncrementTooLarge
@@ -94,6 +96,24 @@ def test_random_increments(size: float, ncomp: int, c: float) -> None:
     assert np.quantile(error, 0.98) < 1e-6  # the others have a kink within the step
 
 
+@pytest.mark.parametrize(("size", "refused"), [(1e-3, 0.01), (1e-2, 0.10), (1e-1, 0.20)])
+def test_large_increments_are_right_or_refused(size: float, refused: float) -> None:
+    """Points one by one; trials in tension of many times the stress are refused, measured 0, 0.06 and 0.12 of them."""
+    law, n, none = sand(), 200, 0
+    stress = stresses(n, 4)
+    internal, strain = law.initial_internal(stress), increments(size, (4, n, 1))
+    for i in range(n):
+        at = slice(i, i + 1)
+        try:
+            new = law.update(strain[:, at], stress[:, at], internal[:, at])
+        except IncrementTooLarge:
+            none += 1
+            continue
+        again = law.update(np.zeros((4, 1, 1)), new.stress, new.internal).stress
+        assert np.abs(again - new.stress).max() <= 1e-8 * max(-new.stress[:3].mean(), 1e-3)
+    assert none <= refused * n
+
+
 @pytest.mark.parametrize("scale", [1.0, 1e3])
 def test_units(scale: float) -> None:
     law = sand(2.0 * scale, E50_ref=37e3 * scale, Eoed_ref=29.6e3 * scale, Eur_ref=90e3 * scale, p_ref=100 * scale)
@@ -178,6 +198,30 @@ def test_preconsolidation() -> None:
            {"normal": sand(), "OCR": sand(OCR=2.0), "POP": sand(POP=100.0)}.items()}
     assert cap["OCR"] == pytest.approx(2 * cap["normal"], rel=1e-12)
     assert cap["POP"] == pytest.approx(cap["OCR"], rel=1e-12)
+
+
+def body(increments: int) -> tuple[sc.Model, Any, list[sc.Stage]]:
+    """A pit beside a smooth wall."""
+    mesh = MeshQuad.init_tensor(np.linspace(0, 12, 13), np.linspace(0, 8, 9)).with_defaults()
+    mesh = mesh.with_subdomains({"ground": lambda x: (x[1] < 5) | (x[0] > 4), "pit": lambda x: (x[1] > 5) & (x[0] < 4)})
+    basis = Basis(mesh, ElementVector(ElementQuad2()), intorder=4)
+    wall = basis.get_dofs(lambda x: (np.abs(x[0] - 4) < 1e-9) & (x[1] > 5 - 1e-9)).all("u^1")
+    soil = sc.HardeningSoil(E50_ref=2e4, Eoed_ref=2e4, Eur_ref=6e4, m=0.5, c=5.0, phi=30.0)
+    forms = {name: sc.SolidForm(basis.with_elements(name), soil, unit_weight=20.0) for name in ("ground", "pit")}
+    model = sc.Model(forms, np.union1d(sc.box_supports(basis), wall))
+    return model, model.k0_state(K0=0.55), [sc.Stage("dig", deactivate="pit", increments=increments)]
+
+
+def test_pit_in_stages(tmp_path: Path) -> None:
+    """At most 5 iterations an increment, none cut; the result comes back from a file."""
+    model, start, stages = body(8)
+    result = model.run(stages, start=start, progress=False)
+    assert len(result["dig"].iterations) == 8 and max(result["dig"].iterations) <= 5
+    heave = result["dig"].x[1::2].max()
+    assert heave == pytest.approx(6.0266e-3, rel=1e-3)  # of the independent prototype
+    result.save(tmp_path / "pit.npz")
+    again = sc.load_result(tmp_path / "pit.npz", model)
+    assert np.array_equal(again["dig"].states["ground"].internal, result["dig"].states["ground"].internal)
 
 
 def test_increment_without_an_answer_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:

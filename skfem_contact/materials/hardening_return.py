@@ -10,6 +10,7 @@ of both meeting faces are not negative.
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -24,7 +25,7 @@ LEAST = 1e-3
 # Newton's method takes its last step below the first residual, and the second is then reached: it converges
 # quadratically. Residuals are relative to the largest trial stress.
 _LAST_STEP, _SOLVED = 1e-8, 1e-11
-_ITERATIONS = 30
+_ITERATIONS, _HALVINGS = 60, 6
 
 
 class Constants(NamedTuple):
@@ -170,7 +171,7 @@ class _Residual(NamedTuple):
     slopes: tuple[Array, ...]
 
 
-def _residual(z: Array, t: _Points, k: Constants, at: _State) -> _Residual:
+def _residual(z: Array, t: _Points, k: Constants, at: _State, with_cap: bool = True) -> _Residual:
     """Return the residuals of a state."""
     L, C, s = z
     c1, c3, q, p, K = at.c[0], at.c[1], at.q, at.p, t.lam + 2 * t.mu / 3
@@ -179,9 +180,10 @@ def _residual(z: Array, t: _Points, k: Constants, at: _State) -> _Residual:
     bound, harder = k.hardened(t.cap, 2 * p * C)
     total = np.where(c1 + c3 > 0, c1 + c3, 1.0)
     mob = np.where(c1 + c3 > 0, np.clip((c1 - c3) / total, -0.5, 1.0), 1.0)
-    rowe = (mob - k.sin_cv) / (1 - mob * k.sin_cv)
+    rowe = np.where(to_gamma == 0, k.sin_psi, (mob - k.sin_cv) / (1 - mob * k.sin_cv))  # all of it at failure
     values = np.stack((c1 - c3 - strength, np.log(radius / bound), s - np.clip(rowe, 0.0, k.sin_psi)))
     on = (values[:2] > 0) | (z[:2] > 0)
+    on[1] &= with_cap
     error = np.maximum(np.abs(np.where(on[0], values[0], t.mu * L)) / t.size,
                        np.maximum(np.abs(np.where(on[1], values[1], K * C)), np.abs(values[2])))
     moving = (rowe > 0) & (rowe < k.sin_psi) & (c1 + c3 > 0)
@@ -217,26 +219,33 @@ def _solve(A: list[list[Array]], b: list[list[Array]]) -> list[list[Array]]:
     return [[(row[0] * r[0] + row[1] * r[1] + row[2] * r[2]) / det for row in inverse] for r in b]
 
 
-def _newton(t: _Points, mode: _Mode, k: Constants) -> Array:
-    """Return the variables, (3, n), after Newton's method; points without a solution are those with a residual."""
-    z = np.zeros((3, t.p.size))
-    limit = np.maximum(t.c[0] - t.c[2], 0.0) / (0.5 * t.mu)
-    open_ = np.arange(t.p.size)
+def _newton(t: _Points, mode: _Mode, k: Constants, with_cap: bool) -> Array:
+    """Return the variables, (3, n), after Newton's method; points without a solution are those with a residual.
+
+    A step is halved until the residual falls. Without the cap its multiplier stays zero.
+    """
+    z, base, step = (np.zeros((3, t.p.size)) for _ in range(3))
+    limit, least = np.maximum(t.c[0] - t.c[2], 0.0) / (0.5 * t.mu), np.full(t.p.size, np.inf)
+    open_, halved = np.arange(t.p.size), np.zeros(t.p.size, int)
     for _ in range(_ITERATIONS):
         here, at = z[:, open_], t.take(open_)
         state = _state(here, at, mode, k)
-        residual = _residual(here, at, k, state)
+        residual = _residual(here, at, k, state, with_cap)
+        better = (residual.error < least[open_]) | (halved[open_] >= _HALVINGS)
         rows = _rows(state, residual)
         right = [np.where(residual.on[0], residual.values[0], here[0]),
                  np.where(residual.on[1], residual.values[1], here[1]), residual.values[2]]
-        (step,) = _solve([row[:3] for row in rows], [right])
-        new = here - np.stack(step)
+        (change,) = _solve([row[:3] for row in rows], [right])
+        new, bulk = here - np.stack(change), 2 * at.lam + 4 / 3 * at.mu
         new[0] = np.clip(new[0], 0.0, limit[open_])
-        K2 = 2 * at.lam + 4 / 3 * at.mu
-        grown = 1 + K2 * here[1]
-        new[1] = np.maximum(grown * np.exp(np.clip(K2 * (new[1] - here[1]) / grown, -3.0, 3.0)) - 1, 0.0) / K2
+        grown = 1 + bulk * here[1]  # the cap is nearly linear in its logarithm
+        new[1] = np.maximum(grown * np.exp(np.clip(bulk * (new[1] - here[1]) / grown, -3.0, 3.0)) - 1, 0.0) / bulk
         np.clip(new[2], 0.0, k.sin_psi, out=new[2])
-        z[:, open_] = new
+        step[:, open_] = np.where(better, new - here, 0.5 * step[:, open_])
+        base[:, open_] = np.where(better, here, base[:, open_])
+        halved[open_] = np.where(better, 0, halved[open_] + 1)
+        least[open_] = np.where(better, residual.error, least[open_])
+        z[:, open_] = base[:, open_] + step[:, open_]
         open_ = open_[~(residual.error < _LAST_STEP)]
         if not open_.size:
             break
@@ -268,9 +277,9 @@ def hardening_return(trial: Array, lam: Array, mu: Array, gamma: Array, cap: Arr
     apex = _beyond_apex(trial, lam, mu, k)
     c[:, apex] = 0.0
     open_, parts = np.flatnonzero(~apex), []
-    for mode in (face, minor, major):
+    for mode, with_cap in product((face, minor, major), (True, False)):
         points = mode.points(trial[:, open_], lam[open_], mu[open_], gamma[open_], cap[open_])
-        z = _newton(points, mode, k)
+        z = _newton(points, mode, k, with_cap)
         values, memory, holds = _checked(z, points, mode, trial[:, open_], k)
         kept = np.flatnonzero(holds)
         parts.append(_Part(open_[kept], mode, points.take(kept), z[:, kept]))
