@@ -182,8 +182,8 @@ class Coulomb(InterfaceLaw):
         if not factor > 0.0:
             raise ValueError(f"the factor must be positive, not {factor!r}")
         new = copy(self)  # without a warning of the friction that a search tries
-        for name in ("mu", "adhesion", "tension"):
-            object.__setattr__(new, name, getattr(self, name) / factor)
+        for strength in ("mu", "adhesion", "tension"):
+            object.__setattr__(new, strength, getattr(self, strength) / factor)
         return new
 
     @property
