@@ -22,6 +22,8 @@ from .spectral import extremes, principal_stresses
 
 #: Iterations for the root: 4 to 7 are needed, 15 near the apex, and up to 50 bisections for capped dilatancy.
 _MOST = 100
+#: A step of the root by this share is the last: the next one would be its square, 1e-16.
+_LAST = 1e-8
 #: t below which the tangent stays, at the apex it would be vertical: 1 - sin(phi) is 2e-7 then, with an error of 5e-10.
 _APEX = 1e-14
 #: Excess over the yield surface after a return, as a share of the largest trial stress, that is refused.
@@ -162,9 +164,12 @@ class HoekBrown(IsotropicPlasticity):
         cone, weights = _tangent_cone(trial, constants)
         new = pyramid_return(trial, cone)
         largest = np.maximum(trial[0], -trial[2])
-        steep = 1 + _slope(constants.s - constants.m_b * new.values[0] / constants.ci, constants)
-        off = np.abs(_excess(new.values[0], new.values[2], constants)) > _ADMITTED * steep * largest
+        off = np.abs(_excess(new.values[0], new.values[2], constants)) > _ADMITTED * largest
         off &= new.values[0] - new.values[2] > ROUND_OFF * largest
+        if off.any():  # near the apex the strength is steep: its error is that of s1 times the slope
+            t = constants.s - constants.m_b * new.values[0] / constants.ci
+            error = np.abs(_excess(new.values[0], new.values[2], constants))
+            off &= error > _ADMITTED * (1 + _slope(t, constants)) * largest
         if off.any():
             raise IncrementTooLarge(f"the return to the strength of Hoek and Brown fails at {off.sum()} points")
         return Return(new.values, lambda: _with_capped_flow(new, trial, cone, constants, weights))
@@ -198,7 +203,7 @@ def _touch(line: _Line, k: _Constants) -> tuple[Array, Array]:
         power = b * u ** (1 / k.a - 1)
         step = (u + power * u - A) / (1 + power / k.a)
         u = np.maximum(u - step, 0.0)
-        if np.all(np.abs(step) <= 1e-15 * u):
+        if np.all(np.abs(step) <= _LAST * u):
             break
     t = u ** (1 / k.a)
     slope = _slope(t, k)
