@@ -36,6 +36,8 @@ ROOMS = {
 FURTHER = {
     "collapse": ["skfem_contact.collapse.result.CollapseResult"],
     "limit_analysis": ["skfem_contact.limit_analysis.Bounds", "skfem_contact.limit_analysis.bounds"],
+    "laboratory": [f"skfem_contact.laboratory.{name}" for name in
+                   ("ElementTest", "PathStep", "isotropic", "oedometer", "simple_shear", "triaxial")],
 }
 
 

@@ -256,8 +256,8 @@ for share in (0.0, 1 / 6, 1.0):
 # %%
 # Curved surfaces
 # ---------------
-# Modified Cam Clay and Hoek-Brown solve one scalar equation a point. They are timed in turn with Mohr-Coulomb, all points
-# yielding. The error is what a zero increment changes afterwards, as a share of the mean stress: an inadmissible
+# Modified Cam Clay and Hoek-Brown solve one scalar equation a point. They are timed in turn with Mohr-Coulomb, and all
+# points yield. The error is what a zero increment changes afterwards, as a share of the mean stress: an inadmissible
 # stress would return a second time.
 
 curved = {
