@@ -89,8 +89,8 @@ for name, law in LAWS.items():
 # %%
 # Wall, street and bottom
 # -----------------------
-# With Hardening Soil every increment takes at most five iterations. Unloading is 2.4 times as stiff as first loading, and
-# stiffer with depth: the bottom heaves a quarter of what it does with Mohr-Coulomb. There the street rises by four
+# With Hardening Soil every increment takes at most five iterations. Unloading is 2.4 times as stiff as first loading,
+# and stiffer with depth: the bottom heaves a quarter of what it does with Mohr-Coulomb. There the street rises by four
 # centimetres; with Hardening Soil it settles by a millimetre at 3 m, and rises where the bonded wall is lifted.
 hardening, constant = rows
 assert hardening["most"] <= 5
