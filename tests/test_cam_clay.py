@@ -251,3 +251,30 @@ def test_searches_are_refused_in_words():
         model.strength_reduction(load, **QUIET)
     with pytest.raises(ValueError, match="CamClay"):
         model.bounds(weight=20.0)
+
+
+def test_starts_changes_and_files(tmp_path):
+    """Gravity with and without K0, a change from Mohr-Coulomb, saved and resumed: in equilibrium, in few iterations."""
+    law = clay(1.5, attraction=20.0)
+    basis = vector_basis(grid("Q2", np.linspace(0.0, 2.0, 3), np.linspace(0.0, 4.0, 4)), "Q2")
+    load = sc.weight(basis, 20.0)
+    push = sc.traction(basis, "top", (0.0, -30.0))
+    model = sc.Model({"clay": sc.SolidForm(basis, law)}, sc.box_supports(basis))
+    at_rest = model.gravity_state(load, K0=0.6)
+    np.testing.assert_allclose(at_rest["initial"].states["clay"].stress[0],
+                               0.6 * at_rest["initial"].states["clay"].stress[1], rtol=1e-6, atol=1e-6)  # fmt: skip
+    free = model.gravity_state(load)
+    assert free["initial"].residual < 1e-8
+    loaded = model.run([sc.Stage("fill", load + push, increments=4)], start=at_rest, **QUIET)
+    assert max(loaded["fill"].iterations) <= 5
+    loaded.save(tmp_path / "clay")
+    again = sc.load_result(tmp_path / "clay", model)
+    back, resumed = (model.run([sc.Stage("off", load)], start=start, **QUIET)["off"] for start in (loaded, again))
+    np.testing.assert_array_equal(back.x, resumed.x)
+    soil = sc.MohrCoulomb(E=1e4, nu=0.3, c=5.0, phi=30.0)
+    other = sc.Model({"clay": sc.SolidForm(basis, soil)}, sc.box_supports(basis))
+    start = other.k0_state(load, unit_weights=20.0, K0=0.6)
+    stage = other.run([sc.Stage("change", load, change={"clay": model.forms["clay"]})], start=start, **QUIET)["change"]
+    assert np.abs(stage.x).max() < 1e-9 and stage.iterations[-1] <= 1
+    pressure = stage.forms["clay"].variable("preconsolidation pressure", stage.states["clay"])
+    np.testing.assert_allclose(pressure, law.initial_internal(stage.states["clay"].stress)[1], rtol=1e-8)
