@@ -24,7 +24,7 @@ from .plastic import ROUND_OFF
 LEAST = 1e-3
 # Newton's method takes its last step below the first residual, and the second is then reached: it converges
 # quadratically. Residuals are relative to the largest trial stress.
-_LAST_STEP, _SOLVED = 1e-8, 1e-11
+_LAST_STEP, _SOLVED = 1e-7, 1e-11
 _ITERATIONS, _HALVINGS = 60, 6
 
 
