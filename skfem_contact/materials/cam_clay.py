@@ -27,7 +27,7 @@ from .plastic import chosen
 
 #: Excess of the yield condition in ln(p) that is round-off: its terms are some tens with errors of 1e-15.
 _ROUND_OFF = 1e-13
-#: Iterations: 5 to 12 are needed for strain increments of 1e-6 to 1e-1, bisections included.
+#: Iterations: 3 to 10 are needed for strain increments of 1e-6 to 1e-1, bisections included.
 _MOST = 80
 #: Change of ln(p) in an increment beyond which it is refused: the pressure changes by a factor of 5e8.
 _LARGEST = 20.0
