@@ -224,6 +224,18 @@ def test_pit_in_stages(tmp_path: Path) -> None:
     assert np.array_equal(again["dig"].states["ground"].internal, result["dig"].states["ground"].internal)
 
 
+def test_undrained_pit() -> None:
+    """Undrained unloading heaves less, at most 5 iterations an increment."""
+    model, start, stages = body(4)
+    dug = model.run(stages, start=start, progress=False)["dig"]
+    wet = {name: form.with_materials({key: sc.Undrained(law, nu_undrained=0.49) for key, law in form.materials.items()})
+           for name, form in model.forms.items()}  # fmt: skip
+    undrained = sc.Model(wet, model.fixed)
+    after = undrained.run(stages, start=undrained.k0_state(K0=0.55), progress=False)["dig"]
+    assert len(after.iterations) == 4 and max(after.iterations) <= 5
+    assert after.x[1::2].max() < dug.x[1::2].max()
+
+
 def test_increment_without_an_answer_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("skfem_contact.materials.hardening_return._ITERATIONS", 1)
     law, stress = replace(sand(), OCR=1.0), stresses(20, 4)
