@@ -31,7 +31,9 @@ class HardeningSoil(CohesiveFrictional):
     ``q~^2 / M^2 + p^2 = p_p^2`` hardens with plastic compression. M and the modulus of the cap follow in closed form
     from ``K0nc`` and ``Eoed_ref``. The mobilised dilatancy is Rowe's, without contraction and not over ``psi``.
     Stresses count from c cot(phi). Below a thousandth of ``p_ref`` the stiffness does not fall any more: sand
-    at a free surface needs a small cohesion. The parameters have PLAXIS' names and are floats.
+    at a free surface needs a small cohesion. The modulus stays during an increment and is not that of an energy: 200
+    closed cycles of strain of 2e-4 drift by 4 % of the stress with m = 0.5, by nothing with m = 0. The parameters have
+    PLAXIS' names and are floats.
 
     Parameters
     ----------
