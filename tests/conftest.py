@@ -12,6 +12,12 @@ def rng() -> np.random.Generator:
     return np.random.default_rng(20240229)
 
 
+@pytest.fixture(autouse=True)
+def no_orders(monkeypatch) -> None:
+    """Forget the orders of elimination that other tests left, so that a test counts the same in any company."""
+    monkeypatch.setattr("skfem_contact.solvers.superlu._orders", {})
+
+
 @pytest.fixture
 def bars(monkeypatch) -> list[tuple[str, str]]:
     """Titles and notes of the colour bars of contour pictures."""
