@@ -158,8 +158,8 @@ def test_rotation() -> None:
         down = turn @ [0.0, -20.0]
         factors.append(bounds({"soil": sc.SolidForm(basis, SOIL)}, fixed, weight=-down[1], seismic=-down[0] / down[1],
                               elements=300))  # fmt: skip
-    assert factors[1].lower == pytest.approx(factors[0].lower, rel=1e-6)
-    assert factors[1].upper == pytest.approx(factors[0].upper, rel=1e-6)
+    assert factors[1].lower == pytest.approx(factors[0].lower, rel=1e-5)  # iterations stop at 3e-6 of the gap
+    assert factors[1].upper == pytest.approx(factors[0].upper, rel=1e-5)  # iterations stop at 3e-6 of the gap
 
 
 # -- damaged solutions --------------------------------------------------------------------------------------

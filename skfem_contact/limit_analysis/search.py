@@ -115,7 +115,7 @@ class Search:
         self.triangles = replace(self.triangles, parent=np.arange(len(self.triangles.origin)))
         program = discretise(model, self.triangles, stress_elements(self.triangles.mesh))
         tried: list[tuple[Solution, Proof]] = []
-        for reserve in _RESERVES:
+        for reserve in _RESERVES[: 1 if program.cones.reduced.all() else None]:
             goal = Goal(1.0 if self.live else self._factor, 0.0, not self.live, _VOLUME[0], 1.0 + reserve)
             found = solve(program, goal, self._accuracy)
             proof = prove_lower(program, found, self.live)
@@ -170,10 +170,13 @@ class Search:
 
     def estimate(self, weaker: LimitModel) -> float:
         """Return the lower bound of a weaker model on the last triangles, which may resist nothing."""
+        nothing = -np.inf if self.live else 0.0
+        if not self.lower.proof.value > nothing:
+            return nothing
         try:
             return self._solve_lower(weaker).proof.value
         except ValueError:
-            return -np.inf if self.live else 0.0
+            return nothing
 
     def _fanned(self, triangles: Triangles) -> Triangles:
         return matched(self.model.contacts, _fanned(triangles, self._singular))
