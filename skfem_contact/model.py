@@ -247,8 +247,8 @@ class Model(Setup):
             The search ends above this factor.
         certify
             Prove bounds as well, :attr:`CollapseResult.proven`. ``"auto"``: on the mesh of a plane search if they cost
-            less than half of it. True, or arguments of :meth:`bounds` such as ``{"gap": .02, "water": u}``: before the
-            search, on meshes of their own. The load must be a sum of weights and linear tractions on boundaries.
+            no more than about its time. True, or arguments of :meth:`bounds` such as ``{"gap": .02, "water": u}``:
+            before the search, on meshes of their own. The load must be a sum of weights and linear tractions on boundaries.
         progress
             Show a progress bar; by default where the output is a terminal.
 
