@@ -246,9 +246,9 @@ class Model(Setup):
         max_value
             The search ends above this factor.
         certify
-            Prove bounds as well, :attr:`CollapseResult.proven`. ``"auto"``: on the mesh of a plane search if they cost
-            no more than about its time. True, or arguments of :meth:`bounds` such as ``{"gap": .02, "water": u}``:
-            before the search, on meshes of their own. The load must be a sum of weights and linear tractions on boundaries.
+            Prove bounds as well, :attr:`CollapseResult.proven`. ``"auto"``: on the mesh of a plane search if that takes
+            no more than about its time. True, or arguments of :meth:`bounds` such as ``{"gap": .02, "water": u}``: on
+            meshes of their own. The load must be a sum of weights and linear tractions on boundaries.
         progress
             Show a progress bar; by default where the output is a terminal.
 

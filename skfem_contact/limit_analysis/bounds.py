@@ -28,7 +28,7 @@ logger = logging.getLogger("skfem_contact")
 
 #: Share of the upper bound below which a lower one is none.
 _NOTHING = 1e-3
-#: Bounds on the mesh of a search take about its time, .4 to 1.4 of it, where its dofs times iterations are so many times
+#: Bounds on the mesh of a search take .4 to 1.4 of its time where its dofs times iterations are so many times
 #: the triangles: both take 1.0 to 1.8 ms a triangle on slopes of 1,400 to 3,500 quadratic triangles, a search 2.3 to
 #: 3.4 us a dof and iteration. With an estimate they cost half as much again.
 _CHEAP = 370.0
