@@ -1,7 +1,7 @@
 """Frictional contact, soil plasticity and staged analysis for scikit-fem."""
 
 from . import laboratory, mesh, results, testing, water
-from .beams import Beam, Embedded, split_along
+from .beams import Beam, Embedded, Reinforcement, split_along
 from .checks import guard
 from .contact import AugmentedLagrangian, ContactPair, Surface
 from .contact.laws import Coulomb, InterfaceLaw, Tied
@@ -41,9 +41,10 @@ __all__ = [
     "AnalysisWarning", "AugmentedLagrangian", "Bar", "Beam", "CamClay", "ContactPair", "Coulomb", "DruckerPrager",
     "Embedded", "Field", "Form", "HardeningMohrCoulomb", "HardeningSoil", "HoekBrown", "InterfaceLaw", "Internal",
     "LinearElastic", "Material", "MatrixForm", "Model", "MohrCoulomb", "Newton", "NoEquilibrium", "NotConverged",
-    "PoreWater", "Response", "RigidBoundary", "Sections", "SolidForm", "Spring", "Stage", "Surface", "Tied", "Tresca",
-    "Undrained", "VonMises", "box_supports", "dofs_at", "element_test", "hydrostatic", "join_bodies", "load_mesh",
-    "load_result", "mesh", "results", "rigid", "split_along", "testing", "traction", "water", "water_load", "weight",
+    "PoreWater", "Reinforcement", "Response", "RigidBoundary", "Sections", "SolidForm", "Spring", "Stage", "Surface",
+    "Tied", "Tresca", "Undrained", "VonMises", "box_supports", "dofs_at", "element_test", "hydrostatic", "join_bodies",
+    "load_mesh", "load_result", "mesh", "results", "rigid", "split_along", "testing", "traction", "water", "water_load",
+    "weight",
 ]
 
 guard(__name__, laboratory.__name__, mesh.__name__, results.__name__, rigid.__name__, testing.__name__, water.__name__)

@@ -22,7 +22,7 @@ SHORTCUTS = {("results.result", "plot")}
 #: What these rooms ask a form, a state or a law they ask by its calls.
 ASKING = ("solvers", "nonlinear", "stages", "collapse", "results")
 KINDS = {"Form", "SolidForm", "ContactPair", "SolidState", "ContactState", "Bar", "MatrixForm", "Coulomb", "Tied",
-         "Beam"}  # fmt: skip
+         "Beam", "Reinforcement"}  # fmt: skip
 
 
 def modules() -> dict[str, ast.Module]:
@@ -139,16 +139,16 @@ def test_rooms_modules_and_functions_are_small() -> None:
 def test_package_does_not_grow() -> None:
     """Few lines and files, no names that only types need, few names at the top, one class a name."""
     # beams and soils came as capabilities of their own: limits of their own, names at the top, and 180 lines elsewhere;
-    # rain, wells, remarks on gaps and water on beams another 330
+    # rain, wells, remarks on gaps and water on beams another 330; reinforcement 150 in a file and a name of its own
     soils = [name for name in TREES if name.split(".")[0] == "laboratory"
              or name in {"materials.cam_clay", "materials.hoek_brown", "materials.hardening_soil",
                          "materials.hardening_return"}]  # fmt: skip
     assert sum(map(lines, soils)) <= 1_200 + 600 and len(soils) <= 8
     beams = [name for name in TREES if name.split(".")[0] == "beams"]
-    assert sum(map(lines, beams)) <= 1_500 and len(beams) <= 7
+    assert sum(map(lines, beams)) <= 1_500 + 150 and len(beams) <= 7 + 1
     total = sum(lines(name) for name in TREES if name not in beams + soils)
     assert total <= 22_400 + 180 + 330 and len(TREES) - len(beams) - len(soils) <= 120, (total, len(TREES))
-    assert len(skfem_contact.__all__) <= 45 + len({"Beam", "Embedded", "split_along"}) + len(
+    assert len(skfem_contact.__all__) <= 45 + len({"Beam", "Embedded", "Reinforcement", "split_along"}) + len(
         {"CamClay", "HardeningSoil", "HoekBrown", "element_test"}
     )
     text = {name: ast.dump(tree) for name, tree in TREES.items()}

@@ -1,6 +1,7 @@
-"""Beams: walls, linings and frames, with plastic hinges, alone or in contact with the ground."""
+"""Beams: walls, linings and frames, with plastic hinges, alone or in contact with the ground; reinforcement."""
 from .beam import Beam
 from .embedded import Embedded
 from .lines import split_along
+from .reinforcement import Reinforcement
 
-__all__ = ["Beam", "Embedded", "split_along"]
+__all__ = ["Beam", "Embedded", "Reinforcement", "split_along"]

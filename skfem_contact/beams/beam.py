@@ -14,14 +14,11 @@ from skfem import CellBasis
 from typing_extensions import override
 
 from ..checks import finite, format_point, is_number, vector
-from ..contact import ContactPair
-from ..contact.laws import InterfaceLaw
 from ..forms.base import Form, Response
 from ..layout import Field
 from ..sparse import Gathering
-from ..surfaces.surface import Surface
 from .element import BeamElements, Flow, Hinges, ShellElements, SpaceElements, loose_node
-from .lines import nodes_of, touching
+from .lines import nodes_of
 from .nodes import BeamNodes
 
 #: Round-off of a displacement or a rotation, as a share of it.
@@ -293,39 +290,3 @@ class Beam(BeamNodes):
         points, lengths, shares = self._elements.gauss()
         values = finite(force(points.T), "force").T if callable(force) else vector(force, points.shape[1], "force")
         return self._distributed(shares[:, :, None] * (values * lengths[:, None])[:, None])
-
-    def contact(self, basis: CellBasis, law: InterfaceLaw, boundaries: str | Sequence[str] | None = None,
-                **options: Any) -> dict[str, ContactPair]:
-        """Return contact pairs of the sides, half a thickness off the axis, by the names of the boundaries there.
-
-        Parameters
-        ----------
-        basis, law
-            Basis and law of :class:`~skfem_contact.ContactPair`.
-        boundaries
-            Boundaries that touch the beam, each one side; by default all that lie there.
-        options
-            Further arguments of the pairs; ``quadrature=2`` unless it is given.
-
-        Raises
-        ------
-        ValueError
-            A bonded beam; a thick beam with hinges; boundaries that do not lie on a side, that share facets, or none.
-        """
-        if self.coordinates == "space":
-            raise ValueError("contact of a beam is in the plane")
-        if self._shared is not None:
-            raise ValueError("a bonded beam has no contact: give it nodes of its own, bonded=False")
-        if self.thickness and self._rotation.n > len(self.points):
-            raise ValueError("contact of a beam with hinges is on its axis: thickness=0")
-        found = touching(basis.mesh, boundaries, self._elements.points, 0.5 * self.thickness)
-        options = {"quadrature": 2, **options}
-        return {name: ContactPair(basis, name, self._side(side), law, **options) for name, side in found.items()}
-
-    def _side(self, sign: int) -> Surface:
-        """Return the left side, 1, or the right side, -1."""
-        n = len(self.points)
-        return Surface.from_cells(self.points, (self._displacement, np.arange(2 * n).reshape(n, 2)),
-                                  self.cells if sign > 0 else self.cells[:, [1, 0, 2]],
-                                  f"{'left' if sign > 0 else 'right'} side of a beam",
-                                  rotations=(self._rotation, np.arange(n)), thickness=self.thickness)

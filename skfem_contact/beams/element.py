@@ -18,7 +18,7 @@ from scipy.sparse import coo_matrix, csc_matrix, eye_array
 from scipy.sparse.linalg import splu
 from typing_extensions import override
 
-_GAUSS = np.array([-1.0, 1.0]) / np.sqrt(3.0)
+GAUSS = np.array([-1.0, 1.0]) / np.sqrt(3.0)
 #: Second derivatives of the functions of the nodes.
 _CURVATURE = np.array([1.0, 1.0, -2.0])
 #: Share of the force on the middle node that a uniform load on the element leaves at either end.
@@ -75,7 +75,7 @@ class BeamElements:
     def of(cls, points: ndarray) -> BeamElements:
         """Return the elements between nodes (m, 3, 2)."""
         strains, weights = np.zeros((len(points), 6, 9)), np.zeros((len(points), 2))
-        for g, xi in enumerate(_GAUSS):
+        for g, xi in enumerate(GAUSS):
             weights[:, g], t, N, slope = _along(points, xi)
             n = np.column_stack((-t[:, 1], t[:, 0]))
             for row, direction in enumerate((t, n)):
@@ -114,7 +114,7 @@ class BeamElements:
 
     def gauss(self) -> tuple[ndarray, ndarray, ndarray]:
         """Return points, (n, dim), lengths, (n,), and the shares of the nodes in a force, (n, 3), at n = 2 m points."""
-        values = np.array([shapes(xi)[0] for xi in _GAUSS])
+        values = np.array([shapes(xi)[0] for xi in GAUSS])
         points = np.einsum("gk,mkc->gmc", values, self.points).reshape(-1, self.points.shape[2])
         return points, self.weights.T.ravel(), np.repeat(values, len(self.points), axis=0)
 
@@ -124,7 +124,7 @@ class BeamElements:
         Points and outward normals, (n, 2) each, lengths, (n,), and the shares of the nodes in a force there, (n, 3).
         """
         found = []
-        for g, xi in enumerate(_GAUSS):
+        for g, xi in enumerate(GAUSS):
             N, dN = shapes(xi)
             x, along, turn = (np.einsum("k,mkc->mc", part, self.points) for part in (N, dN, _CURVATURE))
             J = self.weights[:, [g]]
@@ -175,7 +175,7 @@ class ShellElements(BeamElements):
         plane = BeamElements.of(points)
         strains, radius = np.zeros((len(points), 2, 5, 9)), np.zeros((len(points), 2))
         strains[:, :, :3] = plane.strains.reshape(-1, 2, 3, 9)
-        for g, xi in enumerate(_GAUSS):
+        for g, xi in enumerate(GAUSS):
             N, dN = shapes(xi)
             radius[:, g] = points[:, :, 0] @ N
             strains[:, g, 3, 0:6:2] = N / radius[:, [g]]
@@ -227,7 +227,7 @@ class SpaceElements(BeamElements):
     def of(cls, points: ndarray) -> SpaceElements:
         m = len(points)
         strains, weights = np.zeros((m, 2, 6, 18)), np.zeros((m, 2))
-        for g, xi in enumerate(_GAUSS):
+        for g, xi in enumerate(GAUSS):
             weights[:, g], t, N, slope = _along(points, xi)
             first = np.cross(t, np.eye(3)[np.abs(t).argmin(axis=1)])
             first /= np.linalg.norm(first, axis=1)[:, None]

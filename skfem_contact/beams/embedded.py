@@ -16,11 +16,12 @@ from typing_extensions import override
 from ..checks import check_basis, finite, format_point, is_number, positive
 from ..forms.base import Form, Response
 from ..layout import Field
-from .beam import Beam
 from .element import shapes
+from .nodes import BeamNodes
 
-#: Points of an element of the beam where the skin acts, and their weights.
-_POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(3)
+#: Points of an element of the beam where the skin acts, and their weights; at the nodes of reinforcement, which then
+#: moves across with the ground: at Gauss points springs across resisted without limit where a slope slid past a nail.
+_GAUSS, _NODES = np.polynomial.legendre.leggauss(3), (np.array([-1.0, 0.0, 1.0]), np.array([1.0, 4.0, 1.0]) / 3.0)
 #: Stiffness of the skin by default, over the shear modulus of the ground and the length of the beam's elements: the
 #: settlement of a pile of 10 m under 0.4 of its limit falls by 3 % from 10 to 87.
 _STIFF = 10.0
@@ -61,7 +62,7 @@ class Embedded(Form):
     basis
         ``Basis`` of the ground.
     beam
-        Beam with nodes of its own; its `spacing` is that of the members.
+        Beam or :class:`~skfem_contact.Reinforcement` with nodes of its own; its `spacing` is that of the members.
     T_max
         Skin resistance of one member per length: a number, or a function of the distances from the start of the beam.
     F_max
@@ -109,8 +110,8 @@ class Embedded(Form):
     _at_foot: float
     _dofs: ndarray
 
-    def __init__(self, basis: CellBasis, beam: Beam, T_max: float | Callable[[ndarray], ArrayLike], F_max: float = 0.0,
-                 stiffness: float | None = None, radius: float | None = None) -> None:
+    def __init__(self, basis: CellBasis, beam: BeamNodes, T_max: float | Callable[[ndarray], ArrayLike],
+                 F_max: float = 0.0, stiffness: float | None = None, radius: float | None = None) -> None:
         check_basis(basis)
         if (dim := beam.points.shape[1]) != basis.mesh.dim():
             raise ValueError(f"the beam has {dim} coordinates, the ground {basis.mesh.dim()}")
@@ -118,14 +119,14 @@ class Embedded(Form):
             raise ValueError(f"a beam in space, and no other, has a radius, not {radius!r}: beside a line the ground "
                              "moves without bounds as the mesh becomes finer")
         self.coordinates, self.radius = ("plane", "space")[dim - 2], radius
-        if len(beam.fields) < 2:
+        if not any(field.kind == "displacement" for field in beam.fields):
             raise ValueError("the beam is bonded to the ground along a line: embed one with nodes of its own")
         if not is_number(F_max, -1e-300, np.inf):
             raise ValueError(f"F_max must not be negative, not {F_max!r}")
         self._spacing, self.borrowed = beam.spacing, beam.fields[:1]
         self._given = None if stiffness is None else positive(stiffness, "stiffness")
         self.positions, points, self._along, self._weight, of_beam = _points(beam)
-        self._lengths = self._weight.reshape(-1, len(_POINTS)).sum(axis=1)
+        self._lengths = self._weight.reshape(len(beam.cells), -1).sum(axis=1)
         n = len(self.positions)
         limit = finite(T_max(self.positions) if callable(T_max) else T_max, "T_max")
         if limit.shape not in ((), self.positions.shape) or not (limit >= 0.0).all():
@@ -229,19 +230,20 @@ class Embedded(Form):
         return f"skin up to {share.max():.0%} of its resistance, foot {state.foot[0]:.4g}"
 
 
-def _points(beam: Beam) -> tuple[ndarray, ndarray, ndarray, ndarray, csr_matrix]:
+def _points(beam: BeamNodes) -> tuple[ndarray, ndarray, ndarray, ndarray, csr_matrix]:
     """Return distances and lengths, (n,); coordinates, tangents and displacements of the beam, also of its foot."""
     corners, m = beam.points[beam.cells], len(beam.cells)
-    values, slopes = (np.array(parts) for parts in zip(*map(shapes, _POINTS), strict=True))  # (3 points, 3 nodes)
+    at, weight = _GAUSS if any(field.kind == "rotation" for field in beam.fields) else _NODES
+    values, slopes = (np.array(parts) for parts in zip(*map(shapes, at), strict=True))  # (3 points, 3 nodes)
     way = np.einsum("qk,mkc->mqc", slopes, corners)
-    weights = _WEIGHTS * np.linalg.norm(way, axis=2)
+    weights = weight * np.linalg.norm(way, axis=2)
     lengths = weights.sum(axis=1)
     begin = np.cumsum(lengths) - lengths
-    s = begin[:, None] + 0.5 * (1.0 + _POINTS) * lengths[:, None]
+    s = begin[:, None] + 0.5 * (1.0 + at) * lengths[:, None]
     dim = beam.points.shape[1]
     t = np.vstack((way.reshape(-1, dim), np.einsum("k,kc->c", shapes(1.0)[1], corners[-1])))
     N = np.vstack((np.tile(values, (m, 1)), shapes(1.0)[0]))
-    cells = np.vstack((np.repeat(beam.cells, len(_POINTS), axis=0), beam.cells[-1]))
+    cells = np.vstack((np.repeat(beam.cells, len(at), axis=0), beam.cells[-1]))
     row, column = (dim * at[..., None] + np.arange(dim) for at in (np.arange(len(N))[:, None], cells))
     row, column, value = np.broadcast_arrays(row, column, N[:, :, None])
     of_beam = csr_matrix((value.ravel(), (row.ravel(), column.ravel())), shape=(dim * len(N), dim * len(beam.points)))

@@ -1,4 +1,4 @@
-"""Nodes of beams: their dofs for supports and bars, and loads on them."""
+"""Nodes of beams and reinforcement: their dofs for supports and bars, loads on them, and contact of their sides."""
 from __future__ import annotations
 
 from collections.abc import Sequence
@@ -8,10 +8,15 @@ import numpy as np
 from numpy import ndarray
 from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
+from skfem import CellBasis
 
 from ..checks import finite, format_point, vector
+from ..contact import ContactPair
+from ..contact.laws import InterfaceLaw
 from ..forms.base import Form
 from ..layout import Field, FieldDofs
+from ..surfaces.surface import Surface
+from .lines import touching
 
 #: Coordinates are those of a node if they are nearer than this share of the beam.
 _AT = 1e-6
@@ -20,9 +25,12 @@ DofName = Literal["u^1", "u^2", "u^3", "theta", "theta^1", "theta^2", "theta^3"]
 
 
 class BeamNodes(Form):
-    """Form of nodes with displacements and rotations, which are its own or, the displacements, those of the ground."""
+    """Form of nodes with displacements, its own or those of the ground, and with or without rotations."""
 
     points: ndarray
+    cells: ndarray
+    spacing: float
+    thickness: float
     _shared: ndarray | None
     _displacement: Field
     _rotation: Field
@@ -97,3 +105,40 @@ class BeamNodes(Form):
         if self._dofs is None:
             raise ValueError('the dofs of the beam are not numbered yet: take it from the model, model.forms["beam"]')
         return self._dofs
+
+    def contact(self, basis: CellBasis, law: InterfaceLaw, boundaries: str | Sequence[str] | None = None,
+                **options: Any) -> dict[str, ContactPair]:
+        """Return contact pairs of the sides, half a thickness off the axis, by the names of the boundaries there.
+
+        Parameters
+        ----------
+        basis, law
+            Basis and law of :class:`~skfem_contact.ContactPair`.
+        boundaries
+            Boundaries that touch the beam, each one side; by default all that lie there.
+        options
+            Further arguments of the pairs; ``quadrature=2`` unless it is given.
+
+        Raises
+        ------
+        ValueError
+            A bonded beam; a thick beam with hinges; boundaries that do not lie on a side, that share facets, or none.
+        """
+        if self.coordinates == "space":
+            raise ValueError("contact of a beam is in the plane")
+        if self._shared is not None:
+            raise ValueError("a bonded beam has no contact: give it nodes of its own, bonded=False")
+        if self.thickness and self._rotation.n > len(self.points):
+            raise ValueError("contact of a beam with hinges is on its axis: thickness=0")
+        found = touching(basis.mesh, boundaries, self.points[self.cells], 0.5 * self.thickness)
+        options = {"quadrature": 2, **options}
+        return {name: ContactPair(basis, name, self._side(side), law, **options) for name, side in found.items()}
+
+    def _side(self, sign: int) -> Surface:
+        """Return the left side, 1, or the right side, -1."""
+        n = len(self.points)
+        turned = (self._rotation, np.arange(n)) if "theta" in self._names else None
+        return Surface.from_cells(self.points, (self._displacement, np.arange(2 * n).reshape(n, 2)),
+                                  self.cells if sign > 0 else self.cells[:, [1, 0, 2]],
+                                  f"{'left' if sign > 0 else 'right'} side of a beam",
+                                  rotations=turned, thickness=self.thickness)

@@ -60,6 +60,8 @@ def doors():
         "thickness": 0.1}
     nail = sc.Beam(None, [[0.2, 0.5], [1.2, 0.5]], EI=1.0, EA=1.0)
     yield "Embedded", sc.Embedded, {"basis": basis, "beam": nail, "T_max": 5.0, "F_max": 1.0, "stiffness": 100.0}
+    yield "Reinforcement", sc.Reinforcement, {"basis": None, "line": [[0.0, 0.0], [1.0, 0.0]], "EA": 1.0, "Np": 1.0,
+                                              "spacing": 2.0, "cells": [[0, 1]]}
     yield "Beam.at", beam.at, {"points": (0.0, 0.0)}
     yield "Beam.dofs", beam.dofs, {"at": (0.0, 0.0), "names": ["u^1"]}
     yield "Beam.load", frame.load, {"force": (0.0, 1.0), "at": (1.0, 0.0), "moment": 1.0}
