@@ -15,7 +15,7 @@ from ..forms.base import Form, solids_of
 from ..limit_analysis import Bounds
 from ..nonlinear.system import System
 from ..results.result import StageResult
-from .mechanism import warn_of_errors
+from .mechanism import warn_of_errors, warn_of_motion
 
 FACTOR, LOAD = "factor of safety", "limit load"
 
@@ -307,6 +307,7 @@ class CollapseResult:
                  f"{self.stop}{self._advice()}")
         elif self.what == FACTOR and self.value < 1.0:
             warn(f"the structure is unstable under its own load: its factor of safety is {self.value:.3f}")
+        warn_of_motion(self.what, self.value, self.curve, tolerance, self.end)
         if proven is None:
             return self
         where = f"the {self.what} {self.value:.4g} lies {{}} [{proven.lower:.4g}, {proven.upper:.4g}], its bounds: "
