@@ -812,3 +812,52 @@ def test_beams_in_space_are_refused_in_the_plane():
     with pytest.raises(ValueError, match="a motion without force"):
         model = sc.Model({"beam": beam}, beam.dofs((0.0, 0.0, 0.0), ["u^1", "u^2", "u^3", "theta^2", "theta^3"]))
         model.run([sc.Stage("twist", model.forms["beam"].load((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (1.0, 0.0, 0.0)))])
+
+
+def warm(line, held, strain, curvature=0.0, **settings):
+    """Stages in which a beam held at some nodes is heated and cools down again."""
+    beam = sc.Beam(None, line, EI=50.0, EA=1e4, GA=1e3, **settings)
+    model = sc.Model({"beam": beam}, [dof for node in held for dof in beam.dofs(node)])
+    summer = sc.Stage("summer", change={"beam": beam.heated(strain, curvature)})
+    stages = [summer, sc.Stage("autumn", change={"beam": beam})]
+    return model.forms["beam"], model.run(stages, progress=False)
+
+
+@pytest.mark.parametrize("spacing", [None, 2.0])
+def test_temperature_of_a_beam_that_is_held(spacing):
+    """[X] N = -EA strain and M = -EI curvature between fixed ends, and nothing in autumn."""
+    for angle in (0.0, 0.7):
+        way = np.array([np.cos(angle), np.sin(angle)])
+        line = np.linspace(0.0, 3.0, 4)[:, None] * way
+        _, result = warm(line, (line[0], line[-1]), 2e-4, 1e-3, spacing=spacing)
+        forces = result["summer"].section_forces("beam")
+        np.testing.assert_allclose(forces.N, -2.0 / (spacing or 1.0), rtol=1e-9)
+        np.testing.assert_allclose(forces.M, -0.05 / (spacing or 1.0), rtol=1e-9)
+        assert abs(forces.V).max() < 1e-9 and abs(result["autumn"].section_forces("beam").N).max() < 1e-12
+    line = np.linspace((0.0, 0.0, 0.0), (1.0, 2.0, 2.0), 4)
+    if spacing is None:
+        _, result = warm(line, (line[0], line[-1]), 2e-4)
+        np.testing.assert_allclose(result["summer"].section_forces("beam").N, -2.0, rtol=1e-9)
+
+
+def test_temperature_of_a_beam_that_is_free():
+    """[X] A cantilever sags by curvature L^2 / 2, and an arc grows to a similar one, both without force."""
+    line = np.linspace((0.0, 0.0), (3.0, 0.0), 4)
+    form, result = warm(line, line[:1], 2e-4, 1e-3)
+    end = result["summer"].x[form.numbers((3.0, 0.0))]
+    np.testing.assert_allclose(end, [6e-4, -4.5e-3, -3e-3], rtol=1e-9)  # the upper side is longer
+    assert abs(result["summer"].section_forces("beam").M).max() < 1e-9
+    angle = np.linspace(0.0, 1.5, 9)
+    points = 4.0 * np.column_stack((np.cos(angle), np.sin(angle)))
+    cells = np.column_stack((np.arange(0, 8, 2), np.arange(2, 9, 2), np.arange(1, 8, 2)))
+    form, result = warm(points, points[:1], 1e-3, cells=cells)
+    end = result["summer"].x[form.numbers(points[-1])]
+    np.testing.assert_allclose(end, [*1e-3 * (points[-1] - points[0]), 0.0], atol=1e-12)
+
+
+def test_temperature_is_refused():
+    """Shells have no free strain, beams in space no free curvature."""
+    with pytest.raises(ValueError, match="a shell of revolution has no free strain"):
+        sc.Beam(None, [[1.0, 0.0], [1.0, 1.0]], EI=1.0, EA=1.0, coordinates="axisymmetric").heated(1e-3)
+    with pytest.raises(ValueError, match="in space no free curvature"):
+        sc.Beam(None, [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]], EI=1.0, EA=1.0).heated(1e-3, 1e-3)

@@ -102,6 +102,7 @@ class Beam(BeamNodes):
     """
 
     symmetric = True
+    _warm: ndarray | float = 0.0
 
     def __init__(self, basis: CellBasis | None, line: Any, EI: float, EA: float, GA: float | None = None, *,
                  spacing: float | None = None, cells: ArrayLike | None = None, hinges: ArrayLike = (),
@@ -169,6 +170,46 @@ class Beam(BeamNodes):
         self._middle = np.append(np.arange(2 * dim, 3 * dim), 3 * dim + np.arange(2 * turns, 3 * turns))
         self._size, self._gathering = n + n_turns, Gathering(n + n_turns)
 
+    def heated(self, strain: float, curvature: float = 0.0) -> Beam:
+        """Return the beam with a strain and a curvature that it has free of force at a temperature.
+
+        They count from the beam as it was built. Where nothing yields, a beam whose ends are held has a normal force
+        ``-EA * strain`` and a moment ``-EI * curvature``.
+
+        Parameters
+        ----------
+        strain
+            Strain of the axis: coefficient of expansion times the mean change of temperature.
+        curvature
+            Curvature in the plane, positive where the left side becomes longer: coefficient of expansion times the
+            change of temperature on the left less that on the right, over the thickness.
+
+        Raises
+        ------
+        ValueError
+            A shell of revolution; a curvature in space.
+
+        Examples
+        --------
+        A strut of concrete between rigid walls becomes 20 degrees warmer:
+
+        >>> import skfem_contact as sc
+        >>> strut = sc.Beam(None, [[0., 0.], [5., 0.]], EI=1e4, EA=1e6)
+        >>> model = sc.Model({"strut": strut}, [*strut.dofs((0., 0.)), *strut.dofs((5., 0.))])
+        >>> summer = sc.Stage("summer", change={"strut": strut.heated(1e-5 * 20.)})
+        >>> model.run([summer])["summer"].section_forces("strut").N.round(9).tolist()
+        [-200.0, -200.0]
+        """
+        wanted = np.zeros(self._elements.strains.shape[1])
+        wanted[::len(wanted) // 2] = strain
+        if self.coordinates == "axisymmetric" or (curvature and self.coordinates == "space"):
+            raise ValueError("a shell of revolution has no free strain, and a beam in space no free curvature")
+        if curvature:
+            wanted[2::len(wanted) // 2] = -curvature
+        new = copy(self)
+        new._warm = np.linalg.pinv(self._elements.strains) @ wanted
+        return new
+
     def __repr__(self) -> str:
         return f"<Beam {len(self.cells)} elements, {self._elements.length.sum():.4g} long>"
 
@@ -206,7 +247,7 @@ class Beam(BeamNodes):
     @override
     def assemble(self, x: ndarray, state: BeamState) -> Response:
         u = self._own(x)[self._rows]
-        moved = u - state.free
+        moved = u - state.free - self._warm
         lost = _ROUND_OFF * np.einsum("mij,mj->mi", np.abs(self._stiffness), np.abs(u) + np.abs(state.free))
         moved = moved - np.einsum("mij,mj->mi", self._elements.rigid, moved[:, self._middle])  # of large rigid motions
         force = np.einsum("mij,mj->mi", self._stiffness, moved)

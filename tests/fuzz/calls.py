@@ -65,6 +65,7 @@ def doors():
     yield "Beam.at", beam.at, {"points": (0.0, 0.0)}
     yield "Beam.dofs", beam.dofs, {"at": (0.0, 0.0), "names": ["u^1"]}
     yield "Beam.load", frame.load, {"force": (0.0, 1.0), "at": (1.0, 0.0), "moment": 1.0}
+    yield "Beam.heated", frame.heated, {"strain": 1e-4, "curvature": 1e-3}
     yield "Beam.line_load", frame.line_load, {"force": (0.0, 1.0)}
     yield "Coulomb.from_soil", sc.Coulomb.from_soil, {"soil": clay, "ratio": 0.5}
     inner = plain.with_boundaries({"wall": lambda x: abs(x[1] - 0.5) < 1e-9}, boundaries_only=False)
