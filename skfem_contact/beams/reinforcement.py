@@ -183,3 +183,10 @@ class Reinforcement(BeamNodes):
         N = state.force.ravel()
         nothing = np.zeros((len(N), 3) if z else len(N))
         return position.ravel(), x, y, N, nothing, nothing, *z
+
+    @override
+    def line_points(self, x: ndarray, state: ReinforcementState) -> tuple[ndarray, dict[str, ndarray]]:
+        dim, N = self.points.shape[1], state.force
+        values = {"N": np.column_stack((N, N.mean(axis=1))).ravel()}  # not extrapolated: no thrust in a geogrid
+        values["displacement"] = x[self._of_model()][self._rows].reshape(-1, dim)
+        return self.points[self.cells].reshape(-1, dim), values
