@@ -261,7 +261,8 @@ class Model(Setup):
         -----
         AnalysisWarning
             The factor is less than 1. Or no collapse was shown, and it may be higher: :attr:`CollapseResult.stop` says
-            why. Or it lies outside of the proven bounds by more than `tolerance`. Or elements of corner nodes lock.
+            why. Or it lies outside of the proven bounds by more than `tolerance`, or needs displacements beyond a tenth of
+            the model. Or elements of corner nodes lock.
 
         Examples
         --------
@@ -321,8 +322,8 @@ class Model(Setup):
         Warns
         -----
         AnalysisWarning
-            The search has shown no limit, and it may be higher: :attr:`CollapseResult.stop` says why. Or the value
-            lies outside of the proven bounds by more than `tolerance`.
+            The search has shown no limit, and it may be higher: :attr:`CollapseResult.stop` says why. Or the value lies
+            outside of the proven bounds by more than `tolerance`, or needs displacements beyond a tenth of the model.
         """
         return limit_load(self, load, start, tolerance, step, max_value, flow, max_step, min_displacement, certify,
                           progress)

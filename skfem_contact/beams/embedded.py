@@ -57,7 +57,8 @@ class Embedded(Form):
     """Skin and foot of a beam inside the elements of the ground, whose mesh does not know the beam.
 
     Springs join the beam to the ground at three points of each of its elements. Along the beam they yield at
-    ``T_max``; across they are elastic, so that no ground flows between the members of a row.
+    ``T_max``. Across a beam they are elastic, so that no ground flows between the members of a row; across
+    :class:`~skfem_contact.Reinforcement` there is no force.
 
     Parameters
     ----------
