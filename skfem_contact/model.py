@@ -261,8 +261,8 @@ class Model(Setup):
         -----
         AnalysisWarning
             The factor is less than 1. Or no collapse was shown, and it may be higher: :attr:`CollapseResult.stop` says
-            why. Or it lies outside of the proven bounds by more than `tolerance`, or needs displacements beyond a tenth of
-            the model. Or elements of corner nodes lock.
+            why. Or it lies outside of the proven bounds by more than `tolerance`, or needs displacements beyond a
+            tenth of the model. Or elements of corner nodes lock.
 
         Examples
         --------
