@@ -260,9 +260,8 @@ class Model(Setup):
         Warns
         -----
         AnalysisWarning
-            The factor is less than 1. Or no collapse was shown, and it may be higher: :attr:`CollapseResult.stop` says
-            why. Or it lies outside of the proven bounds by more than `tolerance`, or needs displacements beyond a
-            tenth of the model. Or elements of corner nodes lock.
+            The factor is below 1, outside of the proven bounds, or needs displacements beyond a tenth of the model. Or
+            no collapse was shown (see :attr:`CollapseResult.stop`). Or elements of corner nodes lock.
 
         Examples
         --------
