@@ -146,8 +146,9 @@ def test_package_does_not_grow() -> None:
     assert sum(map(lines, soils)) <= 1_200 + 600 and len(soils) <= 8
     beams = [name for name in TREES if name.split(".")[0] == "beams"]
     assert sum(map(lines, beams)) <= 1_500 + 150 and len(beams) <= 7 + 1
+    # seepage in time came as a capability too: 480 lines and three files of the water
     total = sum(lines(name) for name in TREES if name not in beams + soils)
-    assert total <= 22_400 + 180 + 330 and len(TREES) - len(beams) - len(soils) <= 120, (total, len(TREES))
+    assert total <= 22_400 + 180 + 330 + 480 and len(TREES) - len(beams) - len(soils) <= 123, (total, len(TREES))
     assert len(skfem_contact.__all__) <= 45 + len({"Beam", "Embedded", "Reinforcement", "split_along"}) + len(
         {"CamClay", "HardeningSoil", "HoekBrown", "element_test"}
     )

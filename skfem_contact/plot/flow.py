@@ -15,7 +15,7 @@ from numpy import ndarray
 
 from ..layout import elements_of
 from ..water import Seepage
-from ..water.seepage import simplices
+from ..water.points import simplices
 from .diagram import saved
 from .marks import WATER
 from .units import labelled

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -24,8 +25,8 @@ Laws = Sequence[tuple[ndarray, Retention]]
 #: the ratio is tried where Newton's method fails. Rectangular dams of 200 to 13,000 triangles take 10 to 22 iterations
 #: in all with a ratio of 4, 22 to 38 with 2.
 _WIDEST, _RATIO, _LEAST_RATIO = 16.0, 4.0, 1.02
-#: Unbalanced water over what enters, at the end and at the widths before it.
-_BALANCED, _NEARLY = 1e-10, 1e-2
+#: Unbalanced water over what enters, at the end, at the widths before it, and in a step in time.
+_BALANCED, _NEARLY, _IN_STEP = 1e-10, 1e-2, 1e-9
 #: Multiples of the narrowest width that are tried where the water does not balance with the requested one.
 _WIDER = (1.0, 1.25, 1.6, 2.0, 4.0)
 #: The line search accepts a residual below the worst of the last ones. Of 84 flows through zones 1e-8 to 1e8 times as
@@ -52,7 +53,7 @@ class _State:
     iterations: tuple[int, ...] = ()
 
 
-class _Unbalanced(RuntimeError):
+class Unbalanced(RuntimeError):
     """Failure of Newton's method."""
 
 
@@ -85,6 +86,19 @@ class WaterBalance:
                 warn(f"the transition between wet and dry ground is {reached:.3g} times as wide as asked for; "
                      "with a narrower one the water did not balance; refine the mesh at the free surface")
             laws = _softer(laws, reached)
+        return self._balance(now, laws)
+
+    def step(self, flow: DarcyFlow, given: Conditions, head: ndarray, leaking: ndarray,
+             laws: Laws) -> tuple[Balance, ndarray]:
+        """Return the balance of another flow that is near to heads, and where it leaks; or raise Unbalanced."""
+        new = copy(self)
+        new.flow, new.given, new._supply = flow, given, self.tie.T @ given.supply
+        new._face = given.face & ~self._idle
+        begin = self.tie @ np.where(given.held, given.head, head)
+        now = new._newton(_State(begin, leaking & new._face), laws, _IN_STEP)
+        return new._balance(now, laws), now.leaking
+
+    def _balance(self, now: _State, laws: Laws) -> Balance:
         relative = self.flow.relative(now.head, laws)[0]
         return Balance(now.head, self.tie.T @ self.flow.inflow(now.head, relative), relative, now.iterations)
 
@@ -96,7 +110,7 @@ class WaterBalance:
             try:
                 now = self._newton(now, _softer(laws, wider), _NEARLY if wider > 1.0 else _BALANCED)
                 reached = wider
-            except _Unbalanced as failed:
+            except Unbalanced as failed:
                 logger.info("seepage: no balance with a transition %.3g times as wide: %s", wider, failed)
                 now, ratio = replace(now, iterations=(*now.iterations, _ITERATIONS)), float(np.sqrt(ratio))
         return reached, now
@@ -106,7 +120,7 @@ class WaterBalance:
         for wider in reached * np.array(_WIDER):
             try:
                 return float(wider), self._newton(now, _softer(laws, float(wider)), _BALANCED)
-            except _Unbalanced as error:
+            except Unbalanced as error:
                 failed = error
         raise NotConverged(f"the water does not balance: {failed}; give a wider transition between wet and dry in "
                            "retention=, or refine the mesh where the free surface is", now.head)
@@ -125,15 +139,18 @@ class WaterBalance:
             unbalanced = float(np.linalg.norm(beyond[~fixed]))
             leaks = np.where(leaking, beyond <= round_off, self._face & (head > flow.elevation + self._tolerance))
             steady = bool((leaks == leaking).all())
-            if steady and unbalanced <= max(tolerance * np.linalg.norm(inflow), np.linalg.norm(round_off)):
+            if steady and unbalanced <= max(tolerance * flow.scale(head, inflow), float(np.linalg.norm(round_off))):
                 return _State(head, leaking, (*now.iterations, iteration))
             leaking = leaks
-        raise _Unbalanced(f"{unbalanced:.1g} of {np.linalg.norm(inflow):.2g} are too much after {most} iterations"
+        raise Unbalanced(f"{unbalanced:.1g} of {np.linalg.norm(inflow):.2g} are too much after {most} iterations"
                           if steady else "the seepage faces open and close again and again")
 
     def _step(self, head: ndarray, fixed: ndarray, laws: Laws, residuals: list[float]) -> ndarray:
         """Take a step of Newton's method, shortened until less water is out of balance than of late."""
         flow = self.flow
+
+        def moved(share: float) -> ndarray:
+            return np.asarray(self.tie @ flow.moved(head, share * change))
 
         def unbalanced(head: ndarray) -> ndarray:
             inflow = self.tie.T @ flow.inflow(head, flow.relative(head, laws)[0])
@@ -146,10 +163,10 @@ class WaterBalance:
         change = self.tie @ self._solver.factor(matrix.tocsr())(-before)
         share, worst = 1.0, max(residuals[-_MEMORY:])
         while share > _SHORTEST:
-            if np.linalg.norm(unbalanced(head + share * change)) <= (1.0 - _DECREASE * share) * worst:
+            if np.linalg.norm(unbalanced(moved(share))) <= (1.0 - _DECREASE * share) * worst:
                 break
             share *= 0.5
-        return head + share * change
+        return moved(share)
 
 
 def _softer(laws: Laws, factor: float) -> Laws:

@@ -63,8 +63,6 @@ def conditions(basis: CellBasis, head: Mapping[str, Given], seepage_face: str | 
     Boundaries with a flux into the ground are seepage faces as well: what the ground does not take runs off.
     """
     mesh, faces = basis.mesh, names_of(seepage_face)
-    if not isinstance(head, Mapping) or not head:
-        raise ValueError("there is no head: give {boundary: head} for the boundaries that are under water")
     nodes = {name: nodes_on(basis, name) for name in (*head, *faces, *flux)}
     passing = {name: np.asarray(mesh.boundaries[name]) for name in nodes}
     values, by = np.full(basis.N, np.nan), np.zeros(basis.N, dtype=object)
@@ -133,6 +131,15 @@ def pumped(basis: CellBasis, wells: Mapping[str, float], given: Conditions) -> t
         supply[at[0]] -= float(finite(discharge, f"discharge of well '{name}'"))
         passing[name] = np.asarray(basis.mesh.boundaries[name])
     return replace(given, face=face, supply=supply, passing=passing), first
+
+
+def screens_and_ties(basis: CellBasis, connected: Sequence[tuple[str, str]], held: ndarray,
+                     first: ndarray) -> csr_matrix:
+    """Return the matrix (N, N) that gives all heads from those of nodes that are not tied, nor in wells after one."""
+    n, screened = basis.N, first != np.arange(basis.N)
+    screened[first[screened]] = True
+    tie = tied_heads(basis, connected, held | screened)
+    return csr_matrix(tie @ csr_matrix((np.ones(n), (np.arange(n), first)), shape=tie.shape))
 
 
 def _below(name: str, value: Given, x: ndarray, tolerance: float) -> tuple[ndarray, ndarray]:

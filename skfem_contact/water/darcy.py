@@ -13,7 +13,7 @@ from scipy.sparse import coo_matrix, csr_matrix
 from skfem import Basis, CellBasis, FacetBasis
 from typing_extensions import override
 
-from ..checks import look_up, number, positive
+from ..checks import look_up, number, positive, vector
 from ..layout import elements_of, linear_element
 
 T = TypeVar("T")
@@ -24,12 +24,18 @@ Permeability = ArrayLike
 _MOST = 1e10
 #: Error of a sum of some ten products of heads and conductances, relative to the largest.
 _ROUND_OFF = 16 * np.finfo(float).eps
+#: A change of suction leaves so much of the saturation at least.
+_DRIER = 0.1
+#: Relative permeability of ground that has lost all its water.
+_NONE = 1e-300
 #: Van Genuchten's curve has the slope of this relative suction at smaller ones.
 _STEEPEST = 1e-9
 
 
 class Retention(Protocol):
-    """Permeability of partly saturated ground, relative to that of saturated ground."""
+    """Permeability of partly saturated ground, relative to that of saturated ground, and its water."""
+
+    content: tuple[float, float] | None
 
     def relative(self, suction: ndarray, size: ndarray) -> tuple[ndarray, ndarray]:
         """Return the relative permeability and its slope over the suction, a length: elevation less head.
@@ -39,6 +45,13 @@ class Retention(Protocol):
 
     def softer(self, factor: float) -> Retention:
         """Return the law with a transition so many times as wide: Newton's method begins with it."""
+
+    def saturation(self, suction: ndarray, size: ndarray) -> tuple[ndarray, ndarray]:
+        """Return the effective saturation, from 0 to 1, and its slope over the suction."""
+
+    def moved(self, suction: ndarray, change: ndarray) -> ndarray:
+        """Return the suction after a change by Newton's method, made in a variable in which it converges."""
+        return suction + change
 
 
 @dataclass(frozen=True)
@@ -54,6 +67,9 @@ class Ramp(Retention):
         Width of the transition, in heights of the element in which it lies.
     least
         Relative permeability of dry ground, between 0 and 1.
+    content
+        Volume of water per volume of ground, the least that suction leaves and that of saturated ground: for
+        :func:`transient_seepage`.
 
     Examples
     --------
@@ -65,10 +81,12 @@ class Ramp(Retention):
 
     width: float = 0.5
     least: float = 1e-3
+    content: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
         positive(self.width, "width")
         number(self.least, "least", 0.0, 1.0)
+        _check_content(self.content)
 
     @override
     def relative(self, suction: ndarray, size: ndarray) -> tuple[ndarray, ndarray]:
@@ -76,6 +94,10 @@ class Ramp(Retention):
         s = np.clip(0.5 - suction / width, 0.0, 1.0)
         change = 1.0 - self.least
         return self.least + change * s * s * (3.0 - 2.0 * s), -change * 6.0 * s * (1.0 - s) / width
+
+    @override
+    def saturation(self, suction: ndarray, size: ndarray) -> tuple[ndarray, ndarray]:
+        return replace(self, least=_NONE).relative(suction, size)
 
     @override
     def softer(self, factor: float) -> Ramp:
@@ -98,6 +120,9 @@ class VanGenuchten(Retention):
         Exponent, more than 1: large for pores of one size.
     least
         Lower limit of the relative permeability, between 0 and 1.
+    content
+        Volume of water per volume of ground, the least that suction leaves and that of saturated ground: for
+        :func:`transient_seepage`.
 
     Examples
     --------
@@ -111,8 +136,10 @@ class VanGenuchten(Retention):
     alpha: float
     n: float
     least: float = 1e-6
+    content: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
+        _check_content(self.content)
         positive(self.alpha, "alpha")
         number(self.n, "n", 1.0)
         number(self.least, "least", 0.0, 1.0)
@@ -132,8 +159,36 @@ class VanGenuchten(Retention):
         return np.where(suction > 0.0, np.maximum(k, self.least), 1.0), np.where(changing, self.alpha * slope, 0.0)
 
     @override
+    def saturation(self, suction: ndarray, size: ndarray) -> tuple[ndarray, ndarray]:
+        m = 1.0 - 1.0 / self.n
+        s = np.maximum(self.alpha * suction, np.finfo(float).tiny)
+        x = s**self.n
+        filled = (1.0 + x) ** -m
+        return filled, -self.alpha * m * self.n * x / s / (1.0 + x) * filled
+
+    @override
+    def moved(self, suction: ndarray, change: ndarray) -> ndarray:
+        # the saturation on the dry side of its steepest point, where x = m, and its tangent there on the wet side
+        m = 1.0 - 1.0 / self.n
+        turn, size = np.array(m ** (1.0 / self.n) / self.alpha), np.ones(1)
+        (most, steep), (filled, slope) = self.saturation(turn, size), self.saturation(np.maximum(suction, turn), size)
+        now = filled + steep * np.minimum(suction - turn, 0.0)
+        new = np.maximum(now + slope * change, _DRIER * now)
+        dry = np.minimum(new, most)
+        return np.where(new < most, np.expm1(-np.log(dry) / m) ** (1.0 / self.n) / self.alpha,
+                        turn + (new - most) / steep)
+
+    @override
     def softer(self, factor: float) -> VanGenuchten:
         return replace(self, alpha=self.alpha / factor)
+
+
+def _check_content(content: tuple[float, float] | None) -> None:
+    if content is not None:
+        least, most = vector(content, 2, "content")
+        if not 0.0 <= least < most <= 1.0:
+            raise ValueError(f"content is the residual and the saturated content of water, 0 <= residual < saturated "
+                             f"<= 1, not {content!r}")
 
 
 def regions(basis: CellBasis, values: T | Mapping[str, T], what: str) -> list[tuple[ndarray, T]]:
@@ -209,6 +264,7 @@ class DarcyFlow:
         functions = [basis.basis[j][0] for j in range(basis.Nbfun)]
         self._gradients = np.stack([np.asarray(f.grad) for f in functions])
         self._shape = np.stack([np.broadcast_to(np.asarray(f), basis.dx.shape)[0] for f in functions], axis=1)
+        self.basis, self.axisymmetric, self.datum = basis, axisymmetric, datum
         self._tensors = tensors
         self._weight = basis.dx * radius(basis, axisymmetric)
         #: (n_elements, n_points, a, b): water that enters at corner a for a head 1 at corner b
@@ -218,22 +274,44 @@ class DarcyFlow:
         self.elevation = basis.mesh.p[-1, :basis.N] - datum
         self._size = np.ptp(self.elevation[self.dofs], axis=1)[:, None]
         corners = self.dofs.shape[1]
+        #: (n_elements, n_corners): volume of ground that belongs to each corner
+        self._volume = self._weight @ self._shape
         self._rows, self._columns = np.repeat(self.dofs, corners, axis=1).ravel(), np.tile(self.dofs, corners).ravel()
 
     @cached_property
     def saturated(self) -> csr_matrix:
         """Tangent of saturated ground, (N, N), symmetric."""
         one = np.ones_like(self._weight)
-        return self.tangent(self.elevation, one, 0.0 * one)
+        return DarcyFlow.tangent(self, self.elevation, one, np.zeros(1))
 
     def relative(self, head: ndarray, laws: Sequence[tuple[ndarray, Retention]]) -> tuple[ndarray, ndarray]:
-        """Return the relative permeability and its slope over the head, (n_elements, n_points)."""
+        """Return the relative permeability, (n_elements, n_points), and its slope over the heads of the corners."""
         suction = (self.elevation - head)[self.dofs] @ self._shape.T
         relative, slope = np.ones_like(suction), np.zeros_like(suction)
         for part, law in laws:
             relative[part], falling = law.relative(suction[part], self._size[part])
             slope[part] = -falling
-        return relative, slope
+        return relative, slope[:, :, None] * self._shape
+
+    def filled(self, head: ndarray, laws: Sequence[tuple[ndarray, Retention]]) -> tuple[ndarray, ndarray]:
+        """Return the effective saturation and its slope over the suction at the corners, (n_elements, n_corners)."""
+        suction = (self.elevation - head)[self.dofs]
+        filled, slope = np.ones_like(suction), np.zeros_like(suction)
+        for part, law in laws:
+            filled[part], slope[part] = law.saturation(suction[part], self._size[part])
+        return filled, slope
+
+    def gathered(self, corners: ndarray) -> ndarray:
+        """Return the integral around each node of values at the corners, (N,)."""
+        return np.bincount(self.dofs.ravel(), (self._volume * corners).ravel(), minlength=len(self.elevation))
+
+    def moved(self, head: ndarray, change: ndarray) -> ndarray:
+        """Return the heads after a change by Newton's method."""
+        return head + change
+
+    def scale(self, head: ndarray, inflow: ndarray) -> float:
+        """Return the amount of water against which the water out of balance is small."""
+        return float(np.linalg.norm(inflow))
 
     def by_element(self, head: ndarray, relative: ndarray) -> ndarray:
         """Return the water that enters every element at its corners, (n_elements, n_corners)."""
@@ -253,7 +331,7 @@ class DarcyFlow:
         element = np.einsum("eq,eqab->eab", relative, self._conductance)
         if slope.any():
             through = np.einsum("eqab,eb->eqa", self._conductance, head[self.dofs])
-            element += np.einsum("eqa,eq,qb->eab", through, slope, self._shape, optimize=True)
+            element += np.einsum("eqa,eqb->eab", through, slope)
         n = len(head)
         return coo_matrix((element.ravel(), (self._rows, self._columns)), shape=(n, n)).tocsr()
 

@@ -7,18 +7,17 @@ from types import MappingProxyType
 
 import numpy as np
 from numpy import ndarray
-from scipy.sparse import csr_matrix
-from scipy.spatial import cKDTree
-from skfem import CellBasis, FacetBasis, LinearForm, Mesh
+from skfem import CellBasis, FacetBasis, LinearForm
 
 from ..checks import format_point, look_up, positive
 from ..errors import warn
 from ..forms.assembly import strain_of
 from ..forms.base import Coordinates
 from ..layout import elements_of
-from .balance import WaterBalance
-from .boundary import Given, check_heads, conditions, nodes_on, pumped, sourced, through, tied_heads
+from .balance import Balance, WaterBalance
+from .boundary import Conditions, Given, check_heads, conditions, nodes_on, pumped, screens_and_ties, sourced, through
 from .darcy import DarcyFlow, Permeability, Ramp, Retention, head_basis, permeability_tensors, radius, regions
+from .points import interpolated, zero_lines
 
 _RAMP = Ramp()
 _NOTHING: Mapping[str, float] = MappingProxyType({})
@@ -26,14 +25,6 @@ _NOTHING: Mapping[str, float] = MappingProxyType({})
 _DRY, _WET = 0.01, 0.5
 #: Share of the flow through dry ground from which a warning is given.
 _SHARE = 0.05
-#: Corners of the triangles of a quadrilateral and of the tetrahedra of a hexahedron, as in scikit-fem.
-_PARTS = {(2, 3): ((0, 1, 2),), (2, 4): ((0, 1, 3), (1, 2, 3)), (3, 4): ((0, 1, 2, 3),),
-          (3, 8): ((0, 1, 3, 4), (0, 3, 2, 4), (2, 3, 4, 6), (3, 4, 6, 7), (3, 4, 5, 7), (1, 3, 4, 5))}
-#: A point is inside of an element if it lies outside by less than this, in sizes of the element: round-off, and the
-#: distance of curved sides from straight ones. The finder of scikit-fem accepts one unit of round-off only.
-_ROUND_OFF, _CURVED = 1e-9, 0.1
-#: Numbers of elements that are tried, the nearest centres first: graded meshes have many near ones.
-_TRIED = (8, 64, 512)
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +38,7 @@ class Seepage:
     head : ndarray, shape (n_nodes,)
         Hydraulic head at the nodes of the mesh, a height; NaN outside of the porous ground.
     pressure : ndarray, shape (n_nodes,)
-        Pore pressure, zero above the free surface: for :func:`water_load`.
+        Pore pressure, zero above the free surface unless :meth:`with_suction`: for :func:`water_load`.
     inflow : ndarray, shape (n_nodes,)
         Water that enters the ground at the nodes: volume per time and unit of thickness (per radian in axial
         symmetry), negative where it leaves. These reactions balance to round-off.
@@ -67,6 +58,7 @@ class Seepage:
     _flux: Mapping[str, Given] = field(repr=False)
     _from_sources: ndarray = field(repr=False)
     _by_element: ndarray = field(repr=False)
+    _saturation: ndarray = field(repr=False)
     _unit_weight: float = field(repr=False)
     _axisymmetric: bool = field(repr=False)
 
@@ -128,18 +120,29 @@ class Seepage:
         """
         x = np.asarray(x, dtype=float)
         points = x.reshape(len(x), -1)
-        head = _interpolated(self.basis.mesh, elements_of(self.basis), self.head, points,
+        head = interpolated(self.basis.mesh, elements_of(self.basis), self.head, points,
                              None if outside is None else np.broadcast_to(outside, x.shape[1:]).ravel())
         return head.reshape(x.shape[1:])
 
     def pressure_at(self, x: ndarray, head: ndarray | None = None) -> ndarray:
         """Return the pressure at coordinates (dim, ...), as a function like :func:`hydrostatic`, or under a head."""
-        return self._unit_weight * np.maximum((self.head_at(x) if head is None else head) - np.asarray(x)[-1], 0.0)
+        wet = self._unit_weight * np.maximum((self.head_at(x) if head is None else head) - np.asarray(x)[-1], 0.0)
+        if head is not None or not (self.pressure < 0.0).any():
+            return wet
+        return wet + replace(self, head=np.minimum(self.pressure, 0.0)).head_at(x) * (wet == 0.0)
+
+    def with_suction(self) -> Seepage:
+        """Return the flow with the suction that dry ground has, times its effective saturation: A. W. Bishop's stress.
+
+        The `pressure` is negative above the free surface then, and the ground is stronger by the suction stress.
+        """
+        head = self.head - self.basis.mesh.p[-1, :len(self.head)]
+        return replace(self, pressure=self._unit_weight * np.where(head > 0.0, 1.0, self._saturation) * head)
 
     @property
     def free_surface(self) -> list[ndarray]:
         """Lines of zero pressure between wet and dry ground, (n, 2) each, the longest first; for plane flow."""
-        return _zero_lines(self.basis.mesh, elements_of(self.basis), self.head - self.basis.mesh.p[-1, :len(self.head)])
+        return zero_lines(self.basis.mesh, elements_of(self.basis), self.head - self.basis.mesh.p[-1, :len(self.head)])
 
     def _size(self, facets: ndarray) -> ndarray:
         """Return the area of a boundary that belongs to each node, (n_nodes,)."""
@@ -235,31 +238,37 @@ def seepage(basis: CellBasis, permeability: Permeability | Mapping[str, Permeabi
     positive(unit_weight, "unit_weight")
     axisymmetric = strain_of(basis, None, coordinates, False)[1] == "axisymmetric"
     porous = head_basis(basis)
+    if not isinstance(head, Mapping) or not head:
+        raise ValueError("there is no head: give {boundary: head} for the boundaries that are under water")
     given, first = pumped(porous, wells, conditions(porous, head, seepage_face, flux, sources, axisymmetric))
     tensors = permeability_tensors(porous, permeability)
     laws = regions(porous, retention, "retention")
     datum = float(np.nanmean(given.head))
     flow = DarcyFlow(porous, tensors, axisymmetric, datum)
-    screened = first != np.arange(porous.N)
-    screened[first[screened]] = True
-    tie = tied_heads(porous, connected, given.held | screened)
-    tie = csr_matrix(tie @ csr_matrix((np.ones(porous.N), (np.arange(porous.N), first)), shape=tie.shape))
+    tie = screens_and_ties(porous, connected, given.held, first)
     check_heads(porous, given.held, tie)
     lowered = replace(given, head=given.head - datum)
     found = WaterBalance(flow, lowered, tie, porous.mesh.p[:, :porous.N]).solve(laws)
-    velocity = flow.velocity(found.head, found.relative)
-    _warn_of_dry_ground(porous, tensors, found.relative, velocity)
-    heads = np.full(porous.N, np.nan)
-    used = np.unique(porous.element_dofs)
-    heads[used] = found.head[used] + datum
-    _warn_of_dry_wells(porous, wells, heads)
+    result = described(flow, found, given, laws, flux, sourced(porous, sources, axisymmetric), unit_weight)
+    _warn_of_dry_ground(porous, tensors, found.relative, result.velocity)
+    warn_of_dry_wells(porous, wells, result.head)
+    return result
+
+
+def described(flow: DarcyFlow, found: Balance, given: Conditions, laws: Sequence[tuple[ndarray, Retention]],
+              flux: Mapping[str, Given], from_sources: ndarray, unit_weight: float) -> Seepage:
+    """Return the flow of heads that count from the datum."""
+    porous = flow.basis
+    heads, used = np.full(porous.N, np.nan), np.unique(porous.element_dofs)
+    heads[used] = found.head[used] + flow.datum
+    full, filled = (flow.gathered(each) for each in (np.ones((1, 1)), flow.filled(found.head, laws)[0]))
     pressure = unit_weight * np.maximum(heads - porous.mesh.p[-1, :porous.N], 0.0)
-    return Seepage(porous, heads, pressure, found.inflow, velocity, found.iterations, given.passing, flux,
-                   sourced(porous, sources, axisymmetric),
-                   flow.by_element(found.head, found.relative), unit_weight, axisymmetric)
+    return Seepage(porous, heads, pressure, found.inflow, flow.velocity(found.head, found.relative), found.iterations,
+                   given.passing, flux, from_sources, flow.by_element(found.head, found.relative),
+                   filled / np.where(full > 0.0, full, 1.0), unit_weight, flow.axisymmetric)
 
 
-def _warn_of_dry_wells(basis: CellBasis, wells: Mapping[str, float], head: ndarray) -> None:
+def warn_of_dry_wells(basis: CellBasis, wells: Mapping[str, float], head: ndarray) -> None:
     """Report wells whose level lies below the top of their screen."""
     for name in wells:
         at = nodes_on(basis, name)
@@ -283,60 +292,3 @@ def _warn_of_dry_ground(basis: CellBasis, tensors: ndarray, relative: ndarray, v
              "from which it comes: the free surface there is several per cent off; leave drained ground out "
              "of the basis and name the boundary towards it in seepage_face=, or give a smaller `least` in "
              "retention=")
-
-
-def simplices(mesh: Mesh, elements: ndarray) -> ndarray:
-    """Return the triangles or tetrahedra of elements, (dim + 1, n)."""
-    t = mesh.t[:, elements]
-    return np.hstack([t[list(part)] for part in _PARTS[mesh.dim(), len(t)]])
-
-
-def _interpolated(mesh: Mesh, elements: ndarray, nodal: ndarray, points: ndarray, beyond: ndarray | None) -> ndarray:
-    """Return nodal values at points (dim, n), linear on the simplices of elements; at points beyond them given ones."""
-    corners = simplices(mesh, elements)
-    p = mesh.p[:, corners]
-    inverse = np.linalg.inv((p[:, 1:] - p[:, :1]).transpose(2, 0, 1))
-    tree = cKDTree(p.mean(axis=1).T)
-    result, lost = np.empty(points.shape[1]), np.arange(points.shape[1])
-    for tried in (*(n for n in _TRIED if n < len(inverse)), len(inverse)):
-        near = tree.query(points[:, lost].T, tried)[1].reshape(len(lost), -1)
-        outside = np.full(len(lost), np.inf)
-        for candidate in near.T:
-            local = np.einsum("nij,jn->in", inverse[candidate], points[:, lost] - p[:, 0, candidate])
-            weights = np.vstack((1.0 - local.sum(axis=0), local))
-            better = -weights.min(axis=0) < outside
-            outside[better] = -weights.min(axis=0)[better]
-            result[lost[better]] = (weights * nodal[corners[:, candidate]]).sum(axis=0)[better]
-        lost = lost[outside > (_ROUND_OFF if tried < min(_TRIED[-1], len(inverse)) else _CURVED)]
-        if len(lost) == 0:
-            return result
-    if beyond is not None:
-        result[lost] = beyond[lost]
-        return result
-    raise ValueError(f"{len(lost)} points lie outside of the porous ground, the first is "
-                     f"{format_point(points[:, lost[0]])}")
-
-
-def _zero_lines(mesh: Mesh, elements: ndarray, values: ndarray) -> list[ndarray]:
-    """Return polylines between nodes of negative and of other values, (n, 2) each, from left to right."""
-    from matplotlib.figure import Figure  # half a second, for pictures only
-    from matplotlib.tri import Triangulation
-
-    if mesh.dim() != 2:
-        raise ValueError("a free surface is a line in plane flow only")
-    corners = simplices(mesh, elements).T
-    negative = values[corners] < 0.0
-    if negative.all() or not negative.any():
-        return []
-    x, y = mesh.p[:, :len(values)]
-    lines = Figure().add_subplot().tricontour(Triangulation(x, y, corners), np.nan_to_num(values), [0.0]).allsegs[0]
-    return sorted(map(_cleaned, lines), key=lambda line: -np.linalg.norm(np.diff(line, axis=0), axis=1).sum())
-
-
-def _cleaned(line: ndarray) -> ndarray:
-    """Return a line from left to right, or from below, without points that coincide with the one before."""
-    if tuple(line[-1]) < tuple(line[0]):
-        line = line[::-1]
-    kept = np.ones(len(line), dtype=bool)
-    kept[1:] = np.linalg.norm(np.diff(line, axis=0), axis=1) > 1e-12 * np.ptp(line, axis=0).max()
-    return line[kept] if kept.sum() > 1 else line

@@ -1,0 +1,217 @@
+"""Seepage in time: saturated and unsaturated ground."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy import ndarray
+from scipy.integrate import quad, solve_ivp
+from scipy.optimize import brentq
+from skfem import Basis, ElementQuad1, ElementTriP1, MeshQuad
+
+import skfem_contact as sc
+
+WATER = 9.81
+LOAM = sc.water.VanGenuchten(alpha=3.35, n=2.0, least=1e-14, content=(0.102, 0.368))
+
+
+def column(n: int, height: float = 1.0) -> Basis:
+    mesh = MeshQuad.init_tensor(np.array([0.0, 0.1]), np.linspace(0, height, n + 1))
+    return Basis(mesh.with_defaults(), ElementQuad1())
+
+
+def in_column(basis: Basis, values: ndarray) -> ndarray:
+    """Values of the left side, from below."""
+    left = np.flatnonzero(basis.mesh.p[0] == 0.0)
+    return values[left[np.argsort(basis.mesh.p[1, left])]]
+
+
+def finite_volumes(n: int, k: float, top: float, bottom: float, end: float) -> tuple[ndarray, ndarray]:
+    """Heights and saturation of the loam by the method of lines, an independent computation of a column 1 high."""
+    m, d = 0.5, 1.0 / n
+
+    def saturation(h):
+        return (1 + (3.35 * np.maximum(-h, 0)) ** 2) ** -m
+
+    def conductivity(s):
+        return k * np.sqrt(s) * (1 - (1 - s ** (1 / m)) ** m) ** 2
+
+    def rate(t, s):
+        s = np.clip(s, 1e-9, 1 - 1e-12)
+        h = np.concatenate(([bottom], -np.sqrt(s**-2 - 1) / 3.35, [top]))
+        k_at = conductivity(saturation(h))
+        apart = np.concatenate(([d / 2], np.full(n - 1, d), [d / 2]))
+        down = 0.5 * (k_at[1:] + k_at[:-1]) * (np.diff(h) / apart + 1)
+        return np.diff(down) / d / (0.368 - 0.102)
+
+    done = solve_ivp(rate, (0, end), np.full(n, saturation(bottom)), method="LSODA", lband=1, uband=1, rtol=1e-6,
+                     atol=1e-9)  # fmt: skip
+    return (np.arange(n) + 0.5) * d, done.y[:, -1]
+
+
+def test_celias_column() -> None:
+    """[N] M. A. Celia, E. T. Bouloutas and R. L. Zarba 1990: infiltration into dry loam for a day."""
+    basis, k = column(100), 0.00922e-2 * 86400
+    water = sc.water.transient_seepage(basis, k, retention=LOAM, times=[0.0, 0.5, 1.0], start=lambda x: x[1] - 10.0,
+                                       suction={"top": 0.75, "bottom": 10.0}, unit_weight=WATER)  # fmt: skip
+    z, exact = finite_volumes(400, k, -0.75, -10.0, 1.0)
+    y = np.linspace(0, 1, 101)
+    found = np.interp(z, y, (in_column(basis, water.content[-1]) - 0.102) / (0.368 - 0.102))
+    entered = (exact - exact[0]).sum()
+    assert abs(found - exact).sum() < 0.01 * entered  # .5 %: the front is one element wide
+    behind = z > 0.5
+    head = np.interp(z, y, in_column(basis, water[-1].head) - y)
+    assert (abs(head / (-np.sqrt(exact**-2 - 1) / 3.35) - 1) < 0.01)[behind].all()
+    assert water.balance_error < 1e-8
+    dry = in_column(basis, water[-1].head) - y
+    assert (np.diff(dry) > -1e-9).all()  # monotone: no undershoot ahead of the front
+
+
+@pytest.mark.parametrize("law", [LOAM, sc.water.VanGenuchten(14.5, 2.68, 1e-14, (0.043, 0.41)),
+                                 sc.water.VanGenuchten(0.5, 1.5, 1e-14, (0.07, 0.36))],
+                         ids=["loam", "sand", "silt"])  # fmt: skip
+def test_very_dry_ground(law: sc.water.VanGenuchten) -> None:
+    """[X] Rain on ground with a suction of 1e4 m: all of it enters, and the front does not run ahead."""
+    basis = column(20)
+    water = sc.water.transient_seepage(basis, 0.08, retention=law, times=[0.0, 1.0], start=lambda x: x[1] - 1e4,
+                                       flux={"top": 0.05}, unit_weight=WATER, error=1e-2)  # fmt: skip
+    assert water.entered[-1] == pytest.approx(0.005, rel=1e-8) and water.balance_error < 1e-8
+    content = in_column(basis, water.content[-1])
+    assert (np.diff(content) > -1e-6).all() and (content <= law.content[1]).all()
+
+
+def test_hydrostatic_water_rests() -> None:
+    """[X] The same head everywhere: nothing moves, sealed or with levels."""
+    for head in ({}, {"left": 0.5}):
+        water = sc.water.transient_seepage(column(20), 1e-3, head, retention=LOAM, times=[0.0, 1e3, 1e6], start=0.5,
+                                           unit_weight=WATER)  # fmt: skip
+        np.testing.assert_allclose(water[-1].head, 0.5, atol=1e-9)  # round-off
+        assert abs(water.entered).max() < 1e-12
+
+
+def test_steady_limit() -> None:
+    """[X] After a long time of rain the flow is that of `seepage`."""
+    basis, law = column(40), sc.water.VanGenuchten(2.0, 3.0, content=(0.05, 0.4))
+    known = {"retention": law, "flux": {"top": 2e-6}, "unit_weight": WATER}
+    steady = sc.water.seepage(basis, 1e-5, {"bottom": 0.2}, **known)
+    water = sc.water.transient_seepage(basis, 1e-5, {"bottom": 0.2}, times=[0.0, 1e7], start=0.2, **known)
+    # both interpolate the permeability in an element in their own way
+    np.testing.assert_allclose(water[-1].head, steady.head, atol=2e-3)  # measured 1e-3
+    assert water[-1].discharge("bottom") == pytest.approx(-2e-7, rel=1e-4)
+    assert water[-1].discharge("top") == pytest.approx(2e-7, rel=1e-4)
+
+
+def test_saturated_storage() -> None:
+    """[X] K. Terzaghi: a saturated layer that drains at its bottom."""
+    basis, k, storage, time = column(40), 1e-6, 1e-4, 40.0
+    water = sc.water.transient_seepage(basis, k, {"bottom": 2.0}, retention=LOAM, storage=storage,
+                                       times=[0.0, time], start=3.0, unit_weight=WATER, error=2e-4)  # fmt: skip
+    y = np.linspace(0, 1, 41)
+    m = (np.arange(50) + 0.5)[:, None] * np.pi
+    exact = 2.0 + (2 / m * np.sin(m * y) * np.exp(-(m**2) * k / storage * time)).sum(axis=0)
+    np.testing.assert_allclose(in_column(basis, water[-1].head), exact, atol=4e-3)  # of the fall of 1, by the steps
+    assert water.balance_error < 1e-8
+
+
+def test_green_ampt() -> None:
+    """[X] W. H. Green and G. A. Ampt 1911: infiltration under a thin sheet of water, in the limit of a sharp front."""
+    k, end, one, off = 0.1, 1.0, np.ones(1), []
+    for n in (4.0, 12.0):  # the larger, the sharper
+        law = sc.water.VanGenuchten(alpha=5.0, n=n, least=1e-14, content=(0.05, 0.4))
+        pull = quad(lambda s, law=law: law.relative(np.array([s]), one)[0][0], 0.0, 2.0)[0]
+        room = 0.35 * pull
+        exact = brentq(lambda f, room=room: f - room * np.log1p(f / room) - k * end, 1e-3, 1.0)
+        water = sc.water.transient_seepage(column(50), k, retention=law, times=[0.0, end], start=lambda x: x[1] - 2.0,
+                                           suction={"top": 0.0}, unit_weight=WATER, error=2e-2)  # fmt: skip
+        off.append(abs(water.entered[-1] / 0.1 / exact - 1))
+    assert off[1] < 0.02 and off[1] < 0.5 * off[0]  # 1.9 and 5.4 %: part of the content lies ahead of the front
+
+
+def test_rain_that_runs_off() -> None:
+    """[X] Rain of three times the permeability on saturated ground: what enters flows at the gradient 1."""
+    water = sc.water.transient_seepage(column(10), 1e-5, {"bottom": 0.0}, retention=LOAM, times=[0.0, 3e5], start=0.0,
+                                       flux={"top": 3e-5}, unit_weight=WATER)  # fmt: skip
+    assert water[-1].discharge("top") == pytest.approx(1e-6, rel=1e-3)  # k times the width
+    np.testing.assert_allclose(water[-1].pressure, 0.0, atol=1e-2)
+
+
+def test_rates_in_time() -> None:
+    """[X] A shower of an hour: its volume."""
+    basis = Basis(MeshQuad.init_tensor(np.linspace(0, 4, 9), np.linspace(0, 2, 9)).with_defaults(), ElementQuad1())
+    law = sc.water.VanGenuchten(2.0, 3.0, content=(0.05, 0.4))
+    water = sc.water.transient_seepage(basis, 1e-4, retention=law, times=[0.0, 3600.0, 7200.0], start=0.5,
+                                       flux=lambda t: {"top": 1e-5 if t <= 3600.0 else 0.0},
+                                       unit_weight=WATER)  # fmt: skip
+    np.testing.assert_allclose(water.entered, [0.0, 0.144, 0.144], rtol=1e-6)
+    assert water.balance_error < 1e-8 and str(water).startswith("seepage in ")
+
+
+def test_units_mirrors_and_contrast() -> None:
+    """[X] Centimetres and hours, left for right, and triangles; a layer a million times tighter."""
+    x, y = np.linspace(0, 2, 9), np.linspace(0, 1, 7)
+    found = []
+    for scale, mirror, hour in ((1.0, 1, 1.0), (100.0, -1, 3600.0)):
+        mesh = MeshQuad.init_tensor(np.sort(mirror * x * scale), y * scale).with_boundaries({
+            "low": lambda p, s=scale, m=mirror: np.abs(p[0] - (2 * s if m > 0 else -2 * s)) < 1e-9 * s,
+            "top": lambda p, s=scale: p[1] > s * (1 - 1e-9)}).with_subdomains({
+            "clay": lambda p, s=scale: abs(p[1] / s - 0.5) < 0.1,
+            "sand": lambda p, s=scale: abs(p[1] / s - 0.5) > 0.1})  # fmt: skip
+        law = sc.water.VanGenuchten(2.0 / scale, 2.0, content=(0.05, 0.4))
+        water = sc.water.transient_seepage(Basis(mesh, ElementQuad1()), {"sand": 1e-3 * scale * hour,
+                                                                         "clay": 1e-9 * scale * hour},
+                                           {"low": 0.2 * scale}, retention=law, times=[0.0, 600.0 / hour],
+                                           start=0.8 * scale, flux={"top": 1e-4 * scale * hour},
+                                           unit_weight=WATER, error=0.02)  # fmt: skip
+        assert water.balance_error < 1e-8
+        found.append((water.stored / scale**2, water.steps))
+    np.testing.assert_allclose(found[0][0], found[1][0], rtol=1e-6)
+
+
+def test_suction_stress() -> None:
+    """[X] A. W. Bishop's stress above a table at rest: the effective saturation times the suction."""
+    basis, law = column(10), sc.water.VanGenuchten(2.0, 3.0)
+    water = sc.water.seepage(basis, 1e-5, {"left": 0.2}, retention=law, unit_weight=WATER).with_suction()
+    y = basis.mesh.p[1]
+    suction = np.maximum(y - 0.2, 0.0)
+    exact = WATER * np.where(y > 0.2, -suction / (1 + (2 * suction) ** 3) ** (2 / 3), 0.2 - y)
+    np.testing.assert_allclose(water.pressure, exact, atol=1e-6)
+    np.testing.assert_allclose(water.pressure_at(basis.mesh.p), exact, atol=1e-6)
+
+
+@pytest.mark.parametrize(("change", "message"), [
+    ({"times": [0.0, 2.0, 1.0]}, "times must increase"),
+    ({"times": [0.0]}, "times must increase"),
+    ({"retention": sc.water.VanGenuchten(1.0, 2.0)}, "retention has no content"),
+    ({"flux": lambda t: 1e-6}, "flux at the time 0 is 1e-06: give"),
+    ({"flux": {"top": lambda t: 1e-6 * t[0, :1]}}, "flux must be a finite number, or a function of coordinates"),
+    ({"permeability": -1e-5}, "a permeability must be positive"),
+    ({"storage": -1.0}, "storage must be"),
+    ({"head": {}, "sources": {"all": 1.0}}, "the ground is sealed, and 0.1 enter per time"),
+    ({"start": np.nan}, "start must be a Seepage or a finite number"),
+    ({"error": 0.0}, "error must be"),
+    ({"head": {"nowhere": 1.0}}, "nowhere"),
+])  # fmt: skip
+def test_wrong_input(change: dict, message: str) -> None:
+    """One clear error, before anything runs."""
+    basis = column(4)
+    basis = Basis(basis.mesh.with_subdomains({"all": lambda x: x[0] > -1}), ElementQuad1())
+    known = {"basis": basis, "permeability": 1e-5, "head": {"bottom": 0.2}, "retention": LOAM, "times": [0.0, 1.0],
+             "start": 0.2, "unit_weight": WATER}  # fmt: skip
+    with pytest.raises(ValueError, match=message):
+        sc.water.transient_seepage(**(known | change))
+
+
+@pytest.mark.parametrize("content", [(0.4, 0.4), (0.4, 0.1), (-0.1, 0.3), (0.1, 1.2)])
+def test_wrong_content(content: tuple[float, float]) -> None:
+    """The residual content lies below the saturated one."""
+    with pytest.raises(ValueError, match="0 <= residual < saturated"):
+        sc.water.VanGenuchten(1.0, 2.0, content=content)
+
+
+def test_a_later_start_goes_on() -> None:
+    """[X] From the result at a time: the same as in one go, to the error of the steps."""
+    basis = Basis(column(20).mesh.to_meshtri().with_defaults(), ElementTriP1())
+    known = {"retention": LOAM, "flux": {"top": 1e-6}, "unit_weight": WATER}
+    whole = sc.water.transient_seepage(basis, 1e-5, times=[0.0, 1e4, 2e4], start=0.0, **known)
+    rest = sc.water.transient_seepage(basis, 1e-5, times=[1e4, 2e4], start=whole[1], **known)
+    np.testing.assert_allclose(rest.content[-1], whole.content[-1], atol=2e-3)
