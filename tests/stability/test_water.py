@@ -157,7 +157,7 @@ def test_what_does_not_balance_is_warned_of(monkeypatch):
 
     def stubborn(self, now, laws, tolerance):
         if laws and laws[0][1].width < 0.5 * limit:
-            raise balance._Unbalanced("it does not want to")
+            raise balance.Unbalanced("it does not want to")
         return newton(self, now, laws, tolerance)
 
     monkeypatch.setattr(balance.WaterBalance, "_newton", stubborn)
