@@ -146,7 +146,7 @@ class VanGenuchten(Retention):
 
     @override
     def relative(self, suction: ndarray, size: ndarray) -> tuple[ndarray, ndarray]:
-        m = 1.0 - 1.0 / self.n
+        m = self._m
         s = np.maximum(self.alpha * suction, np.finfo(float).tiny)
         x = s**self.n
         filled = (1.0 + x) ** (-0.5 * m)  # square root of the saturation
@@ -160,7 +160,7 @@ class VanGenuchten(Retention):
 
     @override
     def saturation(self, suction: ndarray, size: ndarray) -> tuple[ndarray, ndarray]:
-        m = 1.0 - 1.0 / self.n
+        m = self._m
         s = np.maximum(self.alpha * suction, np.finfo(float).tiny)
         x = s**self.n
         filled = (1.0 + x) ** -m
@@ -169,7 +169,7 @@ class VanGenuchten(Retention):
     @override
     def moved(self, suction: ndarray, change: ndarray) -> ndarray:
         # the saturation on the dry side of its steepest point, where x = m, and its tangent there on the wet side
-        m = 1.0 - 1.0 / self.n
+        m = self._m
         turn, size = np.array(m ** (1.0 / self.n) / self.alpha), np.ones(1)
         (most, steep), (filled, slope) = self.saturation(turn, size), self.saturation(np.maximum(suction, turn), size)
         now = filled + steep * np.minimum(suction - turn, 0.0)
@@ -177,6 +177,10 @@ class VanGenuchten(Retention):
         dry = np.minimum(new, most)
         return np.where(new < most, np.expm1(-np.log(dry) / m) ** (1.0 / self.n) / self.alpha,
                         turn + (new - most) / steep)
+
+    @property
+    def _m(self) -> float:
+        return 1.0 - 1.0 / self.n
 
     @override
     def softer(self, factor: float) -> VanGenuchten:
