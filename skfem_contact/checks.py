@@ -230,7 +230,7 @@ def _sequence(origin: type, inner: tuple[Any, ...]) -> Kind:
 
 @functools.cache
 def _kinds(function: Any, owner: type | None) -> tuple[list[str], dict[str, Kind]]:
-    """Return the names of the parameters of a function in their order, and their kinds."""
+    """Return the names of the positional parameters of a function in their order, and the kinds of all."""
     modules = [vars(sys.modules[base.__module__]) for base in getattr(owner, "__mro__", ())]  # of inherited fields
     hints, kinds = get_type_hints(function, localns=ChainMap({"Self": Any}, *modules)), {}
     given = {k: p for k, p in inspect.signature(function).parameters.items()
@@ -238,7 +238,7 @@ def _kinds(function: Any, owner: type | None) -> tuple[list[str], dict[str, Kind
     for name in hints.keys() & given:
         infinite = isinstance(default := given[name].default, float) and np.isinf(default)
         kinds[name] = _INFINITE if infinite else kind_of(hints[name])
-    return list(given), kinds
+    return [k for k, p in given.items() if p.kind != p.KEYWORD_ONLY], kinds
 
 
 def _check_arguments(function: Any, owner: type | None, args: tuple[Any, ...], named: dict[str, Any]) -> None:

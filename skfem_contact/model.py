@@ -12,7 +12,7 @@ from .collapse.result import CollapseResult
 from .collapse.strength import strength_reduction
 from .limit_analysis import Bounds, bounds
 from .materials.base import Flow
-from .results.result import Result, StageResult
+from .results import Result, StageResult
 from .stages.initial import gravity_state, initial_state, k0_state
 from .stages.run import Observer, run
 from .stages.setup import Setup

@@ -19,11 +19,12 @@ def no_orders(monkeypatch) -> None:
 
 
 @pytest.fixture
-def bars(monkeypatch) -> list[tuple[str, str]]:
-    """Titles and notes of the colour bars of contour pictures."""
+def bars(monkeypatch) -> list[tuple[str, str, str]]:
+    """Titles, notes and extremes of the colour bars of contour pictures."""
     import matplotlib.pyplot as plt
 
-    found: list[tuple[str, str]] = []
+    found: list[tuple[str, str, str]] = []
     monkeypatch.setattr("skfem_contact.plot.sheet.bar_figure",
-                        lambda scale, title, note, size, marks: found.append((title, note)) or plt.figure())
+                        lambda scale, title, note, extremes, size, marks: found.append((title, note, extremes))
+                        or plt.figure())
     return found

@@ -156,8 +156,22 @@ def test_a_factor_of_one_is_not_written(bars):
     plot.set_units("kN", "m")
     plot.contour(step, "sxx", deformed=1.0)
     plot.contour(step, "ux", since=step, deformed=20.0)
-    assert bars == [("Horizontal stress [kPa]", "now"),
-                    ("Change of horizontal displacement [m]", "now, since now, displacements × 20")]
+    assert [texts[:2] for texts in bars] == [
+        ("Horizontal stress [kPa]", "now"),
+        ("Change of horizontal displacement [m]", "now, since now, displacements × 20")]
+
+
+@needs_opengl
+def test_extremes_stand_beside_the_colour_bar(bars):
+    """[X] The corners of a block that is stretched evenly: values, coordinates before it moved, and stages."""
+    forms, step = block()
+    still = replace(step, name="before", x=0 * step.x, states={"block": forms["block"].initial_state()})
+    u = step.field("ux")
+    plot.contour(step, "ux", deformed=20.0)
+    plot.stages([still, step], "ux")
+    x = step.forms["block"].basis.doflocs[:, 2 * int(u.argmax())]
+    assert bars[0][2].endswith(f"largest {u.max():.4g} at ({x[0]:.4g}, {x[1]:.4g})")
+    assert bars[1][2].endswith(" in now") and bars[1][2].startswith("smallest 0 at (")
 
 
 @needs_opengl

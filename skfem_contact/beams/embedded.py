@@ -129,6 +129,7 @@ class Embedded(Form):
         self._spacing, self.borrowed = beam.spacing, beam.fields[:1]
         self._given = None if stiffness is None else positive(stiffness, "stiffness")
         self.positions, points, self._along, self._weight, of_beam = _points(beam)
+        self._where = points[:-1]
         self._lengths = self._weight.reshape(len(beam.cells), -1).sum(axis=1)
         n = len(self.positions)
         limit = finite(T_max(self.positions) if callable(T_max) else T_max, "T_max")
@@ -228,10 +229,17 @@ class Embedded(Form):
     def yielding(self, before: EmbeddedState, after: EmbeddedState) -> tuple[int, int]:
         return int((before.free != after.free).any(axis=1).sum()), len(self.positions)
 
+    def _used(self, state: EmbeddedState) -> ndarray:
+        return np.divide(abs(state.skin), self.T_max, out=np.zeros(len(self.T_max)), where=self.T_max > 0.0)
+
+    @override
+    def members(self, state: EmbeddedState) -> dict[str, ndarray]:
+        return {"position": self.positions, **dict(zip("xyz", self._where.T)), "skin": state.skin,
+                "share": self._used(state)}
+
     @override
     def summary(self, state: EmbeddedState) -> str:
-        share = np.divide(abs(state.skin), self.T_max, out=np.zeros(len(self.T_max)), where=self.T_max > 0.0)
-        return f"skin up to {share.max():.0%} of its resistance, foot {state.foot[0]:.4g}"
+        return f"skin up to {self._used(state).max():.0%} of its resistance, foot {state.foot[0]:.4g}"
 
 
 def _points(beam: BeamNodes) -> tuple[ndarray, ndarray, ndarray, ndarray, csr_matrix]:

@@ -21,7 +21,8 @@ from ..errors import NoEquilibrium, NotConverged
 from ..forms.base import Form
 from ..nonlinear.newton import Evaluation, Newton, Search, iterate
 from ..nonlinear.system import System
-from ..results.result import Result, StageResult
+from ..results.result import Result
+from ..results.stage import StageResult
 from ..stages.setup import Setup
 from .mechanism import as_collapse, is_singular
 from .result import PeakPassed, Point, SearchLog, SearchResult, Stop, kind_of, no_collapse_below

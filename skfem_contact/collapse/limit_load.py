@@ -13,7 +13,8 @@ from ..limit_analysis import beside
 from ..materials.base import Flow, check_reduction
 from ..nonlinear.newton import Newton, Search
 from ..nonlinear.system import System
-from ..results.result import Result, StageResult
+from ..results.result import Result
+from ..results.stage import StageResult
 from ..solvers import single_threaded
 from ..stages.setup import Setup
 from .continuation import GROWTH, follow, last_stage, loaded_start

@@ -13,7 +13,7 @@ from ..errors import NoEquilibrium, NotConverged, warn
 from ..forms.base import Form, Response
 from ..nonlinear.newton import Newton
 from ..nonlinear.system import System
-from ..results.result import StageResult
+from ..results.stage import StageResult
 from ..solvers.direct import SingularSystem
 
 #: Stiffnesses of the springs, relative to the largest entry of each row of the tangent.

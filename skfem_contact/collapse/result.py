@@ -9,12 +9,12 @@ from typing import Any, Literal
 import numpy as np
 from numpy import ndarray
 
-from ..display import html_table
+from ..display import Table
 from ..errors import NoEquilibrium, NotConverged, warn
 from ..forms.base import Form, solids_of
 from ..limit_analysis import Bounds
 from ..nonlinear.system import System
-from ..results.result import StageResult
+from ..results.stage import StageResult
 from .mechanism import warn_of_errors, warn_of_motion
 
 FACTOR, LOAD = "factor of safety", "limit load"
@@ -275,10 +275,11 @@ class CollapseResult:
     __repr__ = __str__  # a notebook would show the arrays
 
     def _repr_html_(self) -> str:
-        rows = [(f"{s.parameter:.5f}", s.outcome, s.iterations, f"{s.residual:.1e}", f"{s.displacement:.4g}",
-                 f"{s.yielding:.1%}") for s in self.steps]
+        rows = tuple((f"{s.parameter:.5f}", s.outcome, s.iterations, f"{s.residual:.1e}", f"{s.displacement:.4g}",
+                      f"{s.yielding:.1%}") for s in self.steps)
         head = str(self).split("\n" + self._table())[0]
-        return html_table(("value", "outcome", "iterations", "residual", "displacement", "yielding"), rows, head)
+        columns = ("value", "outcome", "iterations", "residual", "displacement", "yielding")
+        return Table(columns, rows, head)._repr_html_()
 
     def _table(self) -> str:
         """Format the steps as lines; displacements and yielding only where there is equilibrium."""

@@ -17,7 +17,8 @@ from ..limit_analysis import at_hand, beside
 from ..materials.base import Flow, check_reduction
 from ..nonlinear.newton import Newton, Search
 from ..nonlinear.system import System
-from ..results.result import Result, StageResult
+from ..results.result import Result
+from ..results.stage import StageResult
 from ..solvers import single_threaded
 from ..stages.setup import Setup
 from .continuation import follow, loaded_start

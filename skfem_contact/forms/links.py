@@ -203,6 +203,7 @@ class Bar(Form):
             raise ValueError("the ends of a bar must lie apart, and be finite")
         axis = (b - a) / length[:, None]
         ends = [(start, a, part, -axis), *([] if fixed_end else [(end, b, end_part, axis)])]
+        self._where = np.hstack((a, b))
         self._axis = np.hstack([sign for *_, sign in ends])
         self._ends = [at if isinstance(at, FieldDofs) else _at(basis, points, name) for at, points, name, _ in ends]
         self.borrowed = tuple({at.field: None for at in self._ends if isinstance(at, FieldDofs)})
@@ -271,6 +272,11 @@ class Bar(Form):
     @override
     def rebased(self, x: ndarray, state: BarState) -> BarState:
         return BarState(state.force, state.free - self._elongation(x))
+
+    @override
+    def members(self, state: BarState) -> dict[str, ndarray]:
+        axes = "xyz"[:self._where.shape[1] // 2]
+        return dict(zip((*axes, *(f"end {axis}" for axis in axes)), self._where.T)) | {"force": state.force}
 
     @override
     def summary(self, state: BarState) -> str:

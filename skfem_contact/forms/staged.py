@@ -78,6 +78,10 @@ class Staged:
     def line_points(self, x: ndarray, state: Any) -> tuple[ndarray, dict[str, ndarray]] | None:
         """Return start, end and middle of a beam's elements, (3 m, dim), with values there, or None."""
 
+    def members(self, state: Any) -> dict[str, ndarray]:
+        """Return coordinates and forces of bars, or of points along a line, by the columns of a table, (n,) each."""
+        return {}
+
     def continues(self: Self, old: Any) -> Self:
         """Return the form as it replaces an old one and continues from the old state; by default of the same class.
 

@@ -12,7 +12,9 @@ from numpy import ndarray
 
 from ..checks import check_basis, check_plane, look_up, names_of
 from ..results.fields import Water, basis_of, quantities, region_field, solids
-from ..results.result import Result, StageResult
+from ..results.result import Result
+from ..results.stage import StageResult
+from ..results.tables import located
 from .marks import Marks
 from .scene import Cut, Cutaway, Scene
 from .sheet import Frame, Scale, Window, can_draw, finish, make_scale
@@ -210,12 +212,13 @@ class View(NamedTuple):
 
 @dataclass(frozen=True)
 class Contours:
-    """Views on one scale, and the texts above the colour bar: a title on the left, a note on the right."""
+    """Views on one scale, and texts above the colour bar: title on the left, note on the right, extremes."""
 
     views: Sequence[View]
     scale: Scale
     title: str
     note: str = ""
+    extremes: str = ""
 
     def frame(self, window: Window | None, views: int, **size: Any) -> Frame:
         """Return a frame around the bodies of all stages."""
@@ -226,7 +229,7 @@ class Contours:
     def put_foot(self, plotter: Any, frame: Frame, note: str) -> None:
         """Put the colour bar and the legend of all marks below the views."""
         legend = {label: style for view in self.views for label, style in view.marks.legend()}
-        frame.put_foot(plotter, self.scale, self.title, note, legend)
+        frame.put_foot(plotter, self.scale, self.title, note, self.extremes, legend)
 
     def draw(self, window: Window | None, mesh: bool, file: str | Path | None, show: bool) -> Any:
         """Draw all views on one sheet."""
@@ -263,7 +266,17 @@ def _contours(steps: Sequence[StageResult], quantity: str, *, since: StageResult
     factor = views[0].scene.factor
     texts = [views[0].title if len(views) == 1 else "", "" if factor in (0.0, 1.0) else f"displacements × {factor:g}"]
     title, note = _headline(steps[0], quantity, since, water), ", ".join(text for text in texts if text)
-    return Contours(views, make_scale(values, area, limits, levels, colors), title, note)
+    return Contours(views, make_scale(values, area, limits, levels, colors), title, note, _extremes(views))
+
+
+def _extremes(views: Sequence[View]) -> str:
+    """Return the smallest and the largest value at nodes, where they are before anything has moved, and when."""
+    values = np.concatenate([view.scene.values for view in views])
+    points = np.concatenate([view.scene.coordinates[view.scene.nodes] for view in views])
+    when = np.repeat([f" in {view.title}" if len(views) > 1 else "" for view in views],
+                     [len(view.scene.values) for view in views])
+    found = ((what, *located(sign * values, points)) for what, sign in (("smallest", -1.0), ("largest", 1.0)))
+    return ", ".join(f"{what} {values[at]:.4g} at {where}".replace("-", "−") + when[at] for what, at, where in found)
 
 
 def _check_dimension(basis: Any, space: bool, marks: dict[str, Any]) -> None:

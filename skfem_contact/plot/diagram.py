@@ -18,8 +18,9 @@ from scipy.spatial import cKDTree
 from ..checks import check_plane, look_up
 from ..contact.laws import Status
 from ..results.fields import basis_of, has_excess, nodal_field, quantities
-from ..results.result import Result, StageResult
+from ..results.result import Result
 from ..results.sections import SectionForces
+from ..results.stage import StageResult
 from ..results.tractions import Tractions
 from .scene import Scene
 from .sheet import Window

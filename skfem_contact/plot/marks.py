@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 from ..contact.laws import Status
 from ..forms.solid import SolidForm
 from ..results.fields import Water, solids
-from ..results.result import StageResult
+from ..results.stage import StageResult
 from ..results.strength import PointStatus, point_status
 from ..results.tractions import interfaces
 from ..water import Seepage

@@ -17,7 +17,7 @@ from ..limit_analysis import Bounds
 from ..materials import LinearElastic
 from ..results.fields import Water, basis_of, solids
 from ..results.patch_recovery import recovered
-from ..results.result import StageResult
+from ..results.stage import StageResult
 from .contour import Contours, View, only
 from .diagram import saved, styles, tidy
 from .marks import Marks

@@ -14,7 +14,7 @@ from typing_extensions import override
 from ..results.export import vtk_cells
 from ..results.fields import reference, solids
 from ..results.patch_recovery import region_mesh
-from ..results.result import StageResult
+from ..results.stage import StageResult
 from .sheet import Scale
 
 #: Largest displacement in a picture with deformed="auto", as a share of the bodies' size.

@@ -33,7 +33,7 @@ _DIVERGING = LinearSegmentedColormap.from_list(
 _SEQUENTIAL = LinearSegmentedColormap.from_list(
     "one sign", ["#fdf6c9", "#d5e8a4", "#9dd3a3", "#62b8b2", "#4796b8", "#4f6fae"])
 #: Pixels of all views together at most, and of the foot and the views' titles.
-_WIDTH, _FOOT, _HEAD = 1400, 150, 46
+_WIDTH, _FOOT, _HEAD = 1400, 178, 46
 #: Width over height of all views at least, and of a picture over the largest width.
 _ASPECT, _NARROWEST = 1.4, 0.65
 
@@ -107,10 +107,11 @@ def _band_colors(levels: ndarray, colors: str | None) -> ndarray:
     return np.asarray(_SEQUENTIAL(1.0 - share if abs(low) > abs(high) else share))
 
 
-def bar_figure(scale: Scale, title: str, note: str, size: tuple[int, int], marks: dict[str, dict[str, Any]]) -> Figure:
-    """Return the foot of a picture: colour bar, title on the left, note on the right, legend of marks."""
+def bar_figure(scale: Scale, title: str, note: str, extremes: str, size: tuple[int, int],
+               marks: dict[str, dict[str, Any]]) -> Figure:
+    """Return the foot of a picture: colour bar, title on the left, note on the right, extremes, legend of marks."""
     figure = Figure(figsize=(size[0] / 100, size[1] / 100), dpi=100)
-    axes = figure.add_axes((0.06, 0.46 if marks else 0.38, 0.88, 0.17))
+    axes = figure.add_axes((0.06, 0.39 if marks else 0.32, 0.88, 0.14))
     words = [_figures(value, scale.levels) for value in scale.levels]
     every = int(np.ceil(len(words) * _LETTER * (1 + max(map(len, words))) / (0.88 * size[0])))
     zero = int(np.argmin(np.abs(scale.levels))) % every  # if there is one, it is written
@@ -119,8 +120,9 @@ def bar_figure(scale: Scale, title: str, note: str, size: tuple[int, int], marks
                           ticks=scale.levels[zero::every], spacing="proportional")
     bar.ax.tick_params(labelsize=_SMALL, length=4)
     bar.ax.xaxis.set_major_formatter(lambda value, _: _figures(value, scale.levels))
-    figure.text(0.06, 0.74, title, fontsize=_LARGE)
-    figure.text(0.94, 0.74, note, fontsize=_SMALL, ha="right", color="#444444")
+    figure.text(0.06, 0.80, title, fontsize=_LARGE)
+    figure.text(0.94, 0.80, note, fontsize=_SMALL, ha="right", color="#444444")
+    figure.text(0.06, 0.62, extremes, fontsize=_SMALL, color="#444444")
     if marks:
         handles = [Line2D([], [], label=label, **style) for label, style in marks.items()]
         figure.legend(handles=handles, loc="lower center", ncol=len(handles), frameon=False, fontsize=_SMALL,
@@ -203,12 +205,13 @@ class Frame:
         plotter.camera.parallel_scale = 0.5 * self.height * self.pixel
         plotter.renderer.ResetCameraClippingRange()
 
-    def put_foot(self, plotter: Any, scale: Scale, title: str, note: str, marks: dict[str, dict[str, Any]]) -> None:
-        """Put the colour bar into the foot, with its title on the left, a note on the right and a legend of marks."""
+    def put_foot(self, plotter: Any, scale: Scale, title: str, note: str, extremes: str,
+                 marks: dict[str, dict[str, Any]]) -> None:
+        """Put the colour bar into the foot, with title, note, extremes of the field and a legend of marks."""
         import pyvista
 
         plotter.subplot(self.rows, 0)
-        figure = bar_figure(scale, title, note, (self.size[0], _FOOT), marks)
+        figure = bar_figure(scale, title, note, extremes, (self.size[0], _FOOT), marks)
         chart = pyvista.ChartMPL(figure, redraw_on_render=False)
         chart.border_color, chart.background_color = "white", "white"
         plotter.add_chart(chart)

@@ -1,8 +1,10 @@
 """Results of stages and all that follows from them: fields, tractions, section forces, reports, files."""
+from ..display import Table
 from .files import Append
-from .result import Result, StageResult, load_result, of
+from .result import Result, load_result, of
 from .sections import Envelope, SectionForces, Sections
+from .stage import StageResult
 from .tractions import ContactReport, Tractions
 
-__all__ = ["Append", "ContactReport", "Envelope", "Result", "SectionForces", "Sections", "StageResult", "Tractions",
-           "load_result", "of"]
+__all__ = ["Append", "ContactReport", "Envelope", "Result", "SectionForces", "Sections", "StageResult", "Table",
+           "Tractions", "load_result", "of"]

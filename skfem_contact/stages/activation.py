@@ -14,7 +14,7 @@ from ..contact.prestress import prestressed
 from ..errors import Remark
 from ..forms.base import Form, internal_force, solids_of
 from ..layout import Layout
-from ..results.result import StageResult
+from ..results.stage import StageResult
 from ..solvers.choice import as_solver
 from ..sparse import padded
 from .setup import Setup, dofs_of

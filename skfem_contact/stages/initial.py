@@ -19,7 +19,8 @@ from ..loads import by_element
 from ..materials import LinearElastic, Material
 from ..nonlinear.newton import Evaluation
 from ..nonlinear.system import System
-from ..results.result import Result, StageResult
+from ..results.result import Result
+from ..results.stage import StageResult
 from .activation import acts_on, check_contacts
 from .loading import as_pressure
 from .run import run

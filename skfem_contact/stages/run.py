@@ -16,7 +16,8 @@ from ..nonlinear.increment import Path, solve_step
 from ..nonlinear.newton import Newton
 from ..nonlinear.stepping import Predictor, Stepping
 from ..nonlinear.system import System
-from ..results.result import Result, StageResult
+from ..results.result import Result
+from ..results.stage import StageResult
 from ..solvers import single_threaded
 from .activation import Phase, begin, check_start, plan, state_changes
 from .setup import Setup

@@ -1,0 +1,214 @@
+"""Result of a stage: data with all that can be computed from them."""
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from numpy import ndarray
+
+from ..checks import look_up
+from ..display import Table
+from ..forms.base import internal_force, pairs_of, solids_of
+from . import export, fields, files, strength, tables
+from .sections import SectionForces, Sections, section_forces
+from .tractions import ContactReport, Tractions, contact_report, tractions
+
+
+@dataclass(frozen=True)
+class StageResult(files.StageData):
+    """Equilibrium at the end of a stage, or of an increment.
+
+    Attributes
+    ----------
+    name, time
+        Name of the stage, and time at its end: the durations of all stages so far.
+    x, load : ndarray, shape (N,)
+        Displacements with the other degrees of freedom behind them, and external forces.
+    forms, states, summary
+        Forms by name as they are in the stage, their accepted states, and one line of text for each.
+    iterations, residual, fraction
+        Newton iterations of every increment, relative residual at the end, and share of the stage's load that was
+        reached: 1 unless the analysis failed.
+    increments
+        Accepted increments that were kept, in their order.
+    unreleased : ndarray, shape (N,), or None
+        Forces of deactivated bodies that the load still holds, see ``Stage.release``.
+    layout
+        Numbers of the dofs of all fields.
+    water
+        Water at rest whose load is part of ``load``; a stage that follows keeps it.
+    placed
+        Displacements at which bodies were activated, (N,), by name: fields of displacements count from there.
+
+    Examples
+    --------
+    >>> from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
+    >>> import skfem_contact as sc
+    >>> basis = Basis(MeshQuad().refined(2).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+    >>> forms = {"block": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.))}
+    >>> bottom = basis.get_dofs("bottom")
+    >>> stage = sc.Model(forms, bottom.all()).run([sc.Stage("weight", sc.weight(basis, 20.))])["weight"]
+    >>> stage
+    <StageResult 'weight', 100% of its load, 50 dofs, forms: block>
+    >>> round(float(stage.reactions()[bottom.all("u^2")].sum()), 9)
+    20.0
+    >>> stage.section_forces("block", sc.Sections.line((.5, 0.), (.5, 1.), depth=1., n=3)).N.round(9).tolist()
+    [-17.5, -10.0, -2.5]
+    """
+
+    def reactions(self) -> ndarray:
+        """Return the forces of the supports, (N,): internal forces less the load; the residual where none is fixed."""
+        return internal_force(self.forms, self.x, self.states) - self.load
+
+    def tractions(self, pair: str) -> Tractions:
+        """Return tractions, gaps and slips of a contact pair."""
+        return tractions(*self._pair(pair))
+
+    def report(self, pair: str) -> ContactReport:
+        """Return resultants, status and penetration of a contact pair."""
+        form, state = self._pair(pair)
+        return contact_report(form, self.x[:form.size], state)
+
+    def section_forces(self, body: str, sections: Sections | None = None) -> SectionForces:
+        """Return normal force, shear force and moment at sections of a body, or at both ends of a beam's elements.
+
+        Parameters
+        ----------
+        body
+            Name of a :class:`~skfem_contact.Beam`, or of the solid that holds the body; it may hold other bodies.
+        sections
+            Cuts through a solid, :meth:`Sections.ring` or :meth:`Sections.line`; a beam needs none.
+
+        Notes
+        -----
+        Between two lines of nodes forces are interpolated linearly; at the end of a body they are its last layer's.
+        A curved body without layers of elements of length h has moments to ``N h**2 / 8 R``.
+        """
+        along = look_up(body, self.forms, f"form in stage '{self.name}'").line_forces(self.states[body])
+        return SectionForces(*along) if along and not sections else section_forces(*self._solid(body), sections)
+
+    def table(self, name: str, sections: Sections | None = None) -> Table:
+        """Return the forces along a beam, a contact pair or bars as a table with their coordinates.
+
+        Parameters
+        ----------
+        name
+            Name of a form. Beams and reinforcement have columns of :class:`SectionForces`, contact pairs those of
+            :class:`Tractions`, bars their ends and ``force``, embedded beams ``skin``, the force of one member per
+            length, and its ``share`` of the resistance.
+        sections
+            Cuts through a solid, as for :meth:`section_forces`.
+
+        Raises
+        ------
+        ValueError
+            A form that does not exist or has no such forces.
+
+        Examples
+        --------
+        >>> import skfem_contact as sc
+        >>> beam = sc.Beam(None, [[0., 0.], [1., 0.], [2., 0.]], EI=100., EA=1e4)
+        >>> model = sc.Model({"beam": beam}, beam.dofs((0., 0.)))
+        >>> stage = model.run([sc.Stage("tip", model.forms["beam"].load((0., -3.), at=(2., 0.)))])["tip"]
+        >>> print(stage.table("beam"))
+        beam, tip
+        position  x  y  N  V   M
+               0  0  0  0  -3  6
+               1  1  0  0  -3  3
+               1  1  0  0  -3  3
+               2  2  0  0  -3  0
+        """
+        return tables.of_form(self, name, sections)
+
+    def field(self, name: str, since: StageResult | None = None, *, water: fields.Water | None = None) -> ndarray:
+        """Return a field at the nodes, shape (N / dim,), the mesh's vertices first; NaN at nodes of no solid.
+
+        Stresses are recovered at the nodes of every region from its elements' forces and stresses
+        (:doc:`theory </theory/recovery>`); invariants are theirs. A node between regions has the mean of their values.
+
+        Parameters
+        ----------
+        name
+            ``"ux"``, ``"uy"``, ``"u"`` (length of the displacement); stresses ``"sxx"``, ``"syy"``, ``"szz"``,
+            ``"sxy"``; principal stresses ``"s1"`` >= ``"s2"`` >= ``"s3"``; ``"mean"``, ``"mises"``; strains ``"exx"``,
+            ``"eyy"``, ``"exy"`` (engineering shear), ``"gamma"`` (largest shear strain, in the plane), ``"ev"``
+            (volumetric); ``"plastic"``, the equivalent plastic strain (zero in elastic bodies); ``"mobilised"``, the
+            share of the shear strength that is used; ``"pore"``, the excess pore pressure of :class:`PoreWater` or of
+            undrained ground, and that of `water` with it. In three dimensions also ``"uz"``, ``"syz"``, ``"szx"``.
+        since
+            Earlier stage from which the change is returned; displacements of bodies that it does not hold count from
+            their activation. Strains are those of the change; invariants of stresses are subtracted.
+        water
+            Given pore pressure: a :class:`~skfem_contact.water.Seepage`, or a function of coordinates such as
+            :func:`hydrostatic`.
+        """
+        return fields.nodal_field(self, name, since, water)
+
+    def pore_pressure(self, solid: str) -> ndarray:
+        """Return the excess pore pressure of :class:`Undrained` soil at points, (n_elements, n_points), zero elsewhere.
+
+        Compression is positive. The pressure of :func:`water_load`, which is part of the load, is not included.
+        """
+        return strength.pore_pressure(*self._solid(solid))
+
+    def undrained_strength(self, solid: str) -> dict[str, ndarray]:
+        r"""Return the undrained shear strength in plane strain that follows from the stresses in the ground.
+
+        Without drainage and dilation the mean effective stress in the plane, :math:`s' = -(\sigma_1' + \sigma_3') / 2`,
+        remains constant if the soil is elastic and isotropic before it yields. The strength is
+
+        .. math:: s_u = c \cos\varphi + s' \sin\varphi .
+
+        Stresses are effective where :func:`water_load` acts. Every region with `c` and `phi` has an array, shape
+        (n_elements,): means of the points of each element, at least zero, to be the `c` of :class:`Tresca`.
+        """
+        return strength.undrained_strength(*self._solid(solid))
+
+    def to_vtu(self, file: str | Path) -> None:
+        """Write the solids, the contact and the beams to a ``.vtu`` file.
+
+        Points have the ``displacement``, the recovered ``stress`` and ``strain`` (xx, yy, zz, xy, yz, xz; engineering
+        shear) and the equivalent ``plastic_strain``. Regions share no points, so that no value is averaged between
+        regions. Cells have means of ``stress`` and ``plastic_strain``, the number of the ``body``, in the order of
+        :func:`~skfem_contact.mesh.join.bodies`, and of the ``region``, counted through the materials of all solids. The
+        slave's facets of every contact pair are cells with ``pressure``, ``shear``, ``gap``, ``slip`` and ``status``.
+        Quadratic elements stay quadratic. Elements of beams have points of their own with ``N``, ``V`` and ``M``.
+        """
+        export.grid(self).write(file, file_format="vtu")
+
+    def to_pyvista(self) -> Any:
+        """Return pyvista's ``UnstructuredGrid`` with the data of :meth:`to_vtu`."""
+        import pyvista
+
+        return pyvista.from_meshio(export.grid(self))
+
+    def to_frame(self) -> Any:
+        """Return fields at the nodes of solids as a pandas data frame; tractions: ``DataFrame(vars(tractions))``."""
+        return export.frame(self)
+
+    def contour(self, quantity: str, **options: Any) -> Any:
+        """Draw a field, see :func:`~skfem_contact.plot.contour`."""
+        from ..plot import contour
+
+        return contour(self, quantity, **options)
+
+    def _solid(self, name: str) -> tuple[Any, Any]:
+        """Return a solid and its state."""
+        return self._of(name, "SolidForm", {key: f for key, f in solids_of(self.forms).items() if f.materials})
+
+    def _pair(self, name: str) -> tuple[Any, Any]:
+        """Return a contact pair and its state."""
+        return self._of(name, "ContactPair", pairs_of(self.forms))
+
+    def _of(self, name: str, kind: str, there: Mapping[str, Any]) -> tuple[Any, Any]:
+        """Return one of the forms of a kind, and its state."""
+        form = look_up(name, self.forms, f"form in stage '{self.name}'")
+        if name not in there:
+            raise ValueError(f"'{name}' is a {type(form).__name__}, no {kind}; there are {list(there)}")
+        return form, self.states[name]
+
+    def __repr__(self) -> str:
+        return (f"<StageResult '{self.name}', {self.fraction:.0%} of its load, {len(self.x)} dofs, "
+                f"forms: {', '.join(self.states)}>")
