@@ -183,8 +183,7 @@ class Model(Setup):
         stages
             Stages in their order.
         start
-            Result to continue, whose last stage is where the first stage starts, or one stage of a result. Forms
-            that it does not hold are inactive.
+            Result to continue from its last stage, or one stage of a result. Forms that it does not hold are inactive.
         on_increment
             Function of every accepted increment, a :class:`StageResult`, such as ``sc.results.Append(file)``.
         progress
@@ -198,8 +197,7 @@ class Model(Setup):
         Raises
         ------
         ValueError
-            Bad input, before anything is computed: sizes, NaN, names that do not exist or that two stages would have,
-            and in any stage a body that nothing holds.
+            Bad input, before anything is computed: sizes, NaN, unknown or repeated names, a body that nothing holds.
         NotConverged
             With the partial result, whose last entry is the last increment that was accepted; so has the
             ``KeyboardInterrupt`` of a run that is stopped by hand, as its attribute ``result``.
@@ -216,7 +214,7 @@ class Model(Setup):
                            method: Literal["continuation", "bracket"] = "continuation", flow: Flow = "given",
                            tolerance: float = 0.01, step: float = 0.1, max_value: float = 100.0,
                            certify: bool | Literal["auto"] | Mapping[str, Any] = "auto",
-                           progress: bool | None = None) -> CollapseResult:
+                           undrained: bool = False, progress: bool | None = None) -> CollapseResult:
         """Reduce the strength until the structure collapses under its load.
 
         Parameters
@@ -249,6 +247,9 @@ class Model(Setup):
             Prove bounds as well, :attr:`CollapseResult.proven`. ``"auto"``: on the mesh of a plane search if that takes
             no more than about its time. True, or arguments of :meth:`bounds` such as ``{"gap": .02, "water": u}``: on
             meshes of their own. The load must be a sum of weights and linear tractions on boundaries.
+        undrained
+            Let no water flow in ground with :class:`PoreWater`: a collapse just after a quick change. By default its
+            pressures stay: a collapse as slow as the drainage.
         progress
             Show a progress bar; by default where the output is a terminal.
 
@@ -260,8 +261,8 @@ class Model(Setup):
         Warns
         -----
         AnalysisWarning
-            The factor is below 1, outside of the proven bounds, or needs displacements beyond a tenth of the model. Or
-            no collapse was shown (see :attr:`CollapseResult.stop`). Or elements of corner nodes lock.
+            The factor is below 1, outside of the proven bounds, or needs displacements beyond a tenth of the model; no
+            collapse was shown (:attr:`CollapseResult.stop`); elements lock; pressures are kept that have yet to drain.
 
         Examples
         --------
@@ -278,16 +279,15 @@ class Model(Setup):
         '2.00 2.00'
         """
         return strength_reduction(self, load, start, water, reduce, exclude, method, flow, tolerance, step, max_value,
-                                  certify, progress)
+                                  certify, undrained, progress)
 
     def limit_load(self, load: Force, *, start: Result | StageResult | None = None, tolerance: float = 0.005,
                    step: float = 1.0, max_value: float = np.inf, flow: Flow = "given", max_step: float = np.inf,
                    min_displacement: float = 0.0, certify: bool | Mapping[str, Any] = False,
-                   progress: bool | None = None) -> CollapseResult:
+                   undrained: bool = False, progress: bool | None = None) -> CollapseResult:
         """Multiply a load until the structure collapses.
 
-        The work of the reference load is prescribed and its multiplier follows, until the curve of the multiplier
-        over the work has levelled off. The curve continues where a load-controlled analysis ends.
+        The work of the load is prescribed and its multiplier follows, until the curve over the work has levelled off.
 
         Parameters
         ----------
@@ -310,7 +310,7 @@ class Model(Setup):
             Work of the longest step over that of the first one. Steps grow up to it.
         min_displacement
             The curve does not end at a peak or plateau before a displacement is as large as this.
-        certify, progress
+        certify, undrained, progress
             As for :meth:`strength_reduction`; water is that of the start.
 
         Raises
@@ -325,17 +325,17 @@ class Model(Setup):
             outside of the proven bounds by more than `tolerance`, or needs displacements beyond a tenth of the model.
         """
         return limit_load(self, load, start, tolerance, step, max_value, flow, max_step, min_displacement, certify,
-                          progress)
+                          undrained, progress)
 
-    def is_stable(self, load: Force = None, *, start: Result | StageResult | None = None, water: AtRest = None) -> bool:
+    def is_stable(self, load: Force = None, *, start: Result | StageResult | None = None, water: AtRest = None,
+                  undrained: bool = False) -> bool:
         """Return True if the structure resists its load: a factor of safety above 1, asked in one step.
 
-        An equilibrium means True; displacements that run away along a mechanism, see :class:`NoEquilibrium`, mean
-        False. Iterations that end in neither raise an error.
+        An equilibrium means True; displacements that run away along a mechanism (:class:`NoEquilibrium`) mean False.
 
         Parameters
         ----------
-        load, start, water
+        load, start, water, undrained
             As for :meth:`strength_reduction`.
 
         Raises
@@ -343,7 +343,7 @@ class Model(Setup):
         NotConverged
             Neither an equilibrium nor a collapse was found; :meth:`limit_load` goes there step by step.
         """
-        return is_stable(self, load, start, water)
+        return is_stable(self, load, start, water, undrained)
 
     def bounds(self, **options: Any) -> Bounds:
         """Return proven bounds of the factor of safety or of the limit load, see :func:`~.limit_analysis.bounds`."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from copy import copy
 from functools import reduce
+from weakref import ref
 
 import numpy as np
 from numpy import ndarray
@@ -17,10 +18,16 @@ def with_data(pattern: csr_matrix, data: ndarray) -> csr_matrix:
     return matrix
 
 
+def constant(K: csr_matrix) -> csr_matrix:
+    """Return a matrix after its data have become read-only: where they are met again, they are the same."""
+    K.data.flags.writeable = False
+    return K
+
+
 def padded(K: csr_matrix, n: int) -> csr_matrix:
     """Pad a matrix of the first dofs to n dofs; its data are shared."""
     indptr = np.pad(K.indptr, (0, n - K.shape[0]), mode="edge")
-    return csr_matrix((K.data, K.indices, indptr), shape=(n, n))
+    return with_data(csr_matrix((K.data, K.indices, indptr), shape=(n, n)), K.data)  # scipy takes a view of them
 
 
 def scattered(K: csr_matrix, dofs: ndarray, n: int) -> csr_matrix:
@@ -125,11 +132,21 @@ class Total:
     def __init__(self) -> None:
         self._pattern: csr_matrix | None = None
         self._parts: list[tuple[csr_matrix, ndarray]] = []  # masks: a sorted part fills its slots in order
+        self._sum: tuple[list[ref[ndarray]], csr_matrix] | None = None
+        self._scaled: tuple[csr_matrix, csr_matrix] | None = None
 
     def of(self, matrices: Sequence[csr_matrix]) -> csr_matrix:
         """Return the sum; its index arrays are those of the last sum as long as they serve."""
         if len(matrices) == 1:
             return matrices[0]
+        values = [matrix.data for matrix in matrices]
+        if self._sum is not None:
+            known, total = self._sum
+            if len(known) == len(values) and all(old() is new and not new.flags.writeable
+                                                 for old, new in zip(known, values, strict=True)):
+                return total  # the same constants as last time
+            del known, total
+            self._sum = self._scaled = None  # their memory is free for the next sum
         matrices = [_canonical(matrix) for matrix in matrices]
         slots = self._slots(matrices)
         if slots is None:
@@ -141,7 +158,16 @@ class Total:
         data[slots[0]] = matrices[0].data
         for matrix, own in zip(matrices[1:], slots[1:], strict=True):
             data[own] += matrix.data
-        return with_data(pattern, data)
+        total = with_data(pattern, data)
+        self._sum = [ref(each) for each in values], total
+        return total
+
+    def scaled(self, K: csr_matrix, scale: ndarray) -> csr_matrix:
+        """Return a matrix with its rows and columns multiplied by a scale, (n,)."""
+        if self._scaled is None or self._scaled[0] is not K:
+            data = K.data * np.repeat(scale, np.diff(K.indptr)) * scale[K.indices]
+            self._scaled = K, constant(with_data(K, data))
+        return self._scaled[1]
 
     def _slots(self, matrices: Sequence[csr_matrix]) -> list[ndarray] | None:
         """Return the slots of the matrices in the pattern; None where the pattern lacks some."""

@@ -19,12 +19,14 @@ from numpy import ndarray
 from ..checks import look_up
 from ..errors import NoEquilibrium, NotConverged
 from ..forms.base import Form
+from ..materials.base import Flow
 from ..nonlinear.newton import Evaluation, Newton, Search, iterate
 from ..nonlinear.system import System
 from ..results.result import Result
 from ..results.stage import StageResult
 from ..stages.setup import Setup
 from .mechanism import as_collapse, is_singular
+from .pressures import warn_of_fresh_pressures, without_drainage
 from .result import PeakPassed, Point, SearchLog, SearchResult, Stop, kind_of, no_collapse_below
 
 #: Relative step of the difference quotient by the parameter.
@@ -81,11 +83,12 @@ class SearchStart:
     load: ndarray
 
 
-def loaded_start(setup: Setup, load: Any, start: Result | StageResult | None, water: Any) -> SearchStart:
+def loaded_start(setup: Setup, load: Any, start: Result | StageResult | None, water: Any,
+                 undrained: bool = False, flow: Flow = "given") -> SearchStart:
     """Return the start of a search, with the load of the start or another load on top of weights and water.
 
     Inactive bodies do not move. Geometry that follows the displacements is held as it is at the start: a limit is that
-    of one geometry, whatever the stiffness.
+    of one geometry, whatever the stiffness. Pore pressures stay, or those of ground that cannot drain follow.
     """
     last = last_stage(start)
     active = setup.forms if last is None else {
@@ -93,7 +96,10 @@ def loaded_start(setup: Setup, load: Any, start: Result | StageResult | None, wa
     if last is not None and len(last.x) < setup.layout.size:
         unknown = [name for name, form in setup.forms.items() if form.fields and name not in active]
         raise ValueError(f"the start does not hold {unknown}: activate them in a stage")
-    system = setup.checked_system(active, np.union1d(setup.fixed, setup.inactive(active)))
+    fixed = np.union1d(setup.fixed, setup.inactive(active))
+    if undrained:
+        active, fixed = without_drainage(active, fixed, flow)
+    system = setup.checked_system(active, fixed)
     x = np.zeros(system.size) if last is None else last.x
     states = {name: form.initial_state() for name, form in system.forms.items()} if last is None else last.states
     held = {name: form.fixed_geometry(x, states[name]) for name, form in system.forms.items()}
@@ -109,6 +115,8 @@ def loaded_start(setup: Setup, load: Any, start: Result | StageResult | None, wa
     if not (weight + on_top).any():
         what = "the load is zero" if load is not None else "there is no load"
         raise ValueError(f"{what}: give a `load`, unit weights of the forms, or a loaded `start`")
+    if last is not None and not undrained:
+        warn_of_fresh_pressures(system.with_forms(fixed_forms), x, states, weight + on_top)
     return SearchStart(dict(active), system.with_forms(fixed_forms), Point(x, states, 0.0), weight, on_top)
 
 

@@ -43,14 +43,14 @@ class _Load:
 @single_threaded
 def limit_load(setup: Setup, load: Any, start: Result | StageResult | None, tolerance: float, step: float,
                max_value: float, flow: Flow, max_step: float, min_displacement: float,
-               certify: bool | Mapping[str, Any], progress: bool | None) -> CollapseResult:
+               certify: bool | Mapping[str, Any], undrained: bool, progress: bool | None) -> CollapseResult:
     """Multiply a load until the structure collapses, see :meth:`skfem_contact.Model.limit_load`."""
     check_reduction(1.0, flow)
     if not tolerance > 0 or not step > 0 or not max_step > 0:
         raise ValueError(f"tolerance, step and max_step must be positive, not {tolerance!r}, {step!r} and {max_step!r}")
     if load is None:
         raise ValueError("there is no load to be multiplied: give `load`")
-    begun = loaded_start(setup, load, start, water=False)  # the load of the start stays, its water with it
+    begun = loaded_start(setup, load, start, False, undrained, flow)  # the load of the start stays, its water with it
     system, reference = begun.system, begun.load
     if flow != "given":
         system = system.with_forms({name: form.reduced(1.0, flow, form.strengths)
@@ -91,9 +91,9 @@ def _first(branch: _Load, origin: Point, step: float, newton: Newton, log: Searc
 
 
 @single_threaded
-def is_stable(setup: Setup, load: Any, start: Result | StageResult | None, water: Any) -> bool:
+def is_stable(setup: Setup, load: Any, start: Result | StageResult | None, water: Any, undrained: bool) -> bool:
     """Return True if a structure resists its load, see :meth:`skfem_contact.Model.is_stable`."""
-    begun = loaded_start(setup, load, start, water)
+    begun = loaded_start(setup, load, start, water, undrained)
     system, origin = begun.system, begun.origin
     whole, newton = begun.weight + begun.load, setup.newton or Newton(tolerance=3e-4, max_iterations=60)
     try:

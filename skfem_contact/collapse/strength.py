@@ -101,16 +101,16 @@ def strength_reduction(setup: Setup, load: Any, start: Result | StageResult | No
                        reduce: str | Collection[str] | None, exclude: str | Collection[str],
                        method: Literal["continuation", "bracket"], flow: Flow, tolerance: float, step: float,
                        max_value: float, certify: bool | Literal["auto"] | Mapping[str, Any],
-                       progress: bool | None) -> CollapseResult:
+                       undrained: bool, progress: bool | None) -> CollapseResult:
     """Reduce the strength until the structure collapses, see :meth:`skfem_contact.Model.strength_reduction`."""
     check_reduction(1.0, flow)
     if not tolerance > 0 or not step > 0 or not max_value > 1:
         raise ValueError(f"tolerance and step must be positive and max_value above 1, not {tolerance!r}, {step!r} and "
                          f"{max_value!r}")
-    begun = loaded_start(setup, load, start, water)
+    begun = loaded_start(setup, load, start, water, undrained, flow)
     whole = begun.weight + begun.load
     branch = _Strength(begun.system, whole, reduced_parts(begun.system.forms, reduce, exclude), flow)
-    free = flow == "given" and any(material.dilates_less for material in branch.materials)
+    free = flow == "given" and not undrained and any(material.dilates_less for material in branch.materials)
     newton = setup.newton or Newton(tolerance=(_LOOSE if free else _BALANCE) * tolerance, max_iterations=30)
     proven = beside(certify, begun.forms, begun.system.fixed, whole, None, reduce, exclude, flow, progress)
     search = partial(_search, origin=begun.origin, newton=newton, tolerance=tolerance, step=max(step, tolerance),
@@ -118,7 +118,7 @@ def strength_reduction(setup: Setup, load: Any, start: Result | StageResult | No
     with progress_bar(progress, desc=FACTOR, bar_format="{desc} {postfix} {elapsed}") as bar:
         davis = _davis(branch, search, bar) if free else None
         result = search(branch, method=method, bar=bar, davis=davis)
-    if certify == "auto":
+    if certify == "auto" and not undrained:
         work = float(len(whole)) * (result.iterations + (result.davis.iterations if result.davis else 0))
         proven = at_hand(begun.forms, begun.system.fixed, whole, reduce, exclude, flow, work)
     return result.beside(proven, tolerance)

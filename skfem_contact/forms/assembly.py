@@ -16,7 +16,7 @@ from numpy import ndarray
 from scipy.sparse import coo_matrix, csc_matrix, csr_matrix
 from skfem import CellBasis, ElementHex1, ElementQuad1
 
-from ..sparse import with_data
+from ..sparse import constant, with_data
 from .base import Coordinates
 
 #: Strain measures.
@@ -208,8 +208,8 @@ class Pattern:
         return np.bincount(self.slots[elements].ravel(), matrices.ravel(), minlength=len(self.indices))
 
     def matrix(self, data: ndarray) -> csr_matrix:
-        """Return the ``csr_matrix`` of these data; the pattern is shared, not copied."""
-        return with_data(self._empty, data)
+        """Return the ``csr_matrix`` of these data, read-only; the pattern is shared, not copied."""
+        return constant(with_data(self._empty, data))
 
     @cached_property
     def _empty(self) -> csr_matrix:

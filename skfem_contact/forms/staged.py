@@ -144,6 +144,10 @@ class InTime:
     def extrapolated(self, before: Any, found: Any, ratio: float) -> Any:
         """Return the state `ratio` times as far from an earlier state as the one that was found."""
 
+    def undrained(self: Self) -> Self:
+        """Return the form of a change so quick that no water flows."""
+        return self
+
     def time_error(self, middle: Any, after: Any) -> tuple[float, float]:
         """Return the error of a step over the tolerance, and the quantity that it is compared with."""
         return 0.0, 0.0

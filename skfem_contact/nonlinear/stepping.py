@@ -22,7 +22,9 @@ _SMALL = 1.0 / 128.0
 _NARROW = 0.02
 _ROUND_OFF = 1e-9
 #: Steps in time keep their length, and with it their matrix, until they may be longer by this, and at most this much.
-_WORTH, _TWICE = 1.5, 2.0
+_WORTH, _MOST = 2.0, 4.0
+#: Growth of increments without time.
+_TWICE = 2.0
 #: Share taken of the step whose estimated error is just allowed, and the least share of a step tried.
 _SAFE, _LEAST = 0.9, 0.1
 
@@ -37,14 +39,18 @@ class Stepping:
     ----------
     increments
         Number of increments to begin with.
+    first
+        Share of the first increment, at most; a step in time that was long enough before.
     """
 
-    def __init__(self, increments: int) -> None:
+    def __init__(self, increments: int, first: float = np.inf) -> None:
         self._size = self._largest = 1.0 / increments
+        if first < self._size:
+            self._size = 1.0 / np.ceil(_SAFE / first)
         self._reached, self._failed, self._collapsed, self._shortest = 0.0, np.inf, np.inf, 1.0
         #: True if the last attempt failed.
         self.cut = False
-        self._growth, self._compared = np.inf, dict[str, float]()
+        self._growth, self._last, self._compared = np.inf, 0.0, dict[str, float]()
 
     @property
     def fraction(self) -> float:
@@ -56,6 +62,11 @@ class Stepping:
     def size(self) -> float:
         """Size of the increment to be tried next."""
         return self._size
+
+    @property
+    def allowed(self) -> float:
+        """Share that the error of the last step allows for the next one; infinite without an error."""
+        return self._growth * self._last
 
     @property
     def try_recovery(self) -> bool:
@@ -84,19 +95,27 @@ class Stepping:
             worst = max(worst, error / largest if error > 0.0 else 0.0)
         self._growth = max(_SAFE / float(np.sqrt(worst)), _LEAST) if worst > 0.0 else np.inf
         if self._growth < _SAFE:
-            self._size = self._growth * (self.fraction - self._reached)
+            self._size = self._even(self._growth * (self.fraction - self._reached), self._reached)
             self._shortest = min(self._shortest, self._size)
         return self._growth < _SAFE
 
     def accept(self, fraction: float, iterations: int, equilibria: int = 1) -> None:
         """Record an equilibrium, or several in a row."""
-        self._reached, self.cut = fraction, False
+        self._last, self._reached, self.cut = fraction - self._reached, fraction, False
         self._failed, self._collapsed = (f if f > fraction + _ROUND_OFF else np.inf
                                          for f in (self._failed, self._collapsed))
         if self._growth < 1.0:
-            self._size *= self._growth
+            self._size = self._even(self._growth * self._size, fraction)
         elif iterations <= _EASY * equilibria and self._growth >= _WORTH:
-            self._size = max(self._size, min(min(_TWICE, self._growth) * self._size, self._largest))
+            most = _TWICE if np.isinf(self._growth) else min(_MOST, self._growth)
+            larger = min(most * self._size, self._largest)
+            if larger > self._size:
+                self._size = self._even(larger, fraction)
+
+    def _even(self, size: float, reached: float) -> float:
+        """Return a size of steps in time, shortened so that equal steps lead to the end of the stage."""
+        left = 1.0 - reached
+        return size if np.isinf(self._growth) or left <= 0.0 else left / np.ceil(left / size * (1.0 - _ROUND_OFF))
 
     def reject(self, error: NotConverged) -> None:
         """Record a failure."""

@@ -16,7 +16,7 @@ from ..errors import IncrementTooLarge, NoEquilibrium, NotConverged
 from ..forms.base import Form, Response, responses_of
 from ..layout import Layout
 from ..solvers.direct import LinearSolver, SingularSystem, Solve
-from ..sparse import Total, with_data
+from ..sparse import Total
 from .newton import FAR, Evaluation, Newton, Search, iterate
 
 logger = logging.getLogger("skfem_contact")
@@ -81,8 +81,7 @@ class System:
         if self._scale is None:
             return self._solver.factor(K, self.symmetric)
         scale = self._scale
-        data = K.data * np.repeat(scale, np.diff(K.indptr)) * scale[K.indices]
-        solve = self._solver.factor(with_data(K, data), self.symmetric)
+        solve = self._solver.factor(self._total.scaled(K, scale), self.symmetric)
         return lambda b: scale * solve(scale * b)
 
     def work(self, load: ndarray, displacements: ndarray) -> float:

@@ -52,6 +52,7 @@ class StageData:
     layout: Layout | None = field(default=None, repr=False)
     water: Any = field(default=None, repr=False)
     placed: Mapping[str, ndarray] = field(default_factory=dict, repr=False)
+    next_step: float = np.inf
 
 
 _Stage = TypeVar("_Stage", bound=StageData)
@@ -186,7 +187,7 @@ def _described(stage: StageData, key: str, arrays: dict[str, ndarray]) -> dict[s
     return {"name": stage.name, "iterations": stage.iterations, "residual": stage.residual, "fraction": stage.fraction,
             "time": stage.time, "summary": dict(stage.summary), "forms": list(stage.states),
             "meshes": {name: _fingerprint(form) for name, form in stage.forms.items()}, "water": _in_words(stage.water),
-            "placed": list(stage.placed),
+            "placed": list(stage.placed), "next_step": stage.next_step,
             "increments": [_described(part, f"{key}.{k}", arrays) for k, part in enumerate(stage.increments)]}
 
 
@@ -232,7 +233,8 @@ def _stage(arrays: Mapping[str, ndarray], key: str, head: Mapping[str, Any], giv
                        for k, part in enumerate(head.get("increments", ())))
     return make(head["name"], x, vectors["load"], states, tuple(head["iterations"]),
                 head["residual"], head["fraction"], head["summary"], forms, head.get("time", 0.0), increments,
-                vectors.get("unreleased"), water=head.get("water"), placed=placed)
+                vectors.get("unreleased"), water=head.get("water"), placed=placed,
+                next_step=head.get("next_step", np.inf))
 
 
 def _check_numbers(whose: str, arrays: Mapping[str, Any]) -> None:

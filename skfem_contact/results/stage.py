@@ -41,6 +41,8 @@ class StageResult(files.StageData):
         Water at rest whose load is part of ``load``; a stage that follows keeps it.
     placed
         Displacements at which bodies were activated, (N,), by name: fields of displacements count from there.
+    next_step
+        Length that the error in time allows for a step of the stage that follows.
 
     Examples
     --------

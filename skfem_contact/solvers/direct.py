@@ -6,6 +6,7 @@ import logging
 from collections.abc import Callable
 from functools import lru_cache
 from typing import Protocol
+from weakref import ref
 
 import numpy as np
 from numpy import ndarray
@@ -97,6 +98,7 @@ class DirectSolver:
         self._engine = as_engine(engine)
         self._block: FreeBlock | None = None
         self._last: _Factor | None = None
+        self._given: ref[csr_matrix] | None = None
         logger.info("linear solver: %s", self.name)
 
     @property
@@ -118,9 +120,11 @@ class DirectSolver:
             raise ValueError(f"the stiffness has the shape {K.shape}, but {n} dofs have coordinates")
         if len(self._free) == 0:
             return np.zeros_like
-        block = self._block = self._block or self._ordered(K)
-        A = block.gather(K)
-        last = self._last
+        last, block = self._last, self._block or self._ordered(K)
+        known = self._given is not None and self._given() is K and not K.data.flags.writeable
+        if known and last is not None and last.usable and last.symmetric == symmetric:
+            return last
+        self._block, self._given, A = block, ref(K), block.gather(K)
         if last is not None and last.usable and last.symmetric == symmetric and same_matrix(A, last.A):
             return last
         if self._engine.outdated():

@@ -45,7 +45,7 @@ def run(setup: Setup, stages: Sequence[Stage], start: Result | StageResult | Non
             lost = np.zeros(len(last.x))
             if phase.changed or (stage is stages[0] and state_changes(phase, last)):
                 x, states, lost = begin(setup.layout, phase, last)
-                last = replace(last, x=x, states=states, placed=_placed(phase, last, x))
+                last = replace(last, x=x, states=states, placed=_placed(phase, last, x), next_step=np.inf)
             if system is None or predictor is None or phase.changed:
                 system = setup.system(phase.forms, phase.fixed)
                 predictor = Predictor(system.fixed)
@@ -113,14 +113,15 @@ def _keeps(stage: Stage, accepted: StageResult) -> bool:
 def _increments(system: System, predictor: Predictor, stage: Stage, path: Path, last: StageResult, newton: Newton
                 ) -> Iterator[StageResult]:
     """Yield the accepted increments of a stage."""
-    stepping, began = Stepping(stage.increments), last.time
+    began, duration = last.time, stage.duration
+    stepping = Stepping(stage.increments, last.next_step / duration if duration else np.inf)
     while last.fraction < 1.0:
         fraction = stepping.fraction
-        time = began + fraction * stage.duration
+        time = began + fraction * duration
         start = None if stepping.cut else predictor.start(*path(fraction), time)
         try:
-            new, errors = solve_step(system, last.x, last.states, path, (last.fraction, fraction), stage.duration,
-                                     newton, start, stepping.try_recovery)
+            new, errors = solve_step(system, last.x, last.states, path, (last.fraction, fraction), duration, newton,
+                                     start, stepping.try_recovery)
         except NotConverged as error:
             stepping.reject(error)
             logger.info("stage '%s': increment to %.4f failed, cut to %.4f: %s", stage.name, fraction, stepping.size,
@@ -138,7 +139,8 @@ def _increments(system: System, predictor: Predictor, stage: Stage, path: Path, 
         summary = {name: form.summary(new.states[name]) for name, form in system.forms.items()}
         last = StageResult(stage.name, new.x, load, new.states, (*last.iterations, new.iterations),
                            new.residuals[-1], fraction, summary, system.forms, time, layout=system.layout,
-                           water=last.water, placed=last.placed)
+                           water=last.water, placed=last.placed,
+                           next_step=stepping.allowed * duration if duration else np.inf)
         predictor.accept(last.x, last.load, time)
         yield last
 

@@ -17,7 +17,7 @@ from ..checks import check_basis, check_quadrature, positive
 from ..errors import Remark
 from ..forms.base import Form, Response, pairs_of
 from ..layout import Field, FieldDofs, elements_of, linear_element, nodes
-from ..sparse import with_data
+from ..sparse import constant, with_data
 from .boundary import Given, exchange, nodes_on, values_at
 from .darcy import Permeability, permeability_tensors, regions
 from .porous import PRESSURE, PoreState, Porous, Surroundings, check_units, pulled
@@ -98,6 +98,7 @@ class PoreWater(Form):
     _numbers: ndarray | None = None
     _duration: float | None = None
     _step: csr_matrix
+    _steps: dict[float, PoreWater]
 
     def __init__(self, basis: CellBasis, permeability: Permeability | Mapping[str, Permeability], *,
                  unit_weight: float, storage: float | Mapping[str, float] = 0.0,
@@ -197,7 +198,7 @@ class PoreWater(Form):
     @override
     def numbered(self, numbers: Mapping[Field, ndarray]) -> PoreWater:
         new = copy(self)
-        new._numbers = numbers[self.fields[0]]
+        new._numbers, new._steps = numbers[self.fields[0]], {}
         new.size, new.carries = int(new._numbers[-1]) + 1, new._numbers[self._vertices]
         return new
 
@@ -209,7 +210,7 @@ class PoreWater(Form):
 
     def _in(self, around: Surroundings) -> PoreWater:
         new, basis = copy(self), self.ground
-        new.around, new.coordinates = around, around.measure[1]
+        new.around, new.coordinates, new._steps = around, around.measure[1], {}
         new.porous = Porous.of(basis, self.pressures, around.measure, self.mobility, *self._exchange)
         new.capacity = new.porous.at_nodes(1.0 / around.modulus + self.storage)
         size = basis.dx.sum(axis=1) ** (1.0 / basis.mesh.dim())
@@ -232,8 +233,10 @@ class PoreWater(Form):
         return self.porous.symmetric(self.first, 0.0 * self.porous.coupling, -self.porous.flow, -1.0)
 
     @cached_property
-    def _gross(self) -> csr_matrix:
-        return abs(self._passing)
+    def _flow(self) -> tuple[csr_matrix, csr_matrix]:
+        """Negative flow among the pressures, and its absolute values."""
+        flow = self._passing[self.first:, self.first:]
+        return flow, abs(flow)
 
     @override
     def check_stage(self, fixed: ndarray, held: ndarray, duration: float) -> Iterator[Remark]:
@@ -278,12 +281,20 @@ class PoreWater(Form):
 
     @override
     def over(self, duration: float) -> PoreWater:
-        if not duration > 0.0:
-            return self
-        kept, passing, _ = self._kept, self._passing, self._gross  # computed once, for the forms of all steps
-        new = copy(self)
-        new._duration, new._step = duration, with_data(kept, kept.data + duration * passing.data)
-        return new
+        return self._over(duration) if duration > 0.0 else self
+
+    @override
+    def undrained(self) -> PoreWater:
+        return self._over(0.0)
+
+    def _over(self, duration: float) -> PoreWater:
+        if duration not in self._steps:  # equal steps share their matrix
+            kept, passing, _ = self._kept, self._passing, self._flow  # computed once, for the forms of all steps
+            new = copy(self)
+            new._duration, new._step = duration, constant(with_data(kept, kept.data + duration * passing.data))
+            self._steps.clear()
+            self._steps[duration] = new
+        return self._steps[duration]
 
     @override
     def initial_state(self, x: ndarray | None = None) -> PoreState:
@@ -298,13 +309,11 @@ class PoreWater(Form):
         first = self.first
         if self._duration is None:
             return self._standing(x, state)
-        kept, flow = self._kept @ x, self._duration * (self._passing @ x)
-        force = kept + flow
-        force[first:] += state.stored
-        measure = _FLOWING * self._duration * (self._gross @ np.abs(x))
-        measure[:first] = kept[:first]
-        measure[first:] += np.abs(kept[first:] + state.stored)
-        pressure = x[first:]
+        (flow, gross), pressure = self._flow, x[first:]
+        kept = self._kept @ x
+        gained, force, measure = kept[first:] + state.stored, kept.copy(), kept.copy()
+        force[first:] = gained + self._duration * (flow @ pressure)
+        measure[first:] = np.abs(gained) + _FLOWING * self._duration * (gross @ np.abs(pressure))
         return Response(force, lambda: PoreState(-kept[first:], state.first, state.entered - force[first:], pressure),
                         lambda: self._step, measure=measure)
 
@@ -323,10 +332,10 @@ class PoreWater(Form):
     @override
     def time_error(self, middle: PoreState, after: PoreState) -> tuple[float, float]:
         assert self._duration is not None
-        change = np.append(np.zeros(self.first), after.pressure - middle.pressure)
         flowed = 0.5 * float(np.abs(after.entered - middle.entered).sum())
         water = max(flowed, *(float(self.capacity @ np.abs(state.pressure)) for state in (middle, after)))
-        return 0.5 * self._duration * float(np.abs(self._passing @ change).sum()) / self._time_error, water
+        change = float(np.abs(self._flow[0] @ (after.pressure - middle.pressure)).sum())
+        return 0.5 * self._duration * change / self._time_error, water
 
     @override
     def rebased(self, x: ndarray, state: PoreState) -> PoreState:
