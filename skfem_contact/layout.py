@@ -5,7 +5,7 @@ The displacements of a node follow each other, component by component.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -42,6 +42,8 @@ class Field:
         are solved in scaled dofs: without the scale a direct solver leaves its elimination order.
     shared
         Name under which several forms share one field, such as the pore pressure of two parts of the ground.
+    taken
+        Dofs that are those of another field or of the basis: pairs of indices and of :class:`FieldDofs` or numbers.
 
     Notes
     -----
@@ -61,6 +63,7 @@ class Field:
     kind: Kind = "displacement"
     scale: float = 1.0
     shared: str = ""
+    taken: tuple[tuple[ndarray, Any], ...] = ()
     key: object = field(default_factory=object, repr=False)
 
     def __eq__(self, other: object) -> bool:
@@ -73,6 +76,11 @@ class Field:
     def n(self) -> int:
         """Number of dofs."""
         return int(self.coordinates.shape[1])
+
+    @property
+    def own(self) -> ndarray:
+        """Indices of the dofs that are not taken."""
+        return np.setdiff1d(np.arange(self.n), np.concatenate([np.zeros(0, int), *(at for at, _ in self.taken)]))
 
     @property
     def moves(self) -> bool:
@@ -108,6 +116,8 @@ class Layout:
         """Number the fields after the displacements at their coordinates, (dim, N)."""
         fields = [Field("displacement", displacements)]
         for new in brought:
+            if new.taken:
+                new = replace(new, coordinates=new.coordinates[:, new.own])
             twin = next((f for f in fields if _same(f, new)), None)
             if twin is None:
                 fields.append(new)
@@ -118,8 +128,19 @@ class Layout:
 
     def numbers(self, fields: Iterable[Field]) -> Mapping[Field, ndarray]:
         """Return the dofs of some fields."""
-        return {sought: np.arange(part.start, part.stop) for sought in fields
+        return {sought: self._with_taken(sought, np.arange(part.start, part.stop)) for sought in fields
                 for f, part in zip(self.fields, self.parts, strict=True) if _same(f, sought)}
+
+    def _with_taken(self, field: Field, own: ndarray) -> ndarray:
+        """Return the dofs of a field from those that are its own."""
+        if not field.taken:
+            return own
+        found = np.empty(field.n, int)
+        found[field.own] = own
+        for at, other in field.taken:
+            field_dofs = isinstance(other, FieldDofs)
+            found[at] = self.numbers([other.field])[other.field][other.indices] if field_dofs else other
+        return found
 
     def dofs(self, given: Any) -> ndarray:
         """Return dofs, sorted and each once, from numbers, :class:`FieldDofs`, or a list of both."""

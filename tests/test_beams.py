@@ -793,8 +793,8 @@ def test_straight_cantilever_in_space(tmp_path):
 
 
 @pytest.mark.parametrize(("message", "options"), [
-    ("no spacing, hinges", {"Mp": 1.0}), ("no spacing, hinges", {"hinges": (0.0, 0.0)}),
-    ("no spacing, hinges", {"coordinates": "axisymmetric"}), ("GJ of a beam", {"GJ": -1.0})])
+    ("no spacing, Mp", {"Mp": 1.0}), ("points of its line", {"hinges": (0.0, 0.0)}),
+    ("no spacing, Mp", {"coordinates": "axisymmetric"}), ("GJ of a beam", {"GJ": -1.0})])
 def test_bad_beams_in_space(message, options):
     with pytest.raises(ValueError, match=message):
         sc.Beam(None, [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]], EI=1.0, EA=1.0, **options)

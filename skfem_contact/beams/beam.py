@@ -1,7 +1,7 @@
 """Beams as a form: stiffness, plastic hinges, weight, loads, section forces and sides in contact."""
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -13,13 +13,15 @@ from scipy.sparse import csr_matrix
 from skfem import CellBasis
 from typing_extensions import override
 
-from ..checks import finite, format_point, is_number, vector
+from ..checks import finite, format_point, vector
+from ..errors import Remark
 from ..forms.base import Form, Response
 from ..layout import Field
 from ..sparse import Gathering
-from .element import BeamElements, Flow, Hinges, ShellElements, SpaceElements, loose_node
+from .element import BeamElements, Flow, Hinges, ShellElements, SpaceElements
+from .joints import Taken, frame_of, loose_dof, of_a_line, rotations_of, taken_by
 from .lines import nodes_of
-from .nodes import BeamNodes
+from .nodes import BeamNodes, check_values, stiffest
 
 #: Round-off of a displacement or a rotation, as a share of it.
 _ROUND_OFF = 2e-16
@@ -65,13 +67,18 @@ class Beam(BeamNodes):
         Nodes of the elements, (m, 2): start and end; or (m, 3): start, end and middle, which lies on the curve. By
         default the nodes are the ends of a chain of straight elements.
     hinges
-        Coordinates of nodes, (k, 2) or (2,), that transfer no moment between their elements.
+        Coordinates of nodes, (k, dim) or (dim,), that transfer no moment between their elements, nor to other beams; in
+        space no torque either.
     Mp, Np
         Plastic moment and plastic normal force: hinges flow at nodes where ``|M| / Mp + |N| / Np`` reaches 1.
     unit_weight
         Weight per length of the beam.
     bonded
-        False if a beam along a named line has nodes of its own there.
+        False if a beam along a named line has nodes of its own there. True if a beam along given points is bonded to
+        the ground: the points are vertices of the mesh, and the edges of the mesh along this polyline the elements, in
+        the plane or in space.
+    joined_to
+        Beams whose nodes this beam shares where both have one: rigidly, or by a hinge where `hinges` names the node.
     thickness
         Distance of the two sides, for contact.
     coordinates, nu
@@ -85,8 +92,13 @@ class Beam(BeamNodes):
     Raises
     ------
     ValueError
-        Stiffness or strength that is not positive, a line that is no chain, elements without length, a hinge where no
-        elements meet, hinges that make a mechanism where nothing but beams resists, a basis in space.
+        Stiffness or strength that is not positive, a line that is no chain or off the mesh, elements without length, a
+        hinge where no elements meet, hinges that make a mechanism, no node in common with a beam it is joined to.
+
+    Notes
+    -----
+    A beam bonded to a line of a solid in space moves the more the finer the mesh, without bounds. A warning says how
+    much more the next mesh gives. Piles need :class:`Embedded` with a radius.
 
     Examples
     --------
@@ -103,70 +115,60 @@ class Beam(BeamNodes):
 
     symmetric = True
     _warm: ndarray | float = 0.0
+    _frame: Sequence[Beam] = ()
+    _touched: Sequence[Field] = ()
+    _ground: float | None = None
+    _parts: Sequence[tuple[ndarray, ndarray]] = ()
+    _stiff: ndarray
+    _where: Mapping[int, ndarray]
 
     def __init__(self, basis: CellBasis | None, line: Any, EI: float, EA: float, GA: float | None = None, *,
                  spacing: float | None = None, cells: ArrayLike | None = None, hinges: ArrayLike = (),
-                 Mp: float = np.inf, Np: float = np.inf, unit_weight: float = 0.0, bonded: bool = True,
-                 thickness: float = 0.0, coordinates: Literal["plane", "axisymmetric"] = "plane",
-                 nu: float = 0.0, GJ: float | None = None) -> None:
+                 Mp: float = np.inf, Np: float = np.inf, unit_weight: float = 0.0,
+                 bonded: bool | None = None, joined_to: Beam | Sequence[Beam] = (), thickness: float = 0.0,
+                 coordinates: Literal["plane", "axisymmetric"] = "plane", nu: float = 0.0,
+                 GJ: float | None = None) -> None:
         GA, GJ = EA / 3.0 if GA is None else GA, 0.8 * EI if GJ is None else GJ
-        for name, value in {"EI": EI, "EA": EA, "GA": GA, "GJ": GJ, "Mp": Mp, "Np": Np,
-                            "spacing": spacing or 1.0}.items():
-            if not (is_number(value, 0.0, np.inf) or (name in ("Mp", "Np") and value == np.inf)):
-                raise ValueError(f"{name} of a beam must be positive, not {value!r}")
-        if np.isfinite(Np) and not np.isfinite(Mp):
-            raise ValueError("Np of a beam needs Mp: its hinges flow by moment and normal force")
-        if min(unit_weight, thickness) < 0.0:
-            raise ValueError(f"unit_weight and thickness must not be negative, not {unit_weight!r} and {thickness!r}")
-        shared, self.points, self.cells = nodes_of(basis, line, cells)
+        check_values(Mp, Np, unit_weight, thickness, EI=EI, EA=EA, GA=GA, GJ=GJ, spacing=spacing or 1.0)
+        self._shared, self.points, self.cells = nodes_of(basis, line, cells, bonded)
         self.coordinates, corners = coordinates, self.points[self.cells]
         shell = coordinates == "axisymmetric"
         if (shell and (not -1.0 < nu <= 0.5 or spacing is not None or np.isfinite(Mp))) or (not shell and nu):
             raise ValueError(f"nu={nu!r} is for a shell of revolution, -1 < nu <= 0.5; it has no spacing and no Mp")
         if space := corners.shape[2] == 3:
             self.coordinates = "space"
-            if shell or spacing is not None or np.isfinite(Mp) or np.size(hinges) or thickness:
-                raise ValueError("a beam in space has no spacing, hinges, Mp or thickness, and is no shell")
+            if shell or spacing is not None or np.isfinite(Mp) or thickness:
+                raise ValueError("a beam in space has no spacing, Mp or thickness, and is no shell")
         self._elements = ShellElements.about_axis(corners, nu) if shell else \
             (SpaceElements if space else BeamElements).of(corners)
-        self._shared = shared if bonded else None
         given = np.atleast_2d(finite(hinges, "hinges"))
-        if given.size and (given.ndim, given.shape[1]) != (2, 2):
-            raise ValueError(f"hinges of a beam must be points (x, y), not {hinges!r}")
-        turn = self._turns(given.reshape(-1, 2))
+        if given.size and (given.ndim, given.shape[1]) != (2, self.points.shape[1]):
+            raise ValueError(f"hinges of a beam must be points of its line, not {hinges!r}")
+        pins = np.array([self.node(at) for at in given if given.size], int)
+        others = (joined_to,) if isinstance(joined_to, BeamNodes) else tuple(joined_to)
+        moves, turned, joined = taken_by(self.points, self._shared is not None, pins, others)
         self.thickness, self.spacing = thickness, spacing or 1.0
         self._weight = unit_weight / self.spacing
-        self._lay_out(turn)
+        self._lay_out(rotations_of(self.points, self.cells, pins, joined), moves, turned)
         self._root = self._elements.root(*(value / self.spacing for value in (EA, GA, EI, GJ)))
         self._stiffness = self._root @ self._root.transpose(0, 2, 1)
         self._section = self._elements.section(self._root, EA / self.spacing, EI / self.spacing)
-        self._hinges = Hinges(self._section, self._root, self.cells[:, :2], Mp / self.spacing,
+        self._hinges = Hinges(self._section, self._root, self.cells[:, :2], joined, Mp / self.spacing,
                               Np / self.spacing) if np.isfinite(Mp) else None
-        self._alone = self._wet = False
+        self._wet, self._EA = False, EA
 
-    def _turns(self, hinges: ndarray) -> ndarray:
-        """Return numbers of the rotations of the elements' nodes, (m, 3): beyond a hinge another one."""
-        turn, last = self.cells.copy(), len(self.points)
-        for node in (self.node(at) for at in hinges):
-            met = np.argwhere(self.cells[:, :2] == node)
-            if len(met) < 2:
-                raise ValueError(f"no elements meet at the hinge at {format_point(self.points[node])}")
-            for k, end in met[1:]:
-                turn[k, end], last = last, last + 1
-        return turn
-
-    def _lay_out(self, turn: ndarray) -> None:
+    def _lay_out(self, turn: ndarray, moved: Taken, turned: Taken) -> None:
         """Number the dofs: displacements, then rotations, as if the beam were alone."""
         dim, turns = self.points.shape[1], 1 if self.points.shape[1] == 2 else 3
         n, n_turns = dim * len(self.points), turns * (int(turn.max()) + 1)
         at = np.zeros((int(turn.max()) + 1, dim))
         at[turn] = self.points[self.cells]
         scale = 1.0 / float(np.median(self._elements.length))
-        self._displacement = Field("displacement of a beam", np.repeat(self.points, dim, axis=0).T)
-        self._rotation = Field("rotation of a beam", np.repeat(at, turns, axis=0).T, "rotation", scale)
+        self._displacement = Field("displacement of a beam", np.repeat(self.points, dim, axis=0).T, taken=moved)
+        self._rotation = Field("rotation of a beam", np.repeat(at, turns, axis=0).T, "rotation", scale, taken=turned)
         self.fields = (self._rotation,) if self._shared is not None else (self._displacement, self._rotation)
-        moves, turned = (k * cells[:, :, None] + np.arange(k) for k, cells in ((dim, self.cells), (turns, turn)))
-        self._rows = np.hstack((moves.reshape(len(self.cells), -1), n + turned.reshape(len(self.cells), -1)))
+        u, theta = (k * cells[:, :, None] + np.arange(k) for k, cells in ((dim, self.cells), (turns, turn)))
+        self._rows = np.hstack((u.reshape(len(self.cells), -1), n + theta.reshape(len(self.cells), -1)))
         self._middle = np.append(np.arange(2 * dim, 3 * dim), 3 * dim + np.arange(2 * turns, 3 * turns))
         self._size, self._gathering = n + n_turns, Gathering(n + n_turns)
 
@@ -216,27 +218,37 @@ class Beam(BeamNodes):
     @override
     def numbered(self, numbers: Mapping[Field, ndarray]) -> Beam:
         new = copy(self)
-        own = numbers[self._displacement] if self._shared is None else self._shared.ravel()
-        new._dofs = np.concatenate((own, numbers[self._rotation]))
-        new.acts_on = new._dofs
-        new.changing = new._dofs if self._hinges else np.zeros(0, int)
+        new._dofs = self._numbers(numbers)
+        new.acts_on, new.changing = new._dofs, new._dofs if self._hinges else np.zeros(0, int)
+        frame = {beam: beam._numbers(numbers) for beam in self._frame}
+        new._parts = [(beam._elements.strains, dofs[beam._rows]) for beam, dofs in frame.items()]
+        new._stiff = np.concatenate([np.zeros(0, int), *(numbers[field] for field in self._touched), *(
+            beam._shared.ravel() for beam in frame if beam._shared is not None)])
+        new._where = {dof: x for beam, dofs in frame.items() for dof, x in zip(dofs.tolist(), np.hstack(
+            (beam._displacement.coordinates, beam._rotation.coordinates)).T, strict=True)}
         return new
+
+    def _numbers(self, numbers: Mapping[Field, ndarray]) -> ndarray:
+        """Return the dofs of the nodes: displacements, then rotations."""
+        own = numbers[self._displacement] if self._shared is None else self._shared.ravel()
+        return np.concatenate((own, numbers[self._rotation]))
 
     @override
     def completed(self, forms: Mapping[str, Form]) -> Beam:
         new = copy(self)
-        new._alone = all(isinstance(form, Beam) for form in forms.values())
+        new._frame, new._touched = frame_of(self, forms)
+        new.borrowed = tuple(field for beam in new._frame for field in beam.fields if beam is not self)
+        ground = stiffest(forms) if self._shared is not None and self.coordinates == "space" else None
+        new._ground = None if ground is None else float(ground[-1, -1])
         new._wet = any(form.law is not None and self._displacement in form.borrowed for form in forms.values())
         return new
 
     @override
     def check_stage(self, fixed: ndarray, held: ndarray, duration: float) -> Sequence[Any]:
-        if self._alone and self._dofs is not None:
-            loose = loose_node(self._elements.strains, self._rows, ~np.isin(self._dofs, fixed))
-            if loose is not None:
-                at = np.hstack((self._displacement.coordinates, self._rotation.coordinates))[:, loose]
-                raise ValueError("the beam is a mechanism: its supports and hinges leave a motion without force, "
-                                 f"the largest at {format_point(at)}")
+        loose = loose_dof(self._parts, np.concatenate((fixed, held, self._stiff))) if self._parts else None
+        if loose is not None:
+            raise ValueError("the beam is a mechanism: its supports and hinges leave a motion without force, the "
+                             f"largest at {format_point(self._where[loose])}")
         return ()
 
     @override
@@ -276,6 +288,11 @@ class Beam(BeamNodes):
     @override
     def yielding(self, before: BeamState, after: BeamState) -> tuple[int, int]:
         return int((before.free != after.free).any(axis=1).sum()), len(self.cells)
+
+    @override
+    def remarks(self, x: ndarray, state: BeamState) -> Iterable[Remark]:
+        moved, G = self._own(x)[self._rows[:, :9]], self._ground
+        return () if G is None else of_a_line(self._elements.length, self.cells, state.force[:, :9], moved, G)
 
     @override
     def summary(self, state: BeamState) -> str:

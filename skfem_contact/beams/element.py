@@ -14,8 +14,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy import ndarray
 from scipy.optimize import nnls
-from scipy.sparse import coo_matrix, csc_matrix, eye_array
-from scipy.sparse.linalg import splu
 from typing_extensions import override
 
 GAUSS = np.array([-1.0, 1.0]) / np.sqrt(3.0)
@@ -32,9 +30,6 @@ _KEPT = 1e-6
 _WEAKEST = 1e-7
 #: Share of the largest singular value of the faces in force below which they depend on each other.
 _DEPENDENT = 1e-8
-#: Squared strain of a motion, relative to the largest one, below which it is none: that of a chain of n elements is
-#: about n**-4, that of a mechanism 1e-16.
-_NO_STRAIN = 1e-13
 
 
 def shapes(xi: float) -> tuple[ndarray, ndarray]:
@@ -288,14 +283,17 @@ class Hinges:
         Matrices R of the elastic stiffness R R'.
     nodes : ndarray, shape (m, 2)
         Nodes at the ends.
+    joined : ndarray
+        Nodes at which an earlier beam ends, which flows first.
     Mp, Np : float
         Plastic moment and plastic normal force.
     """
 
-    def __init__(self, resultants: ndarray, root: ndarray, nodes: ndarray, Mp: float, Np: float) -> None:
+    def __init__(self, resultants: ndarray, root: ndarray, nodes: ndarray, joined: ndarray, Mp: float,
+                 Np: float) -> None:
         signs = np.array([(a, b) for a in (-1.0, 1.0) for b in (-1.0, 1.0)] if np.isfinite(Np) else [(0, -1), (0, 1)])
         faces = np.einsum("fr,merj->mefj", signs / [Np, Mp], resultants[:, :, [0, 2]])
-        later = _ranks(nodes.ravel()).reshape(nodes.shape)
+        later = _ranks(nodes.ravel()).reshape(nodes.shape) + np.isin(nodes, joined)
         self._faces = (faces / (1.0 + _WEAKEST * later)[:, :, None, None]).reshape(len(nodes), -1, 9)
         self._root = root
 
@@ -330,21 +328,3 @@ def _ranks(nodes: ndarray) -> ndarray:
     ranks = np.empty(len(nodes), int)
     ranks[order] = np.arange(len(nodes)) - first
     return ranks
-
-
-def loose_node(strains: ndarray, rows: ndarray, free: ndarray) -> int | None:
-    """Return the dof that moves most in a motion without strain of the free dofs, (n,), or None if there is none."""
-    size = np.linalg.norm(strains, axis=2, keepdims=True)
-    blocks = strains / np.where(size > 0.0, size, 1.0)
-    row = np.broadcast_to(np.arange(blocks[..., 0].size).reshape(*blocks.shape[:2], 1), blocks.shape)
-    column = np.broadcast_to(rows[:, None], blocks.shape)
-    B = coo_matrix((blocks.ravel(), (row.ravel(), column.ravel())), shape=(row.max() + 1, len(free))).tocsc()[:, free]
-    K = csc_matrix(B.T @ B)
-    solve = splu(csc_matrix(K + _NO_STRAIN * eye_array(K.shape[0])), permc_spec="MMD_AT_PLUS_A")
-    motion = np.random.default_rng(0).standard_normal(K.shape[0])
-    for _ in range(3):
-        motion = solve.solve(motion)
-        motion /= np.linalg.norm(motion)
-    if motion @ (K @ motion) > 2.0 * _NO_STRAIN:
-        return None
-    return int(np.flatnonzero(free)[np.argmax(np.abs(motion))])

@@ -17,7 +17,7 @@ from ..checks import check_basis, finite, format_point, is_number, positive
 from ..forms.base import Form, Response
 from ..layout import Field
 from .element import shapes
-from .nodes import BeamNodes
+from .nodes import BeamNodes, stiffest
 
 #: Points of an element of the beam where the skin acts, and their weights; at the nodes of reinforcement, which then
 #: moves across with the ground: at Gauss points springs across resisted without limit where a slope slid past a nail.
@@ -126,7 +126,7 @@ class Embedded(Form):
             raise ValueError("the beam is bonded to the ground along a line: embed one with nodes of its own")
         if not is_number(F_max, -1e-300, np.inf):
             raise ValueError(f"F_max must not be negative, not {F_max!r}")
-        self._spacing, self.borrowed = beam.spacing, beam.fields[:1]
+        self._spacing, self._EA, self.borrowed = beam.spacing, beam._EA, beam.fields[:1]
         self._given = None if stiffness is None else positive(stiffness, "stiffness")
         self.positions, points, self._along, self._weight, of_beam = _points(beam)
         self._where = points[:-1]
@@ -150,10 +150,10 @@ class Embedded(Form):
     @override
     def completed(self, forms: Mapping[str, Form]) -> Embedded:
         new = copy(self)
-        stiff = [m.elasticity(4).reshape(-1, 4, 4) for form in forms.values() for m in form.materials.values()]
-        if not stiff and (self._given is None or self.radius is not None):
+        C = stiffest(forms)
+        if C is None and (self._given is None or self.radius is not None):
             raise ValueError("an embedded beam needs ground: a SolidForm among the forms")
-        C = max((C[C[:, -1, -1].argmax()] for C in stiff), key=lambda C: float(C[-1, -1]), default=np.zeros((4, 4)))
+        C = np.zeros((4, 4)) if C is None else C
         G, length = C[-1, -1], float(np.median(self._lengths))
         k = self._given or (_STIFF * G * self._spacing / length if self.radius is None else _STIFF_IN_SPACE * G)
         ones = np.ones(len(self.positions))
@@ -162,6 +162,10 @@ class Embedded(Form):
             part, nu = np.log(self._wide / self.radius) / (2.0 * np.pi * G), C[0, 1] / (C[0, 0] + C[0, 1])
             new._k, new._across = (self._part[:-1] / (1.0 / k + share * part[:-1])
                                    for share in (1.0, (3.0 - 4.0 * nu) / (4.0 - 4.0 * nu)))
+            own = 2.0 * (1.0 + nu) * G * np.pi * self.radius**2 * float(self._part.mean())
+            if own > self._EA:
+                raise ValueError(f"EA={self._EA:g} of the embedded beam is less than that of the ground it replaces, "
+                                 f"{own:g}: check units, and that `radius` is that of the shaft")
             base = (1.0 - nu) / (4.0 * G) * (1.0 / self.radius - 1.0 / self._wide[-1])
             new._at_foot = self._part[-1] / (1.0 / new._at_foot + base)
         return new

@@ -3,27 +3,37 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numpy import ndarray
-from scipy.sparse import coo_matrix
+from scipy.sparse import coo_matrix, csr_matrix
 from scipy.sparse.csgraph import connected_components
 from skfem import CellBasis, Mesh
 
 from ..checks import check_plane, facets_of, finite, format_point, names_of
+from ..layout import elements_of
 from ..mesh.check import check_topology, own_tags
 from ..mesh.join import moved, owners_of, renumbered
 from ..surfaces.topology import ordered
 
 #: Distance from the side of a beam, as a share of a facet, up to which a boundary lies on it.
 _NEAR = 0.1
+#: Distance from the line of a beam, as a share of the ground, up to which vertices lie on it.
+_ON = 1e-6
 #: Difference of heights, as a share of lengths, that does not make one end the upper one.
 _LEVEL = 1e-6
 
 
-def nodes_of(basis: CellBasis | None, line: Any, cells: Any) -> tuple[ndarray | None, ndarray, ndarray]:
+def nodes_of(basis: CellBasis | None, line: Any, cells: Any, bonded: bool | None
+             ) -> tuple[ndarray | None, ndarray, ndarray]:
     """Return dofs of shared nodes or None, coordinates of all nodes and elements of three nodes."""
+    shared, points, elements = _nodes_of(basis, line, cells, bool(bonded))
+    return shared if bonded or bonded is None else None, points, elements
+
+
+def _nodes_of(basis: CellBasis | None, line: Any, cells: Any, bonded: bool) -> tuple[ndarray | None, ndarray, ndarray]:
     if isinstance(line, str):
         if basis is not None:
             check_plane(basis, "a beam along a named line")
@@ -35,6 +45,10 @@ def nodes_of(basis: CellBasis | None, line: Any, cells: Any) -> tuple[ndarray | 
     if points.ndim != 2 or points.shape[1] not in dims or len(points) < 2:
         raise ValueError(f"the line of a beam must be a name, or at least two points (x, y), in space (x, y, z), not "
                          f"{line!r}")
+    if bonded:
+        if basis is None or cells is not None:
+            raise ValueError("a beam bonded along points needs the basis of the ground, whose edges are its elements")
+        return _edges_along(basis, points)
     n = len(points)
     given = np.column_stack((np.arange(n - 1), np.arange(1, n))) if cells is None else np.asarray(cells)
     if given.ndim != 2 or given.shape[1] not in (2, 3) or given.dtype.kind not in "iu" or not len(given) \
@@ -70,6 +84,47 @@ def line_of(basis: CellBasis, name: str) -> tuple[ndarray, ndarray, ndarray]:
     nodal, middle = basis.nodal_dofs[0, ends], basis.facet_dofs[0, facets]
     first, cells = np.unique(np.vstack((nodal, middle)).T, return_inverse=True)
     return first[:, None] + np.arange(2), basis.doflocs[:, first].T, cells.reshape(-1, 3)
+
+
+def _edges_along(basis: CellBasis, points: ndarray) -> tuple[ndarray, ndarray, ndarray]:
+    """Return dofs of the nodes, (n, dim), coordinates and elements of the edges of the mesh along a polyline.
+
+    Its corners are vertices of the mesh, and so are those between two of them.
+    """
+    mesh, dim = basis.mesh, basis.mesh.dim()
+    edges, middles = (mesh.facets, basis.facet_dofs) if dim == 2 else (mesh.edges, basis.edge_dofs)
+    if len(middles) != dim:
+        raise ValueError("beams have three nodes: take a basis of second order")
+    chain = _vertices_along(mesh, np.unique(mesh.t[:, elements_of(basis)]), points)
+    number = csr_matrix((np.arange(1, edges.shape[1] + 1), np.sort(edges, axis=0)), shape=(len(mesh.p.T),) * 2)
+    ends = np.sort(np.stack((chain[:-1], chain[1:])), axis=0)
+    edge = np.asarray(number[ends[0], ends[1]]).ravel() - 1
+    if (edge < 0).any():
+        a, b = (format_point(mesh.p[:, chain[k]]) for k in np.argmin(edge) + np.arange(2))
+        raise ValueError(f"the mesh has no edge between {a} and {b}: a bonded beam follows its edges")
+    nodal, middle = basis.nodal_dofs[0, chain], middles[0, edge]
+    first, cells = np.unique(np.concatenate((nodal[:-1], nodal[1:], middle)), return_inverse=True)
+    return first[:, None] + np.arange(dim), basis.doflocs[:, first].T, cells.reshape(3, -1).T
+
+
+def _vertices_along(mesh: Mesh, vertices: ndarray, points: ndarray) -> ndarray:
+    """Return those of some vertices that lie on a polyline, in their order."""
+    x = mesh.p[:, vertices].T
+    near, chain = _ON * np.ptp(x, axis=0).max(), list[int]()
+    for a, b in pairwise(points):
+        length = np.linalg.norm(b - a)
+        s = (x - a) @ (b - a) / (length or 1.0)
+        off = np.linalg.norm(x - a - s[:, None] * (b - a) / (length or 1.0), axis=1)
+        found = np.flatnonzero((off < near) & (s > -near) & (s < length + near))
+        found = found[np.argsort(s[found])]
+        for point, end in ((a, found[:1]), (b, found[-1:])):
+            distance = np.linalg.norm(x - point, axis=1)
+            if not len(end) or (distance < near).sum() != 1 or distance[end[0]] > near:
+                raise ValueError(f"{(distance < near).sum()} vertices of the mesh lie at {format_point(point)}, where "
+                                 f"a bonded beam has a node; the nearest is at {format_point(x[distance.argmin()])}; "
+                                 "where bodies touch give the basis of one, basis.with_elements(...)")
+        chain += list(vertices[found[1 if chain else 0:]])
+    return np.array(chain)
 
 
 def _one_way(ends: ndarray, name: str) -> ndarray:

@@ -1,7 +1,7 @@
 """Nodes of beams and reinforcement: their dofs for supports and bars, loads on them, and contact of their sides."""
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Literal
 
 import numpy as np
@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
 from skfem import CellBasis
 
-from ..checks import finite, format_point, vector
+from ..checks import finite, format_point, is_number, vector
 from ..contact import ContactPair
 from ..contact.laws import InterfaceLaw
 from ..forms.base import Form
@@ -19,9 +19,26 @@ from ..surfaces.surface import Surface
 from .lines import touching
 
 #: Coordinates are those of a node if they are nearer than this share of the beam.
-_AT = 1e-6
+AT = 1e-6
 #: Names of the dofs of a node.
 DofName = Literal["u^1", "u^2", "u^3", "theta", "theta^1", "theta^2", "theta^3"]
+
+
+def check_values(Mp: float, Np: float, unit_weight: float, thickness: float, **positive: float) -> None:
+    """Refuse stiffnesses and strengths that are not positive."""
+    for name, value in {**positive, "Mp": Mp, "Np": Np}.items():
+        if not (is_number(value, 0.0, np.inf) or (name in ("Mp", "Np") and value == np.inf)):
+            raise ValueError(f"{name} of a beam must be positive, not {value!r}")
+    if np.isfinite(Np) and not np.isfinite(Mp):
+        raise ValueError("Np of a beam needs Mp: its hinges flow by moment and normal force")
+    if min(unit_weight, thickness) < 0.0:
+        raise ValueError(f"unit_weight and thickness must not be negative, not {unit_weight!r} and {thickness!r}")
+
+
+def stiffest(forms: Mapping[str, Form]) -> ndarray | None:
+    """Return the elasticity, (4, 4), of the stiffest material of the forms; None without one."""
+    found = [m.elasticity(4).reshape(-1, 4, 4) for form in forms.values() for m in form.materials.values()]
+    return max((C[C[:, -1, -1].argmax()] for C in found), key=lambda C: float(C[-1, -1]), default=None)
 
 
 class BeamNodes(Form):
@@ -34,6 +51,7 @@ class BeamNodes(Form):
     _shared: ndarray | None
     _displacement: Field
     _rotation: Field
+    _EA: float
     _dofs: ndarray | None = None
 
     @property
@@ -47,7 +65,7 @@ class BeamNodes(Form):
         """Return the number of the node at coordinates (dim,)."""
         point = vector(at, self.points.shape[1], "at")
         distance, node = cKDTree(self.points).query(point)
-        if distance > _AT * np.ptp(self.points, axis=0).max():
+        if distance > AT * np.ptp(self.points, axis=0).max():
             raise ValueError(f"the beam has no node at {format_point(point)}; the nearest one is at "
                              f"{format_point(self.points[node])}")
         return int(node)

@@ -96,11 +96,11 @@ class Reinforcement(BeamNodes):
     thickness = 0.0
 
     def __init__(self, basis: CellBasis | None, line: Any, EA: float, *, Np: float = np.inf, tension_only: bool = False,
-                 spacing: float | None = None, cells: ArrayLike | None = None, bonded: bool = True) -> None:
+                 spacing: float | None = None, cells: ArrayLike | None = None, bonded: bool | None = None) -> None:
         for name, value in {"EA": EA, "Np": Np, "spacing": spacing or 1.0}.items():
             if not (is_number(value, 0.0, np.inf) or (name == "Np" and value == np.inf)):
                 raise ValueError(f"{name} of reinforcement must be positive, not {value!r}")
-        shared, self.points, self.cells = nodes_of(basis, line, cells)
+        self._shared, self.points, self.cells = nodes_of(basis, line, cells, bonded)
         dim = self.points.shape[1]
         if dim == 3 and spacing is not None:
             raise ValueError("reinforcement in space has no spacing")
@@ -108,7 +108,7 @@ class Reinforcement(BeamNodes):
         elements = kind.of(self.points[self.cells])
         self._strain = elements.strains[:, ::elements.strains.shape[1] // 2, :3 * dim]
         self._length, self._where = elements.weights, elements.gauss()[0].reshape(2, -1, dim).transpose(1, 0, 2)
-        self._shared, self.spacing = shared if bonded else None, spacing or 1.0
+        self.spacing = spacing or 1.0
         self._displacement = Field("displacement of reinforcement", np.repeat(self.points, dim, axis=0).T)
         self.fields = (self._displacement,) if self._shared is None else ()
         self._rows = (dim * self.cells[:, :, None] + np.arange(dim)).reshape(len(self.cells), -1)

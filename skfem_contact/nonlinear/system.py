@@ -98,17 +98,18 @@ class System:
             raise NotConverged(f"the increment is too large: {error}", x) from error
         residual = load - sum(r.force for r in responses.values())
         residual[self.fixed] = 0.0
-        norm, hidden = max(self._relative(part, residual, load, responses) for part in self.layout.parts
+        everywhere = 0.0 if self._scale is None else \
+            max(float(np.linalg.norm(self._scale * r.measure)) for r in responses.values())
+        norm, hidden = max(self._relative(part, residual, load, responses, everywhere) for part in self.layout.parts
                            if part.stop > part.start)
         return Evaluation(x, responses, residual, norm, hidden=hidden, scale=self._scale)
 
-    def _relative(self, part: slice, residual: ndarray, load: ndarray, responses: Mapping[str, Response]
-                  ) -> tuple[float, float]:
+    def _relative(self, part: slice, residual: ndarray, load: ndarray, responses: Mapping[str, Response],
+                  everywhere: float) -> tuple[float, float]:
         """Return the norm of a field's residual over its largest force, less possible round-off, and that round-off."""
         loaded = float(np.linalg.norm(load[part]))
         scale = max(loaded, *(float(np.linalg.norm(r.measure[part])) for r in responses.values()))
         if self._scale is not None:  # where all forces of a field vanish, as those of multipliers do, others measure it
-            everywhere = max(float(np.linalg.norm(self._scale * r.measure)) for r in responses.values())
             scale = max(scale, _FLOOR * everywhere / float(self._scale[part].max()))
         round_off = sum(r.lost(part) for r in responses.values())
         if loaded > 0.0:  # displacements so large that their round-off hides the load are no equilibrium

@@ -15,7 +15,7 @@ from .. import loads
 from ..checks import is_number
 from ..errors import warn
 from ..forms.base import Form, as_forms, solids_of
-from ..layout import Field, Layout
+from ..layout import Field, FieldDofs, Layout
 from ..mesh import check_mesh
 from ..nonlinear.newton import Newton
 from ..nonlinear.system import System
@@ -94,7 +94,8 @@ class Setup:
         vars(new).pop("solids", None)
         new._completed = {name: self._completed[name] for name in names}
         fields = [field for form in new._completed.values() for field in form.fields]
-        kept = np.concatenate((np.arange(self.layout.n_displacements), *self.layout.numbers(fields).values()))
+        brought = np.concatenate([np.zeros(0, int), *self.layout.numbers(fields).values()])
+        kept = np.union1d(np.arange(self.layout.n_displacements), brought)
         away = np.setdiff1d(kept, dofs_of({name: self.forms[name] for name in names}, self.layout))
         new.fixed = np.flatnonzero(np.isin(kept, np.union1d(self.fixed, away)))
         if len(kept) < self.layout.size:
@@ -216,6 +217,10 @@ def _check_fields(forms: Mapping[str, Form]) -> None:
         for field in form.borrowed:
             if field not in brought:
                 raise ValueError(f"'{name}' acts on the field '{field.name}', which no form of the model brings")
+        for _, other in (pair for field in form.fields for pair in field.taken):
+            if isinstance(other, FieldDofs) and other.field not in brought:
+                raise ValueError(f"'{name}' is joined to a form that is not in the model: it takes dofs of the field "
+                                 f"'{other.field.name}'")
 
 
 def _check_bases(forms: Mapping[str, Form]) -> None:
