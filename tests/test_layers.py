@@ -145,7 +145,7 @@ def test_package_does_not_grow() -> None:
                          "materials.hardening_return"}]  # fmt: skip
     assert sum(map(lines, soils)) <= 1_200 + 600 and len(soils) <= 8
     beams = [name for name in TREES if name.split(".")[0] == "beams"]
-    # joints of beams 175 in a file, lines along edges of a mesh and what they tell 100; dofs that fields take 30 outside
+    # joints of beams 175 in a file, lines along edges of a mesh and what they tell 100; taken dofs 30 outside
     assert sum(map(lines, beams)) <= 1_500 + 150 + 175 + 100 and len(beams) <= 7 + 1 + 1
     # seepage in time came as a capability too: 480 lines and three files of the water; searches without drainage, and
     # steps that share a matrix, 160
