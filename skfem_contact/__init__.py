@@ -1,6 +1,6 @@
 """Frictional contact, soil plasticity and staged analysis for scikit-fem."""
 
-from . import laboratory, mesh, results, testing, water
+from . import laboratory, mesh, results, section, testing, water
 from .beams import Beam, Embedded, Reinforcement, split_along
 from .checks import guard
 from .contact import AugmentedLagrangian, ContactPair, Surface
@@ -43,8 +43,9 @@ __all__ = [
     "LinearElastic", "Material", "MatrixForm", "Model", "MohrCoulomb", "Newton", "NoEquilibrium", "NotConverged",
     "PoreWater", "Reinforcement", "Response", "RigidBoundary", "Sections", "SolidForm", "Spring", "Stage", "Surface",
     "Tied", "Tresca", "Undrained", "VonMises", "box_supports", "dofs_at", "element_test", "hydrostatic", "join_bodies",
-    "load_mesh", "load_result", "mesh", "results", "rigid", "split_along", "testing", "traction", "water", "water_load",
-    "weight",
+    "load_mesh", "load_result", "mesh", "results", "rigid", "section", "split_along", "testing", "traction", "water",
+    "water_load", "weight",
 ]
 
-guard(__name__, laboratory.__name__, mesh.__name__, results.__name__, rigid.__name__, testing.__name__, water.__name__)
+guard(__name__, laboratory.__name__, mesh.__name__, results.__name__, rigid.__name__, section.__name__,
+      testing.__name__, water.__name__)

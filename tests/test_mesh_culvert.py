@@ -26,7 +26,7 @@ def mesh():
 
 def make(path, **options):
     """Run the script that makes the mesh."""
-    pytest.importorskip("gmsh")
+    pytest.importorskip("gmsh", exc_type=(ImportError, OSError))
     runpy.run_path(str(SCRIPT))["make_culvert"](str(path), **options)
     return load_mesh(path)
 

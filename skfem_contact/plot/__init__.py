@@ -8,9 +8,10 @@ from .contour import animate, contour, cutaway, stages
 from .diagram import diagram, history
 from .flow import flow_diagram
 from .mechanism import load_curve, mechanism
+from .sketch import sketch
 from .units import labelled, set_units
 
 __all__ = ["animate", "contour", "cutaway", "diagram", "flow_diagram", "history", "labelled", "load_curve", "mechanism",
-           "set_units", "stages"]
+           "set_units", "sketch", "stages"]
 
 guard(__name__)

@@ -1,0 +1,136 @@
+"""Pieces into which the outlines of a section cut each other: faces of one area each, and curves of lines."""
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy import ndarray
+
+from ..checks import format_point
+from .kernel import add_curves, add_face
+from .outline import Outline
+
+Outlines = Mapping[str, tuple[Outline, ...]]
+#: Share of the length of a line that may be lost by round-off.
+_ROUND_OFF = 1e-9
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Outlines of a section that were checked one by one."""
+
+    areas: Outlines
+    lifts: Outlines
+    holes: Outlines
+    lines: Outlines
+    below: Outline | None
+    replacing: frozenset[str]
+    bodies: frozenset[str]
+    shift: ndarray
+
+
+@dataclass(frozen=True)
+class Pieces:
+    """Faces by number with their area and lift, "" for none; curves of lines and of the outlines of holes."""
+
+    faces: dict[int, tuple[str, str]]
+    lines: dict[str, list[int]]
+    holes: dict[str, list[int]]
+
+
+def cut_up(gmsh: Any, plan: Plan) -> Pieces:
+    """Cut all outlines into pieces in the current model and check that they fit."""
+    occ = gmsh.model.occ
+    given: list[tuple[str, str, tuple[int, int]]] = []
+    for kind, outlines in (("area", plan.areas), ("lift", plan.lifts), ("hole", plan.holes)):
+        given += [(kind, name, (2, add_face(occ, outline, plan.shift)))
+                  for name, pieces in outlines.items() for outline in pieces]
+    if plan.below:
+        given.append(("below", "", (2, add_face(occ, plan.below, plan.shift))))
+    given += [("line", name, (1, curve)) for name, pieces in plan.lines.items() for outline in pieces
+              for curve in add_curves(occ, outline, plan.shift)]
+    shapes = [shape for _, _, shape in given]
+    parts = occ.fragment(shapes, [])[1] if len(shapes) > 1 else [shapes]
+    occ.synchronize()
+
+    owners: dict[int, dict[str, list[str]]] = {}
+    curves: dict[str, list[int]] = {name: [] for name in plan.lines}
+    for (kind, name, (dim, _)), cut in zip(given, parts):
+        for _, piece in cut:
+            if dim == 1:
+                curves[name].append(piece)
+            elif name not in (there := owners.setdefault(piece, {}).setdefault(kind, [])):
+                there.append(name)
+    sides = {face: sides_of(gmsh, face) for face in owners}
+    faces = _faces(gmsh, plan, owners)
+    borders = {curve for face in faces for curve in sides[face]}
+    holes: dict[str, list[int]] = {name: [] for name in plan.holes}
+    for face, kinds in owners.items():
+        for name in kinds.get("hole", [])[:1]:
+            holes[name] += [curve for curve in sides[face] if curve in borders]
+    pieces = Pieces(faces, curves, holes)
+    _check_curves(gmsh, plan, pieces)
+    return pieces
+
+
+def _faces(gmsh: Any, plan: Plan, owners: Mapping[int, Mapping[str, list[str]]]) -> dict[int, tuple[str, str]]:
+    """Return the faces of the section with their area and lift; remove the others from the model."""
+    faces, others = {}, []
+    for face, kinds in owners.items():
+        areas, lifts = kinds.get("area", []), kinds.get("lift", [])
+        gone = "hole" in kinds or (plan.below is not None and "below" not in kinds)
+        if len(areas) > 1 and not set(areas[1:]) <= plan.replacing and not gone:
+            raise ValueError(f"the areas {_named(areas)} overlap{_where(gmsh, plan, face)}: change their outlines, or "
+                             f"let the later one replace the earlier one: replace=['{areas[-1]}']")
+        if areas and not gone:
+            lifts = [] if areas[-1] in plan.bodies else lifts
+            if len(lifts) > 1:
+                raise ValueError(f"the lifts {_named(lifts)} overlap{_where(gmsh, plan, face)}")
+            faces[face] = areas[-1], lifts[0] if lifts else ""
+        elif lifts and not gone:
+            raise ValueError(f"the lift '{lifts[0]}' leaves the areas{_where(gmsh, plan, face)}")
+        else:
+            others.append((2, face))
+    gmsh.model.removeEntities(others, recursive=False)
+    for kind, k, names in (("area", 0, plan.areas), ("lift", 1, plan.lifts)):
+        if lost := [name for name in names if name not in {labels[k] for labels in faces.values()}]:
+            raise ValueError(f"nothing is left of the {kind} '{lost[0]}': others, holes or the surface replace all")
+    return faces
+
+
+def sides_of(gmsh: Any, face: int) -> list[int]:
+    """Return the curves round a face."""
+    return [abs(int(curve)) for curve in gmsh.model.getAdjacencies(2, face)[1]]
+
+
+def _check_curves(gmsh: Any, plan: Plan, pieces: Pieces) -> None:
+    """Refuse lines that leave the section, and remove curves that belong to nothing."""
+    there = {curve for face in pieces.faces for curve in (*sides_of(gmsh, face), *_inside(gmsh, face))}
+    for name, outlines in plan.lines.items():
+        length = sum(outline.length for outline in outlines)
+        outside = [curve for curve in pieces.lines[name] if curve not in there]
+        if outside and (lost := sum(gmsh.model.occ.getMass(1, curve) for curve in outside)) > _ROUND_OFF * length:
+            at = np.array(gmsh.model.occ.getCenterOfMass(1, outside[0])[:2]) + plan.shift
+            raise ValueError(f"{lost:.4g} of the {length:.4g} of line '{name}' lie outside of the areas, "
+                             f"near {format_point(at)}")
+
+
+    strays = [(1, curve) for _, curve in gmsh.model.getEntities(1) if curve not in there]
+    gmsh.model.removeEntities(strays, recursive=True)
+
+
+def _inside(gmsh: Any, face: int) -> list[int]:
+    """Return the curves inside a face."""
+    return [int(tag) for dim, tag in gmsh.model.mesh.getEmbedded(2, face) if dim == 1]
+
+
+def _named(names: Sequence[str]) -> str:
+    return " and ".join(f"'{name}'" for name in names)
+
+
+def _where(gmsh: Any, plan: Plan, face: int) -> str:
+    """Return size and coordinates of a face in words."""
+    at = np.array(gmsh.model.occ.getCenterOfMass(2, face)[:2]) + plan.shift
+    return f" by an area of {gmsh.model.occ.getMass(2, face):.3g} near {format_point(at)}"
