@@ -9,7 +9,7 @@ from collections import ChainMap
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from itertools import cycle
 from types import FunctionType, NoneType, UnionType
-from typing import Any, Literal, NamedTuple, TypeVar, Union, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Literal, NamedTuple, TypeVar, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 import skfem
@@ -189,6 +189,8 @@ def kind_of(hint: Any) -> Kind:
     numeric = all(one in inner for one in get_args(ArrayLike))
     if hint in _KINDS or origin in _KINDS:
         return _KINDS[hint if hint in _KINDS else origin]
+    if origin is Annotated:  # types of what is given, where the attribute has others
+        return kind_of(inner[1])
     if origin is Literal:
         return Kind(f"one of {', '.join(map(repr, inner))}", lambda value: any(
             type(value) is type(one) and value == one for one in inner))
@@ -232,7 +234,7 @@ def _sequence(origin: type, inner: tuple[Any, ...]) -> Kind:
 def _kinds(function: Any, owner: type | None) -> tuple[list[str], dict[str, Kind]]:
     """Return the names of the positional parameters of a function in their order, and the kinds of all."""
     modules = [vars(sys.modules[base.__module__]) for base in getattr(owner, "__mro__", ())]  # of inherited fields
-    hints, kinds = get_type_hints(function, localns=ChainMap({"Self": Any}, *modules)), {}
+    hints, kinds = get_type_hints(function, localns=ChainMap({"Self": Any}, *modules), include_extras=True), {}
     given = {k: p for k, p in inspect.signature(function).parameters.items()
              if p.kind not in (p.VAR_POSITIONAL, p.VAR_KEYWORD)}
     for name in hints.keys() & given:

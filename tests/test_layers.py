@@ -123,6 +123,7 @@ def lines(name: str) -> int:
 def test_rooms_modules_and_functions_are_small() -> None:
     """No room over 22 % of the package, no module over 350 lines, no function over 40 without its docstring."""
     total = sum(lines(name) for name in TREES)
+    total -= 200  # functions of the coordinates as parameters
     for room in set().union(*ROOMS) - {""}:
         assert sum(lines(name) for name in TREES if name.split(".")[0] == room) <= 0.22 * total, room
     assert not {name: n for name in TREES if (n := lines(name)) > 350}

@@ -21,21 +21,23 @@ class Region(NamedTuple):
     name: str
     material: Material
     elements: slice = slice(None)
+    given: Material | None = None  # with functions of the coordinates, whose values at the points `material` has
+
+    def with_material(self, material: Any, basis: CellBasis) -> Region:
+        """Return the region with another material, which need not derive from :class:`Material`, at a basis' points."""
+        try:
+            given = as_material(material)
+            here = given.at(np.asarray(basis.global_coordinates())[:, self.elements]) if given.functions else given
+        except ValueError as error:
+            raise ValueError(f"material of '{self.name}': {error}") from error
+        return Region(self.name, here, self.elements, given if given.functions else None)
 
 
-def region_of(name: str, material: Any, elements: slice = slice(None)) -> Region:
-    """Return a region; the material need not derive from :class:`Material`."""
-    try:
-        return Region(name, as_material(material), elements)
-    except ValueError as error:
-        raise ValueError(f"material of '{name}': {error}") from error
-
-
-def check_materials(regions: tuple[Region, ...], n_elements: int, ncomp: int) -> None:
-    """Try every material on unstrained elements: its parameters and its memory must fit."""
-    for name, material, elements in regions:
-        n = len(range(n_elements)[elements])
-        zero = np.zeros((ncomp, n, 1))
+def check_materials(regions: tuple[Region, ...], shape: tuple[int, ...], ncomp: int) -> None:
+    """Try every material on unstrained points, (n_elements, n_points): its parameters and its memory must fit."""
+    for name, material, elements, _ in regions:
+        n = len(range(shape[0])[elements]), shape[1]
+        zero = np.zeros((ncomp, *n))
         try:
             internal = material.initial_internal(zero)
             _check_memory(material, "initial_internal", internal, n)
@@ -47,9 +49,9 @@ def check_materials(regions: tuple[Region, ...], n_elements: int, ncomp: int) ->
             raise ValueError(f"material of '{name}', {material.label}: {error}") from error
 
 
-def _check_memory(material: Material, call: str, internal: ndarray, n: int) -> None:
+def _check_memory(material: Material, call: str, internal: ndarray, n: tuple[int, int]) -> None:
     """Refuse internal variables that the material has not declared, and those of a wrong shape."""
-    shape, declared = np.shape(internal), (material.n_internal, n, 1)
+    shape, declared = np.shape(internal), (material.n_internal, *n)
     if shape != declared:
         names = ", ".join(variable.name for variable in material.internal) or "none"
         raise ValueError(f"{call} returns internal variables of shape {shape}, but {material.n_internal} declared "
@@ -60,7 +62,7 @@ def by_region(basis: CellBasis, materials: Material | Mapping[str, Material]
               ) -> tuple[CellBasis, tuple[Region, ...]]:
     """Order the elements of a basis region by region, so that every region is a slice."""
     if not isinstance(materials, Mapping):
-        return basis, (region_of("all", materials),)
+        return basis, (Region("all", materials),)
     if not materials:
         raise ValueError("there is no material: give one, or {subdomain: material}")
     present = elements_of(basis)
@@ -72,7 +74,7 @@ def by_region(basis: CellBasis, materials: Material | Mapping[str, Material]
         if len(elements) == 0:
             raise ValueError(f"subdomain '{name}' holds no element of this basis")
         order.append(elements)
-        regions.append(region_of(name, material, slice(start, start + len(elements))))
+        regions.append(Region(name, material, slice(start, start + len(elements))))
         start += len(elements)
     tind = np.concatenate(order)
     unique, count = np.unique(tind, return_counts=True)

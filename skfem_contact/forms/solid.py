@@ -13,7 +13,7 @@ from scipy.sparse import csr_matrix
 from skfem import CellBasis
 from typing_extensions import override
 
-from ..checks import check_basis, check_quadrature, check_size, look_up
+from ..checks import check_basis, check_quadrature, check_size, names
 from ..errors import Remark
 from ..loads import weight, weightless
 from ..materials import Material, Update
@@ -21,7 +21,7 @@ from ..materials.base import PLASTIC_STRAIN, Flow, updated
 from ..materials.spectral import largest_shear
 from .assembly import Measure, Pattern, element_stiffness, force_matrix, has_corners_only, strain_of, strain_operator
 from .base import Coordinates, Form, Response
-from .regions import Region, by_region, changed_moduli, check_materials, inherited, region_of
+from .regions import Region, by_region, changed_moduli, check_materials, inherited
 
 #: Round-off of the forces of a displaced body, relative to those of its displacements taken one by one.
 _ROUND_OFF = 8 * np.finfo(float).eps
@@ -60,8 +60,8 @@ class SolidForm(Form):
         ``Basis`` of an ``ElementVector`` on triangles, quadrilaterals, tetrahedra or hexahedra, whole or restricted
         (``basis.with_elements``). Elements of four and eight corners need ``intorder=2`` for two points per direction.
     materials
-        One material, or ``{subdomain: material}`` that covers every element of the basis once. Parameters that are
-        arrays have one value per element, in the order of ``mesh.subdomains[subdomain]``.
+        One material, or ``{subdomain: material}`` that covers every element of the basis once. Arrays of parameters
+        have one value per element, in the order of ``mesh.subdomains[subdomain]``; functions count at the points.
     strain
         ``"full"``, or ``"b_bar"``: volumetric strains averaged over each element. By default ``"b_bar"`` for elements
         of four and eight corners with a material that yields, where full strains lock.
@@ -106,6 +106,7 @@ class SolidForm(Form):
         check_basis(basis)
         check_quadrature(basis)
         self.basis, regions = by_region(basis, materials)  # state arrays follow this order of the elements
+        regions = tuple(r.with_material(r.material, self.basis) for r in regions)
         flows = any(region.material.n_internal for region in regions)
         self.size, self.joins, self._duration = int(self.basis.N), np.zeros(0, int), 0.0
         self.strain, self.coordinates = strain_of(self.basis, strain, coordinates, flows)
@@ -114,7 +115,7 @@ class SolidForm(Form):
             raise ValueError(f"{missing} have no unit weight: give one for each subdomain, 0 for a weightless one")
         B, self.weight = strain_operator(self.basis, self.strain, self.coordinates)
         self._ncomp = B.shape[2]
-        check_materials(regions, self.basis.nelems, self._ncomp)
+        check_materials(regions, self.weight.shape, self._ncomp)
         self._set(regions)
         self._pattern = Pattern.of(self.basis)
         self._force_matrix = force_matrix(B, self.weight, self.basis.element_dofs, self.basis.N)
@@ -138,14 +139,13 @@ class SolidForm(Form):
 
     def with_materials(self, materials: Mapping[str, Material]) -> SolidForm:
         """Return the body with other materials, ``{subdomain: material}``; matrices that do not change are shared."""
-        for name in materials:
-            look_up(name, self.materials, "region of this solid")
+        names(materials, self.materials, "region of this solid")
         new = self._of(materials)
-        check_materials(new.regions, self.basis.nelems, self._ncomp)
+        check_materials(new.regions, self.weight.shape, self._ncomp)
         return new
 
     def _of(self, materials: Mapping[str, Material]) -> SolidForm:
-        regions = tuple(region_of(r.name, materials.get(r.name, r.material), r.elements) for r in self.regions)
+        regions = tuple(r.with_material(m, self.basis) if (m := materials.get(r.name)) else r for r in self.regions)
         if same := all(np.array_equal(a.material.elasticity(self._ncomp), b.material.elasticity(self._ncomp))
                        for a, b in zip(self.regions, regions, strict=True)):
             _ = self._diagonal  # with the stiffness: computed once, for the bodies of all strengths

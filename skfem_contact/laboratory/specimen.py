@@ -12,6 +12,7 @@ from ..checks import finite
 from ..errors import IncrementTooLarge, NotConverged
 from ..materials import Material
 from ..materials.base import EXCESS_PRESSURE, Update, as_material, updated
+from ..materials.elastic import refuse_functions
 from .paths import COMPONENTS, PathStep
 from .result import ElementTest
 
@@ -61,6 +62,7 @@ def element_test(material: Material, stress: ArrayLike, path: PathStep | Sequenc
     array([400.   , 538.034])
     """
     law, start = as_material(material), _components(stress)
+    refuse_functions(law)
     state = np.zeros_like(start), start, law.initial_internal(start[:, :, None])[:, :, 0]
     _check_start(law, state)
     history = [(*state, np.zeros(start.shape[1]), -1, 0)]

@@ -49,6 +49,7 @@ class Elements:
     facets: ndarray  # dofs of all facets, (n_facets, n_nodes, 2 components): at their ends first
     inside: ndarray  # dofs that take equal parts of a body force, (n_elements, n_nodes, 2 components)
     ends: ndarray  # forces at the nodes of a facet by linear tractions at its ends, over its length, (n_nodes, 2)
+    strength: ndarray  # weights of the strength at the corners of a triangle for that of each corner, (3, 3)
     jump: ndarray  # Bernstein coefficients of a jump along a facet by its nodes, of equal weight, (n_points, n_nodes)
 
     @property
@@ -96,7 +97,8 @@ def stress_elements(mesh: MeshTri) -> Elements:
     thirds = np.stack([2 * a + b, a + 2 * b], axis=2).reshape(2, -1) / 3
     coordinates = np.repeat(np.hstack([thirds, mesh.p[:, mesh.t].mean(axis=1)]), 2, axis=1)
     dofs = np.hstack([inside[:, 0], facets[mesh.t2f.T].reshape(ne, 12)])
-    return Elements(mesh, B, dofs, coordinates, facets, inside, ends=np.eye(2) / 2, jump=np.eye(2))
+    return Elements(mesh, B, dofs, coordinates, facets, inside, ends=np.eye(2) / 2, strength=np.eye(3),
+                    jump=np.eye(2))
 
 
 def velocity_elements(mesh: MeshTri) -> Elements:
@@ -111,7 +113,8 @@ def velocity_elements(mesh: MeshTri) -> Elements:
     dofs = basis.element_dofs.T
     return Elements(mesh, B[:, :, [0, 1, 3]] * weight[:, :, None, None], dofs, basis.doflocs,
                     facets=np.concatenate([ends, middles[:, None]], axis=1), inside=dofs[:, 6:].reshape(-1, 3, 2),
-                    ends=np.array([[1, 0], [0, 1], [2, 2]]) / 6, jump=np.array([[1, 0, 0], [0, 1, 0], [-0.5, -0.5, 2]]))
+                    ends=np.array([[1, 0], [0, 1], [2, 2]]) / 6, strength=(np.ones((3, 3)) + np.eye(3)) / 4,
+                    jump=np.array([[1, 0, 0], [0, 1, 0], [-0.5, -0.5, 2]]))
 
 
 def _strain(gradient: ndarray) -> ndarray:

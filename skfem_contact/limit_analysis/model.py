@@ -211,6 +211,24 @@ def _linear(mesh: Mesh, coefficients: ndarray) -> Field:
     return field
 
 
+class Profile(NamedTuple):
+    """Cohesion that varies with the coordinates, linear in every triangle."""
+
+    elements: ndarray  # of the first mesh, (n_first,): True where it varies
+    cohesion: Callable[[ndarray, ndarray], ndarray]  # of coordinates (2, n, 3) and elements (n,) of the first mesh
+
+    def at(self, triangles: Triangles, some: ndarray) -> tuple[ndarray, ndarray]:
+        """Return those of some triangles where the cohesion varies, by position, and its values at their corners."""
+        origin = triangles.origin[some]
+        here = np.flatnonzero(self.elements[origin])
+        x = triangles.mesh.p[:, triangles.mesh.t[:, some[here]]].swapaxes(1, 2)
+        return here, self.cohesion(x, origin[here])
+
+    def vanishes(self, triangles: Triangles) -> bool:
+        """Return True if there is no cohesion at some corner."""
+        return bool((self.at(triangles, np.arange(len(triangles.origin)))[1] == 0).any())
+
+
 @dataclass(frozen=True)
 class LimitModel:
     """Strength and loads; lengths and stresses are of order one.
@@ -223,6 +241,20 @@ class LimitModel:
     rigid: ndarray  # number of the rigid body of an element, -1 for none: these have pores
     loads: Loads
     contacts: tuple[Contact, ...] = ()
+    profiles: tuple[Profile, ...] = ()
+
+    def strength(self, triangles: Triangles, soft: ndarray, elements: Elements) -> Strength:
+        r"""Return the strength at the corners of triangles that can yield, for the bound of some elements.
+
+        Linear stresses are admissible in a triangle if they are at its corners. The dissipation of linear strains is
+        convex, so that it is at most that of the corners, each with the mean of the strength by its shape function:
+        :math:`\int c\, D(\sum_i \lambda_i \varepsilon_i) \le \sum_i D(\varepsilon_i) \int \lambda_i c`.
+        """
+        found = self.soil.at(np.repeat(triangles.origin[soft], 3))
+        for profile in self.profiles:
+            here, cohesion = profile.at(triangles, soft)
+            found.c.reshape(-1, 3)[here] = cohesion @ elements.strength
+        return found
 
     def power(self, triangles: Triangles, elements: Elements) -> tuple[ndarray, ndarray]:
         """Return the power of the fixed and of the multiplied loads, (n,) each."""
@@ -261,7 +293,7 @@ def discretise(model: LimitModel, triangles: Triangles, elements: Elements) -> P
     soft = np.flatnonzero(rigid < 0)
     joints, tied = joined(model.contacts, triangles, elements)
     parts = [(elements.B[soft], elements.dofs[soft]), *((joint.B, joint.dofs) for joint in joints)]
-    strengths: list[Strength] = [model.soil.at(np.repeat(triangles.origin[soft], 3)), *(j.strength for j in joints)]
+    strengths: list[Strength] = [model.strength(triangles, soft, elements), *(j.strength for j in joints)]
     held = [elements.facets[triangles.tags["held", k], :, k].ravel() for k in (0, 1)]
     used = np.concatenate([dofs.ravel() for _, dofs in parts])
     reduction = Reduction.of(elements, used, np.concatenate(held), tied, rigid)

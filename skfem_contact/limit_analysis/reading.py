@@ -3,6 +3,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -11,14 +12,19 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from skfem import CellBasis, Mesh
 
+from ..checks import format_point
 from ..contact.laws import Coulomb, Tied
 from ..contact.pair import ContactPair
 from ..forms.base import as_forms, pairs_of, reduced_parts
+from ..forms.regions import Region
 from ..forms.solid import SolidForm
 from ..materials.base import Flow, Material
-from .model import LimitModel, Loads, Site
+from .model import LimitModel, Loads, Profile, Site
 from .strength import FLAT, Strength
 from .triangles import Contact, Geometry, Tag, Triangles, geometry
+
+#: Cohesion below zero at a corner, as a share of the largest, that is round-off.
+_ROUND_OFF = 1e-12
 
 
 @dataclass(frozen=True)
@@ -54,17 +60,20 @@ def read(forms: Mapping[str, Any], fixed: ndarray, loads: Callable[[Site], Loads
         _check_boundary(tag, shape.triangles)
     unit = _unit_of_stress(soil, given, shape)
     model = LimitModel(shape.triangles, soil.over(unit), _rigid_bodies(shape.triangles, soil.rigid),
-                  given.scaled(shape.centre, shape.size, unit), _contacts(pairs, targets, unit))
+                  given.scaled(shape.centre, shape.size, unit), _contacts(pairs, targets, unit),
+                  _profiles(solids, "associated", shape, unit))
     less = any(material.dilates_less for form in solids.values() for material in form.materials.values())
     davis = None
     if less and not associated:
-        davis = replace(model, soil=_strengths(solids, targets, "davis_a").over(unit))
+        davis = replace(model, soil=_strengths(solids, targets, "davis_a").over(unit),
+                        profiles=_profiles(solids, "davis_a", shape, unit))
     smooth = None
     if any(contact.mu for contact in model.contacts) and not associated:
         smooth = replace(davis or model, contacts=tuple(replace(contact, mu=0.0) for contact in model.contacts))
     names = tuple(f"{name}.{part}" if part else name for name, parts in targets.items() for part in parts)
-    missing = "cohesion" if (soil.c == 0).any() else "tension" if (soil.tension == 0).any() else ""
-    remarks = _remarks(solids, shape, given, soil)
+    cohesionless = (soil.c == 0).any() or any(profile.vanishes(shape.triangles) for profile in model.profiles)
+    missing = "cohesion" if cohesionless else "tension" if (soil.tension == 0).any() else ""
+    remarks = _remarks(solids, shape, given, soil, bool(cohesionless))
     if not associated:
         remarks += _slipping(pairs)
     return Problem(model, davis, smooth, basis.mesh, shape, unit, multiplied, missing, names, remarks)
@@ -110,22 +119,53 @@ def _strengths(solids: Mapping[str, SolidForm], targets: Mapping[str, Collection
     for name, form in solids.items():
         for region in form.regions:
             where = form.elements[region.elements]
-            c, t, tension = _parameters(region.material, flow, f"{name}.{region.name}")
+            c, t, tension = _parameters(region, flow, f"{name}.{region.name}")
             found.c[where], found.t[where], found.tension[where] = c, t, tension
             found.reduced[where] = region.name in targets.get(name, ())
     return found
 
 
-def _parameters(material: Material, flow: Flow, name: str) -> tuple[Any, Any, Any]:
-    """Return cohesion, tan phi and tensile strength in plane strain."""
+def _parameters(region: Region, flow: Flow, name: str) -> tuple[Any, Any, Any]:
+    """Return cohesion, tan phi and tensile strength in plane strain; of a cohesion that varies the mean of elements."""
+    material = region.material
     if (cone := material.cone(flow)) is None:
         raise ValueError(f"there are no bounds for {material.label} with the flow '{flow}'")
-    c, t, tension = cone
+    if any(np.ndim(value) == 2 and np.ptp(value, axis=1).any() for value in cone[1:]):
+        raise ValueError(f"friction or tensile strength of '{name}' vary within elements: bounds know a cohesion that "
+                         "does; give one value an element")
+    if np.ndim(cone[0]) == 2 and region.given is None:
+        raise ValueError(f"the cohesion of '{name}' is known at integration points alone, as after a reduction of its "
+                         "strength: give the body with the function of the coordinates")
+    c, t, tension = (np.mean(value, axis=1) if np.ndim(value) == 2 else value for value in cone)
     if np.any((np.asarray(t) > 0) & (np.asarray(t) < FLAT)):
         raise ValueError(f"a friction angle of '{name}' lies between 0 and {np.degrees(FLAT):.2f} degrees; make it 0")
     if np.any((np.asarray(c) == 0) & (np.asarray(t) == 0)):
         raise ValueError(f"'{name}' has neither cohesion nor friction")
     return c, t, tension
+
+
+def _profiles(solids: Mapping[str, SolidForm], flow: Flow, shape: Geometry, unit: float) -> tuple[Profile, ...]:
+    """Return the cohesions that vary with the coordinates, in units of the model."""
+    n, found = next(iter(solids.values())).basis.mesh.nelements, []
+    for name, form in solids.items():
+        for region in form.regions:
+            if region.given is None or region.given.cohesion_at(shape.centre[:, None, None]) is None:
+                continue
+            where, share = form.elements[region.elements], np.zeros(n)
+            c, given = (_parameters(region, kind, name)[0] for kind in (flow, "associated"))
+            share[where] = np.divide(c, given, out=np.ones(len(where)), where=given > 0) / unit
+            found.append(Profile(share > 0, partial(_cohesion, region.given, shape, share)))
+    return tuple(found)
+
+
+def _cohesion(material: Material, shape: Geometry, share: ndarray, x: ndarray, elements: ndarray) -> ndarray:
+    """Return a share of the cohesion at coordinates (2, n, 3) of the model, by elements of the mesh, (n, 3)."""
+    there = shape.centre[:, None, None] + shape.size * x
+    values = np.asarray(material.cohesion_at(there))
+    if (values < -_ROUND_OFF * np.abs(values).max(initial=0.0)).any():
+        where = format_point(there.reshape(2, -1)[:, values.argmin()])
+        raise ValueError(f"the cohesion must not be negative, got {values.min():.4g} at {where}")
+    return np.maximum(values, 0.0) * share[elements][:, None]
 
 
 def _unknowns(fixed: ndarray, basis: CellBasis) -> ndarray:
@@ -206,16 +246,19 @@ def _rigid_bodies(triangles: Triangles, rigid: ndarray) -> ndarray:
     return result
 
 
-def _remarks(solids: Mapping[str, SolidForm], shape: Geometry, given: Loads, soil: Strength) -> tuple[str, ...]:
+def _remarks(solids: Mapping[str, SolidForm], shape: Geometry, given: Loads, soil: Strength, cohesionless: bool
+             ) -> tuple[str, ...]:
     """Return the simplifications."""
     remarks = []
     elastic = [name for name, form in solids.items() if soil.rigid[form.elements].any()]
     if elastic:
         remarks.append(f"elastic bodies have no limit and count as rigid: {', '.join(elastic)}")
-    if (soil.c == 0).any():
+    if cohesionless:
         remarks.append("soil without cohesion: at a free surface the lower bound is zero; a small cohesion mends it")
     if shape.curved:
         remarks.append("curved sides are straight between the nodes at their ends")
+    if any(region.given is not None for form in solids.values() for region in form.regions):
+        remarks.append("a cohesion that varies is linear in every triangle")
     if given.water is not None:
         remarks.append("the pressure of water is linear in every triangle")
     return (*remarks, *given.remarks)

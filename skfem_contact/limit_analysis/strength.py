@@ -113,7 +113,7 @@ class Strength:
         shear = np.eye(3)[1:] if self.joint else np.array([[0.5, -0.5, 0.0], [0.0, 0.0, 1.0]])
         R = np.broadcast_to(shear, (n, 2, 3))
         # a smooth joint has no shear traction in its operator: a cone of some size holds the idle dofs
-        size = np.where(self.smooth, 1.0, self.c)
+        size = np.where(self.smooth & self.joint, 1.0, self.c)
         one = Cones(at, size, zero if self.joint else self.t, self.t[:, None] * k, R, no, self.reduced)
         two = Cones(at, self.tension, zero, np.broadcast_to(k, (n, 3)), R * (not self.joint), ~no, self.reduced)
         return one, two.taken(np.flatnonzero(self.cut))

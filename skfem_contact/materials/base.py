@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import fields
-from typing import Any, Literal, NamedTuple, get_args
+from typing import Annotated, Any, Literal, NamedTuple, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,6 +15,8 @@ from ..errors import warn
 
 Array = NDArray[np.float64]
 Parameter = float | Array
+#: What a user gives for a parameter: a number, one number an element, or a function of the coordinates (dim, ...).
+Given = Annotated[Any, float | Array | Callable[[Array], ArrayLike]]
 
 #: Flow rules with which a strength is reduced, see :meth:`Material.reduced`.
 Flow = Literal["given", "associated", "davis_a", "davis_b", "davis_c", "lagged"]
@@ -136,6 +138,15 @@ class Material:
         return False
 
     @property
+    def functions(self) -> tuple[str, ...]:
+        """Names of the parameters that are functions of the coordinates."""
+        return ()
+
+    def at(self, x: Array) -> Material:
+        """Return the material with the values of its functions at points of elements, (dim, n_elements, n_points)."""
+        return self
+
+    @property
     def reducible(self) -> bool:
         """True if there is a strength to reduce."""
         return type(self).reduced is not Material.reduced
@@ -198,6 +209,9 @@ class Material:
         The flow is associated or one of Davis'. The cohesion of a rigid material is infinite.
         """
         return None
+
+    def cohesion_at(self, x: Array) -> Array | None:
+        """Return the cohesion of the associated cone at points, None unless it is a function of the coordinates."""
 
     def reduced(self, factor: float, flow: Flow = "given") -> Material:
         """Return the material with its strength divided by a positive factor; refuse a flow that it does not have.
@@ -278,10 +292,10 @@ def check_reduction(factor: float, flow: str) -> None:
         raise ValueError(f"flow must be one of {', '.join(FLOWS)}, not {flow!r}")
 
 
-def as_parameter(name: str, value: ArrayLike) -> Parameter:
-    """Return a finite float, or a read-only array with one finite value an element."""
+def as_parameter(name: str, value: ArrayLike, ndim: int = 1) -> Parameter:
+    """Return a finite float, or a read-only array with one finite value an element, or a point with `ndim` 2."""
     array = finite(value, name)
-    if array.ndim > 1 or array.size == 0:
+    if array.ndim > ndim or array.size == 0:
         raise ValueError(f"{name} must be a number or one number an element, got shape {array.shape}")
     if array.ndim == 0:
         return float(array)
@@ -290,12 +304,12 @@ def as_parameter(name: str, value: ArrayLike) -> Parameter:
 
 
 def as_parameters(material: Any) -> None:
-    """Check the fields of a frozen dataclass as parameters; arrays must agree in length."""
+    """Check the fields of a frozen dataclass as parameters, without functions; arrays must agree in length."""
     given = {field.name: getattr(material, field.name) for field in fields(material)}
-    for field in fields(material):
+    for field in (field for field in fields(material) if not callable(given[field.name])):
         if given[field.name] is not None or field.default is not None:
             object.__setattr__(material, field.name, as_parameter(field.name, given[field.name]))
-    lengths = {name: np.size(value) for name, value in given.items() if np.ndim(value)}
+    lengths = {name: len(value) for name, value in given.items() if np.ndim(value)}
     if len(set(lengths.values())) > 1:
         listed = ", ".join(f"{name} has {length}" for name, length in lengths.items())
         raise ValueError(f"parameter arrays must have one value an element: {listed}")
@@ -305,18 +319,20 @@ def require(name: str, value: Parameter, holds: Any, demand: str) -> None:
     """Raise a ValueError that names the first element where a demand on a parameter does not hold."""
     if np.all(holds):
         return
-    first = int(np.argmin(np.atleast_1d(holds)))
-    values = np.atleast_1d(value)
-    where = f" in element {first}" if np.size(holds) > 1 else ""
-    raise ValueError(f"{name} must {demand}, got {values[first if values.size > 1 else 0]}{where}")
+    mask = np.atleast_1d(holds)
+    first = np.unravel_index(int(np.argmin(mask)), mask.shape)
+    where = f" in element {first[0]}" if mask.size > 1 else ""
+    raise ValueError(f"{name} must {demand}, got {np.broadcast_to(value, mask.shape)[first]}{where}")
 
 
 def along_elements(value: Parameter, shape: tuple[int, ...]) -> Parameter:
     """Return a parameter at the points of a field of the shape (ncomp, n_elements, ...); a float stays one."""
     if not isinstance(value, np.ndarray):
         return value
-    if np.size(value) != shape[1]:
-        raise ValueError(f"a parameter array has {np.size(value)} values for {shape[1]} elements")
+    if len(value) != shape[1]:
+        raise ValueError(f"a parameter array has {len(value)} values for {shape[1]} elements")
+    if value.ndim == 2:
+        return np.broadcast_to(value, shape[1:]) if len(shape) > 2 else value.mean(axis=1)
     return np.repeat(value, int(np.prod(shape[2:]))).reshape(shape[1:])
 
 

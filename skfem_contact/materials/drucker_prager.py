@@ -13,7 +13,8 @@ from typing import NamedTuple
 import numpy as np
 from typing_extensions import override
 
-from .base import Array, Flow, Parameter, along_elements, check_reduction, reduced_dilatancy, require
+from .base import Array, Flow, Given, Parameter, along_elements, check_reduction, reduced_dilatancy, require
+from .elastic import at_points
 from .mohr_coulomb import MohrCoulomb
 from .plastic import IsotropicPlasticity, Return, chosen
 from .spectral import mean_and_shear
@@ -82,12 +83,13 @@ class DruckerPrager(ConePlasticity):
     8.3205 0.1601 0.1601
     """
 
-    k: Parameter
-    alpha: Parameter
-    beta: Parameter = 0.0
+    k: Given
+    alpha: Given
+    beta: Given = 0.0
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
+    @override
+    def _check(self) -> None:
+        super()._check()
         self._not_negative("k", "alpha", "beta")
         require("beta", self.beta, np.less_equal(self.beta, self.alpha), "not exceed alpha")
 
@@ -139,10 +141,11 @@ class VonMises(ConePlasticity):
     VonMises(E=210000.0, nu=0.3, strength=117.5)
     """
 
-    strength: Parameter
+    strength: Given
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
+    @override
+    def _check(self) -> None:
+        super()._check()
         self._not_negative("strength")
 
     @override
@@ -154,6 +157,10 @@ class VonMises(ConePlasticity):
     def cone(self, flow: Flow = "associated") -> tuple[Parameter, Parameter, Parameter]:
         # in plane strain the third stress of a flowing point is the mean of the others
         return self.strength / np.sqrt(3), 0.0, np.inf
+
+    @override
+    def cohesion_at(self, x: Array) -> Array | None:
+        return at_points("strength", self.strength, x) / np.sqrt(3) if callable(self.strength) else None
 
     @override
     def constants(self) -> ConeConstants:

@@ -3,30 +3,70 @@
 from __future__ import annotations
 
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
 from typing_extensions import override
 
-from .base import Array, Flow, Material, Parameter, Update, along_elements, as_parameter, as_parameters, require
+from ..checks import finite
+from .base import (
+    Array,
+    Flow,
+    Given,
+    Material,
+    Parameter,
+    Update,
+    along_elements,
+    as_parameter,
+    as_parameters,
+    require,
+)
+
+#: Parameters of which an element has one value, the mean of those of its points.
+_BY_ELEMENT = ("E", "nu")
 
 
 @dataclass(frozen=True, eq=False)
 class Isotropic(Material):
-    """Parameters of isotropic elasticity: floats, or arrays with one value an element of the region.
+    """Parameters of isotropic elasticity: floats, arrays with one value an element of the region, or functions.
 
     A ValueError refuses a parameter that is out of its range or not finite, and arrays that differ in length. Two
     materials are equal only if they are the same object.
     """
 
-    E: Parameter
-    nu: Parameter
+    E: Given
+    nu: Given
 
     def __post_init__(self) -> None:
         as_parameters(self)
+        if not self.functions:
+            self._check()
+
+    def _check(self) -> None:
+        """Check the ranges of the parameters, which are numbers."""
         require("E", self.E, np.greater(self.E, 0), "be positive")
         require("nu", self.nu, np.greater(self.nu, -1) & np.less(self.nu, 0.5), "lie between -1 and 0.5")
+
+    @property
+    @override
+    def functions(self) -> tuple[str, ...]:
+        return tuple(field.name for field in fields(self) if callable(getattr(self, field.name)))
+
+    @override
+    def at(self, x: Array) -> Any:
+        if not self.functions:
+            return self
+        changes: dict[str, Parameter] = {}
+        for name, value in ((field.name, getattr(self, field.name)) for field in fields(self)):
+            if callable(value):
+                values = at_points(name, value, x)
+                changes[name] = values.mean(axis=1) if name in _BY_ELEMENT else values
+            elif np.ndim(value) == 1 and name not in _BY_ELEMENT:
+                changes[name] = value[:, None]
+        new = self._with(**changes)
+        new._check()
+        return new
 
     def _not_negative(self, *names: str) -> None:
         """Refuse negative values of some parameters."""
@@ -38,7 +78,7 @@ class Isotropic(Material):
         """Return the material with other parameters, which follow from checked ones."""
         new = copy(self)
         for name, value in changes.items():
-            object.__setattr__(new, name, None if value is None else as_parameter(name, value))
+            object.__setattr__(new, name, None if value is None else as_parameter(name, value, 2))
         return new
 
     @property
@@ -77,8 +117,9 @@ class LinearElastic(Isotropic):
 
     Parameters
     ----------
-    E, nu : float or ndarray
-        Young's modulus (stress), positive, and Poisson's ratio, -1 < nu < 0.5; floats or one value an element each.
+    E, nu : float, ndarray or callable
+        Young's modulus (stress), positive, and Poisson's ratio, -1 < nu < 0.5: floats, one value an element each, or
+        functions of the coordinates (dim, ...), of which an element takes the mean.
 
     Examples
     --------
@@ -107,3 +148,18 @@ class LinearElastic(Isotropic):
     @override
     def cone(self, flow: Flow = "associated") -> tuple[Parameter, Parameter, Parameter]:
         return np.inf, 0.0, np.inf
+
+
+def at_points(name: str, function: Any, x: Array) -> Array:
+    """Return the values of a parameter that is a function of the coordinates, (n_elements, n_points)."""
+    values = finite(function(x), f"{name}(x)")
+    if values.shape not in ((), x.shape[1:]):
+        raise ValueError(f"{name}(x) must return one number for each point, shape {x.shape[1:]}, not {values.shape}")
+    return np.broadcast_to(values, x.shape[1:]).copy()
+
+
+def refuse_functions(material: Material) -> None:
+    """Refuse a material with functions of the coordinates where there are no coordinates."""
+    if material.functions:
+        raise ValueError(f"{' and '.join(material.functions)} of {material.label} vary with the coordinates, which "
+                         "a single point does not have: give numbers")

@@ -8,7 +8,17 @@ from typing import NamedTuple, cast
 import numpy as np
 from typing_extensions import override
 
-from .base import Array, Flow, Parameter, along_elements, check_reduction, reduced_dilatancy, require, warn_of_radians
+from .base import (
+    Array,
+    Flow,
+    Given,
+    Parameter,
+    along_elements,
+    check_reduction,
+    reduced_dilatancy,
+    require,
+    warn_of_radians,
+)
 from .mohr_coulomb import CohesiveFrictional, MohrCoulomb
 from .plastic import ROUND_OFF, IsotropicPlasticity, Return, chosen, equivalent_shear_strain
 from .pyramid import PyramidConstants, pyramid_excess, pyramid_return
@@ -58,15 +68,16 @@ class HardeningMohrCoulomb(CohesiveFrictional, IsotropicPlasticity):
     (array([13.373]), array([0.0442]))
     """
 
-    c: Parameter
-    c_end: Parameter
-    phi: Parameter
-    phi_end: Parameter
-    strain_end: Parameter
-    psi: Parameter = 0.0
+    c: Given
+    c_end: Given
+    phi: Given
+    phi_end: Given
+    strain_end: Given
+    psi: Given = 0.0
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
+    @override
+    def _check(self) -> None:
+        super()._check()
         self._not_negative("c", "c_end", "psi")
         for name in ("phi", "phi_end"):
             angle = getattr(self, name)

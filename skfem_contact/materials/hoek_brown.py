@@ -15,7 +15,7 @@ import numpy as np
 from typing_extensions import override
 
 from ..errors import IncrementTooLarge
-from .base import Array, Parameter, along_elements, require, warn_of_radians
+from .base import Array, Given, Parameter, along_elements, require, warn_of_radians
 from .plastic import ROUND_OFF, IsotropicPlasticity, Return, chosen
 from .pyramid import PyramidConstants, pyramid_return
 from .spectral import extremes, principal_stresses
@@ -80,14 +80,15 @@ class HoekBrown(IsotropicPlasticity):
     array([7178.942])
     """
 
-    sigma_ci: Parameter
-    m_b: Parameter
-    s: Parameter
-    a: Parameter = 0.5
-    psi: Parameter = 0.0
+    sigma_ci: Given
+    m_b: Given
+    s: Given
+    a: Given = 0.5
+    psi: Given = 0.0
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
+    @override
+    def _check(self) -> None:
+        super()._check()
         for name in ("sigma_ci", "m_b"):
             require(name, getattr(self, name), np.greater(getattr(self, name), 0), "be positive")
         require("s", self.s, np.greater_equal(self.s, 0) & np.less_equal(self.s, 1), "lie between 0 and 1")

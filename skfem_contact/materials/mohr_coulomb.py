@@ -16,6 +16,7 @@ from typing_extensions import override
 from .base import (
     Array,
     Flow,
+    Given,
     Material,
     Parameter,
     Update,
@@ -25,6 +26,7 @@ from .base import (
     require,
     warn_of_radians,
 )
+from .elastic import at_points
 from .plastic import IsotropicPlasticity, Return
 from .pyramid import PyramidConstants, cut_off_excess, return_with_cut_off
 from .spectral import extremes, principal_stresses
@@ -36,10 +38,10 @@ _LEAST = 0.1
 class CohesiveFrictional(Material):
     """Results of the laws with cohesion and friction angle by Mohr's circle."""
 
-    c: Parameter
-    phi: Parameter
-    psi: Parameter
-    tension: Parameter | None = None
+    c: Given
+    phi: Given
+    psi: Given
+    tension: Given | None = None
 
     def strength_at(self, internal: Array) -> tuple[Parameter, Parameter]:
         """Return cohesion and friction angle (radians) at the points of internal variables."""
@@ -92,13 +94,14 @@ class MohrCoulomb(CohesiveFrictional, IsotropicPlasticity):
 
     Parameters
     ----------
-    E, nu : float or ndarray
+    E, nu : float, ndarray or callable
         As those of :class:`LinearElastic`.
-    c : float or ndarray
-        Cohesion (stress), not negative; like all parameters a float or one value an element.
-    phi, psi : float or ndarray
+    c : float, ndarray or callable
+        Cohesion (stress), not negative; like all parameters a float, one value an element, or a function of the
+        coordinates (dim, ...).
+    phi, psi : float, ndarray or callable
         Friction angle in degrees, 0 <= phi < 90, and dilatancy angle, 0 <= psi <= phi.
-    tension : float or ndarray, optional
+    tension : float, ndarray or callable, optional
         Tensile strength, not negative: no principal stress exceeds it, with associated flow. None, or a value above
         the apex c cot(phi), is no cut-off.
 
@@ -112,13 +115,14 @@ class MohrCoulomb(CohesiveFrictional, IsotropicPlasticity):
     array([ -3.8, -11.4,  -4.8,   0. ])
     """
 
-    c: Parameter
-    phi: Parameter
-    psi: Parameter = 0.0
-    tension: Parameter | None = None
+    c: Given
+    phi: Given
+    psi: Given = 0.0
+    tension: Given | None = None
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
+    @override
+    def _check(self) -> None:
+        super()._check()
         self._not_negative("c", "psi", "tension")
         in_range = np.greater_equal(self.phi, 0) & np.less(self.phi, 90)
         require("phi", self.phi, in_range, "lie in [0, 90) degrees")
@@ -158,6 +162,10 @@ class MohrCoulomb(CohesiveFrictional, IsotropicPlasticity):
         return self.c, np.tan(np.radians(self.phi)), np.inf if self.tension is None else self.tension
 
     @override
+    def cohesion_at(self, x: Array) -> Array | None:
+        return at_points("c", self.c, x) if callable(self.c) else None
+
+    @override
     def constants(self) -> PyramidConstants:
         phi, psi = np.radians(self.phi), np.radians(self.psi)
         strength = 2 * self.c * np.cos(phi)
@@ -188,7 +196,7 @@ class Tresca(MohrCoulomb):
 
     Parameters
     ----------
-    E, nu, c : float or ndarray
+    E, nu, c : float, ndarray or callable
         As those of :class:`MohrCoulomb`.
 
     Examples
@@ -196,11 +204,17 @@ class Tresca(MohrCoulomb):
     >>> import skfem_contact as sc
     >>> sc.Tresca(E=1000.0, nu=0.25, c=10.0).reduced(2.0)
     Tresca(E=1000.0, nu=0.25, c=5.0)
+
+    A strength that rises with the depth below y = 0, by 2 per unit of length, and a stiffness of 500 times as much:
+
+    >>> clay = sc.Tresca(E=lambda x: 500.0 * (10.0 - 2.0 * x[1]), nu=0.49, c=lambda x: 10.0 - 2.0 * x[1])
+    >>> clay.functions
+    ('E', 'c')
     """
 
-    phi: Parameter = field(default=0.0, init=False, repr=False)
-    psi: Parameter = field(default=0.0, init=False, repr=False)
-    tension: Parameter | None = field(default=None, init=False, repr=False)
+    phi: Given = field(default=0.0, init=False, repr=False)
+    psi: Given = field(default=0.0, init=False, repr=False)
+    tension: Given | None = field(default=None, init=False, repr=False)
 
 
 @dataclass(frozen=True, eq=False)
@@ -235,17 +249,17 @@ class AssociatedSubstitute(Material):
     @override
     def update(self, strain_increment: Array, stress: Array, internal: Array) -> Update:
 
-        def at_points(value: Parameter) -> Parameter:
+        def spread(value: Parameter) -> Parameter:
             value = along_elements(value, stress.shape)
             return value.ravel() if isinstance(value, np.ndarray) else value
 
         soil = self.soil
-        phi, psi = np.radians(at_points(soil.phi)), np.radians(at_points(soil.psi))
+        phi, psi = np.radians(spread(soil.phi)), np.radians(spread(soil.psi))
         largest, smallest = (extreme.ravel() for extreme in extremes(stress))
-        alone = 2 * at_points(soil.c) * np.cos(phi)
+        alone = 2 * spread(soil.c) * np.cos(phi)
         strength = np.maximum(alone - (np.sin(phi) - np.sin(psi)) * (largest + smallest), _LEAST * alone)
-        E, nu, angle = (at_points(value) for value in (soil.E, soil.nu, soil.psi))
-        tension = None if soil.tension is None else at_points(soil.tension)
+        E, nu, angle = (spread(value) for value in (soil.E, soil.nu, soil.psi))
+        tension = None if soil.tension is None else spread(soil.tension)
         substitute = replace(soil, E=E, nu=nu, c=strength / (2 * np.cos(psi)), phi=angle, psi=angle, tension=tension)
         flat = substitute.update(*(a.reshape(len(a), -1) for a in (strain_increment, stress, internal)))
         return flat._replace(stress=flat.stress.reshape(stress.shape), internal=flat.internal.reshape(internal.shape))

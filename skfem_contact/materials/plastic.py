@@ -71,7 +71,8 @@ class IsotropicPlasticity(Isotropic):
         result = self.elastic_stress(strain_increment, stress)
         internal = internal.copy()
         constants = self.constants()
-        spread = self.at_state(_map(lambda value: along_elements(value, result.shape), constants), internal[0])
+        constants = _map(lambda value: along_elements(value, result.shape), constants)
+        spread = self.at_state(constants, internal[0])
         candidates = np.flatnonzero(self.yield_bound(result, spread) > 0)
         blocks = [
             self._return_block(result, internal, candidates[start : start + BLOCK], constants)
@@ -82,7 +83,7 @@ class IsotropicPlasticity(Isotropic):
 
     def _return_block(self, stress: Array, internal: Array, points: NDArray[np.intp], constants: Any) -> _ReturnedBlock:
         """Return the points outside of the surface to it; change stress and internal variable in place."""
-        constants = chosen(constants, points // stress[0, 0].size)
+        constants = chosen(constants, points)
         stress, equivalent = stress.reshape(len(stress), -1), internal.reshape(-1)
         constants = self.at_state(constants, equivalent[points])
         frame = principal(stress[:, points])
@@ -121,8 +122,8 @@ def _tangent(blocks: list[_ReturnedBlock], n_plastic: int, ncomp: int) -> Array:
 
 
 def chosen(constants: Any, points: NDArray[np.intp]) -> Any:
-    """Return the constants at some points."""
-    return _map(lambda value: value[points] if isinstance(value, np.ndarray) else value, constants)
+    """Return the constants at some points, by their flat indices."""
+    return _map(lambda value: value.reshape(-1)[points] if isinstance(value, np.ndarray) else value, constants)
 
 
 def _map(function: Callable[[Parameter], Parameter], constants: Any) -> Any:

@@ -82,6 +82,8 @@ class Undrained(Material):
                 derived[name] = as_parameter(name, value)
         for name, value in derived.items():
             object.__setattr__(self, name, value)
+        if soil.functions:
+            return
         if self.nu_undrained is not None:
             require("nu_undrained", self.nu_undrained, np.less(self.nu_undrained, 0.5), "be less than 0.5")
         require("bulk_modulus_water" + (" (from nu_undrained)" if self.bulk_modulus_water is None else ""),
@@ -109,6 +111,15 @@ class Undrained(Material):
         if self.stress_dependent and self.bulk_modulus_water is None:
             return self._bulk_modulus(self.soil.elasticity(len(effective), effective, internal))
         return along_elements(self.bulk_modulus, effective.shape)
+
+    @property
+    @override
+    def functions(self) -> tuple[str, ...]:
+        return self.soil.functions
+
+    @override
+    def at(self, x: Array) -> Undrained:
+        return replace(self, soil=self.soil.at(x)) if self.functions else self
 
     @property
     @override

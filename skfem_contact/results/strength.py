@@ -56,7 +56,7 @@ def point_status(form: SolidForm, state: SolidState) -> ndarray:
     status = np.where(mobilised(form, state) > 1.0 - _AT_YIELD, PointStatus.YIELDS, PointStatus.ELASTIC)
     for region, stress, internal in form.at_regions(state):
         if (limit := region.material.tensile_strength) is not None:
-            limit = limit[:, None] if isinstance(limit, ndarray) else limit
+            limit = limit.reshape(len(limit), -1) if isinstance(limit, ndarray) else limit
             effective, _ = region.material.drained(stress, internal)
             scale = np.abs(effective[:3]).max(initial=0.0)
             torn = spectral.principal_stresses(effective)[0] >= limit - _AT_YIELD * (scale + limit)
