@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from skfem import Basis, ElementHexS2, ElementTriP2, ElementVector, MeshHex, MeshTri
+from helpers import vector_basis
+from skfem import Basis, ElementHexS2, ElementTriP2, ElementVector, MeshHex, MeshQuad, MeshQuad2, MeshTri, MeshTri2
 
 import skfem_contact as sc
 
@@ -194,3 +195,30 @@ def test_bad_piles_in_space():
         sc.Embedded(basis, long, T_max=1.0, radius=0.1)
     with pytest.raises(ValueError, match=r"has a radius, not 0\.1"):
         sc.Embedded(ground(), sc.Beam(None, np.linspace((0, 0), (0, -10), 11), EI=1e5, EA=3e6), T_max=1.0, radius=0.1)
+
+
+@pytest.mark.parametrize("kind", ["Tri", "Quad"])
+def test_nail_in_a_mesh_of_second_order(kind):
+    """[N] Elements whose sides have nodes in the middle, as Gmsh writes them, move a nail as linear ones do."""
+    linear, second, element = {"Tri": (MeshTri, MeshTri2, "P2"), "Quad": (MeshQuad, MeshQuad2, "Q2")}[kind]
+    mesh = linear.init_tensor(np.linspace(0.0, 6.0, 7), np.linspace(0.0, 3.0, 4))
+    heads = []
+    for own in (mesh, second.from_mesh(mesh)):
+        basis = vector_basis(own.with_defaults(), element, intorder=4)
+        nail = sc.Beam(None, np.linspace((0.3, 1.6), (4.3, 2.1), 5), EI=10.0, EA=1e4)
+        forms = {"soil": sc.SolidForm(basis, sc.LinearElastic(E=3e4, nu=0.3)), "nail": nail,
+                 "skin": sc.Embedded(basis, nail, T_max=15.0)}  # fmt: skip
+        model = sc.Model(forms, basis.get_dofs("bottom").all())
+        stage = model.run([sc.Stage("pull", model.forms["nail"].load((-5.0, 0.0), (0.3, 1.6)))], **QUIET)["pull"]
+        heads.append(stage.x[model.forms["nail"].numbers((0.3, 1.6))])
+    np.testing.assert_allclose(heads[1], heads[0], rtol=1e-8)
+
+
+def test_pile_softer_than_the_ground_is_refused():
+    mesh = MeshHex.init_tensor(*(np.linspace(0.0, 4.0, 5),) * 3).with_defaults()
+    basis = vector_basis(mesh, "S2", intorder=4)
+    pile = sc.Beam(None, np.linspace((2.0, 2.0, 4.0), (2.0, 2.0, 1.0), 4), EI=1.0, EA=1e3)
+    forms = {"soil": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3)), "pile": pile,
+             "skin": sc.Embedded(basis, pile, T_max=1.0, radius=0.25)}  # fmt: skip
+    with pytest.raises(ValueError, match=r"EA=1000 of the embedded beam is less than that of the ground .* 1963"):
+        sc.Model(forms, basis.get_dofs("bottom").all())

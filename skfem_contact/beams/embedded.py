@@ -10,7 +10,7 @@ import numpy as np
 from numpy import ndarray
 from numpy.typing import ArrayLike
 from scipy.sparse import coo_matrix, csr_matrix, hstack
-from skfem import CellBasis, Mesh
+from skfem import CellBasis, Mesh, MeshQuad1, MeshTri1
 from typing_extensions import override
 
 from ..checks import check_basis, finite, format_point, is_number, positive
@@ -270,7 +270,7 @@ def _points(beam: BeamNodes) -> tuple[ndarray, ndarray, ndarray, ndarray, csr_ma
 def _values_at(basis: CellBasis, points: ndarray) -> csr_matrix:
     """Return the displacements of the ground at points, (dim n, N)."""
     try:
-        P = coo_matrix(basis.with_element(basis.elem.elem).probes(points.T))
+        P = _probes(basis.with_element(basis.elem.elem), points)
     except ValueError:
         if len(outside := points[_elements_at(basis.mesh, points) < 0]):
             raise ValueError(f"the embedded beam leaves the mesh at {format_point(outside[0])}") from None
@@ -280,9 +280,28 @@ def _values_at(basis: CellBasis, points: ndarray) -> csr_matrix:
     return csr_matrix((np.repeat(P.data, dim), (row.ravel(), column.ravel())), shape=(dim * len(points), basis.N))
 
 
+def _probes(basis: CellBasis, points: ndarray) -> coo_matrix:
+    """Return the values of a scalar field at points, (n, N), also in elements of second order.
+
+    Those with a curved side are found by its chord: between the two the values of an element continue.
+    """
+    cells = _finder(basis.mesh)(*points.T)
+    local = basis.mapping.invF(points.T[:, :, None], tind=cells)
+    values = [basis.elem.gbasis(basis.mapping, local, k, tind=cells)[0].value.ravel() for k in range(basis.Nbfun)]
+    rows = np.tile(np.arange(len(points)), basis.Nbfun)
+    return coo_matrix((np.concatenate(values), (rows, basis.dofs.element_dofs[:, cells].ravel())),
+                      shape=(len(points), basis.N))
+
+
+def _finder(mesh: Mesh) -> Callable[..., ndarray]:
+    """Return the function that finds the elements at coordinates, by the chords of curved sides."""
+    straight = {"MeshTri2": MeshTri1, "MeshQuad2": MeshQuad1}.get(type(mesh).__name__)
+    return (straight.from_mesh(mesh) if straight else mesh).element_finder()
+
+
 def _elements_at(mesh: Mesh, points: ndarray) -> ndarray:
     """Return the numbers of the elements at points, (n,); -1 outside of the mesh."""
-    finder, found = mesh.element_finder(), np.full(len(points), -1)
+    finder, found = _finder(mesh), np.full(len(points), -1)
     for k, point in enumerate(points):
         with suppress(ValueError):
             found[k] = finder(*point[:, None])[0]
