@@ -1,8 +1,9 @@
-"""Open every page of the built site in headless Chromium, and say what a reader would stumble over.
+"""Open every page of the built site, or a report, in headless Chromium, and say what a reader would stumble over.
 
-``python docs/check_pages.py docs/_build/html --out screenshots`` needs Chromium, its driver and selenium. Each page is
-opened once and looked at with 1,400 and 400 pixels, light and dark. What fails: pages wider than their window, requests
-to other machines, links that lead nowhere, pictures that are missing, errors in the console. Screenshots are kept.
+``python docs/check_pages.py docs/_build/html --out screenshots`` needs Chromium, its driver and selenium;
+``python docs/check_pages.py pit.html`` looks at one file. Each page is opened once and looked at with 1,300 and 400
+pixels, light and dark. What fails: pages wider than their window, text that is cut off, requests to other machines,
+links that lead nowhere, pictures that are missing, errors in the console. Screenshots are kept.
 """
 
 from __future__ import annotations
@@ -19,9 +20,10 @@ from itertools import product
 from pathlib import Path
 from urllib.parse import unquote, urldefrag, urljoin, urlparse
 
-SIZES = {"wide": 1400, "narrow": 400}
+SIZES = {"wide": 1300, "narrow": 400}
 SCHEMES = ("light", "dark")
-#: What a page is asked: how far it stands out, pictures without an image, links, and names that links can lead to.
+#: What a page is asked: texts that are cut off, how far it stands out, pictures without an image, links, and names that
+#: links can lead to.
 ASK = """
 const wide = document.documentElement.clientWidth, out = [];
 for (const e of document.querySelectorAll('main *')) {
@@ -32,7 +34,10 @@ for (const e of document.querySelectorAll('main *')) {
     if (!inside) out.push(e.tagName + '.' + e.className + ' ' + Math.round(box.right));
   }
 }
+const cut = [...document.querySelectorAll('main :is(p, li, td, th, dd, pre, figure, figcaption)')].filter(e =>
+  /hidden|clip/.test(getComputedStyle(e).overflowX) && e.clientWidth && e.scrollWidth > e.clientWidth + 1);
 return {
+  cut: cut.map(e => e.tagName + '.' + e.className + ' ' + e.textContent.trim().slice(0, 40)),
   overflow: document.documentElement.scrollWidth > wide + 1 ? ['page ' + document.documentElement.scrollWidth, ...out]
     : out,
   pictures: [...document.images].filter(i => i.loading !== 'lazy' && !(i.complete && i.naturalWidth)).map(i => i.src),
@@ -90,8 +95,8 @@ def complaints(found: dict, host: str) -> list[str]:
     """What is wrong with a page by itself."""
     outside = [r for r in found["requests"] if not r.startswith((host, "data:", "blob:"))]
     return [f"{kind}: {', '.join(map(str, what[:4]))}" for kind, what in (
-        ("stands out", found["overflow"]), ("missing picture", found["pictures"]), ("external request", outside),
-        ("console", found["console"])) if what]  # fmt: skip
+        ("stands out", found["overflow"]), ("cut off", found["cut"]), ("missing picture", found["pictures"]),
+        ("external request", outside), ("console", found["console"])) if what]  # fmt: skip
 
 
 def broken_links(links: dict[str, list[str]], ids: dict[str, set[str]], host: str, site: Path) -> list[str]:
@@ -114,12 +119,15 @@ def broken_links(links: dict[str, list[str]], ids: dict[str, set[str]], host: st
 def main() -> int:
     """Visit all pages; 1 if something is wrong."""
     parser = argparse.ArgumentParser(description="Open every page of the site in headless Chromium.")
-    parser.add_argument("site", type=Path)
+    parser.add_argument("site", type=Path, help="folder of the site, or one page")
     parser.add_argument("--out", type=Path, help="folder for screenshots")
     parser.add_argument("--only", default="", help="pages whose path contains this")
     arguments = parser.parse_args()
-    site, host = arguments.site.resolve(), serve(arguments.site.resolve())
-    pages = sorted(str(p.relative_to(site)) for p in site.rglob("*.html") if "_static" not in p.parts)
+    given = arguments.site.resolve()
+    site = given.parent if given.is_file() else given
+    host = serve(site)
+    pages = [given.name] if given.is_file() else sorted(
+        str(p.relative_to(site)) for p in site.rglob("*.html") if "_static" not in p.parts)
     wrong: list[str] = []
     links: dict[str, list[str]] = {}
     ids: dict[str, set[str]] = {}

@@ -33,6 +33,7 @@ from .nonlinear.newton import Newton
 from .results import Sections, load_result
 from .stages.stage import Stage
 from .surfaces import rigid
+from .versions import show_versions
 from .water import PoreWater
 
 __version__ = "0.2.0"
@@ -43,8 +44,8 @@ __all__ = [
     "LinearElastic", "Material", "MatrixForm", "Model", "MohrCoulomb", "Newton", "NoEquilibrium", "NotConverged",
     "PoreWater", "Reinforcement", "Response", "RigidBoundary", "Sections", "SolidForm", "Spring", "Stage", "Surface",
     "Tied", "Tresca", "Undrained", "VonMises", "box_supports", "dofs_at", "element_test", "hydrostatic", "join_bodies",
-    "load_mesh", "load_result", "mesh", "results", "rigid", "section", "split_along", "testing", "traction", "water",
-    "water_load", "weight",
+    "load_mesh", "load_result", "mesh", "results", "rigid", "section", "show_versions", "split_along", "testing",
+    "traction", "water", "water_load", "weight",
 ]
 
 guard(__name__, laboratory.__name__, mesh.__name__, results.__name__, rigid.__name__, section.__name__,

@@ -3,28 +3,79 @@ from __future__ import annotations
 
 import csv
 import io
+import logging
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
+from time import perf_counter
 from typing import Any
 
 import numpy as np
 from numpy import ndarray
-from tqdm.auto import tqdm
 
+with warnings.catch_warnings():  # a notebook without widgets has bars of text
+    warnings.filterwarnings("ignore", message="IProgress not found")
+    from tqdm.auto import tqdm
+
+logger = logging.getLogger("skfem_contact")
+#: Seconds between two lines of the log within a stage.
+_SELDOM = 10.0
 #: Figures below this are written without a power of ten.
 _PLAIN = 1e7
 #: Figures below this share of the largest one of a column are round-off.
 _ZERO = 1e-12
 
 
+def in_notebook() -> bool:
+    """Return True in the kernel of a notebook, with or without widgets."""
+    python = sys.modules.get("IPython")
+    return python is not None and getattr(python.get_ipython(), "kernel", None) is not None
+
+
 def progress_bar(show: bool | None, **options: Any) -> Any:
-    """Return a bar of tqdm, as a widget in a notebook; shown by default in terminals and notebooks."""
-    if show is None:
-        show = sys.stderr.isatty() or any(cls.__module__ == "tqdm.notebook" for cls in tqdm.__mro__)
-    return tqdm(disable=not show, **options)
+    """Return a bar of tqdm, as a widget in a notebook that has them; shown by default in terminals and notebooks."""
+    return tqdm(disable=not (sys.stderr.isatty() or in_notebook() if show is None else show), **options)
+
+
+class Bars:
+    """Bars of a run: one for every stage where somebody looks on, otherwise a line of the log now and then.
+
+    Parameters
+    ----------
+    show
+        Whether to show bars; None: in terminals and notebooks.
+    stages
+        Number of stages.
+    """
+
+    def __init__(self, show: bool | None, stages: int) -> None:
+        self._show, self._stages, self._number = show, stages, 0
+        self._began = self._logged = perf_counter()
+        self._name, self._bar = "", progress_bar(False)
+
+    @contextmanager
+    def stage(self, name: str) -> Iterator[None]:
+        """Show the bar of the next stage."""
+        self._number, self._name = self._number + 1, name
+        with progress_bar(self._show, total=1.0, desc=f"{name} ({self._number}/{self._stages})",
+                          bar_format="{desc:20} {percentage:3.0f}% |{bar}|{postfix}") as self._bar:
+            yield
+
+    def update(self, share: float, increments: int, iterations: int, displacement: float) -> None:
+        """Show the share of the stage, its increments, their iterations and the largest displacement so far."""
+        now = perf_counter()
+        done = (self._number - 1 + share) / self._stages
+        left = tqdm.format_interval(round((now - self._began) * (1.0 / done - 1.0)))
+        text = f"{increments} increments, {iterations} iterations, displacement {displacement:.3g}, {left} left"
+        self._bar.update(share - self._bar.n)
+        self._bar.set_postfix_str(text)
+        if self._bar.disable and (share == 1.0 or now - self._logged > _SELDOM):
+            logger.info("stage '%s' (%d of %d): %.0f%%, %s", self._name, self._number, self._stages, 100 * share, text)
+            self._logged = now
 
 
 @dataclass(frozen=True)
@@ -72,7 +123,7 @@ class Table:
         return len(self.rows)
 
     def __str__(self) -> str:
-        texts = [self.head, *self._texts()]
+        texts = [self.head, *self.texts()]
         widths = [max(map(len, column)) for column in zip(*texts, strict=True)]
         lines = ("  ".join(text.rjust(n) if right else text.ljust(n) for text, n, right
                            in zip(row, widths, self._right, strict=True)).rstrip() for row in texts)
@@ -86,7 +137,7 @@ class Table:
             return "".join(f'<{tag} style="text-align:{side}">{escape(text)}</{tag}>'
                            for side, text in zip(sides, row, strict=True))
 
-        body = "".join(f"<tr>{cells('td', row)}</tr>" for row in self._texts())
+        body = "".join(f"<tr>{cells('td', row)}</tr>" for row in self.texts())
         above = f"<caption>{escape(self.caption)}</caption>" if self.caption else ""
         return f"<table>{above}<thead><tr>{cells('th', self.head)}</tr></thead><tbody>{body}</tbody></table>"
 
@@ -94,7 +145,7 @@ class Table:
         """Return the table in Markdown, figures with four digits and aligned on the right."""
         rule = "|" + "|".join("--:" if right else ":--" for right in self._right) + "|"
         head, *body = ("| " + " | ".join(text.replace("|", "\\|") for text in row) + " |"
-                       for row in (self.head, *self._texts()))
+                       for row in (self.head, *self.texts()))
         return "\n".join((head, rule, *body))
 
     def to_csv(self, file: str | Path | None = None) -> str:
@@ -115,11 +166,12 @@ class Table:
     @property
     def _right(self) -> list[bool]:
         """True for each column of figures, which is aligned on the right."""
-        columns = [[text for text in column if text not in ("", "–")] for column in zip(*self._texts(), strict=True)]
+        columns = [[text for text in column if text not in ("", "–")] for column in zip(*self.texts(), strict=True)]
         return [all(text.lstrip("<>= -−")[:1].isdigit() or text == "inf" for text in column) and bool(column)
                 for column in columns] or [False] * len(self.head)
 
-    def _texts(self) -> Iterable[list[str]]:
+    def texts(self) -> list[list[str]]:
+        """Return the cells as text: figures with four digits, a dash for nothing."""
         sizes = [max((abs(v) for v in column if isinstance(v, float) and np.isfinite(v)), default=0.0)
                  for column in zip(*self.rows, strict=True)]
         return [[_written(value, size) for value, size in zip(row, sizes, strict=True)] for row in self.rows]

@@ -83,6 +83,7 @@ SITE = {
     "index.html": "<main><p id='top'>Text</p><a href='good.html#here'>good</a> <a href='none.html'>broken</a>"
                   " <a href='good.html#nowhere'>no place</a></main>",
     "good.html": "<main><h1 id='here'>Good</h1><p>A line that wraps.</p></main>",
+    "cut.html": "<main><p style='width:90px;overflow:hidden;white-space:nowrap'>A line that goes on.</p></main>",
     "wide.html": "<main><div style='width:2000px'>wide</div></main>",
     "bad.html": "<main><img src='none.png' alt='none'><script>console.error('trouble')</script></main>",
 }  # fmt: skip
@@ -90,7 +91,7 @@ SITE = {
 
 @pytest.mark.skipif(shutil.which("chromium") is None or shutil.which("chromedriver") is None, reason="needs Chromium")
 def test_what_a_browser_stumbles_over(tmp_path):
-    """A site of four pages with one fault of each kind; the good page is not named."""
+    """A site of five pages with one fault of each kind; the good page is not named."""
     pytest.importorskip("selenium")
     for name, body in SITE.items():
         head = "<!doctype html><html><head><title>t</title><link rel='icon' href='data:,'></head>"
@@ -99,10 +100,11 @@ def test_what_a_browser_stumbles_over(tmp_path):
     done = subprocess.run(command, capture_output=True, text=True, timeout=240)
     assert done.returncode == 1, done.stderr
     *lines, last = done.stdout.splitlines()
-    assert json.loads(last)["pages"] == 4
+    assert json.loads(last)["pages"] == 5
     for fault in ("index.html: broken link none.html", "index.html: no place #nowhere on good.html",
+                  "cut.html (wide, light): cut off",
                   "wide.html (wide, light): stands out", "wide.html (narrow, dark): stands out",
                   "bad.html (wide, light): missing picture", "bad.html (wide, light): console"):  # fmt: skip
         assert any(line.startswith(fault) for line in lines), (fault, lines)
     assert not any(line.startswith("good.html") for line in lines)
-    assert len(list((tmp_path / "shots").rglob("*.png"))) == 16
+    assert len(list((tmp_path / "shots").rglob("*.png"))) == 20

@@ -172,6 +172,8 @@ def test_extremes_stand_beside_the_colour_bar(bars):
     x = step.forms["block"].basis.doflocs[:, 2 * int(u.argmax())]
     assert bars[0][2].endswith(f"largest {u.max():.4g} at ({x[0]:.4g}, {x[1]:.4g})")
     assert bars[1][2].endswith(" in now") and bars[1][2].startswith("smallest 0 at (")
+    plot.contour(still, "ux")
+    assert bars[2][2] == "0 everywhere"
 
 
 @needs_opengl
@@ -285,7 +287,7 @@ def test_stages_share_the_factor_of_the_one_that_has_moved_most():
     forms, step = block()
     still = replace(step, name="before", x=0 * step.x, states={"block": forms["block"].initial_state()})
     less = replace(step, name="less", x=0.1 * step.x)
-    views = contour._contours([still, less, step], "ux", deformed="auto").views
+    views = contour.contours([still, less, step], "ux", deformed="auto").views
     assert [view.scene.factor for view in views] == [pytest.approx(0.2)] * 3
 
 

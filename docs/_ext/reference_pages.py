@@ -29,7 +29,7 @@ ROOMS = {
     "Water": ("water",),
     "Results": ("results", "collapse", "limit_analysis"),
     "Pictures": ("plot",),
-    "Equilibrium and errors": ("nonlinear", "errors"),
+    "Equilibrium and errors": ("nonlinear", "errors", "versions"),
     "Checks of own laws and forms": ("testing",),
 }
 #: Names that no module of the top level exports, but that a method returns or refers to.

@@ -130,9 +130,10 @@ class Beam(BeamNodes):
                  GJ: float | None = None) -> None:
         GA, GJ = EA / 3.0 if GA is None else GA, 0.8 * EI if GJ is None else GJ
         check_values(Mp, Np, unit_weight, thickness, EI=EI, EA=EA, GA=GA, GJ=GJ, spacing=spacing or 1.0)
+        self.parameters = {"EI": EI, "EA": EA, "GA": GA, "Mp": Mp, "Np": Np, "spacing": spacing,
+                           "unit_weight": unit_weight, "thickness": thickness}
         self._shared, self.points, self.cells = nodes_of(basis, line, cells, bonded)
-        self.coordinates, corners = coordinates, self.points[self.cells]
-        shell = coordinates == "axisymmetric"
+        self.coordinates, corners, shell = coordinates, self.points[self.cells], coordinates == "axisymmetric"
         if (shell and (not -1.0 < nu <= 0.5 or spacing is not None or np.isfinite(Mp))) or (not shell and nu):
             raise ValueError(f"nu={nu!r} is for a shell of revolution, -1 < nu <= 0.5; it has no spacing and no Mp")
         if space := corners.shape[2] == 3:
@@ -147,8 +148,7 @@ class Beam(BeamNodes):
         pins = np.array([self.node(at) for at in given if given.size], int)
         others = (joined_to,) if isinstance(joined_to, BeamNodes) else tuple(joined_to)
         moves, turned, joined = taken_by(self.points, self._shared is not None, pins, others)
-        self.thickness, self.spacing = thickness, spacing or 1.0
-        self._weight = unit_weight / self.spacing
+        self.thickness, self.spacing, self._weight = thickness, spacing or 1.0, unit_weight / (spacing or 1.0)
         self._lay_out(rotations_of(self.points, self.cells, pins, joined), moves, turned)
         self._root = self._elements.root(*(value / self.spacing for value in (EA, GA, EI, GJ)))
         self._stiffness = self._root @ self._root.transpose(0, 2, 1)

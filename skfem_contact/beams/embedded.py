@@ -137,6 +137,7 @@ class Embedded(Form):
             raise ValueError("T_max must be a skin resistance that is finite and not negative, or a function of the "
                              f"distances, (n,), not {T_max!r}")
         self.T_max, self.F_max = np.broadcast_to(limit, n), float(F_max)
+        self.parameters = {"T_max": limit if limit.ndim else float(limit), "F_max": float(F_max), "radius": radius}
         if radius is None:
             of_ground = _values_at(basis, points)
         else:

@@ -100,6 +100,7 @@ class Reinforcement(BeamNodes):
         for name, value in {"EA": EA, "Np": Np, "spacing": spacing or 1.0}.items():
             if not (is_number(value, 0.0, np.inf) or (name == "Np" and value == np.inf)):
                 raise ValueError(f"{name} of reinforcement must be positive, not {value!r}")
+        self.parameters = {"EA": EA, "Np": Np, "spacing": spacing, "tension_only": tension_only}
         self._shared, self.points, self.cells = nodes_of(basis, line, cells, bonded)
         dim = self.points.shape[1]
         if dim == 3 and spacing is not None:

@@ -86,6 +86,12 @@ class ContactBase(Form):
         return (f"<ContactPair {self.slave.name} on {self.master.name}, {len(self.slave.facets)} facets, "
                 f"quadrature {self.quadrature}, {self.law!r}>")
 
+    @property
+    @override
+    def parameters(self) -> Mapping[str, Any]:  # type: ignore[override]
+        return {"slave": self.slave.name, "master": self.master.name, "law": self.law, "penalty": self.penalty,
+                "quadrature": self.quadrature}
+
     def with_(self, **changes: Any) -> Self:
         """Return a copy with other attributes."""
         new = copy(self)

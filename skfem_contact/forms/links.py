@@ -203,6 +203,8 @@ class Bar(Form):
             raise ValueError("the ends of a bar must lie apart, and be finite")
         axis = (b - a) / length[:, None]
         ends = [(start, a, part, -axis), *([] if fixed_end else [(end, b, end_part, axis)])]
+        self.parameters = {"EA": EA, "yield_force": yield_force, "spacing": spacing, "tension_only": tension_only,
+                           "compression_only": compression_only}
         self._where = np.hstack((a, b))
         self._axis = np.hstack([sign for *_, sign in ends])
         self._ends = [at if isinstance(at, FieldDofs) else _at(basis, points, name) for at, points, name, _ in ends]
@@ -237,7 +239,7 @@ class Bar(Form):
         if not self._least <= force <= self._most:
             raise ValueError(f"the force of a jack must lie between {self._least:g} and {self._most:g}")
         new = copy(self)
-        new._jack = float(force)
+        new._jack, new.parameters = float(force), {**self.parameters, "jack": float(force)}
         return new
 
     def _elongation(self, x: ndarray) -> ndarray:

@@ -47,6 +47,8 @@ class Staged:
         Stiffness (N, N) by which penalties are chosen and new bodies are placed.
     nodes
         Dofs, (n,), and the coordinates that the form takes these to have, (dim, n).
+    parameters
+        Stiffnesses, strengths and other parameters by their names, for reports.
     """
 
     carries: ndarray | None = None
@@ -54,6 +56,7 @@ class Staged:
     acts_on: ndarray | None = None
     elastic_stiffness: Any = None
     nodes: tuple[ndarray, ndarray] | None = None
+    parameters: Mapping[str, Any] = MappingProxyType({})
 
     def completed(self: Self, forms: Mapping[str, Any]) -> Self:
         """Return the form with what it takes from the others, such as a penalty from their stiffness."""

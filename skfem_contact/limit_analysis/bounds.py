@@ -10,9 +10,9 @@ from typing import Any, Literal
 import numpy as np
 from numpy import ndarray
 from skfem import MeshTri
-from tqdm import tqdm
 
 from ..checks import format_point, names_of
+from ..display import progress_bar
 from ..errors import AnalysisWarning, warn
 from ..forms.base import solids_of
 from ..loads import Pressure, by_element
@@ -174,8 +174,7 @@ def _bracket(forms: Mapping[str, Any], fixed: ndarray, loads: Callable[[Site], L
     if not (0 < gap < np.inf) or not elements > 0 or not seconds > 0:
         raise ValueError(f"gap, elements and seconds must be positive, not {gap!r}, {elements!r} and {seconds!r}")
     problem = read(forms, fixed, loads, multiplied, reduce, exclude, flow == "associated")
-    with tqdm(desc="bounds", disable=None if progress is None else not progress,
-              bar_format="{desc} {postfix} {elapsed}") as bar:
+    with progress_bar(progress, desc="bounds", bar_format="{desc} {postfix} {elapsed}") as bar:
         search = Search(problem, bar)
         search.run(gap, elements, seconds)
         davis, smooth = (None if weaker is None else search.estimate(weaker)

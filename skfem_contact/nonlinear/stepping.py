@@ -7,6 +7,7 @@ import numpy as np
 from numpy import ndarray
 
 from ..errors import NoEquilibrium, NotConverged
+from ..solvers.direct import SingularSystem
 
 #: Changes of the load that differ by less than this share are in proportion.
 _PROPORTIONAL = 1e-6
@@ -16,6 +17,8 @@ _SMALLEST = 1.0 / 1024.0
 _EASY = 8
 #: Share that remains of an increment that failed with recoveries, and of one that failed without.
 _QUARTER, _HALF = 0.25, 0.5
+#: So many failures of increments of different sizes at one dof, by a tangent that is singular at their beginning.
+_AGAIN = 3
 #: Share of the stage up to which increments are tried with recoveries.
 _SMALL = 1.0 / 128.0
 #: Distance from the last equilibrium to a collapse, as a share of what was reached, at which the limit is found.
@@ -51,6 +54,8 @@ class Stepping:
         #: True if the last attempt failed.
         self.cut = False
         self._growth, self._last, self._compared = np.inf, 0.0, dict[str, float]()
+        self._same: int | None = None
+        self._times = 0
 
     @property
     def fraction(self) -> float:
@@ -77,7 +82,12 @@ class Stepping:
     @property
     def exhausted(self) -> bool:
         """True if smaller increments would show no more."""
-        return self._size < _SMALLEST * self._shortest or self._limited
+        return self._size < _SMALLEST * self._shortest or self._limited or self._hopeless
+
+    @property
+    def _hopeless(self) -> bool:
+        """True if nothing resists a motion at the same dof again and again, however small the increment is."""
+        return self._times >= _AGAIN
 
     @property
     def _limited(self) -> bool:
@@ -101,7 +111,7 @@ class Stepping:
 
     def accept(self, fraction: float, iterations: int, equilibria: int = 1) -> None:
         """Record an equilibrium, or several in a row."""
-        self._last, self._reached, self.cut = fraction - self._reached, fraction, False
+        self._last, self._reached, self.cut, self._times = fraction - self._reached, fraction, False, 0
         self._failed, self._collapsed = (f if f > fraction + _ROUND_OFF else np.inf
                                          for f in (self._failed, self._collapsed))
         if self._growth < 1.0:
@@ -120,6 +130,9 @@ class Stepping:
     def reject(self, error: NotConverged) -> None:
         """Record a failure."""
         share = _QUARTER if self.try_recovery else _HALF
+        if self.try_recovery and isinstance(error.__cause__, SingularSystem) and len(error.residuals) == 1:
+            self._times = self._times + 1 if error.dof == self._same else 1
+            self._same = error.dof
         self._failed = self.fraction
         if isinstance(error, NoEquilibrium):
             self._collapsed = self.fraction
@@ -127,6 +140,8 @@ class Stepping:
 
     def __str__(self) -> str:
         reached = f"stopped at {self._reached:.2%} of its load"
+        if self._hopeless:
+            return f"{reached}, where nothing resists a motion in any increment (hold the body, or close its contact)"
         return f"{reached}, the displacements run away at {self._collapsed:.2%}" if self._limited else reached
 
 

@@ -7,11 +7,14 @@ from ..checks import guard
 from .contour import animate, contour, cutaway, stages
 from .diagram import diagram, history
 from .flow import flow_diagram
+from .live import live
 from .mechanism import load_curve, mechanism
+from .model import model
+from .report import report
 from .sketch import sketch
 from .units import labelled, set_units
 
-__all__ = ["animate", "contour", "cutaway", "diagram", "flow_diagram", "history", "labelled", "load_curve", "mechanism",
-           "set_units", "sketch", "stages"]
+__all__ = ["animate", "contour", "cutaway", "diagram", "flow_diagram", "history", "labelled", "live", "load_curve",
+           "mechanism", "model", "report", "set_units", "sketch", "stages"]
 
 guard(__name__)

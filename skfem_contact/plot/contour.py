@@ -92,7 +92,7 @@ def contour(stage: StageResult, quantity: str, *, since: StageResult | None = No
     >>> import skfem_contact.plot as plot
     >>> picture = plot.contour(culvert().result["surcharge"], "uy", deformed="auto", contact=True)
     """
-    picture = _contours([stage], quantity, since=since, deformed=deformed, limits=limits, levels=levels, colors=colors,
+    picture = contours([stage], quantity, since=since, deformed=deformed, limits=limits, levels=levels, colors=colors,
                         bodies=bodies, water=water, supports=supports, loads=loads, vectors=vectors, points=points,
                         contact=contact)
     return picture.draw(window, mesh, file, show)
@@ -115,7 +115,7 @@ def stages(result: Result | Sequence[StageResult], quantity: str, *, window: Win
     >>> import skfem_contact.plot as plot
     >>> picture = plot.stages(culvert().result, "syy", window=(-3., 3., -3., 2.))
     """
-    return _contours(list(result), quantity, **style).draw(window, mesh, file, show)
+    return contours(list(result), quantity, **style).draw(window, mesh, file, show)
 
 
 def cutaway(stage: StageResult, quantity: str, *, cuts: Sequence[Cut] = (),
@@ -144,7 +144,7 @@ def cutaway(stage: StageResult, quantity: str, *, cuts: Sequence[Cut] = (),
     >>> result = sc.Model(forms, sc.box_supports(basis)).run([sc.Stage("weight", sc.weight(basis, 20.))])
     >>> picture = plot.cutaway(result["weight"], "szz", cuts=[((0, -1, 0), (0, .4, 0))])
     """
-    picture = _contours([stage], quantity, scene=partial(Cutaway, cuts=cuts, towards=towards), **style)
+    picture = contours([stage], quantity, scene=partial(Cutaway, cuts=cuts, towards=towards), **style)
     return picture.draw(None, mesh, file, show)
 
 
@@ -171,7 +171,7 @@ def animate(result: Result | Sequence[StageResult], quantity: str, file: str | P
     file = Path(file)
     if file.suffix not in (".gif", ".mp4"):
         raise ValueError(f"a film is a .gif or an .mp4 file, not '{file.name}'")
-    picture = _contours(list(result), quantity, **style)
+    picture = contours(list(result), quantity, **style)
     if not can_draw(picture.title)[0]:
         return None
     frame = picture.frame(window, views=1, titled=True, width=_WIDTH)
@@ -231,12 +231,12 @@ class Contours:
         legend = {label: style for view in self.views for label, style in view.marks.legend()}
         frame.put_foot(plotter, self.scale, self.title, note, self.extremes, legend)
 
-    def draw(self, window: Window | None, mesh: bool, file: str | Path | None, show: bool) -> Any:
-        """Draw all views on one sheet."""
+    def draw(self, window: Window | None, mesh: bool, file: Any, show: bool, **size: Any) -> Any:
+        """Draw all views on one sheet, whose width in pixels may be given."""
         able, show = can_draw(self.title, show)
         if not able:
             return None
-        frame = self.frame(window, len(self.views), titled=len(self.views) > 1)
+        frame = self.frame(window, len(self.views), titled=len(self.views) > 1, **size)
         plotter = frame.sheet(show)
         for number, view in enumerate(self.views):
             view.paint(plotter, frame, number, self.scale, mesh)
@@ -244,7 +244,7 @@ class Contours:
         return finish(plotter, file, show)
 
 
-def _contours(steps: Sequence[StageResult], quantity: str, *, since: StageResult | None = None,
+def contours(steps: Sequence[StageResult], quantity: str, *, since: StageResult | None = None,
               deformed: float | Literal["auto"] = 0.0, limits: tuple[float, float] | None = None, levels: int = 10,
               colors: str | None = None, bodies: str | Iterable[str] | None = None, water: Water | None = None,
               scene: Callable[..., Scene] = Scene, **marks: Any) -> Contours:
@@ -275,6 +275,8 @@ def _extremes(views: Sequence[View]) -> str:
     points = np.concatenate([view.scene.coordinates[view.scene.nodes] for view in views])
     when = np.repeat([f" in {view.title}" if len(views) > 1 else "" for view in views],
                      [len(view.scene.values) for view in views])
+    if np.nanmin(values) == np.nanmax(values):
+        return f"{values[np.isfinite(values)][0]:.4g} everywhere".replace("-", "−")
     found = ((what, *located(sign * values, points)) for what, sign in (("smallest", -1.0), ("largest", 1.0)))
     return ", ".join(f"{what} {values[at]:.4g} at {where}".replace("-", "−") + when[at] for what, at, where in found)
 

@@ -97,7 +97,7 @@ def _dots(plotter: Any, scene: Scene, points: ndarray, color: str, size: float) 
 
 def _draw_water(plotter: Any, scene: Scene, water: Water) -> None:
     """Draw water tables as dashed lines, the longest with a triangle on it."""
-    lines = _water_tables(scene, water)
+    lines = water_tables(scene, water)
     for line in lines:
         dashes = np.arange(len(line) - 1) % 8 < 4
         _segments(plotter, scene, line[:-1][dashes], line[1:][dashes], WATER, 5)
@@ -106,7 +106,7 @@ def _draw_water(plotter: Any, scene: Scene, water: Water) -> None:
         _polygons(plotter, scene, (lines[0][len(lines[0]) // 20] + triangle)[None], WATER)
 
 
-def _water_tables(scene: Scene, water: Water) -> list[ndarray]:
+def water_tables(scene: Scene, water: Water) -> list[ndarray]:
     """Return free surfaces of seepage; of another pressure, the line at which it falls to zero."""
     low, high = scene.coordinates[scene.nodes].min(axis=0), scene.coordinates[scene.nodes].max(axis=0)
     seepage = getattr(water, "__self__", water)  # also that of its pressure_at

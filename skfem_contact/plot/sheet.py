@@ -6,7 +6,6 @@ import subprocess
 import sys
 from functools import cache
 from io import BytesIO
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import matplotlib
@@ -218,7 +217,7 @@ class Frame:
         plotter.subplot(0, 0)
 
 
-def finish(plotter: Any, file: str | Path | None, show: bool) -> Any:
+def finish(plotter: Any, file: Any, show: bool) -> Any:
     """Write the file, open the window where it is asked for, and return the plotter."""
     if file:
         plotter.screenshot(file, return_img=False)

@@ -36,6 +36,15 @@ def set_units(force: str | None = None, length: str | None = None, stress: str |
         _chosen.update(stress=stress)
 
 
+def in_words(title: str, kind: str = "") -> str:
+    """Return a title of a table with its unit, if units were set; names of forces have those of their kinds."""
+    if not kind:
+        last = title.split(" ")[-1]
+        kind = {"displacement": "length", "N": "line", "V": "line", "M": "moment", "N_hoop": "line", "M_hoop": "moment",
+                "pressure": "stress", "shear": "stress"}.get(last, "")
+    return labelled(title, kind)
+
+
 def labelled(title: str, kind: str) -> str:
     """Return a title with its unit, if units were set.
 

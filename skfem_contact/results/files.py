@@ -9,7 +9,6 @@ import struct
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any, BinaryIO, TypeVar
 from uuid import uuid4
@@ -24,6 +23,7 @@ from ..contact.penalty import choose_penalties
 from ..forms.base import Form
 from ..forms.staged import arrays_of, with_arrays
 from ..layout import Layout
+from ..versions import own_version
 
 #: Layout of saved arrays: another number for other states.
 _LAYOUT = 1
@@ -53,6 +53,8 @@ class StageData:
     water: Any = field(default=None, repr=False)
     placed: Mapping[str, ndarray] = field(default_factory=dict, repr=False)
     next_step: float = np.inf
+    remarks: tuple[str, ...] = field(default=(), repr=False)
+    seconds: float = field(default=0.0, repr=False)
 
 
 _Stage = TypeVar("_Stage", bound=StageData)
@@ -171,7 +173,7 @@ def _write_arrays(stream: Any, stages: Iterable[StageData]) -> None:
     """Write stages as a compressed archive with checksums."""
     arrays: dict[str, ndarray] = {}
     heads = [_described(stage, str(i), arrays) for i, stage in enumerate(stages)]
-    head = {"layout": _LAYOUT, "version": _version(), "stages": heads,
+    head = {"layout": _LAYOUT, "version": own_version(), "stages": heads,
             "sums": {key: _checksum(values) for key, values in arrays.items()}}
     np.savez_compressed(stream, head=np.array(json.dumps(head)), **arrays)  # type: ignore[arg-type]
 
@@ -187,7 +189,8 @@ def _described(stage: StageData, key: str, arrays: dict[str, ndarray]) -> dict[s
     return {"name": stage.name, "iterations": stage.iterations, "residual": stage.residual, "fraction": stage.fraction,
             "time": stage.time, "summary": dict(stage.summary), "forms": list(stage.states),
             "meshes": {name: _fingerprint(form) for name, form in stage.forms.items()}, "water": _in_words(stage.water),
-            "placed": list(stage.placed), "next_step": stage.next_step,
+            "placed": list(stage.placed), "remarks": stage.remarks, "seconds": stage.seconds,
+            "next_step": stage.next_step,
             "increments": [_described(part, f"{key}.{k}", arrays) for k, part in enumerate(stage.increments)]}
 
 
@@ -198,7 +201,7 @@ def _read_arrays(source: Any, given: Mapping[str, Form], make: Callable[..., _St
         layout, writer = (head["layout"], head["version"]) if "layout" in head else (0, "0.1.0")
         if layout != _LAYOUT:
             raise ValueError(f"version {writer} of this library wrote it, with another layout than that of "
-                             f"{_version()}: read it there, or compute it anew")
+                             f"{own_version()}: read it there, or compute it anew")
         arrays = {key: data[key] for key in head["sums"]}
     if damaged := [key for key, values in arrays.items() if _checksum(values) != head["sums"][key]]:
         raise ValueError(f"{damaged} are not what was written")
@@ -234,7 +237,8 @@ def _stage(arrays: Mapping[str, ndarray], key: str, head: Mapping[str, Any], giv
     return make(head["name"], x, vectors["load"], states, tuple(head["iterations"]),
                 head["residual"], head["fraction"], head["summary"], forms, head.get("time", 0.0), increments,
                 vectors.get("unreleased"), water=head.get("water"), placed=placed,
-                next_step=head.get("next_step", np.inf))
+                next_step=head.get("next_step", np.inf), remarks=tuple(head.get("remarks", ())),
+                seconds=head.get("seconds", 0.0))
 
 
 def _check_numbers(whose: str, arrays: Mapping[str, Any]) -> None:
@@ -253,13 +257,6 @@ def _in_words(water: Any) -> Any:
         return json.loads(json.dumps(water, default=np.ndarray.tolist))
     except TypeError:
         return "a function or a seepage, which files do not hold"
-
-
-def _version() -> str:
-    try:
-        return version("skfem-contact")
-    except PackageNotFoundError:  # not installed, but found in a folder
-        return "unknown"
 
 
 def _with_end(file: str | Path) -> str:

@@ -107,6 +107,12 @@ class Result:
         """
         return tables.of_stages(self.stages, names, sections or {}, searches or {})
 
+    def report(self, file: str | Path, **options: Any) -> Path:
+        """Write a report as one HTML file, see :func:`~skfem_contact.plot.report`."""
+        from ..plot import report
+
+        return report(self, file, **options)
+
     def save(self, file: str | Path) -> None:
         """Write all stages to one compressed file, from which :func:`load_result` resumes; it gets the end ``.npz``.
 

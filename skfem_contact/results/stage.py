@@ -43,6 +43,8 @@ class StageResult(files.StageData):
         Displacements at which bodies were activated, (N,), by name: fields of displacements count from there.
     next_step
         Length that the error in time allows for a step of the stage that follows.
+    remarks, seconds
+        Remarks of the forms on the end of the stage, and the time that its run took.
 
     Examples
     --------

@@ -116,7 +116,7 @@ def _largest(values: ndarray, points: ndarray) -> tuple[float, str]:
     """Return the value of the largest magnitude, the length of a vector, and where it is."""
     values = np.linalg.norm(values, axis=1) if values.ndim == 2 else values
     at, where = located(np.abs(values), points)
-    return float(values[at]), where
+    return float(values[at]), where if values[at] else ""
 
 
 def located(values: ndarray, points: ndarray) -> tuple[int, str]:

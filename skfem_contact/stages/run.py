@@ -4,12 +4,13 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from time import perf_counter
 from typing import Any
 
 import numpy as np
 from numpy import ndarray
 
-from ..display import progress_bar
+from ..display import Bars
 from ..errors import NotConverged, Remarks
 from ..forms.base import solids_of
 from ..nonlinear.increment import Path, solve_step
@@ -39,7 +40,7 @@ def run(setup: Setup, stages: Sequence[Stage], start: Result | StageResult | Non
     last = among(setup, done[-1]) if done else _nothing(phases[0])
     if done:
         check_start(phases[0].before, last)
-    system, predictor = None, None
+    system, predictor, bars = None, None, Bars(progress, len(stages))
     with Remarks() as remarks:
         for stage, phase in zip(stages, phases, strict=True):
             lost = np.zeros(len(last.x))
@@ -50,7 +51,6 @@ def run(setup: Setup, stages: Sequence[Stage], start: Result | StageResult | Non
                 system = setup.system(phase.forms, phase.fixed)
                 predictor = Predictor(system.fixed)
                 predictor.accept(last.x, last.load - lost, last.time)
-            remarks.add(stage.name, "the stage", phase.remarks)
             last = replace(last, name=stage.name, iterations=(), fraction=0.0, forms=system.forms, increments=(),
                            water=phase.water)
             unreleased = lost if last.unreleased is None else lost + last.unreleased
@@ -58,38 +58,55 @@ def run(setup: Setup, stages: Sequence[Stage], start: Result | StageResult | Non
             path = _path(phase, last, system.fixed, lost, left)
             increments = _increments(system, predictor, stage, path, last, setup.newton or Newton())
             try:
-                last = _followed(increments, stage, last, on_increment, progress)
+                last = _followed(increments, stage, last, on_increment, bars)
             except (NotConverged, KeyboardInterrupt) as error:
-                last = error.result  # type: ignore[union-attr]
+                last = _remarked(remarks, phase, error.result)  # type: ignore[union-attr]
                 error.result = Result((*done, last))  # type: ignore[union-attr]
                 raise
-            finally:  # what contact found, or did not find, may be the reason
-                for name, form in system.forms.items():
-                    remarks.add(stage.name, name, form.remarks(last.x[:form.size], last.states[name]))
-                    remarks.add(stage.name, name, form.remarks_on(last.x, last.states))
+            last = _remarked(remarks, phase, last)
             done.append(last := replace(last, unreleased=left if left.any() else None))
     return Result(tuple(done))
 
 
+def _remarked(remarks: Remarks, phase: Phase, last: StageResult) -> StageResult:
+    """Return the end of a stage, reached or not, with all remarks on it: contact may be the reason of a failure."""
+    found = {"the stage": list(phase.remarks)}
+    for name, form in last.forms.items():
+        found[name] = [*form.remarks(last.x[:form.size], last.states[name]), *form.remarks_on(last.x, last.states)]
+    for name, several in found.items():
+        remarks.add(last.name, name, several)
+    return replace(last, remarks=tuple(f"{name}: {remark.text}" for name, several in found.items()
+                                       for remark in several))
+
+
 def _followed(increments: Iterator[StageResult], stage: Stage, last: StageResult, on_increment: Observer | None,
-              progress: bool | None) -> StageResult:
+              progress: Bars) -> StageResult:
     """Return the end of a stage with the increments that it keeps; an error that stops it has the last one."""
-    kept: list[StageResult] = []
-    with progress_bar(progress, total=1.0, desc=stage.name,
-                      bar_format="{desc:16} {percentage:3.0f}% |{bar}|{postfix}") as bar:
+    kept, began = list[StageResult](), perf_counter()
+    with progress.stage(stage.name):
         try:
             for accepted in increments:
                 last = accepted
                 if _keeps(stage, last):
                     kept.append(last)
-                bar.update(last.fraction - bar.n)
-                bar.set_postfix_str(f"{len(last.iterations)} increments, {sum(last.iterations)} iterations")
+                progress.update(last.fraction, len(last.iterations), sum(last.iterations), _moved(last))
                 if on_increment is not None:
                     on_increment(last)
         except (NotConverged, KeyboardInterrupt) as error:
-            error.result = replace(last, increments=tuple(kept))  # type: ignore[union-attr]
+            error.result = _ended(last, kept, began)  # type: ignore[union-attr]
             raise
-    return replace(last, increments=tuple(kept))
+    return _ended(last, kept, began)
+
+
+def _moved(stage: StageResult, since: ndarray | float = 0.0) -> float:
+    """Return the largest displacement; rotations, pressures and multipliers do not count."""
+    at = slice(None) if stage.layout is None else stage.layout.displacements
+    return float(np.abs((stage.x - since)[at]).max(initial=0.0))
+
+
+def _ended(last: StageResult, kept: Sequence[StageResult], began: float) -> StageResult:
+    """Return the end of a stage with the increments that it keeps and the time that it has taken."""
+    return replace(last, increments=tuple(kept), seconds=perf_counter() - began)
 
 
 def among(setup: Setup, start: StageResult) -> StageResult:
@@ -115,7 +132,12 @@ def _increments(system: System, predictor: Predictor, stage: Stage, path: Path, 
     """Yield the accepted increments of a stage."""
     began, duration = last.time, stage.duration
     stepping = Stepping(stage.increments, last.next_step / duration if duration else np.inf)
+    start_x, farthest = last.x, _farthest(system, path)
     while last.fraction < 1.0:
+        if (moved := _moved(last, start_x)) > farthest:
+            raise NotConverged(f"stage '{stage.name}' stopped at {last.fraction:.2%} of its load: its displacements, "
+                               f"{moved:.3g}, exceed the size of the bodies, {farthest:.3g}; are E and the loads in "
+                               f"the same units, and is every body held?{_so_far(system, last)}", last.x)
         fraction = stepping.fraction
         time = began + fraction * duration
         start = None if stepping.cut else predictor.start(*path(fraction), time)
@@ -133,7 +155,7 @@ def _increments(system: System, predictor: Predictor, stage: Stage, path: Path, 
         if stepping.too_long(errors):
             logger.info("stage '%s': step to %.3g too long, cut to %.4f", stage.name, time, stepping.size)
             continue
-        logger.info("stage '%s': %.2f%% in %d iterations", stage.name, 100 * fraction, new.iterations)
+        logger.debug("stage '%s': %.2f%% in %d iterations", stage.name, 100 * fraction, new.iterations)
         stepping.accept(fraction, new.iterations, new.equilibria)
         load, _ = path(fraction)
         summary = {name: form.summary(new.states[name]) for name, form in system.forms.items()}
@@ -143,6 +165,13 @@ def _increments(system: System, predictor: Predictor, stage: Stage, path: Path, 
                            next_step=stepping.allowed * duration if duration else np.inf)
         predictor.accept(last.x, last.load, time)
         yield last
+
+
+def _farthest(system: System, path: Path) -> float:
+    """Return the size of the bodies and how far supports move: displacements beyond it are those of no structure."""
+    sizes = [np.linalg.norm(np.ptp(form.basis.mesh.p, axis=1)) for form in solids_of(system.forms).values()]
+    pushed = np.abs(path(1.0)[1] - path(0.0)[1]).max(initial=0.0)
+    return float(max(sizes) + pushed) if sizes else np.inf
 
 
 def _path(phase: Phase, last: StageResult, fixed: ndarray, lost: ndarray, left: ndarray) -> Path:

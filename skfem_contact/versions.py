@@ -1,0 +1,57 @@
+"""Versions of the package, of what it uses, and of the machine, for reports and questions."""
+from __future__ import annotations
+
+import platform
+import sys
+from collections.abc import Iterator
+from importlib.metadata import PackageNotFoundError, version
+
+from threadpoolctl import threadpool_info
+
+#: What the package uses, by the names of the distributions.
+_USED = ("scikit-fem", "numpy", "scipy", "meshio", "pyvista", "vtk", "matplotlib", "tqdm")
+#: What it uses where it is installed, and what for.
+_OPTIONAL = {"pypardiso": "fast direct solver", "pyamg": "multigrid", "gmsh": "meshes", "pandas": "data frames",
+             "ipywidgets": "bars in notebooks", "dask": "many runs"}
+
+
+def own_version() -> str:
+    """Return the version of the package, also where it is not installed but found in a folder."""
+    return str(sys.modules[__name__.partition(".")[0]].__version__)
+
+
+def versions() -> dict[str, str]:
+    """Return the versions of the package, Python, the machine and all packages in use, and the threads, by name."""
+    threads = {f"{pool.get('user_api')} ({pool.get('internal_api')})": pool.get("num_threads")
+               for pool in threadpool_info()}
+    return {"skfem_contact": own_version(), "Python": platform.python_version(),
+            "platform": f"{platform.system()} {platform.release()}, {platform.machine()}",
+            **{name: _of(name) or "missing" for name in _USED},
+            **{name: _of(name) or f"not installed: {purpose}" for name, purpose in _OPTIONAL.items()},
+            "threads": ", ".join(f"{kind}: {number}" for kind, number in threads.items()) or "unknown"}
+
+
+def show_versions() -> None:
+    """Print versions of the package, Python, the machine and all packages in use, optional ones included, and threads.
+
+    Examples
+    --------
+    >>> import skfem_contact as sc
+    >>> sc.show_versions()
+    skfem_contact  ...
+    Python         ...
+    """
+    print("\n".join(_lines()))
+
+
+def _lines() -> Iterator[str]:
+    found = versions()
+    width = max(map(len, found))
+    yield from (f"{name:{width}}  {text}" for name, text in found.items())
+
+
+def _of(name: str) -> str | None:
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return None
