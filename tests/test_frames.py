@@ -10,6 +10,7 @@ from helpers import grid, vector_basis
 from skfem import MeshHex, MeshTri
 
 import skfem_contact as sc
+import skfem_contact.plot as plot
 
 QUIET = {"progress": False}
 STIFF = {"EI": 2.0, "EA": 1e4, "GA": 1e4}
@@ -284,3 +285,19 @@ def test_hinges_that_make_a_mechanism_of_joined_beams(ground):
         model.run([sc.Stage("rest")], **QUIET)
     clamped = sc.Model(forms, [*fixed, *left.dofs((0, 0), ["theta"])])
     assert clamped.run([sc.Stage("load", clamped.forms["left"].load((1.0, 0.0), (0, 3)))], **QUIET)["load"].x.any()
+
+
+def test_moments_of_all_members_in_one_picture():
+    """Ordinates of one scale across the members, on the side in tension, also where there are no bodies."""
+    stage = loaded(portal(False))
+    forces = {name: stage.section_forces(name) for name in stage.forms}
+    (axes,) = plot.diagram(forces, "M", on=stage, scale=2.0).axes
+    lines = [line.get_xydata() for line in axes.lines]  # tips, then axes, of each member
+    assert len(lines) == 6
+    for (tips, axis), part in zip(zip(lines[::2], lines[1::2], strict=True), forces.values(), strict=True):
+        np.testing.assert_allclose(np.linalg.norm(tips - axis, axis=1), 2.0 * abs(part.M), atol=1e-12)
+    left, M = lines[2] - lines[3], forces["left"].M  # upwards: positive moments to the left
+    np.testing.assert_allclose(left[:, 0], -2.0 * M, atol=1e-12)
+    assert len(axes.texts) == 6
+    with pytest.raises(ValueError, match="quantity"):
+        plot.diagram(forces, "pressure", on=stage)

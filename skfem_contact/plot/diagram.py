@@ -47,7 +47,7 @@ def diagram(values: Any, quantity: str | None = None, *, on: StageResult | None 
     ----------
     values
         :class:`~skfem_contact.results.Tractions`, :class:`~skfem_contact.results.SectionForces`, or several of one
-        kind by their labels. Around a ring also arrays (n,) by their labels.
+        kind by their labels; on a structure those of its members. Around a ring also arrays (n,) by their labels.
     quantity
         ``"pressure"`` or ``"shear"`` of tractions; ``"N"``, ``"V"`` or ``"M"`` of section forces; by default all of
         them. Of arrays, the label of the axis. Needed around a ring and on a structure.
@@ -211,32 +211,48 @@ def _ring(series: Mapping[str, Any], quantity: str | None, angle: ndarray) -> Fi
 
 def _on_structure(values: Any, quantity: str | None, stage: StageResult, scale: float | None, window: Window | None
                   ) -> Figure:
-    """Draw ordinates on the bodies of a stage, with their extremes."""
-    check_plane(basis_of(stage), "plot.diagram")
-    title, unit = look_up(quantity or "", _titles(values), f"quantity of {type(values).__name__}")
-    order = np.argsort(_axis_of(values))
-    axis, ordinate = np.column_stack((values.x, values.y))[order], getattr(values, quantity or "")[order]
-    closed = bool(len(axis) > 3 and np.linalg.norm(axis[0] - axis[-1])
-                  < 2.5 * np.median(np.linalg.norm(np.diff(axis, axis=0), axis=1)))
-    tangent = np.roll(axis, -1, axis=0) - np.roll(axis, 1, axis=0) if closed else np.gradient(axis, axis=0)
-    tangent = tangent / np.linalg.norm(tangent, axis=1)[:, None]
-    left = np.column_stack((-tangent[:, 1], tangent[:, 0]))
-    left = left * (1.0 if isinstance(values, SectionForces) else -1.0)  # tractions: into the slave
-    size, largest = float(np.ptp(axis, axis=0).max()), float(np.abs(ordinate).max())
+    """Draw ordinates on the bodies of a stage or on several members of one scale, with their extremes."""
+    bodies = any(form.basis is not None for form in stage.forms.values())  # none beside frames
+    if bodies:
+        check_plane(basis_of(stage), "plot.diagram")
+    members = list(values.values()) if isinstance(values, Mapping) else [values]
+    title, unit = look_up(quantity or "", _titles(members[0]), f"quantity of {type(members[0]).__name__}")
+    along = [_along_axis(part, quantity or "") for part in members]
+    every = np.vstack([axis for axis, *_ in along])
+    size, largest = float(np.ptp(every, axis=0).max()), max(float(np.abs(ordinate).max()) for _, ordinate, *_ in along)
     length = scale if scale is not None else _LONGEST * size / (largest or 1.0)
-    tips = axis + length * ordinate[:, None] * left
     figure, ax = plt.subplots(figsize=(7.5, 6.5), layout="constrained")
-    _draw_bodies(ax, Scene(stage))
-    _draw_ordinates(ax, axis, tips, ordinate, closed)
-    _write_extremes(ax, tips, ordinate, left)
+    if bodies:
+        _draw_bodies(ax, Scene(stage))
+    for axis, ordinate, left, closed in along:
+        tips = axis + length * ordinate[:, None] * left
+        every = np.vstack((every, tips))
+        _draw_ordinates(ax, axis, tips, ordinate, closed)
+        _write_extremes(ax, tips, ordinate, left)
     if window is None:
-        low, high = np.minimum(axis.min(axis=0), tips.min(axis=0)), np.maximum(axis.max(axis=0), tips.max(axis=0))
-        free = 0.12 * size
-        window = (low[0] - free, high[0] + free, low[1] - free, high[1] + free)
+        (west, south), (east, north) = every.min(axis=0) - 0.12 * size, every.max(axis=0) + 0.12 * size
+        window = (west, east, south, north)
     ax.set(xlim=window[:2], ylim=window[2:], aspect="equal")
     ax.set_title(f"{labelled(title, unit)}, {stage.name}", loc="left", fontsize=12)
     ax.axis("off")
     return figure
+
+
+def _along_axis(values: Any, quantity: str) -> tuple[ndarray, ndarray, ndarray, bool]:
+    """Return points of an axis, (n, 2), ordinates, (n,), directions of positive ones, (n, 2), and if it is closed.
+
+    At a node of a beam, which has values of both elements, directions are those of the elements.
+    """
+    _titles(values)
+    order = np.argsort(_axis_of(values), kind="stable")
+    axis, ordinate = np.column_stack((values.x, values.y))[order], getattr(values, quantity)[order]
+    steps = np.linalg.norm(np.diff(axis, axis=0), axis=1)
+    steps = steps[steps > 0.0]  # none between the two values at a node of a beam
+    closed = bool(len(steps) > 2 and np.linalg.norm(axis[0] - axis[-1]) < 2.5 * np.median(steps))
+    tangent = np.roll(axis, -1, axis=0) - np.roll(axis, 1, axis=0) if closed else np.gradient(axis, axis=0)
+    tangent = tangent / np.linalg.norm(tangent, axis=1)[:, None]
+    left = np.column_stack((-tangent[:, 1], tangent[:, 0]))
+    return axis, ordinate, left * (1.0 if isinstance(values, SectionForces) else -1.0), closed  # tractions: into slave
 
 
 def _draw_bodies(ax: Axes, scene: Scene) -> None:
