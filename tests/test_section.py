@@ -7,7 +7,7 @@ import os
 
 import numpy as np
 import pytest
-from skfem import Basis
+from skfem import Basis, ElementTriP2, ElementVector
 
 import skfem_contact as sc
 from skfem_contact.section import Section, circle, rectangle
@@ -86,6 +86,13 @@ def test_second_order_follows_arcs() -> None:
     assert sides[1] > 1.5 * sides[0]
     assert errors[0] * sides[0] ** 4 == pytest.approx(errors[1] * sides[1] ** 4, rel=0.05)  # terms of sixth order
     assert section.mesh(order=1).p.shape[1] < section.mesh().doflocs.shape[1]
+
+
+def test_a_hole_may_cut_the_outside() -> None:
+    """[X] A bore through the bottom leaves a notch with its name; what is left of the bottom keeps its own."""
+    mesh = Section(GROUND, size=4.0, holes={"bore": rectangle((-1, 1), (-16, -12))}).mesh()
+    assert length_of(mesh, "bore") == pytest.approx(8.0, rel=1e-12)
+    assert length_of(mesh, "bottom") == pytest.approx(38.0, rel=1e-12)
 
 
 def test_surface_cuts_off() -> None:
@@ -196,7 +203,7 @@ def random_section(rng: np.random.Generator) -> tuple[Section, dict[str, float],
         top, bottom = (float(np.interp(at, x, tops[k])) for k in (1, 2))
         level = waves[0][0] == 0.0 and (n == 2 or waves[1][0] == 0.0)
         centre = rng.choice([top - radius - 1e-3, bottom + radius + 1e-3, top + 0.3 * radius, top] if level else
-                            [top + 0.3 * radius, bottom - 0.2 * radius, top])
+                            [top + 0.3 * radius, max(bottom - 0.2 * radius, -18.0), top])
         holes["bore"] = circle((at, centre), radius)
         lengths["bore"] = 2.0 * np.pi * radius
     slits = ["wall"] if rng.random() < 0.5 and begin != wall else []
@@ -230,3 +237,106 @@ def test_random_sections(seed, recwarn) -> None:
         if two in mesh.subdomains:
             assert length_of(mesh, f"{two}|{one}") == pytest.approx(length_of(mesh, name), rel=1e-12)
     assert {f"layer {k}|layer {k + 1}" for k in range(len(section.areas) - 1)} <= set(mesh.boundaries)
+
+
+@pytest.mark.parametrize(("section", "areas", "lengths"), [
+    (lambda s: s.slope(10.0, 45.0, {"fill": 0.0, "clay": -5.0}, 3.0), {"fill": 250.0, "clay": 250.0},
+     {"surface": 40.0 + 200.0**0.5, "fill|clay": 30.0}),
+    (lambda s: s.embankment(4.0, 5.0, 2.0, {"clay": -8.0}, 2.0, lifts=2),
+     {"fill": 36.0, "lift 1": 22.0, "lift 2": 14.0, "clay": 39.0 * 8}, {"lift 1|lift 2": 9.0}),
+    (lambda s: s.pit(10.0, [-2, -5], (-1, -8), {"sand": -4, "clay": -12}, 3.0, beyond=20.0),
+     {"lift 1": 20.0, "lift 2": 30.0, "sand": 120.0}, {"lift 2|wall": 3.0, "wall|right": 8.0}),
+    (lambda s: s.trench(2.0, 3.0, {"clay": -6.0}, 1.5, outer=(1.2, 1.0), thickness=0.2, bedding=0.5),
+     {"pipe": 1.2 - 0.8 * 0.6, "backfill": 6.0 - 1.2, "clay": 120.0 - 6.0}, {"inside": 2.8, "pipe|ground": 4.4}),
+    (lambda s: s.trench(2.0, 3.0, {"clay": -6.0}, 1.5, outer=1.2, thickness=0.1),
+     {"pipe": np.pi * (0.36 - 0.25)}, {"inside": np.pi, "pipe|ground": 1.2 * np.pi}),
+    (lambda s: s.tunnel(s.circle((0, -9), 3.0), {"clay": -20.0}, 4.0, width=40.0), {"core": 9 * np.pi, "clay": 800.0},
+     {"lining": 6 * np.pi}),
+    (lambda s: s.footing(2.0, 0.5, {"clay": -6.0}, 2.0, depth=0.2), {"footing": 1.0, "clay": 84.0 - 0.4},
+     {"footing|ground": 2.4}),
+    (lambda s: s.retaining_wall(4.0, 3.0, {"sand": -6.0}, 2.0, stem=0.4, slab=0.5, toe=0.6, depth=1.0),
+     {"wall": 1.5 + 0.4 * 4.5, "backfill": 5.0 * 17.4 - 0.4 * 4.5 - 0.5 * 2.4}, {"wall|ground": 16.0 - 4.0 - 0.4}),
+    (lambda s: s.pile(0.6, 10.0, {"clay": -15.0}, 3.0), {"pile": 3.0, "clay": 147.0}, {"pile|ground": 10.3}),
+])  # fmt: skip
+def test_ready_sections(section, areas, lengths) -> None:
+    """[X] Sections from a few numbers have the areas and interfaces of these."""
+    mesh = section(sc.section).mesh()
+    sc.mesh.check_mesh(mesh)
+    for name, value in areas.items():
+        assert area_of(mesh, name) == pytest.approx(value, rel=1e-4)  # arcs of second order, thin rings most
+    for name, value in lengths.items():
+        assert length_of(mesh, name) == pytest.approx(value, rel=1e-5)  # the same
+    assert sharpest(mesh)[0] > 15.0
+
+
+def test_three_centres_meet_without_kinks() -> None:
+    """[X] Tangents of neighbouring arcs are the same, the outline is symmetric and as wide as its sides."""
+    outline = sc.section.three_centres(3.0, 2.0, (50.0, 70.0), (0.0, -10.0))
+    (a, b), centres = outline.ends, outline.centres
+    for k in range(4):
+        one, two = b[k] - centres[k], a[(k + 1) % 4] - centres[(k + 1) % 4]
+        assert abs(one[0] * two[1] - one[1] * two[0]) < 1e-12  # round-off
+    assert np.abs(centres[[0, 2], 0]).max() < 1e-12  # the same
+    assert outline.area > 0.0
+    with pytest.raises(ValueError, match="below 180 degrees together"):
+        sc.section.three_centres(3.0, 2.0, (100.0, 90.0))
+
+
+@pytest.mark.parametrize(("text", "message"), [
+    ("depth,soil\n2,sand\n1,clay", "line 3 of the borehole: the depth '1' of 'clay' is not below"),
+    ("depth,soil,E\n2,sand,x", "line 2 of the borehole: 'E' must be a number, not 'x'"),
+    ("depth,E\n2,3", "needs one column soil or layer or name"),
+    ("depth,soil,E\n2,sand,1\n4,clay,2\n6,sand,3", "line 4 of the borehole: 'sand' has the parameters {'E': 3.0}, but"),
+    ("depth,soil,E\n2,sand", "line 2 of the borehole has 2 cells, not 3"),
+    ("depth,soil\n\n", "has no layers"),
+    ("depth,soil,E\n,sand,1", "the depth '' of 'sand'"),
+])  # fmt: skip
+def test_wrong_boreholes(text, message) -> None:
+    """One ValueError names the line."""
+    with pytest.raises(ValueError, match=message):
+        sc.section.borehole(text)
+
+
+def test_borehole_of_a_file(tmp_path) -> None:
+    """[X] Semicolons, a byte order mark, and a soil that comes twice."""
+    (tmp_path / "b1.csv").write_text("Depth;Soil;phi;c\n2;sand;34;\n5;clay;;12\n8;sand;34;\n", encoding="utf-8-sig")
+    bore = sc.section.borehole(tmp_path / "b1.csv", surface=100.0)
+    assert bore.layers == (("sand", 98.0), ("clay", 95.0), ("sand", 92.0))
+    assert bore.parameters == {"sand": {"phi": 34.0}, "clay": {"c": 12.0}}
+    mesh = Section(sc.section.layers((0, 10), 100.0, bore.layers), size=5.0).mesh()
+    assert area_of(mesh, "sand") == pytest.approx(50.0, rel=1e-12)
+    assert length_of(mesh, "sand|clay") == pytest.approx(20.0, rel=1e-12)
+
+
+def test_solids_and_sketch(tmp_path) -> None:
+    """[N] Forms of an axisymmetric pile weigh what their volumes do; a sketch is drawn."""
+    pile = sc.section.pile(0.6, 4.0, {"sand": -3.0, "clay": -6.0}, 2.0)
+    basis = Basis(pile.mesh(), ElementVector(ElementTriP2()), intorder=2)
+    soils = {"sand": sc.MohrCoulomb(E=1e4, nu=0.3, c=1.0, phi=30.0), "clay": sc.Tresca(E=1e4, nu=0.4, c=20.0),
+             "pile": sc.LinearElastic(E=3e7, nu=0.2)}  # fmt: skip
+    forms = pile.solids(basis, soils, {"sand": 18.0, "clay": 20.0, "pile": 25.0})
+    assert {name: form.coordinates for name, form in forms.items()} == dict.fromkeys(("ground", "pile"), "axisymmetric")
+    model = sc.Model(forms, sc.box_supports(basis))
+    weight = model.weights(model.forms).sum()
+    volumes = 0.5 * np.array([16.0 - 0.09, 16.0, 0.09]) * [3.0, 3.0, 4.0] - [0.0, 0.045, 0.0]  # per radian
+    assert weight == pytest.approx(-(volumes @ [18.0, 20.0, 25.0]), rel=1e-9)
+    with pytest.raises(ValueError, match="no material for the areas \\['pile'\\]"):
+        pile.solids(basis, {name: soils[name] for name in ("sand", "clay")})
+    pile.plot(tmp_path / "pile.png")
+    assert (tmp_path / "pile.png").stat().st_size > 5_000
+
+
+def test_extruded_sections_keep_names() -> None:
+    """[X] Volumes and interfaces of a ring in space; both sides have the same triangles."""
+    section = Section({"clay": rectangle((-6, 6), (-12, 0)), "ring": circle((0.0, -6.0), 2.0)}, size=4.0, replace=True,
+                      bodies="ring", holes={"bore": circle((0.0, -6.0), 1.6)})
+    mesh = section.extruded([0.0, 1.0, 3.0], order=2)
+    sc.mesh.check_mesh(mesh)
+    assert area_of(mesh, "ring") == pytest.approx(3.0 * np.pi * (4.0 - 1.6**2), rel=1e-4)  # arcs of second order
+    assert len(mesh.boundaries["ring|ground"]) == len(mesh.boundaries["ground|ring"])
+    sides = [np.sort(mesh.p[:, mesh.facets[
+        :, np.asarray(mesh.boundaries[name])]].mean(axis=1)[1]) for name in ("ring|ground", "ground|ring")]
+    assert np.allclose(*sides, atol=1e-12)
+    upright = section.extruded([0.0, 1.0], upright=True)
+    assert np.ptp(upright.p[2]) == 1.0
+    assert {"base", "top", "left", "bore"} <= set(upright.boundaries)

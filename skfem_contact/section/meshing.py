@@ -15,7 +15,7 @@ from ..errors import warn
 from .kernel import gmsh_model
 from .naming import name_outside, separate
 from .pieces import Pieces, Plan, cut_up
-from .sizes import size_callback
+from .sizes import Sizes
 
 #: What no lift takes.
 REMAINING = "remaining"
@@ -38,7 +38,10 @@ def meshed(plan: Plan, sizing: Sizing, slits: Collection[str], order: int, scale
     for trial in _TRIALS:
         with gmsh_model() as gmsh:
             pieces = cut_up(gmsh, plan)
-            gmsh.model.mesh.setSizeCallback(size_callback(gmsh, plan, pieces, *sizing, trial * scale))
+            sizes = Sizes(gmsh, plan, pieces, *sizing, trial * scale)
+            gmsh.model.mesh.setSizeCallback(sizes.along)
+            gmsh.model.mesh.generate(1)
+            gmsh.model.mesh.setSizeCallback(sizes.inside(gmsh))
             gmsh.model.mesh.generate(2)
             gmsh.model.mesh.setOrder(order)
             mesh, faces, curves = _read(gmsh, pieces, order)

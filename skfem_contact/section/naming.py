@@ -25,11 +25,9 @@ def name_outside(mesh: Mesh, holes: Tags, area: ndarray) -> Tags:
 
     Parts that lie apart from the largest one have their areas' names, such as ``"block:outside"``.
     """
-    free = np.setdiff1d(np.flatnonzero(mesh.f2t[1] < 0), np.concatenate([np.zeros(0, int), *holes.values()]))
-    loops = _loops(mesh, free)
-    if not loops:
-        raise ValueError("the section has no outer boundary")
-    size = [np.ptp(mesh.p[:, mesh.facets[0, loop]], axis=1).prod() for loop, _ in loops]
+    cut = np.concatenate([np.zeros(0, int), *holes.values()])
+    loops = [loop for loop in _loops(mesh, np.flatnonzero(mesh.f2t[1] < 0)) if not np.isin(loop[0], cut).all()]
+    size = [np.ptp(mesh.p[:, chain], axis=1).prod() for _, chain in loops]
     found, main = dict(holes), int(np.argmax(size))
     for k, (loop, chain) in enumerate(loops):
         x, y = mesh.p[:, chain]
@@ -38,7 +36,7 @@ def name_outside(mesh: Mesh, holes: Tags, area: ndarray) -> Tags:
                              "or name it in holes=")
         parts = _sides(loop, x, y) if k == main else {f"{area[mesh.f2t[0, loop[0]]]}:outside": loop}
         for name, facets in parts.items():
-            found[name] = np.append(found.get(name, np.zeros(0, int)), facets)
+            found[name] = np.append(found.get(name, np.zeros(0, int)), np.setdiff1d(facets, cut))
     return {name: np.unique(facets) for name, facets in found.items() if len(facets)}
 
 

@@ -181,8 +181,8 @@ def outlines_of(shape: Any, name: str, closed: bool) -> tuple[Outline, ...]:
     found = []
     for piece in pieces:
         outline = piece if isinstance(piece, Outline) else Outline(piece, closed=closed, name=name)
-        if outline.closed != closed:
-            raise ValueError(f"'{name}' must be {'a closed outline' if closed else 'an open line'}")
+        if closed and not outline.closed:
+            raise ValueError(f"'{name}' must be a closed outline")
         outline.check_simple(name)
         found.append(outline)
     return tuple(found)

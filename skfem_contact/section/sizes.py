@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 from numpy import ndarray
+from scipy.spatial import cKDTree
 
 from ..checks import format_point
 from .pieces import Pieces, Plan, sides_of
@@ -16,9 +17,10 @@ _GROWTH, _GAP = 0.4, 1.5
 _ROUND = 24
 #: Chords of a curved curve by which distances are measured.
 _CHORDS = 24
+#: Elements of curves from which sizes inside grow.
+_NEIGHBOURS = 3
 #: Curves that meet nowhere must not come nearer than this share of the section.
 _NEAREST = 1e-6
-
 SizeCallback = Callable[[int, int, float, float, float, float], float]
 
 
@@ -66,34 +68,52 @@ class Curves:
                                      f"least {_NEAREST * size:.2g}")
 
 
-def size_callback(gmsh: Any, plan: Plan, pieces: Pieces, size: float, sizes: Mapping[str, float],
-                  near: Sequence[tuple[ndarray, float]], scale: float) -> SizeCallback:
-    """Return the size of elements as a function that Gmsh calls; `scale` multiplies all sizes."""
-    curves = Curves(gmsh)
-    curves.check(plan)
-    of_face = {face: scale * min(sizes.get(name, size) for name in labels if name) for face, labels in
-               pieces.faces.items()}
-    wanted = dict.fromkeys(curves.tags, scale * size)
-    for face, value in of_face.items():
-        for curve in sides_of(gmsh, face):
-            wanted[curve] = min(wanted[curve], value)
-    for name, members in (*pieces.lines.items(), *pieces.holes.items()):
-        for curve in members:
-            if curve in wanted:
+class Sizes:
+    """Sizes of elements in the current model, as functions that Gmsh calls; `scale` multiplies what is asked for."""
+
+    def __init__(self, gmsh: Any, plan: Plan, pieces: Pieces, size: float, sizes: Mapping[str, float],
+                 near: Sequence[tuple[ndarray, float]], scale: float) -> None:
+        self._curves = curves = Curves(gmsh)
+        curves.check(plan)
+        self._faces = {face: scale * min(sizes.get(name, size) for name in labels if name)
+                       for face, labels in pieces.faces.items()}
+        wanted = dict.fromkeys(curves.tags, scale * size)
+        for face, value in self._faces.items():
+            for curve in sides_of(gmsh, face):
+                wanted[curve] = min(wanted[curve], value)
+        for name, members in (*pieces.lines.items(), *pieces.holes.items()):
+            for curve in wanted.keys() & set(members):
                 wanted[curve] = min(wanted[curve], scale * sizes.get(name, size))
-    each = np.minimum(np.array([wanted[tag] for tag in curves.tags]), curves.length)
-    each = np.minimum(each, 2.0 * np.pi / _ROUND * curves.radius)[curves.owner]
-    at = np.array([point for point, _ in near]).reshape(-1, 2)
-    there = scale * np.array([value for _, value in near])
+        each = np.minimum(np.array([wanted[tag] for tag in curves.tags]), curves.length)
+        self._each = np.minimum(each, 2.0 * np.pi / _ROUND * curves.radius)[curves.owner]
+        self._at = np.array([point for point, _ in near]).reshape(-1, 2)
+        self._there = scale * np.array([value for _, value in near])
 
-    def callback(dim: int, tag: int, x: float, y: float, z: float, lc: float) -> float:
-        found = of_face.get(tag, lc) if dim == 2 else lc
-        if len(at):
-            found = min(found, float((there + _GROWTH * np.hypot(x - at[:, 0], y - at[:, 1])).min()))
-        if dim == 1:
-            away = curves.distances(x, y)
-            others = away[curves.apart[tag]].min(initial=np.inf)
-            found = min(found, float((each + _GROWTH * away).min()), _GAP * others)
-        return found
+    def along(self, dim: int, tag: int, x: float, y: float, z: float, lc: float) -> float:
+        """Return the size at a point of a curve."""
+        away = self._curves.distances(x, y)
+        found = min(self._near(x, y), float((self._each + _GROWTH * away).min()))
+        return found if dim == 0 else min(found, _GAP * away[self._curves.apart[tag]].min(initial=np.inf))
 
-    return callback
+    def inside(self, gmsh: Any) -> SizeCallback:
+        """Return the size at a point of a face, which grows from the nearest elements of the curves.
+
+        Gmsh alone takes the mean of a fine and a coarse side, which leaves needles on the fine one.
+        """
+        number = {int(tag): k for k, tag in enumerate(gmsh.model.mesh.getNodes()[0])}
+        x = np.reshape(gmsh.model.mesh.getNodes()[1], (-1, 3))[:, :2]
+        nodes = np.concatenate([gmsh.model.mesh.getElements(1, curve)[2][0] for curve in self._curves.tags])
+        ends = x[[number[int(node)] for node in nodes]].reshape(-1, 2, 2)
+        length, tree = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1), cKDTree(ends.mean(axis=1))
+        count = min(_NEIGHBOURS, len(length))
+
+        def callback(dim: int, tag: int, x: float, y: float, z: float, lc: float) -> float:
+            away, nearest = tree.query((x, y), count)
+            grown = float(np.min(length[nearest] + _GROWTH * away))
+            return min(self._faces.get(tag, lc), self._near(x, y), grown)
+
+        return callback
+
+    def _near(self, x: float, y: float) -> float:
+        """Return the size that grows from points given with their sizes."""
+        return float((self._there + _GROWTH * np.hypot(*(self._at - (x, y)).T)).min(initial=np.inf))
