@@ -14,6 +14,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+import pyvista
 from skfem import Basis, ElementQuad1, ElementQuad2, ElementVector, MeshQuad
 
 import skfem_contact as sc
@@ -161,14 +162,17 @@ def test_searches_and_sections_of_solids(tmp_path) -> None:
     assert f"stopped by {found.stop.kind}" in html and len(pictures(html)) == 2 + 1 + 2
 
 
-def test_bodies_in_space(tmp_path) -> None:
+def test_bodies_in_space(tmp_path, monkeypatch) -> None:
     """Bodies in space are drawn cut open, without a picture of the model."""
     from skfem import ElementHex1, MeshHex
 
     basis = Basis(MeshHex().refined(1), ElementVector(ElementHex1()), intorder=2)
     block = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3), unit_weight=20.0)
     result = sc.Model({"block": block}, sc.box_supports(basis)).run([sc.Stage("weight")])
+    monkeypatch.setattr(pyvista, "BUILDING_GALLERY", True)  # which shows all plotters that it knows
+    known = set(pyvista.plotting.plotter._ALL_PLOTTERS)
     html = result.report(tmp_path / "space.html", quantity="uz").read_text(encoding="utf-8")
+    assert set(pyvista.plotting.plotter._ALL_PLOTTERS) == known
     assert len(pictures(html)) == 1 and "weight: uz" in html
     with pytest.raises(ValueError, match="plane"):
         plot.model(result["weight"])

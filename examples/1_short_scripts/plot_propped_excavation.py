@@ -47,7 +47,7 @@ print(f"prop {result['lift 2'].reactions()[prop][0]:.1f} kN/m")
 # Forces of all stages in a table, and a report for others: one HTML file that a browser shows and prints.
 cuts = sc.Sections.line((6.25, 16.0), (6.25, 6.0), depth=0.5, n=41)
 print(result.table(sections={"wall": cuts}).to_markdown())
-result.report("propped_excavation.html", title="A propped excavation", quantity="ux", sections={"wall": cuts})
+file = result.report("propped_excavation.html", title="A propped excavation", quantity="ux", sections={"wall": cuts})
 
 # %%
 plot.stages([result["lift 1"], result["lift 2"]], "ux", since=result["wall"], deformed="auto", window=(0, 14, 4, 17))

@@ -10,6 +10,7 @@ from ..display import in_notebook
 from ..results.fields import basis_of
 from ..results.stage import StageResult
 from .contour import contour, cutaway
+from .sheet import close
 
 #: Share of the time of a run that its pictures may take.
 _SHARE = 0.2
@@ -72,7 +73,7 @@ class Live:
         plotter = (cutaway if space else contour)(stage, self._quantity, **self._style)
         if plotter is not None:
             self._show(plotter._repr_png_())
-            plotter.close()
+            close(plotter)
         spent = perf_counter() - began
         self._next = began + spent + max(self._seconds, spent / _SHARE)
 

@@ -28,6 +28,7 @@ from .contour import Contours, contours, cutaway
 from .diagram import diagram
 from .mechanism import load_curve, mechanism
 from .model import Shade, drawn, shades
+from .sheet import close
 from .units import in_words
 
 _KINDS = {".png": "png", ".jpg": "jpeg", ".jpeg": "jpeg", ".gif": "gif", ".svg": "svg+xml"}
@@ -212,7 +213,7 @@ def _field(stage: StageResult, quantity: str, scale: Contours | None) -> Any:
     plotter = contours([stage], quantity, limits=ends).draw(None, False, image, False, width=_WIDE)
     if plotter is None:
         return None
-    plotter.close()
+    close(plotter)
     return image.getvalue()
 
 
@@ -324,7 +325,7 @@ def _embedded(caption: str, picture: Any) -> str:
         kind, content = _KINDS[Path(picture).suffix.lower()], Path(picture).read_bytes()
     elif callable(png := getattr(picture, "_repr_png_", None)):
         content = png()
-        picture.close()
+        close(picture)
     else:
         raise ValueError(f"picture '{caption}' is a {type(picture).__name__}: give a figure, a plotter or a file")
     return f'<img alt="{escape(caption)}" src="data:image/{kind};base64,{b64encode(content).decode()}">'

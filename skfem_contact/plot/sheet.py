@@ -228,6 +228,14 @@ def finish(plotter: Any, file: Any, show: bool) -> Any:
     return plotter
 
 
+def close(plotter: Any) -> None:
+    """Close a plotter whose picture was taken; pages of a gallery do not show it again."""
+    import pyvista
+
+    plotter.close()
+    pyvista.plotting.plotter._ALL_PLOTTERS.pop(plotter._id_name, None)
+
+
 def can_draw(title: str, show: bool = False) -> tuple[bool, bool]:
     """Return whether VTK can draw here, and whether it can open a window; warn where it cannot as asked for."""
     if not _can_render():
