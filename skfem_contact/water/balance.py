@@ -14,7 +14,8 @@ from scipy.sparse import csr_matrix, diags
 from ..errors import NotConverged, warn
 from ..solvers.direct import DirectSolver
 from .boundary import Conditions
-from .darcy import DarcyFlow, Retention
+from .darcy import DarcyFlow
+from .retention import Retention
 
 logger = logging.getLogger("skfem_contact")
 

@@ -1,20 +1,19 @@
-"""Darcy's law on a mesh: permeability, its retention in partly saturated ground, and the flow for given heads."""
+"""Darcy's law on a mesh: permeability, and the flow for given heads."""
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Protocol, TypeVar
+from typing import TypeVar
 
 import numpy as np
 from numpy import ndarray
 from numpy.typing import ArrayLike
 from scipy.sparse import coo_matrix, csr_matrix
 from skfem import Basis, CellBasis, FacetBasis
-from typing_extensions import override
 
-from ..checks import look_up, number, positive, vector
+from ..checks import look_up
 from ..layout import elements_of, linear_element
+from .retention import Retention
 
 T = TypeVar("T")
 #: Permeability of a region: a number, one number for each axis, or a symmetric tensor (dim, dim).
@@ -24,175 +23,6 @@ Permeability = ArrayLike
 _MOST = 1e10
 #: Error of a sum of some ten products of heads and conductances, relative to the largest.
 _ROUND_OFF = 16 * np.finfo(float).eps
-#: A change of suction leaves so much of the saturation at least.
-_DRIER = 0.1
-#: Relative permeability of ground that has lost all its water.
-_NONE = 1e-300
-#: Van Genuchten's curve has the slope of this relative suction at smaller ones.
-_STEEPEST = 1e-9
-
-
-class Retention(Protocol):
-    """Permeability of partly saturated ground, relative to that of saturated ground, and its water."""
-
-    content: tuple[float, float] | None
-
-    def relative(self, suction: ndarray, size: ndarray) -> tuple[ndarray, ndarray]:
-        """Return the relative permeability and its slope over the suction, a length: elevation less head.
-
-        The size is the height of the elements in which the points lie, broadcast against the suction.
-        """
-
-    def softer(self, factor: float) -> Retention:
-        """Return the law with a transition so many times as wide: Newton's method begins with it."""
-
-    def saturation(self, suction: ndarray, size: ndarray) -> tuple[ndarray, ndarray]:
-        """Return the effective saturation, from 0 to 1, and its slope over the suction."""
-
-    def moved(self, suction: ndarray, change: ndarray) -> ndarray:
-        """Return the suction after a change by Newton's method, made in a variable in which it converges."""
-        return suction + change
-
-
-@dataclass(frozen=True)
-class Ramp(Retention):
-    r"""Sharp free surface: ground is saturated below it and nearly impermeable above it.
-
-    The relative permeability falls from 1 to `least` as the cubic :math:`3s^2 - 2s^3` over a suction head of `width`
-    heights of the element. The transition is centred on zero pressure, so that its width does not bias the discharge.
-
-    Parameters
-    ----------
-    width
-        Width of the transition, in heights of the element in which it lies.
-    least
-        Relative permeability of dry ground, between 0 and 1.
-    content
-        Volume of water per volume of ground, the least that suction leaves and that of saturated ground: for
-        :func:`transient_seepage`.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> import skfem_contact as sc
-    >>> sc.water.Ramp(width=1., least=.1).relative(np.array([-.5, 0., .5]), np.ones(3))[0]
-    array([1.  , 0.55, 0.1 ])
-    """
-
-    width: float = 0.5
-    least: float = 1e-3
-    content: tuple[float, float] | None = None
-
-    def __post_init__(self) -> None:
-        positive(self.width, "width")
-        number(self.least, "least", 0.0, 1.0)
-        _check_content(self.content)
-
-    @override
-    def relative(self, suction: ndarray, size: ndarray) -> tuple[ndarray, ndarray]:
-        width = self.width * size
-        s = np.clip(0.5 - suction / width, 0.0, 1.0)
-        change = 1.0 - self.least
-        return self.least + change * s * s * (3.0 - 2.0 * s), -change * 6.0 * s * (1.0 - s) / width
-
-    @override
-    def saturation(self, suction: ndarray, size: ndarray) -> tuple[ndarray, ndarray]:
-        return replace(self, least=_NONE).relative(suction, size)
-
-    @override
-    def softer(self, factor: float) -> Ramp:
-        return replace(self, width=self.width * factor)
-
-
-@dataclass(frozen=True)
-class VanGenuchten(Retention):
-    r"""Capillary fringe above the water table, by Mualem's model with van Genuchten's curve.
-
-    With the suction head :math:`s`, :math:`m = 1 - 1/n` and the effective saturation
-    :math:`S = (1 + (\alpha s)^n)^{-m}` the relative permeability is :math:`\sqrt S\,(1 - (1 - S^{1/m})^m)^2`
-    (M. Th. van Genuchten, Soil Sci. Soc. Am. J. 44 (1980) 892-898, eqs. 3, 8 and 9).
-
-    Parameters
-    ----------
-    alpha
-        One over a length: about the inverse of the height of the capillary fringe.
-    n
-        Exponent, more than 1: large for pores of one size.
-    least
-        Lower limit of the relative permeability, between 0 and 1.
-    content
-        Volume of water per volume of ground, the least that suction leaves and that of saturated ground: for
-        :func:`transient_seepage`.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> import skfem_contact as sc
-    >>> sand = sc.water.VanGenuchten(alpha=2., n=3.)
-    >>> sand.relative(np.array([-1., 0., .5]), np.ones(3))[0].round(4)
-    array([1.    , 1.    , 0.1087])
-    """
-
-    alpha: float
-    n: float
-    least: float = 1e-6
-    content: tuple[float, float] | None = None
-
-    def __post_init__(self) -> None:
-        _check_content(self.content)
-        positive(self.alpha, "alpha")
-        number(self.n, "n", 1.0)
-        number(self.least, "least", 0.0, 1.0)
-
-    @override
-    def relative(self, suction: ndarray, size: ndarray) -> tuple[ndarray, ndarray]:
-        m = self._m
-        s = np.maximum(self.alpha * suction, np.finfo(float).tiny)
-        x = s**self.n
-        filled = (1.0 + x) ** (-0.5 * m)  # square root of the saturation
-        rest = 1.0 - (x / (1.0 + x)) ** m
-        k = filled * rest**2
-        # slope of (x / (1 + x))^m: infinite at s = 0 for n < 2
-        steep = (self.n - 1.0) * np.maximum(s, _STEEPEST) ** (self.n - 2.0) * (1.0 + x) ** (-m - 1.0)
-        slope = -filled * rest * (0.5 * m * self.n * rest * x / s / (1.0 + x) + 2.0 * steep)
-        changing = (suction > 0.0) & (k > self.least)
-        return np.where(suction > 0.0, np.maximum(k, self.least), 1.0), np.where(changing, self.alpha * slope, 0.0)
-
-    @override
-    def saturation(self, suction: ndarray, size: ndarray) -> tuple[ndarray, ndarray]:
-        m = self._m
-        s = np.maximum(self.alpha * suction, np.finfo(float).tiny)
-        x = s**self.n
-        filled = (1.0 + x) ** -m
-        return filled, -self.alpha * m * self.n * x / s / (1.0 + x) * filled
-
-    @override
-    def moved(self, suction: ndarray, change: ndarray) -> ndarray:
-        # the saturation on the dry side of its steepest point, where x = m, and its tangent there on the wet side
-        m = self._m
-        turn, size = np.array(m ** (1.0 / self.n) / self.alpha), np.ones(1)
-        (most, steep), (filled, slope) = self.saturation(turn, size), self.saturation(np.maximum(suction, turn), size)
-        now = filled + steep * np.minimum(suction - turn, 0.0)
-        new = np.maximum(now + slope * change, _DRIER * now)
-        dry = np.minimum(new, most)
-        return np.where(new < most, np.expm1(-np.log(dry) / m) ** (1.0 / self.n) / self.alpha,
-                        turn + (new - most) / steep)
-
-    @property
-    def _m(self) -> float:
-        return 1.0 - 1.0 / self.n
-
-    @override
-    def softer(self, factor: float) -> VanGenuchten:
-        return replace(self, alpha=self.alpha / factor)
-
-
-def _check_content(content: tuple[float, float] | None) -> None:
-    if content is not None:
-        least, most = vector(content, 2, "content")
-        if not 0.0 <= least < most <= 1.0:
-            raise ValueError(f"content is the residual and the saturated content of water, 0 <= residual < saturated "
-                             f"<= 1, not {content!r}")
 
 
 def regions(basis: CellBasis, values: T | Mapping[str, T], what: str) -> list[tuple[ndarray, T]]:
@@ -319,7 +149,8 @@ class DarcyFlow:
 
     def by_element(self, head: ndarray, relative: ndarray) -> ndarray:
         """Return the water that enters every element at its corners, (n_elements, n_corners)."""
-        return np.einsum("eq,eqab,eb->ea", relative, self._conductance, head[self.dofs], optimize=True)
+        through = np.matmul(self._conductance, head[self.dofs][:, None, :, None])[..., 0]
+        return np.asarray((relative[..., None] * through).sum(axis=1))
 
     def inflow(self, head: ndarray, relative: ndarray) -> ndarray:
         """Return the water that enters at the nodes, (N,)."""

@@ -16,8 +16,9 @@ from ..forms.base import Coordinates
 from ..layout import elements_of
 from .balance import Balance, WaterBalance
 from .boundary import Conditions, Given, check_heads, conditions, nodes_on, pumped, screens_and_ties, sourced, through
-from .darcy import DarcyFlow, Permeability, Ramp, Retention, head_basis, permeability_tensors, radius, regions
+from .darcy import DarcyFlow, Permeability, head_basis, permeability_tensors, radius, regions
 from .points import interpolated, zero_lines
+from .retention import Ramp, Retention
 
 _RAMP = Ramp()
 _NOTHING: Mapping[str, float] = MappingProxyType({})
@@ -195,7 +196,7 @@ def seepage(basis: CellBasis, permeability: Permeability | Mapping[str, Permeabi
         Pairs of boundaries of bodies that share no nodes, ``("core|shell", "shell|core")``, between which water passes
         freely: the nodes of the side with the smaller facets take the heads of the other. Other joints are tight.
     retention
-        :class:`Ramp` or :class:`VanGenuchten`, for all ground or by subdomain.
+        :class:`Ramp`, :class:`VanGenuchten` or :class:`BrooksCorey`, for all ground or by subdomain.
     coordinates
         ``"axisymmetric"`` for flow per radian towards or from the axis x = 0. By default ``"plane"`` or ``"space"``, as
         the mesh.

@@ -10,7 +10,8 @@ from scipy.sparse import csr_matrix, diags
 from skfem import CellBasis
 from typing_extensions import override
 
-from .darcy import DarcyFlow, Retention
+from .darcy import DarcyFlow
+from .retention import Retention
 
 
 class StoringFlow(DarcyFlow):
@@ -48,6 +49,12 @@ class StoringFlow(DarcyFlow):
     def span(self, change: float) -> ndarray:
         """Return the volumes between dry and saturated ground, and by a change of pressure head, (2, N)."""
         return np.stack((self.gathered(self._range), self.gathered(self._storage * change)))
+
+    def beyond(self, stored: ndarray, span: ndarray) -> float:
+        """Return how far stored volumes, (2, N), lie outside of those of dry and saturated ground, over the span."""
+        least = self.gathered(self._least)
+        off = np.maximum(least - stored[0], stored[0] - least - span[0])
+        return float(np.divide(off, span[0], out=np.zeros_like(off), where=span[0] > 0.0).max(initial=0.0))
 
     def room(self, head: ndarray) -> float:
         """Return the volume of water that makes the ground saturated; infinite with storage."""

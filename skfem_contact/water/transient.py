@@ -4,7 +4,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy import ndarray
@@ -14,10 +14,12 @@ from ..checks import finite, number, positive
 from ..errors import NotConverged
 from ..forms.assembly import strain_of
 from ..forms.base import Coordinates
+from ..nonlinear.increment import PART
 from ..solvers.direct import SingularSystem
 from .balance import Balance, Unbalanced, WaterBalance
 from .boundary import Conditions, Given, conditions, nodes_on, pumped, screens_and_ties, sourced, values_at
-from .darcy import Permeability, Retention, head_basis, permeability_tensors, regions
+from .darcy import Permeability, head_basis, permeability_tensors, regions
+from .retention import Retention
 from .seepage import Seepage, described, warn_of_dry_wells
 from .storage import StoringFlow
 
@@ -28,6 +30,8 @@ Varying = Mapping[str, Given] | Callable[[float], Mapping[str, Given]]
 _FIRST, _SHORTEST = 1e-5, 1e-11
 #: Steps grow and shrink by these factors at most; the error of a step aims at this share of the limit.
 _GROWTH, _CUT, _AIM = 2.0, 0.2, 0.8
+#: Share of a step before its end at which rates are taken.
+_JUST = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +83,7 @@ def transient_seepage(basis: CellBasis, permeability: Permeability | Mapping[str
                       seepage_face: str | Sequence[str] = (), flux: Varying = _NOTHING,
                       suction: Varying = _NOTHING, wells: Varying = _NOTHING, sources: Varying = _NOTHING,
                       connected: Sequence[tuple[str, str]] = (), storage: float | Mapping[str, float] = 0.0,
-                      coordinates: Coordinates | None = None, error: float = 2e-3) -> TransientSeepage:
+                      coordinates: Coordinates | None = None, error: float = 1e-2) -> TransientSeepage:
     r"""Solve the flow of water through saturated and unsaturated ground in time (L. A. Richards 1931).
 
     Parameters
@@ -90,7 +94,7 @@ def transient_seepage(basis: CellBasis, permeability: Permeability | Mapping[str
         As for :func:`seepage`, or a function of the time that returns such a mapping, with the same names at all times:
         ``flux=lambda t: {"surface": 1e-6 if t < 3600 else 0.}``. None is needed.
     retention
-        :class:`VanGenuchten` or :class:`Ramp` with a `content`, for all ground or by subdomain.
+        :class:`VanGenuchten`, :class:`BrooksCorey` or :class:`Ramp` with a `content`, for all ground or by subdomain.
     times
         Increasing times for the result. The first is that of the start.
     start
@@ -102,7 +106,7 @@ def transient_seepage(basis: CellBasis, permeability: Permeability | Mapping[str
         Specific storage (1 / length) of saturated ground, by subdomain too: water per volume and head that compresses.
     error
         Limit of the error of a step in the content of any node, over its range, and in the water that compressible
-        ground takes, over the largest change. The steps, of first order, are cut and grow with its estimate.
+        ground takes, over the largest change. The steps, of second order, are cut and grow with its estimate.
 
     Raises
     ------
@@ -187,8 +191,24 @@ class _Given:
         return pumped(self.basis, wells, found)
 
 
+class _Part(NamedTuple):
+    """Balance at the end of a part of a step; stored volumes and their rates, (2, N), and nodes that are not held."""
+
+    found: Balance
+    head: ndarray
+    leaking: ndarray
+    stored: ndarray
+    rate: ndarray
+    free: ndarray
+    entered: float
+
+
 class _March:
-    """Steps in time, by the implicit Euler method, as long as the error of a step allows."""
+    """Steps in time of second order, as long as their error allows.
+
+    Both parts of a step are of Euler's backward method (R. Alexander 1977, see :data:`PART`), the second from stored
+    volumes extrapolated from the first. Where no ground can hold these, at fronts, a step ends with its first part.
+    """
 
     def __init__(self, flow: StoringFlow, given: _Given, laws: Sequence[tuple[ndarray, Retention]],
                  connected: Sequence[tuple[str, str]], head: ndarray, times: ndarray, error: float) -> None:
@@ -216,7 +236,7 @@ class _March:
                 count = np.ceil((target - time) / self._step * (1.0 - 1e-12))
                 end = target if count <= 1 else time + (target - time) / count
                 if (found := self._tried(time, end)) is not None:
-                    time, last = end, found._replace(iterations=last.iterations + found.iterations)
+                    time, last = found[0], found[1]._replace(iterations=last.iterations + found[1].iterations)
             rows.append(self._row(last, target, unit_weight))
         states, content, stored, entered = zip(*rows, strict=True)
         warn_of_dry_wells(self.flow.basis, self.given.values("wells", time), states[-1].head)
@@ -228,13 +248,16 @@ class _March:
                           sourced(self.flow.basis, sources, self.flow.axisymmetric), unit_weight)
         return state, self._stored.sum(axis=0) / self.flow.volume, float(self._stored.sum()), self.entered
 
-    def _tried(self, time: float, end: float) -> Balance | None:
-        """Take a step, or shorten it and return None."""
-        step, given = end - time, self.given.at(end)[0]
-        lowered = replace(given, head=given.head - self.flow.datum)
-        flow = self.flow.over(step, self._stored)
+    def _tried(self, time: float, end: float) -> tuple[float, Balance] | None:
+        """Take a step, or its first part, and return its end; or shorten it and return None."""
+        step, part = end - time, PART * (end - time)
         try:
-            found, leaking = self._balance.step(flow, lowered, self.head, self.leaking, self.laws)
+            first = self._part(time + part, part, self._stored, self.head, self.leaking)
+            further = self._stored + (1.0 / PART - 1.0) * (first.stored - self._stored)
+            if self.flow.beyond(further, self._span(first)) > self._error:
+                return self._accepted(time + part, step, part, [first], self._rate)
+            # a rate may jump at the end of a step: what holds is that before it
+            second = self._part(end - _JUST * step, part, further, first.head, first.leaking)
         except (Unbalanced, SingularSystem) as failed:
             self._step = _CUT * step
             if self._step < _SHORTEST * self._length:
@@ -243,21 +266,39 @@ class _March:
                 raise NotConverged(f"the water does not balance at the time {time:.6g} in steps of {step:.2g}: {failed}"
                                    + hint, self.head + self.flow.datum) from failed
             return None
-        stored = self.flow.stored(found.head)
-        rate, free = (stored - self._stored) / step, ~(given.held | leaking)
-        pressed, before = (np.maximum(head - flow.elevation, 0.0) for head in (found.head, self._start))
-        span = flow.span(float(np.abs(pressed - before).max()))
-        at = free & (span > 0.0)
-        off = float((0.5 * step * np.abs(rate - self._rate)[at] / span[at]).max(initial=1e-300))
+        return self._accepted(end, step, part, [first, second], first.rate)
+
+    def _part(self, time: float, length: float, before: ndarray, head: ndarray, leaking: ndarray) -> _Part:
+        """Return the balance at a time after a step of first order from stored volumes."""
+        given = self.given.at(time)[0]
+        lowered = replace(given, head=given.head - self.flow.datum)
+        found, leaking = self._balance.step(self.flow.over(length, before), lowered, head, leaking, self.laws)
+        stored, free = self.flow.stored(found.head), ~(given.held | leaking)
+        entered = length * float(np.where(free, self._balance.tie.T @ given.supply, found.inflow).sum())
+        return _Part(found, found.head, leaking, stored, (stored - before) / length, free, entered)
+
+    def _span(self, part: _Part) -> ndarray:
+        """Return what nodes can store, by saturation and by the largest change of pressure so far, (2, N)."""
+        pressed, before = (np.maximum(head - self.flow.elevation, 0.0) for head in (part.head, self._start))
+        return self.flow.span(float(np.abs(pressed - before).max()))
+
+    def _accepted(self, end: float, step: float, part: float, parts: list[_Part], rate: ndarray
+                  ) -> tuple[float, Balance] | None:
+        """Accept a step if its error, estimated by the change of the rate, is small; shorten it else."""
+        last, span = parts[-1], self._span(parts[-1])
+        at = last.free & (span > 0.0)
+        off = float((0.5 * part * np.abs(last.rate - rate)[at] / span[at]).max(initial=1e-300))
         better = _AIM * np.sqrt(self._error / off)
         if off > self._error and step > 10 * _SHORTEST * self._length:
             self._step = step * max(_CUT, better)
             return None
         self._step = step * float(np.clip(better, _CUT, _GROWTH))
-        self.entered += step * float(np.where(free, self._balance.tie.T @ given.supply, found.inflow).sum())
-        self.head, self.leaking, self._rate, self._stored = found.head, leaking, rate, stored
+        shares = (1.0 / PART - 1.0, 1.0) if len(parts) == 2 else (1.0,)
+        self.entered += sum(share * each.entered for share, each in zip(shares, parts, strict=True))
+        self.head, self.leaking, self._rate, self._stored = last.head, last.leaking, last.rate, last.stored
         self.steps += 1
-        return found
+        iterations = sum((each.found.iterations for each in parts), start=())
+        return end, last.found._replace(iterations=iterations)
 
     def _check_room(self) -> None:
         """Refuse sources in ground that water cannot leave and that cannot store it."""

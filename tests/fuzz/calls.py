@@ -99,6 +99,7 @@ def doors():
     yield "SeepageFace", sc.water.SeepageFace, {"water": water, "boundaries": "top", "pressure": 0.0}
     yield "Ramp", sc.water.Ramp, {"width": 0.5, "least": 1e-3}
     yield "VanGenuchten", sc.water.VanGenuchten, {"alpha": 1.0, "n": 2.0, "least": 1e-6}
+    yield "BrooksCorey", sc.water.BrooksCorey, {"entry": 1.0, "index": 2.0, "least": 1e-6}
     yield "seepage", sc.water.seepage, {"basis": basis, "permeability": 1e-4, "head": head, "unit_weight": 10.0,
                                         "seepage_face": (), "connected": (), "retention": sc.water.Ramp(),
                                         "coordinates": "plane"}
