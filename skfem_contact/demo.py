@@ -1,4 +1,4 @@
-"""Buried culvert from a mesh file to pictures: ``python -m skfem_contact.demo --out culvert_out``."""
+"""Analyses that show what the package does: ``python -m skfem_contact.demo --out culvert_out``, and ``... slope``."""
 from __future__ import annotations
 
 import argparse
@@ -9,8 +9,9 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any, NamedTuple
 
+import numpy as np
 from numpy import ndarray
-from skfem import Basis, ElementQuad1, ElementVector
+from skfem import Basis, ElementQuad1, ElementTriP2, ElementVector, MeshTri
 
 import skfem_contact as sc
 
@@ -55,6 +56,63 @@ def culvert() -> Culvert:
     return Culvert(basis, model.forms, result["gravity"].load, result)
 
 
+def slope() -> tuple[sc.results.Result, Any]:
+    """Run a slope of 10 m on 5 m of ground, 1 in 2, and return its weight's stage and its factor of safety.
+
+    It is example 2 of Griffiths and Lane (1999), whose factor is 1.4. Units are kN and m.
+
+    Examples
+    --------
+    >>> from skfem_contact.demo import slope
+    >>> f"{slope()[1].factor:.1f}"
+    '1.4'
+    """
+    x = np.concatenate((np.linspace(-20, 0, 9), np.linspace(0, 20, 13)[1:], np.linspace(20, 32, 7)[1:]))
+    mesh = MeshTri.init_tensor(x, np.linspace(0, 1, 9))
+    surface = 5.0 + np.clip(mesh.p[0] / 2.0, 0.0, 10.0)
+    mesh = MeshTri(np.stack((mesh.p[0], mesh.p[1] * surface)), mesh.t).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
+    soil = sc.MohrCoulomb(E=1e5, nu=0.3, c=10.0, phi=20.0)
+    model = sc.Model({"ground": sc.SolidForm(basis, soil, unit_weight=20.0)}, sc.box_supports(basis))
+    result = model.run([sc.Stage("weight")])
+    return result, model.strength_reduction(start=result, certify=False)
+
+
+def _show_slope(out: Path) -> dict[str, str]:
+    """Compute the slope, print its factor and write its files; return their names and contents."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import skfem_contact.plot as plot
+
+    result, found = slope()
+    print(f"{found}\n")
+    plot.set_units("kN", "m")
+    result.report(out / "slope.html", title="A slope", searches={"weight": found})
+    plot.load_curve(found, file=out / "curve.png")
+    plot.set_units()
+    return {"slope.html": "report with the mechanism, for a browser", "curve.png": "the way to the factor of safety"}
+
+
+def _show_culvert(out: Path) -> dict[str, str]:
+    """Compute the culvert, print its stages and write its files; return their names and contents."""
+    result = culvert().result
+    for stage in result:
+        stage.to_vtu(out / f"{stage.name}.vtu")
+    result.save(out / "culvert.npz")
+    print(f"{result}\n")
+    written = {f"{stage.name}.vtu": f"displacements, stresses and contact of '{stage.name}', for ParaView"
+               for stage in result} | {"culvert.npz": "the whole result, for load_result"} | _draw(result, out)
+    if "culvert.png" not in written:
+        print("No culvert.png: VTK cannot draw on this machine, it needs OpenGL.")
+    return written
+
+
+#: Analyses by their names: what they show, and how.
+_SHOWN = {"culvert": ("a buried culvert under its own weight and a one-sided surcharge", _show_culvert),
+          "slope": ("the factor of safety of a slope, and a report", _show_slope)}
+
+
 def _draw(result: sc.results.Result, out: Path) -> dict[str, str]:
     """Draw the pictures into a folder; return names of the files and their contents."""
     import matplotlib
@@ -92,27 +150,25 @@ def main(arguments: Sequence[str] | None = None) -> int:
     begin = perf_counter()
     parser = argparse.ArgumentParser(
         prog="python -m skfem_contact.demo",
-        description="Compute a buried culvert: tables, pictures and files for ParaView.")
-    parser.add_argument("--out", type=Path, default=Path("culvert_out"),
-                        help="folder for pictures and files (default: %(default)s)")
-    out = parser.parse_args(arguments).out
+        description="Compute an analysis: tables, pictures and files. It can show "
+                    + "; ".join(f"{name}: {text}" for name, (text, _) in _SHOWN.items()) + ".")
+    parser.add_argument("name", nargs="?", default="culvert", choices=_SHOWN, help="default: %(default)s")
+    parser.add_argument("--out", type=Path, help="folder for pictures and files (default: NAME_out)")
+    given = parser.parse_args(arguments)
+    out, (text, show) = given.out or Path(f"{given.name}_out"), _SHOWN[given.name]
     if out.exists() and not out.is_dir():
         parser.error(f"--out {out} is a file, not a folder")
     out.mkdir(parents=True, exist_ok=True)
 
-    print("A buried culvert under its own weight and a one-sided surcharge\n", flush=True)
-    result = culvert().result
-    for stage in result:
-        stage.to_vtu(out / f"{stage.name}.vtu")
-    result.save(out / "culvert.npz")
-    written = {f"{stage.name}.vtu": f"displacements, stresses and contact of '{stage.name}', for ParaView"
-               for stage in result} | {"culvert.npz": "the whole result, for load_result"} | _draw(result, out)
-    print(f"{result}\n\nWritten to {out}:")
-    for name, text in written.items():
-        print(f"  {name:16}{text}")
-    if "culvert.png" not in written:
-        print("No culvert.png: VTK cannot draw on this machine, it needs OpenGL.")
-    print(f"\nDone in {perf_counter() - begin:.1f} s.")
+    print(f"{text[0].upper()}{text[1:]}\n", flush=True)
+    written = show(out)
+    print(f"Written to {out}:")
+    for name, content in written.items():
+        print(f"  {name:16}{content}")
+    print(f"\nDone in {perf_counter() - begin:.1f} s. `python -m skfem_contact.demo NAME` also shows:")
+    for name, (text, _) in _SHOWN.items():
+        if name != given.name:
+            print(f"  {name:16}{text}")
     return 0
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import runpy
 import sys
 import warnings
@@ -187,6 +188,20 @@ def test_without_graphics_everything_else_is_written(
     assert [line for line in printed.out.splitlines() if "culvert.png" in line] == [
         "No culvert.png: VTK cannot draw on this machine, it needs OpenGL."]
     assert "Warning" not in printed.err
+
+
+def test_slope_is_shown_and_others_are_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """[P] Griffiths and Lane (1999), example 2: a factor of 1.4; its report and curve are written."""
+    out = tmp_path / "slope"
+    assert main(["slope", "--out", str(out)]) == 0
+    assert {path.name for path in out.iterdir()} == {"slope.html", "curve.png"}
+    printed = capsys.readouterr().out
+    # published with two digits
+    assert 1.35 < float(re.search(r"factor of safety (\d\.\d+),", printed)[1]) < 1.45
+    assert "culvert         a buried culvert" in printed.split("also shows:")[1]
+    with pytest.raises(SystemExit):
+        main(["tunnel"])
+    assert "'culvert', 'slope'" in capsys.readouterr().err.replace("culvert, slope", "'culvert', 'slope'")
 
 
 def test_folder_that_is_a_file_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

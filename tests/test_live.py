@@ -46,7 +46,7 @@ def test_notebook_shows_bars_tables_and_pictures_and_keeps_what_was_accepted() -
     nbformat, nbclient = pytest.importorskip("nbformat"), pytest.importorskip("nbclient")
     pytest.importorskip("ipykernel")
     book = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(cell) for cell in CELLS])
-    nbclient.NotebookClient(book, timeout=200, allow_errors=True).execute()
+    nbclient.NotebookClient(book, timeout=600, allow_errors=True).execute()
     outputs = [cell["outputs"] for cell in book.cells]
     assert not any(part["output_type"] == "error" for k in (0, 1, 2, 4) for part in outputs[k]), outputs
     bars = "".join(part.get("text", "") for part in outputs[1] if part["output_type"] == "stream")
