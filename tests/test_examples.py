@@ -47,8 +47,8 @@ def _run(script: Path, folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: py
     """Run an example as a script in a folder of its own; return what it prints."""
     matplotlib.use("Agg")
     monkeypatch.chdir(folder)
-    for mesh in script.parent.glob("*.msh"):
-        shutil.copy(mesh, folder)
+    for given in (*script.parent.glob("*.msh"), *script.parent.glob("*.dxf")):
+        shutil.copy(given, folder)
     monkeypatch.syspath_prepend(script.parent)  # as for a script that is run
     monkeypatch.setattr(sys, "argv", [str(script)])
     monkeypatch.setattr(plt, "show", lambda: None)

@@ -30,7 +30,7 @@ def draw_pit(file: Path) -> None:
 
     draw("FILL", [(-12, 0), (30, 0)])
     draw("SAND", [(-12, -2.5), (30, -2.5)])
-    draw("CLAY", [(-12, -12), (30, -12)])
+    draw("CLAY", [(-12, -8), (30, -8)])
     for k, (top, bottom) in enumerate(((0, -2), (-2, -4.5), (-4.5, -6.5)), 1):
         draw(f"DIG {k}", [(-12, bottom), (0, bottom), (0, top), (-12, top)], close=True)
     draw("WALL", [(0, 0), (0, -1), (0, -11)])
@@ -71,7 +71,7 @@ def test_shipped_drawing_is_the_one_that_is_drawn_here(tmp_path) -> None:
     assert drawing.section.parts == {"remaining": ("FILL", "SAND", "CLAY"), "DIG 1": ("FILL",),
                                      "DIG 2": ("FILL", "SAND"), "DIG 3": ("SAND",)}
     found = areas_of(drawing)
-    for name, value in {"FILL": 105.0, "SAND": 399.0, "CLAY": 336.0, "DIG 2": 30.0}.items():
+    for name, value in {"FILL": 105.0, "SAND": 231.0, "CLAY": 504.0, "DIG 2": 30.0}.items():
         assert found[name] == pytest.approx(value, rel=1e-9)
 
 
