@@ -172,7 +172,7 @@ def test_pressures_and_total_stresses_under_a_strip():
     """[X] Elastic half-plane at constant volume: pressure q/pi times the angle under which the strip is seen.
 
     Half a width and more from the strip's edges, on elements of an eighth to a third of its width, fields of order h²
-    are .02 q off; the boundaries of the model, 40 widths away, change .002 q. Single points are more than q off.
+    are up to .019 q off, the pressure as well; the boundaries of the model, 40 widths away, change .002 q. Single points are more than q off.
     """
     q, x = 10.0, np.r_[np.linspace(0, 2, 17)[:-1], 2 + 38 * np.linspace(0, 1, 15) ** 2.2]
     mesh = MeshTri.init_tensor(x, -40 * (1 - np.linspace(0, 1, 25)) ** 2.6).with_defaults()
@@ -188,7 +188,7 @@ def test_pressures_and_total_stresses_under_a_strip():
     exact = {"pore": seen, "mean": -seen, "sxx": turned - seen, "syy": -turned - seen}
     for name, expected in exact.items():
         error = abs(stage.field(name) - q / np.pi * expected)[asked].max()
-        assert error < (0.021 if name != "sxx" else 0.027) * q
+        assert error < (0.02 if name != "sxx" else 0.027) * q
     assert abs(stage.states["clay"].internal[-1] - stage.pore_pressure("clay")).max() > q
 
 

@@ -15,7 +15,7 @@ from ..forms.solid import SolidForm
 from ..materials.spectral import largest_shear, principal_stresses
 from .files import StageData
 from .patch_recovery import recovered, region_mesh
-from .strength import mises, mobilised, plastic_strain, pore_pressure, total_stress
+from .strength import mises, mobilised, plastic_strain, pore_pressure_at_nodes, total_stress
 
 
 class _PressureField(Protocol):
@@ -29,12 +29,13 @@ Water = _PressureField | Callable[[ndarray], ndarray]
 class Quantity(NamedTuple):
     """Field with its title, kind of unit, source at the nodes, and function of the source.
 
-    The function of ``"points"``, values at integration points that limit those at the nodes, takes a solid and a state.
+    The functions of ``"points"``, values at integration points that limit those at the nodes, and of ``"nodes"`` take a
+    solid and a state.
     """
 
     title: str
     unit: Literal["length", "stress", ""]
-    source: Literal["displacement", "strain", "stress", "points"]
+    source: Literal["displacement", "strain", "stress", "points", "nodes"]
     value: Callable[..., ndarray]
 
 
@@ -59,7 +60,7 @@ PLANE = {
     "ev": Quantity("volumetric strain", "", "strain", lambda e: e[:3].sum(axis=0)),
     "plastic": Quantity("equivalent plastic strain", "", "points", plastic_strain),
     "mobilised": Quantity("mobilised strength", "", "points", mobilised),
-    "pore": Quantity("excess pore pressure", "stress", "points", pore_pressure),
+    "pore": Quantity("excess pore pressure", "stress", "nodes", pore_pressure_at_nodes),
 }
 
 #: Fields of bodies in space.
@@ -143,7 +144,8 @@ def _of_form(form: SolidForm, stage: StageData, name: str, quantity: Quantity, s
     def at_nodes(state: Any) -> ndarray:
         if quantity.source == "stress":
             return quantity.value(recovered(form, total_stress(form, state), balanced=True))
-        return recovered(form, quantity.value(form, state)[None], limited=True)[0]
+        values = quantity.value(form, state)
+        return values if quantity.source == "nodes" else recovered(form, values[None], limited=True)[0]
 
     return at_nodes(state) if before is None else at_nodes(state) - at_nodes(before)
 

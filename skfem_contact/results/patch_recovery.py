@@ -56,10 +56,10 @@ def recovered(form: SolidForm, values: ndarray, *, balanced: bool = False, limit
     """
     mesh = region_mesh(form)
     found = _fitted(form, values, mesh, balanced)
-    return _within_points(found, values, mesh) if limited else found
+    return within_points(found, values, mesh) if limited else found
 
 
-def _within_points(found: ndarray, values: ndarray, mesh: RegionMesh) -> ndarray:
+def within_points(found: ndarray, values: ndarray, mesh: RegionMesh) -> ndarray:
     """Clip values at nodes to the range of the points around each of them."""
     low, high = np.full_like(found, np.inf), np.full_like(found, -np.inf)
     for c, part in enumerate(values):
