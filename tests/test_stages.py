@@ -378,3 +378,26 @@ def test_overlap_at_once_or_ramped(quadrature, overlap):
         pressure = overlap / (2 * (0.5 + overlap / 2) / 1e4 + 1e-6)
         np.testing.assert_allclose(results[-1].states["joint"].traction[0], -pressure, rtol=1e-6)
     np.testing.assert_allclose(results[1].x, results[0].x, atol=1e-9 * overlap)
+
+
+def test_weight_that_a_load_lacks_is_told(recwarn):
+    """Loads are whole loads: one that forgets the weight is told; none at all, and weight that stays, are not."""
+    basis, forms, fixed = column(element="P2")
+    model = sc.Model(forms, fixed)
+    own, push = model.weight(20.0), pressed(basis, 5.0)
+
+    def told(loads, start=None):
+        recwarn.clear()
+        stages = [sc.Stage(f"{len(start or ())}{k}", load) for k, load in enumerate(loads)]
+        found = model.run(stages, start=start, **QUIET)
+        text = "lacks the weight of 'column', about "
+        return found, [warning for warning in recwarn if text in str(warning.message)]
+
+    start, none = told([own])
+    assert not none
+    for loads, before in (((own, push), None), ((push,), start), ((None,), start), ((own, own + push, push), None)):
+        assert len(told(loads, before)[1]) == 1
+    for loads, before in (((own, own + push, own), None), ((0 * own,), start), ((push, 2 * push), None)):
+        assert not told(loads, before)[1]
+    model = sc.Model({"column": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.25), unit_weight=20.0)}, fixed)
+    assert not told([None, push])[1]  # the weight of the solid stays

@@ -399,7 +399,8 @@ def test_fit_that_carries_too_much_torque_is_told(share, recwarn):
 
 
 @pytest.mark.parametrize(
-    ("gap", "told"), [(-0.2, "lies inside"), (-0.05, None), (0.05, "starts 0.05 away"), (0.01, None)]
+    ("gap", "told"),
+    [(-0.2, "lies inside"), (-0.05, "lies inside"), (-0.01, None), (0.05, "starts 0.05 away"), (0.01, None)],
 )
 def test_block_that_does_not_touch_in_the_mesh(gap, told, recwarn):
     """A block with facets of .33 m that lies inside the ground or above it, by a quarter or a tenth of them."""

@@ -172,7 +172,8 @@ def test_pressures_and_total_stresses_under_a_strip():
     """[X] Elastic half-plane at constant volume: pressure q/pi times the angle under which the strip is seen.
 
     Half a width and more from the strip's edges, on elements of an eighth to a third of its width, fields of order h²
-    are up to .019 q off, the pressure as well; the boundaries of the model, 40 widths away, change .002 q. Single points are more than q off.
+    are .02 q off, the pressure .019; the boundaries of the model, 40 widths away, change .002 q. Single points are more
+    than q off.
     """
     q, x = 10.0, np.r_[np.linspace(0, 2, 17)[:-1], 2 + 38 * np.linspace(0, 1, 15) ** 2.2]
     mesh = MeshTri.init_tensor(x, -40 * (1 - np.linspace(0, 1, 25)) ** 2.6).with_defaults()

@@ -1,7 +1,6 @@
 """Searches for a collapse: their steps, ends and results."""
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
@@ -11,11 +10,10 @@ from numpy import ndarray
 
 from ..display import Table
 from ..errors import NoEquilibrium, NotConverged, warn
-from ..forms.base import Form, solids_of
 from ..limit_analysis import Bounds
 from ..nonlinear.system import System
 from ..results.stage import StageResult
-from .mechanism import warn_of_errors, warn_of_motion
+from .mechanism import added_by_mesh, describe_mesh, warn_of_errors, warn_of_mesh, warn_of_motion
 
 FACTOR, LOAD = "factor of safety", "limit load"
 
@@ -201,6 +199,8 @@ class CollapseResult:
         Displacement increment at collapse, its largest component is 1, (N,).
     bands
         Largest shear strain of the mechanism by solid, in the plane for plane ones, (n_elements, n_points).
+    added
+        Estimated share of a factor of safety that the size of the elements adds, right to a third.
     path
         Factor or multiplier and displacements of every equilibrium.
     dilates_less
@@ -224,6 +224,7 @@ class CollapseResult:
     end: StageResult = field(repr=False)
     mechanism: ndarray = field(repr=False)
     bands: Mapping[str, ndarray] = field(repr=False)
+    added: float
     path: tuple[tuple[float, ndarray], ...] = field(repr=False)
     dilates_less: bool = False
     davis: CollapseResult | None = field(default=None, repr=False)
@@ -268,8 +269,9 @@ class CollapseResult:
         reduced = f"reduced: {', '.join(self.reduced)}\n" if self.reduced else ""
         davis = f"with psi < phi: {self.davis.value:.4g} after Davis, on the safe side\n" if self.davis else ""
         proven = f"bounds: {str(self.proven).splitlines()[0]}\n" if self.proven else ""
+        adds = f", whose size adds about {self.added:.0%}" if self.added >= 0.01 else ""
         return (f"{self.what} {self.value:.4g}, bracket [{self.bracket[0]:.4g}, {self.bracket[1]:.4g}]\n{davis}{proven}"
-                f"{self.method}, flow {self.flow}\n{reduced}{self.mesh}; {self.iterations} Newton iterations\n"
+                f"{self.method}, flow {self.flow}\n{reduced}{self.mesh}{adds}; {self.iterations} Newton iterations\n"
                 f"stopped by {self.stop}\n{self._table()}")
 
     __repr__ = __str__  # a notebook would show the arrays
@@ -309,25 +311,8 @@ class CollapseResult:
         elif self.what == FACTOR and self.value < 1.0:
             warn(f"the structure is unstable under its own load: its factor of safety is {self.value:.3f}")
         warn_of_motion(self.what, self.value, self.curve, tolerance, self.end)
-        if proven is None:
-            return self
-        where = f"the {self.what} {self.value:.4g} lies {{}} [{proven.lower:.4g}, {proven.upper:.4g}], its bounds: "
-        if self.value > proven.upper + tolerance:
-            warn(where.format("above") + f"the mesh is too coarse by at least {self.value / proven.upper - 1.0:.1%}, "
-                 "or elements of corner nodes lock; `proven.mesh` is a better one")
-        elif self.value < proven.lower - tolerance and not proven.estimate:
-            warn(where.format("below") + "the search ended too early, or the flow is not associated")
+        warn_of_mesh(self.what, self.value, self.added, proven, tolerance)
         return replace(self, proven=proven)
-
-
-def describe_mesh(forms: Mapping[str, Form]) -> str:
-    """Return elements and dofs in one line, such as ``576 ElementTriP2, 2442 dofs``."""
-    bases = [form.basis for form in solids_of(forms).values()]
-    count = Counter[str]()
-    for basis in bases:
-        count[type(basis.elem.elem).__name__] += basis.nelems
-    elements = " and ".join(f"{n} {kind}" for kind, n in count.items())
-    return f"{elements}, {bases[0].N} dofs" if bases else "no elements"
 
 
 def conclude(what: str, found: SearchResult, last: Point, system: System, load: ndarray, steps: Sequence[Step],
@@ -347,4 +332,5 @@ def conclude(what: str, found: SearchResult, last: Point, system: System, load: 
     value = found.best.parameter
     return CollapseResult(what, value, (value, found.above), found.stop, method, flow, reduced,
                           describe_mesh(system.forms), tuple(steps), end, mechanism, bands,
+                          added_by_mesh(system.forms, bands) if what == FACTOR else 0.0,
                           tuple((point.parameter, point.x) for point in found.points), less, davis)

@@ -43,6 +43,8 @@ class ContactBase(Form):
     """Data of a contact pair, for regularisation, diagnosis and prestress."""
 
     unilateral = True
+    #: True if the penalty was chosen, and may become harder.
+    adapts = False
     # A regularised pair has other values here: present and final clearance, (2, n), share of the tangential penalty,
     # shift of the slip, (dim - 1, n), points with a broken bond, (n,), and the families in force.
     clearance: ndarray | None = None
@@ -137,7 +139,7 @@ class ContactBase(Form):
             return new
         penalty, stiffness = chosen(new.slave, new.facets, [form.elastic_stiffness for form in bodies], new.penalty,
                                     new.enforcement is None)
-        return new.with_penalty(*penalty, stiffness=stiffness)
+        return new.with_penalty(*penalty, stiffness=stiffness).with_(adapts=new.penalty is None)
 
     @property
     def axisymmetric(self) -> bool:

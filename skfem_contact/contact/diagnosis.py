@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 from numpy import ndarray
@@ -12,6 +13,7 @@ from ..surfaces.surface import Surface
 from .base import TOUCHING, ContactBase
 from .interface import ContactState
 from .laws import InterfaceLaw, Status
+from .penalty import HARDEST
 from .quadrature import SlavePoints
 from .search import normals_at_joint
 
@@ -19,6 +21,8 @@ from .search import normals_at_joint
 PENETRATION = 0.01
 #: Displacement that is the penalty's, as a share of the largest one, that is remarked on.
 _COMPLIANCE = 0.01
+#: ... from which on a default penalty is made harder, and the share that is left then.
+_YIELDS, _LEAST = 0.009, 0.006
 #: Gap between nodes that multipliers leave, likewise: with gaps of 1.7 and .5 % on coarse facets that do not match, a
 #: penalty ten times as hard changes the displacements by 4.0 and 1.6 %.
 _BETWEEN = 0.004
@@ -27,8 +31,8 @@ _ELASTIC = 1e-6
 #: Pressure of overlaps of the mesh from their differences within facets, as a share of that found, likewise.
 _RIPPLE = 0.05
 #: Mean overlap of the mesh where pressure acts, as a share of the facets, likewise: fits have a hundredth, indenters
-#: that start inside of their base up to .2.
-_DEEP = 0.25
+#: that start inside of their base up to .2. Blocks that were placed too low overlap by as much everywhere, to a tenth.
+_DEEP, _EVENLY, _TOO_LOW = 0.25, 0.9, 0.05
 #: Share of the pressure that acts along the slave where nodes face joints of the master, likewise; and how near to
 #: one, as a share of the facet, they do so: strains move them by less.
 _SIDEWAYS, _AT_JOINT = 1e-3, 0.01
@@ -106,7 +110,7 @@ def _on_enforcement(pair: ContactBase, x: ndarray, state: ContactState, meshed: 
         yield Remark("soft penalty", softer,
                      f"the penalty, {penalties[0]:.3g}, is {softer:.2g} times softer than the surfaces: contact yields "
                      "by more than the elements beside it; it is a stress per length, some times E/h")
-    elif pair.enforcement is None and max(parts := _compliance(pair, x, state, meshed)) > _COMPLIANCE:
+    elif pair.enforcement is None and max(parts := compliance(pair, x, state)) > _COMPLIANCE:
         part, penalty, which = max(zip(parts, penalties, ("", "tangential ")))
         yield Remark("compliance", part,
                      f"{which}penalty compliance is {part:.1%} of the largest displacement: increase the penalty, "
@@ -119,21 +123,37 @@ def _on_enforcement(pair: ContactBase, x: ndarray, state: ContactState, meshed: 
                      f"penalty, {penalties[1]:.3g}, is too hard")
 
 
-def _compliance(pair: ContactBase, x: ndarray, state: ContactState, meshed: ndarray) -> tuple[float, float]:
-    """Return the force-weighted mean compliance of both penalties as shares of the largest displacement.
+def compliance(pair: ContactBase, x: ndarray, state: ContactState) -> ndarray:
+    """Return the force-weighted mean compliance of both penalties as shares of the largest displacement, (2,).
 
     Compliance before the last reset of displacements does not count, nor do overlaps of the mesh and laws of one's own.
     """
     closed = np.flatnonzero(state.status != Status.OPEN)
-    largest = float(np.abs(x).max(initial=0.0))
-    if largest == 0.0:
-        return 0.0, 0.0
+    largest, penalties, weight = float(np.abs(x).max(initial=0.0)), pair.penalties(state), pair.points(state).weight
     depth, slip = (state.clearance - state.gap)[closed], np.linalg.norm(state.slip[:, closed], axis=0)
-    pressed, sheared = np.abs(state.traction[0, closed]), np.linalg.norm(state.traction[1:, closed], axis=0)
-    normal, tangential = pair.penalties(state)
-    weight, since = pair.points(state).weight[closed], depth - (state.clearance - meshed)[closed]
-    return (_mean_compliance(weight, pressed, normal, np.abs(depth), np.abs(since)) / largest,
-            _mean_compliance(weight, sheared, tangential, slip, _moved_apart(pair, x, state)[closed]) / largest)
+    if largest == 0.0 or not (depth.any() or slip.any()):
+        return np.zeros(2)
+    tractions = np.abs(state.traction[0, closed]), np.linalg.norm(state.traction[1:, closed], axis=0)
+
+    def shares(*since: ndarray) -> ndarray:
+        return np.array([_mean_compliance(weight[closed], *part) / largest
+                         for part in zip(tractions, penalties, (np.abs(depth), slip), since, strict=True)])
+
+    if (most := shares(np.abs(depth), slip)).max() <= _COMPLIANCE:  # without what the mesh brings
+        return most
+    meshed = pair.interface.closest(None, state.cuts).gap
+    return shares(np.abs(depth - (state.clearance - meshed)[closed]), _moved_apart(pair, x, state)[closed])
+
+
+def hardened(pair: ContactBase, x: ndarray, accepted: ContactState, found: ContactState) -> ContactState:
+    """Return the accepted state with penalties that yield by less than is remarked on in the state found.
+
+    Both are shares of displacements x, (N,). Penalties that are hard enough, or the hardest ones, stay.
+    """
+    penalties, shares = np.array(pair.penalties(accepted)), compliance(pair, x, found)
+    wanted = penalties * np.where(shares > _YIELDS, shares / _LEAST, 1.0)
+    factors = np.maximum(np.minimum(wanted, HARDEST * (pair.stiffness or 0.0)) / penalties, 1.0)
+    return accepted if (factors == 1.0).all() else replace(accepted, penalty_factor=accepted.penalty_factor * factors)
 
 
 def _left_between(pair: ContactBase, x: ndarray, state: ContactState, meshed: ndarray) -> float:
@@ -170,7 +190,8 @@ def _on_facets(pair: ContactBase, state: ContactState, meshed: ndarray) -> Itera
     # what counts as touching may lie elsewhere where bodies are placed or start with a pressure: that is no overlap
     overlap = np.clip(np.minimum(state.clearance, state.gap) - meshed, 0.0, np.maximum(-meshed, 0.0))
     overlap[(overlap > pair.interface.depth(points)) | (overlap < TOUCHING * points.size)] = 0.0
-    if (deep := float(force @ (overlap / points.size) / force.sum())) > _DEEP:
+    flat = not pair.slave.closed and overlap[force > 0.0].min() > _EVENLY * overlap.max()
+    if (deep := float(force @ (overlap / points.size) / force.sum())) > (_TOO_LOW if flat else _DEEP):
         yield Remark("deep overlap", deep,
                      f"'{pair.slave.name}' lies inside '{pair.facets.name}' by {deep:.0%} of its facets in the mesh, "
                      f"up to {overlap.max():.3g}: pressure and displacements contain this overlap; move the body, "

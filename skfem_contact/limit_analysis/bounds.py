@@ -32,6 +32,8 @@ _NOTHING = 1e-3
 #: the triangles: both take 1.0 to 1.8 ms a triangle on slopes of 1,400 to 3,500 quadratic triangles, a search 2.3 to
 #: 3.4 us a dof and iteration. With an estimate they cost half as much again.
 _CHEAP = 370.0
+#: Triangles up to which the bounds of a coarse mesh are computed in any case, in about a second.
+_FEW = 800
 #: Arguments of :func:`bounds` that a search accepts.
 _OPTIONS = ("water", "submerged", "gap", "elements", "seconds")
 
@@ -147,14 +149,15 @@ def beside(certify: bool | str | Mapping[str, Any], forms: Mapping[str, Any], fi
 
 
 def at_hand(forms: Mapping[str, Any], fixed: ndarray, dead: ndarray, reduce: str | Collection[str] | None,
-            exclude: str | Collection[str], flow: str, work: float) -> Bounds | None:
+            exclude: str | Collection[str], flow: str, work: float, coarse: bool) -> Bounds | None:
     """Compute the bounds of a factor of safety on the mesh of its search, with its `work`: dofs times iterations.
 
-    Returns None where there are no bounds, no upper one is proven, or they cost more than about the search.
+    Returns None where there are no bounds, no upper one is proven, or they cost more than about the search, unless the
+    mesh seems to be coarse.
     """
     triangles = sum(form.basis.nelems * len(form.basis.mesh.t) / 3 for form in solids_of(forms).values())
     less = any(m.dilates_less for form in solids_of(forms).values() for m in form.materials.values())
-    if work < (1.5 if less and flow == "given" else 1.0) * _CHEAP * triangles:
+    if not (coarse and triangles <= _FEW) and work < (1.5 if less and flow == "given" else 1.0) * _CHEAP * triangles:
         return None
     try:
         with warnings.catch_warnings():

@@ -13,7 +13,7 @@ from ..checks import look_up, names_of
 from ..contact.prestress import prestressed
 from ..errors import Remark
 from ..forms.base import Form, internal_force, solids_of
-from ..layout import Layout
+from ..layout import Layout, nodes
 from ..results.stage import StageResult
 from ..solvers.choice import as_solver
 from ..sparse import padded
@@ -23,6 +23,8 @@ from .supports import check_supports
 
 #: Springs to the ground, as a share of the stiffness, that hold what a new body does not share with others.
 _LOOSE = 1e-9
+#: Share of the nodes of a solid from which a load is its weight: a traction acts on half of them at most.
+_WEIGHTY = 0.6
 #: Loads on inactive dofs below this share of the largest one are round-off of their integration.
 _NO_LOAD = 1e-12
 
@@ -72,6 +74,7 @@ def plan(setup: Setup, stages: Sequence[Stage], start: StageResult | None) -> li
     phases: list[Phase] = []
     time, water, nothing = 0.0, None if start is None else start.water, np.zeros(setup.layout.size)
     left = start is not None and start.unreleased is not None
+    top = nothing if start is None else setup.vector(start.load, "start") - setup.weights(there)
     for stage in stages:
         before, changes = there, bool(stage.activate or stage.deactivate or stage.change or stage.fixed is not None)
         try:
@@ -96,7 +99,9 @@ def plan(setup: Setup, stages: Sequence[Stage], start: StageResult | None) -> li
         waits = same and not (changes or left) and prescribed is None and on_top is None
         time = time + stage.duration if waits else stage.duration
         remarks = (*_idle(stage, same and prescribed is None, stage.fixed is None or np.array_equal(old, fixed), left),
-                   *_of_forms(stage, there, fixed, held, time), *_of_pressures(setup, stage, load, prescribed, fixed))
+                   *_of_forms(stage, there, fixed, held, time), *_of_pressures(setup, stage, load, prescribed, fixed),
+                   *_of_weights(setup, stage, {k: there[k] for k in before if k in there}, top, load - rest))
+        top = load - rest
         left = (changes or left) and stage.release < 1.0
         gone = nothing
         if left and stage.deactivate:
@@ -208,6 +213,23 @@ def _of_pressures(setup: Setup, stage: Stage, load: ndarray, prescribed: ndarray
         if field.kind == "pressure" and n and loose[0] >= layout.n_displacements:  # else all dofs are given
             yield Remark("loose", n, f"the {field.name} is prescribed at {n} dofs that are not held, which does "
                          "nothing: name them in `fixed`")
+
+
+def _of_weights(setup: Setup, stage: Stage, forms: Mapping[str, Form], before: ndarray, load: ndarray
+                ) -> Iterator[Remark]:
+    """Yield remarks on weights of solids that stay, which the load on top had before, and lacks."""
+    if stage.load is not None and not load.any():
+        return  # nothing at all is asked for
+    n, dim = setup.layout.n_displacements, len(setup.gravity)
+    was, now = (values[:n].reshape(-1, dim) @ setup.gravity for values in (before, load))
+    for name, form in solids_of(forms).items():
+        there, least = np.unique(nodes(form.basis)), _NO_LOAD * np.abs(was).max(initial=0.0)
+        lost = there[(np.abs(was[there]) > least) & (np.abs(now[there]) <= least)]
+        total = float(was[lost].sum())
+        if form.own_weight(setup.gravity) is None and len(lost) > _WEIGHTY * len(there) and total > 0.0:
+            yield Remark("weight", total, f"it lacks the weight of '{name}', about {total:.2g}, which the load before "
+                         "had: loads of stages are whole loads, not increments; add it, or give the solid its "
+                         "unit_weight")
 
 
 def acts_on(load: ndarray, dofs: ndarray) -> bool:
