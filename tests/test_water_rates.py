@@ -170,3 +170,45 @@ def test_wrong_rates():
         flow(sources={"nowhere": 1e-6})
     with pytest.raises(ValueError, match="Inflow has neither flux nor sources"):
         sc.water.Inflow(sc.PoreWater(vector_basis(mesh, "Q1", intorder=2), K, unit_weight=WATER))
+
+
+def column_of_clay(fixed=(), **rates):
+    """A saturated column with water that enters at rates."""
+    mesh = MeshQuad.init_tensor(np.array([0.0, 0.1]), np.linspace(0, 1, 6)).with_defaults()
+    mesh = mesh.with_subdomains({"all": lambda x: x[0] > -1.0})
+    basis = vector_basis(mesh, "Q1", intorder=2)
+    pores = sc.PoreWater(basis, permeability=1e-4, unit_weight=WATER)
+    forms = {"clay": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.0)), "water": pores,
+             "rain": sc.water.Inflow(pores, **rates)}  # fmt: skip
+    model = sc.Model(forms, [sc.box_supports(basis, base="rollers"), *(pores.dofs(name) for name in fixed)])
+    return model.run([sc.Stage("rain", duration=10.0)], progress=False)
+
+
+def test_rates_that_do_nothing_are_told() -> None:
+    """Where the pressure is held a rate has no effect; in sealed ground its volume is told."""
+    with pytest.raises(ValueError, match="the pressure is held at all nodes where water enters"):
+        column_of_clay(["top"], flux={"top": 1e-6})
+    with pytest.warns(sc.AnalysisWarning, match="of the rate acts where the pressure is held"):
+        column_of_clay(["top", "bottom"], flux={"top": 1e-6}, sources={"all": 1e-6})
+    with pytest.warns(sc.AnalysisWarning, match="2e-07 enter per time in ground that no water can leave"):
+        column_of_clay(flux={"top": 2e-6})
+    with pytest.raises(ValueError, match="neither flux nor sources"):
+        column_of_clay()
+
+
+def test_heave() -> None:
+    """[X] Water that rises at a gradient i: the buoyant weight over i times the unit weight of water, in any part."""
+    mesh = MeshQuad.init_tensor(np.linspace(0, 2, 5), np.linspace(0, 4, 9)).with_defaults()
+    mesh = mesh.with_subdomains({"prism": lambda x: (x[0] < 1) & (x[1] > 2), "tight": lambda x: x[1] < 2,
+                                 "open": lambda x: x[1] > 2})  # fmt: skip
+    for axis in ("plane", "axisymmetric"):
+        water = sc.water.seepage(heads(mesh), K, {"bottom": 6.0, "top": 4.0}, unit_weight=WATER, coordinates=axis)
+        assert water.heave_factor("prism", 20.0) == pytest.approx(10.0 / (0.5 * WATER), rel=1e-9)
+    layers = sc.water.seepage(heads(mesh), {"open": K, "tight": K / 9}, {"bottom": 6.0, "top": 4.0}, unit_weight=WATER)
+    assert layers.heave_factor("open", 20.0) == pytest.approx(10.0 / (0.1 * WATER), rel=1e-9)
+    down = sc.water.seepage(heads(mesh), K, {"bottom": 4.0, "top": 5.0}, unit_weight=WATER)
+    assert down.heave_factor("prism", 20.0) == np.inf
+    with pytest.raises(ValueError, match="saturated ground, more than 10"):
+        down.heave_factor("prism", 9.0)
+    with pytest.raises(ValueError, match="above the free surface"):
+        sc.water.seepage(heads(mesh), K, {"left": 1.0, "right": 1.0}, unit_weight=WATER).heave_factor("prism", 20.0)

@@ -101,3 +101,23 @@ def test_bad_input(cut):
         dry.strength_reduction(start=cut.start, undrained=True, progress=False)
     with pytest.raises(ValueError, match="none is active"):
         dry.is_stable(start=cut.start, undrained=True)
+
+
+def test_bounds_beside_seepage():
+    """[B] Bounds of a bank with seepage, its pressures linear in every triangle, and the search on a coarse mesh."""
+    def surface(x):
+        return np.interp(x, [2, 14, 18, 30], [1, 7, 7, 1])
+
+    flat = MeshTri.init_tensor(np.linspace(0, 32, 33), np.linspace(0, 1, 6))
+    mesh = MeshTri(np.stack((flat.p[0], surface(flat.p[0]) * flat.p[1])), flat.t).with_boundaries({
+        "base": lambda x: x[1] < 1e-9, "sides": lambda x: (x[0] < 1e-9) | (x[0] > 32 - 1e-9),
+        "up": lambda x: (x[0] < 14) & (x[1] > surface(x[0]) - 1e-6),
+        "down": lambda x: (x[0] > 18) & (x[1] > surface(x[0]) - 1e-6)})
+    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
+    water = sc.water.seepage(basis, 1e-6, {"up": 6.0}, seepage_face="down", unit_weight=9.81)
+    bank = sc.SolidForm(basis, sc.MohrCoulomb(E=3e4, nu=0.3, c=5.0, phi=30.0, psi=30.0), unit_weight=20.0)
+    model = sc.Model({"bank": bank}, [basis.get_dofs("base").all(), basis.get_dofs("sides").all("u^1")])
+    found = model.bounds(water=water.pressure, submerged="up", elements=2000, gap=0.05, progress=False)
+    factor = model.strength_reduction(model.water_load(water.pressure, "up"), certify=False, progress=False).factor
+    assert found.lower < factor < 1.02 * found.upper  # the mesh is .9 % too strong
+    assert 1.2 < found.lower < found.upper < 1.05 * found.lower

@@ -1,7 +1,7 @@
 """Water that enters or leaves consolidating ground at given rates: rain, wells, leaks."""
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from copy import copy
 from typing import Any
 
@@ -11,10 +11,14 @@ from scipy.sparse import csr_matrix
 from typing_extensions import override
 
 from ..checks import look_up
+from ..errors import Remark
 from ..forms.base import Form, Response
 from ..layout import Field
 from .boundary import Given, sourced, through
 from .consolidation import PoreWater
+
+#: Share of a rate where the pressure is held that is remarked on, and what is less than all of it.
+_IDLE, _ALL = 0.2, 1e-9
 
 
 class Inflow(Form):
@@ -86,6 +90,20 @@ class Inflow(Form):
         new._water = water
         new._rates = new._entering(water.coordinates == "axisymmetric")
         return new
+
+    @override
+    def check_stage(self, fixed: ndarray, held: ndarray, duration: float) -> Iterator[Remark]:
+        rate, around = np.abs(self._rates), self._water.around
+        idle = float(rate[np.isin(self._at, fixed)].sum()) / max(float(rate.sum()), 1e-300)
+        if idle > 1.0 - _ALL:
+            raise ValueError("the pressure is held at all nodes where water enters or leaves at a rate, which does "
+                             "nothing there: give either the pressure or the rate")
+        if idle > _IDLE:
+            yield Remark("held", idle, f"{idle:.0%} of the rate acts where the pressure is held, and does nothing")
+        sealed = not np.isin(self._at, fixed).any() and around is not None and not around.leaks
+        if sealed and (total := float(self._rates.sum())) != 0.0:
+            yield Remark("no way out", abs(total), f"{total:.4g} enter per time in ground that no water can leave: "
+                         "only its growth makes room")
 
     @override
     def numbered(self, numbers: Mapping[Field, ndarray]) -> Inflow:

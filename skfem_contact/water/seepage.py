@@ -9,7 +9,7 @@ import numpy as np
 from numpy import ndarray
 from skfem import CellBasis, FacetBasis, LinearForm
 
-from ..checks import format_point, look_up, positive
+from ..checks import format_point, look_up, number, positive
 from ..errors import warn
 from ..forms.assembly import strain_of
 from ..forms.base import Coordinates
@@ -26,6 +26,8 @@ _NOTHING: Mapping[str, float] = MappingProxyType({})
 _DRY, _WET = 0.01, 0.5
 #: Share of the flow through dry ground from which a warning is given.
 _SHARE = 0.05
+#: Head below the surface, as a share of the height of the mesh, that is round-off.
+_DRIP = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,6 +115,27 @@ class Seepage:
         facets = look_up(boundary, self._passing, "boundary through which water passes")
         nodes = np.intersect1d(self.basis.mesh.facets[:, facets], self.basis.element_dofs)
         return nodes, self.inflow[nodes] / self._size(facets)[nodes]
+
+    def heave_factor(self, part: str, unit_weight: float) -> float:
+        """Return the factor of safety of a subdomain against heave: its buoyant weight over the upward seepage force.
+
+        The subdomain is K. Terzaghi's prism: as deep as the foot of a wall beside it, and half as wide. The unit weight
+        is that of saturated ground. The factor is infinite where the water does not flow upwards.
+        """
+        here = np.isin(elements_of(self.basis), look_up(part, self.basis.mesh.subdomains or {}, "subdomain"))
+        if not here.any():
+            raise ValueError(f"subdomain '{part}' has no element of the porous ground")
+        if not number(unit_weight, "unit_weight") > self._unit_weight:
+            raise ValueError(f"unit_weight is that of saturated ground, more than {self._unit_weight:g} of the water, "
+                             f"not {unit_weight:g}")
+        corners = self.basis.element_dofs[:, here]
+        if (self.head[corners] < self.basis.mesh.p[-1, corners] - _DRIP * np.ptp(self.basis.mesh.p[-1])).any():
+            raise ValueError(f"subdomain '{part}' lies above the free surface in part: heave is of ground below water")
+        rise = np.asarray(self.basis.interpolate(np.nan_to_num(self.head)).grad)[-1][here]
+        volume = (self.basis.dx * radius(self.basis, self._axisymmetric))[here]
+        upward = -self._unit_weight * float((rise * volume).sum())
+        weight = (unit_weight - self._unit_weight) * float(volume.sum())
+        return weight / upward if upward > 0.0 else np.inf
 
     def head_at(self, x: ndarray, outside: ndarray | None = None) -> ndarray:
         """Return the head at coordinates (dim, ...), linear in triangles and tetrahedra.
