@@ -43,7 +43,7 @@ def dig(k, **more):
 lock = [{name: forms[name]} for name in ("anchor 1", "anchor 2")]
 jack = [{name: forms[name].prestressed(force)} for name, force in (("anchor 1", 250.0), ("anchor 2", 350.0))]
 new = [[f"{part} {k}" for part in ("body", "grout", "anchor")] for k in (1, 2)]
-stages = [sc.Stage("rest", deactivate=["strut", *new[0], *new[1]]), dig(1, activate="strut", increments=2),
+stages = [sc.Stage("rest", deactivate=["strut", *new[0], *new[1]]), dig(1, activate="strut", increments=5),
           sc.Stage("jack 1", activate=new[0], change=jack[0]), dig(2, change=lock[0]),
           sc.Stage("jack 2", activate=new[1], change=jack[1]), dig(3, change=lock[1]), dig(4)]  # fmt: skip
 model = sc.Model(forms, sc.box_supports(basis), water_unit_weight=9.81)

@@ -155,7 +155,7 @@ class Beam(BeamNodes):
         self._section = self._elements.section(self._root, EA / self.spacing, EI / self.spacing)
         self._hinges = Hinges(self._section, self._root, self.cells[:, :2], joined, Mp / self.spacing,
                               Np / self.spacing) if np.isfinite(Mp) else None
-        self._wet, self._EA = False, EA
+        self._wet, self._EA, self._shear = False, EA, GA / EI
 
     def _lay_out(self, turn: ndarray, moved: Taken, turned: Taken) -> None:
         """Number the dofs: displacements, then rotations, as if the beam were alone."""
@@ -249,7 +249,7 @@ class Beam(BeamNodes):
         if loose is not None:
             raise ValueError("the beam is a mechanism: its supports and hinges leave a motion without force, the "
                              f"largest at {format_point(self._where[loose])}")
-        return ()
+        return self._elements.remarks(self._shear)
 
     @override
     def initial_state(self, x: ndarray | None = None) -> BeamState:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+
 import numpy as np
 import pytest
 from helpers import vector_basis
@@ -112,3 +114,20 @@ def test_interrupted(tmp_path):
     resumed = model.run(stages[1:], start=sc.load_result(tmp_path / "half.npz", model), **QUIET)["whole"]
     whole = model.run(stages, start=start, **QUIET)["whole"]
     np.testing.assert_allclose(resumed.x, whole.x, atol=1e-12 * abs(whole.x).max())  # round-off of new factors
+
+
+@pytest.mark.parametrize("n", [1, 8, 32])
+def test_stiff_in_shear(n):
+    """[X] GA up to 1e8 EI / L^2 bends as without shear; 1e10 is told with the figure."""
+    def deflection(shear):
+        beam = sc.Beam(None, np.linspace((0.0, 0.0), (2.0, 0.0), n + 1), EI=1.0, EA=1e3, GA=shear / 4.0)
+        model = sc.Model({"beam": beam}, beam.dofs((0.0, 0.0)))
+        load = model.forms["beam"].load((0.0, 3.0), (2.0, 0.0))
+        return model.run([sc.Stage("load", load)], **QUIET)["load"].x[model.forms["beam"].numbers((2.0, 0.0))[1]]
+
+    for shear in (1e4, 1e6, 1e8):
+        # Newton's tolerance of 1e-6 and the digits that shear leaves
+        assert deflection(shear) == pytest.approx(8.0 + 24.0 / shear, rel=1e-6)
+    told = r"GA is 1\.0e\+10 EI / L\*\*2: beyond 1e\+09"
+    with pytest.warns(sc.AnalysisWarning, match=told), suppress(sc.NotConverged):
+        deflection(1e10)
