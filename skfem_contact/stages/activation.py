@@ -103,10 +103,7 @@ def plan(setup: Setup, stages: Sequence[Stage], start: StageResult | None) -> li
                    *_of_weights(setup, stage, {k: there[k] for k in before if k in there}, top, load - rest))
         top = load - rest
         left = (changes or left) and stage.release < 1.0
-        gone = nothing
-        if left and stage.deactivate:
-            gone = _at_rest(setup, before, water, held) - rest
-            gone[still] = 0.0
+        gone = _freed(_at_rest(setup, before, water, held) - rest, still) if left and stage.deactivate else nothing
         phases.append(Phase(before, there, still, load, prescribed,
                             changes and bool(phases or start is not None), gone, on_top, remarks, water))
     return phases
@@ -125,6 +122,12 @@ def _loads(setup: Setup, stage: Stage, rest: ndarray, held: ndarray, absent: lis
         return load + rest
 
     return on_top(1.0), on_top if callable(stage.load) else None
+
+
+def _freed(load: ndarray, held: ndarray) -> ndarray:
+    """Return a load without what acts on held dofs, (N,)."""
+    load[held] = 0.0
+    return load
 
 
 def _at_rest(setup: Setup, active: Mapping[str, Form], water: Any, held: ndarray) -> ndarray:
