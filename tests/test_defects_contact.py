@@ -359,7 +359,7 @@ def test_share_of_the_default_penalty(n: int, share: float | None) -> None:
 @pytest.mark.parametrize("n", [3, 20])
 def test_share_of_the_tangential_penalty(n: int) -> None:
     """[X] Two stuck blocks in pure shear move by 2 t / G, and by what the penalty gives way, .6 % at most."""
-    E, nu, shear, mu, depth = 30e6, 0.3, 1e3, 100.0, 1e-7
+    E, nu, shear, mu, depth = 30e6, 0.3, 1e3, 1000.0, 1e-7
     bodies = {name: grid("Q1", np.linspace(0, 1, m + 1), np.linspace(y, y + 1, m + 1))
               for name, m, y in (("low", n, -1), ("up", n + 1, 0))}  # fmt: skip
     basis = vector_basis(sc.join_bodies(bodies), "Q1", intorder=2)

@@ -311,7 +311,7 @@ class CollapseResult:
         elif self.what == FACTOR and self.value < 1.0:
             warn(f"the structure is unstable under its own load: its factor of safety is {self.value:.3f}")
         warn_of_motion(self.what, self.value, self.curve, tolerance, self.end)
-        warn_of_mesh(self.what, self.value, self.added, proven, tolerance)
+        warn_of_mesh(self.what, self.value, self.added if self.stop.shows_limit else 0.0, proven, tolerance)
         return replace(self, proven=proven)
 
 

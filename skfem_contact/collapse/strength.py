@@ -120,8 +120,8 @@ def strength_reduction(setup: Setup, load: Any, start: Result | StageResult | No
         result = search(branch, method=method, bar=bar, davis=davis)
     if certify == "auto" and not undrained:
         work = float(len(whole)) * (result.iterations + (result.davis.iterations if result.davis else 0))
-        proven = at_hand(begun.forms, begun.system.fixed, whole, reduce, exclude, flow, work,
-                         coarse=result.added * result.value > tolerance and not free)
+        coarse = result.stop.shows_limit and not free and result.added * result.value > tolerance
+        proven = at_hand(begun.forms, begun.system.fixed, whole, reduce, exclude, flow, work, coarse)
     return result.beside(proven, tolerance)
 
 

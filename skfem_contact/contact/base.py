@@ -105,7 +105,7 @@ class ContactBase(Form):
         for value in (normal, tangential):
             if not is_number(value, 0.0, np.inf):
                 raise ValueError(f"penalties must be positive numbers, not {value!r}")
-        return self.with_(penalty=(float(normal), float(tangential)), stiffness=stiffness)
+        return self.with_(penalty=(float(normal), float(tangential)), stiffness=stiffness, adapts=False)
 
     def with_law(self, law: InterfaceLaw) -> Self:
         """Return a copy with another interface law."""
