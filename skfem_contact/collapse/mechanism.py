@@ -132,6 +132,7 @@ def added_by_mesh(forms: Mapping[str, Form], bands: Mapping[str, ndarray]) -> fl
         return 0.0
     share = slip / slip.sum()
     length = np.sqrt(12.0 * float((share * (place - (place @ share)[:, None]) ** 2).sum()))  # of a straight line
+    length = max(length, float(size.max()))
     everywhere = 1.0 / float((share**2 / volume).sum() * volume.sum())  # 1 where all elements deform by as much
     factor, power = _ADDED[any(has_corners_only(basis) for basis, _ in solids)]
     return float(factor * (share @ size / length) ** power * (1.0 - everywhere))

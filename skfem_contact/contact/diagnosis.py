@@ -149,8 +149,11 @@ def compliance(pair: ContactBase, x: ndarray, state: ContactState) -> ndarray:
 def hardened(pair: ContactBase, x: ndarray, accepted: ContactState, found: ContactState) -> ContactState:
     """Return the accepted state with penalties that yield by less than is remarked on in the state found.
 
-    Both are shares of displacements x, (N,). Penalties that are hard enough, or the hardest ones, stay.
+    Yields are shares of displacements x, (N,). Penalties that are hard enough stay, as do the hardest ones, those of
+    bonds, and those with which tractions were accepted before.
     """
+    if pair.law.bonds or accepted.traction.any():
+        return accepted
     penalties, shares = np.array(pair.penalties(accepted)), compliance(pair, x, found)
     wanted = penalties * np.where(shares > _YIELDS, shares / _LEAST, 1.0)
     factors = np.maximum(np.minimum(wanted, HARDEST * (pair.stiffness or 0.0)) / penalties, 1.0)
