@@ -155,7 +155,6 @@ def test_package_does_not_grow() -> None:
     apart = [*beams, *soils, *sections]
     total = sum(lines(name) for name in TREES if name not in apart)
     total -= 200  # functions of the coordinates as parameters
-    # shares of the mesh in factors of safety, penalties that become harder and lost weights 130
     # tables of stages and forms another 310 lines and two files: one for them, one for a stage's result
     # reports, pictures of a model and of a running analysis, progress and versions 800 in four files; a slope that the
     # demonstration shows 60; heave and rates that do nothing 50
