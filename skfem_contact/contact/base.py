@@ -61,7 +61,7 @@ class ContactBase(Form):
                  tangent: Literal["exact", "primary"] = "exact") -> None:
         if basis is not None or isinstance(slave, str) or isinstance(master, str):
             check_basis(basis)
-        self._n = 0 if basis is None else int(basis.N)
+        self.mesh_dofs = 0 if basis is None else int(basis.N)
         self.slave, self.facets = (side if isinstance(side, Surface) else Surface.from_boundary(basis, side)
                                    for side in (slave, master))
         self.master = (self.facets if smoothing is None else smoothed(self.facets, smoothing)).facing(self.slave)
@@ -80,7 +80,7 @@ class ContactBase(Form):
 
     def _connect(self) -> None:
         self.interface = Interface(self.slave, self.master, self.quadrature)
-        size = max(self._n, self.slave.end, self.master.end)
+        size = max(self.mesh_dofs, self.slave.end, self.master.end)
         self.size: int = size or None  # type: ignore[assignment]  # unknown before fields are numbered
         self._gathering = Gathering(size)
 

@@ -154,7 +154,9 @@ def hardened(pair: ContactBase, x: ndarray, accepted: ContactState, found: Conta
     """
     if pair.law.bonds or accepted.traction.any():
         return accepted
-    penalties, shares = np.array(pair.penalties(accepted)), compliance(pair, x, found)
+    penalties, shares, n = np.array(pair.penalties(accepted)), compliance(pair, x, found), pair.mesh_dofs
+    if len(moved := x[:n].reshape(-1, pair.slave.dim)):  # the largest component depends on the axes
+        shares *= np.abs(x).max() / max(np.linalg.norm(moved, axis=1).max(), np.finfo(float).tiny)
     wanted = penalties * np.where(shares > _YIELDS, shares / _LEAST, 1.0)
     factors = np.maximum(np.minimum(wanted, HARDEST * (pair.stiffness or 0.0)) / penalties, 1.0)
     return accepted if (factors == 1.0).all() else replace(accepted, penalty_factor=accepted.penalty_factor * factors)
