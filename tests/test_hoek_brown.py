@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from helpers import grid, vector_basis
 
 import skfem_contact as sc
 from skfem_contact.errors import IncrementTooLarge
@@ -113,12 +112,8 @@ def test_bad_input():
             sc.HoekBrown.from_gsi(**({"E": 1e6, "nu": 0.2, "sigma_ci": 1e4, "m_i": 10.0, "gsi": 50.0} | changes))
     with pytest.raises(ValueError, match="outside the yield surface"):
         sc.element_test(rock(), 100.0, isotropic(-1.0))
-    basis = vector_basis(grid("Q1", [0.0, 1.0], [0.0, 1.0]), "Q1")
-    model = sc.Model({"rock": sc.SolidForm(basis, rock())}, sc.box_supports(basis))
-    with pytest.raises(ValueError, match="nothing to reduce"):
-        model.strength_reduction(model.traction("top", (0.0, -1.0)), **QUIET)
-    with pytest.raises(ValueError, match="no bounds for HoekBrown"):
-        model.bounds(weight=20.0)
+    with pytest.raises(ValueError, match="flow 'davis_b' needs one friction angle"):
+        rock().reduced(1.2, "davis_b")
 
 
 def test_a_failed_return_is_refused(monkeypatch):

@@ -53,6 +53,11 @@ class Elements:
     jump: ndarray  # Bernstein coefficients of a jump along a facet by its nodes, of equal weight, (n_points, n_nodes)
 
     @property
+    def statical(self) -> bool:
+        """True for the lower bound, whose strength is that of each corner."""
+        return not self.strength[0, 1]
+
+    @property
     def n(self) -> int:
         """Number of velocities."""
         return self.coordinates.shape[1]

@@ -127,7 +127,7 @@ class _Path:
         """Return the sum over the cones of every point."""
         n = self.program.n_points
         total = x[:n].copy()
-        total[self.second] += x[n:]
+        np.add.at(total, self.second, x[n:])
         return total
 
     @property
@@ -251,7 +251,7 @@ class _Path:
         at = n + np.flatnonzero(self.flat_second)
         z[at, 0] = (strain[cones.at[at]] * self.program.volume[cones.at[at]]).sum(1)
         strain = strain.copy()
-        strain[second] -= _by(self.G[n:], z[n:])
+        np.subtract.at(strain, second, _by(self.G[n:], z[n:]))
         q = np.where(self.steep, (self.G[:n, 0] * self.program.volume).sum(1), 1.0)
         z[:n, 0] = np.where(self.steep, (strain * self.program.volume).sum(1) / q, z[:n, 0])
         left = strain - self.G[:n, 0] * z[:n, :1]
@@ -265,7 +265,7 @@ class _Path:
         self._follow_flow(change, -self.program.strains(self.y) - self.gathered(_by(self.G, self.z)), None)
         fits = _depth(self.z + change) > _DEEP * _depth(self.z)
         whole = fits[:n].copy()
-        whole[self.second] &= fits[n:]
+        np.logical_and.at(whole, self.second, fits[n:])
         self.z += np.where(whole[self.cones.at, None], change, 0.0)
 
     def solution(self) -> Solution:

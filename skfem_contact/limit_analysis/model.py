@@ -56,6 +56,14 @@ class Loads(NamedTuple):
     submerged: tuple[Tag, ...] = ()  # boundaries with water outside
     remarks: tuple[str, ...] = ()
 
+    def largest_stress(self, triangles: Triangles, centre: ndarray, size: float) -> float:
+        """Return the stress of the weights over the height of the triangles, plus the largest tractions."""
+        stress = float(np.abs(self.dead + self.live).max(initial=0.0) * size * np.ptp(triangles.mesh.p[1]))
+        for tag, value, _ in self.tractions:
+            x = triangles.mesh.p[:, triangles.mesh.facets[:, triangles.tags[tag]]].reshape(2, -1)
+            stress += float(np.abs(value(centre[:, None] + size * x)).max(initial=0.0))
+        return stress
+
     def scaled(self, centre: ndarray, size: float, stress: float) -> Loads:
         """Return the loads at coordinates from a centre, in units of a size and of a stress."""
         def field(value: Field) -> Field:
@@ -226,7 +234,7 @@ class Profile(NamedTuple):
 
     def vanishes(self, triangles: Triangles) -> bool:
         """Return True if there is no cohesion at some corner."""
-        return bool((self.at(triangles, np.arange(len(triangles.origin)))[1] == 0).any())
+        return not self.at(triangles, np.arange(len(triangles.origin)))[1].all()
 
 
 @dataclass(frozen=True)
@@ -242,6 +250,7 @@ class LimitModel:
     loads: Loads
     contacts: tuple[Contact, ...] = ()
     profiles: tuple[Profile, ...] = ()
+    outer: Strength | None = None  # of the upper bound, where the strength is curved
 
     def strength(self, triangles: Triangles, soft: ndarray, elements: Elements) -> Strength:
         r"""Return the strength at the corners of triangles that can yield, for the bound of some elements.
@@ -250,7 +259,7 @@ class LimitModel:
         convex, so that it is at most that of the corners, each with the mean of the strength by its shape function:
         :math:`\int c\, D(\sum_i \lambda_i \varepsilon_i) \le \sum_i D(\varepsilon_i) \int \lambda_i c`.
         """
-        found = self.soil.at(np.repeat(triangles.origin[soft], 3))
+        found = (self.soil if elements.statical else self.outer or self.soil).at(np.repeat(triangles.origin[soft], 3))
         for profile in self.profiles:
             here, cohesion = profile.at(triangles, soft)
             found.c.reshape(-1, 3)[here] = cohesion @ elements.strength
@@ -264,8 +273,8 @@ class LimitModel:
             x = triangles.mesh.p[:, triangles.mesh.facets[:, facets]]  # (2, 2 ends, n)
             values = np.asarray(value(x.reshape(2, -1))).reshape(x.shape).T
             total[live] += elements.of_tractions(facets, values)
-        if self.loads.water is not None:
-            total[0] += self._power_of_water(self.loads.water(triangles.mesh.p), triangles, elements)
+        if (water := self.loads.water) is not None:
+            total[0] += self._power_of_water(water(triangles.mesh.p), triangles, elements)
         return total[0], total[1]
 
     def _power_of_water(self, u: ndarray, triangles: Triangles, elements: Elements) -> ndarray:

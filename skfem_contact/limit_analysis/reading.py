@@ -49,8 +49,8 @@ def read(forms: Mapping[str, Any], fixed: ndarray, loads: Callable[[Site], Loads
     solids, pairs = _by_kind(forms)
     basis = next(iter(solids.values())).basis
     targets = {} if multiplied else reduced_parts(forms, reduce, exclude)
-    soil = _strengths(solids, targets, "associated")
     elements = np.sort(np.concatenate([form.elements for form in solids.values()]))
+    soil = _strengths(solids, targets, "associated", 1.0)
     if soil.rigid[elements].all() and not pairs:
         raise ValueError("nothing can yield: all solids are elastic, which bounds take for rigid")
     fixed = _unknowns(fixed, basis)
@@ -58,20 +58,22 @@ def read(forms: Mapping[str, Any], fixed: ndarray, loads: Callable[[Site], Loads
     given = loads(Site(basis, elements, elements[~soil.rigid[elements]], fixed))
     for tag in (*(traction.tag for traction in given.tractions), *given.submerged):
         _check_boundary(tag, shape.triangles)
+    carried = given.largest_stress(shape.triangles, shape.centre, shape.size)
+    soil, outer = (_strengths(solids, targets, "associated", carried, inner) for inner in (True, False))
     unit = _unit_of_stress(soil, given, shape)
     model = LimitModel(shape.triangles, soil.over(unit), _rigid_bodies(shape.triangles, soil.rigid),
                   given.scaled(shape.centre, shape.size, unit), _contacts(pairs, targets, unit),
-                  _profiles(solids, "associated", shape, unit))
+                  _profiles(solids, "associated", shape, unit), None if soil.lines is None else outer.over(unit))
     less = any(material.dilates_less for form in solids.values() for material in form.materials.values())
     davis = None
     if less and not associated:
-        davis = replace(model, soil=_strengths(solids, targets, "davis_a").over(unit),
+        davis = replace(model, soil=_strengths(solids, targets, "davis_a", carried).over(unit),
                         profiles=_profiles(solids, "davis_a", shape, unit))
     smooth = None
     if any(contact.mu for contact in model.contacts) and not associated:
         smooth = replace(davis or model, contacts=tuple(replace(contact, mu=0.0) for contact in model.contacts))
     names = tuple(f"{name}.{part}" if part else name for name, parts in targets.items() for part in parts)
-    cohesionless = (soil.c == 0).any() or any(profile.vanishes(shape.triangles) for profile in model.profiles)
+    cohesionless = soil.resists_nothing.any() or any(profile.vanishes(shape.triangles) for profile in model.profiles)
     missing = "cohesion" if cohesionless else "tension" if (soil.tension == 0).any() else ""
     remarks = _remarks(solids, shape, given, soil, bool(cohesionless))
     if not associated:
@@ -103,26 +105,45 @@ def _check_solids(solids: Mapping[str, SolidForm]) -> None:
             kind = "axially symmetric" if form.basis.mesh.dim() == 2 else "in three dimensions"
             raise ValueError(f"bounds are for plane strain, but '{name}' is {kind}")
         for region, material in form.materials.items():
-            if material.cone() is None:
+            if material.cone() is None and material.lines(1.0) is None:
                 raise ValueError(f"there are no bounds for {material.label}, the material of '{region}' in '{name}', "
-                                 "which has no cone(flow); MohrCoulomb, Tresca, VonMises and, rigid, LinearElastic "
-                                 "have one")
+                                 "which has no cone(flow); MohrCoulomb, Tresca, VonMises, HoekBrown and, rigid, "
+                                 "LinearElastic have bounds")
     elements = np.concatenate([form.elements for form in solids.values()])
     if len(np.unique(elements)) < len(elements):
         raise ValueError(f"the solids {', '.join(solids)} share elements: each must belong to one of them")
 
 
-def _strengths(solids: Mapping[str, SolidForm], targets: Mapping[str, Collection[str]], flow: Flow) -> Strength:
-    """Return the strength of all elements of the mesh; elastic elements and elements of no solid are rigid."""
+def _strengths(solids: Mapping[str, SolidForm], targets: Mapping[str, Collection[str]], flow: Flow,
+               stress: float, inner: bool = True) -> Strength:
+    """Return the strength of all elements of the mesh; elastic elements and elements of no solid are rigid.
+
+    A curved strength is that of lines, inside or outside of it, for compression up to about a stress.
+    """
     n = next(iter(solids.values())).basis.mesh.nelements
     found = Strength(np.full(n, np.inf), np.zeros(n), np.full(n, np.inf), np.zeros(n, bool))
     for name, form in solids.items():
         for region in form.regions:
             where = form.elements[region.elements]
-            c, t, tension = _parameters(region, flow, f"{name}.{region.name}")
-            found.c[where], found.t[where], found.tension[where] = c, t, tension
             found.reduced[where] = region.name in targets.get(name, ())
+            if (lines := region.material.lines(stress, inner, flow)) is None:
+                c, t, tension = _parameters(region, flow, f"{name}.{region.name}")
+                found.c[where], found.t[where], found.tension[where] = c, t, tension
+            else:
+                found = _with_lines(found, where, *lines)
     return found
+
+
+def _with_lines(soil: Strength, where: ndarray, lines: ndarray, most: ndarray) -> Strength:
+    """Return the strength with lines, (n_lines, 2, n or 1), at some elements; one in the middle is the first."""
+    n, count = len(soil.c), len(lines) - 1
+    middle = count // 2
+    soil.c[where], soil.t[where] = lines[middle]
+    every = np.full((n, count, 2), np.inf) if soil.lines is None else soil.lines
+    every[where] = np.delete(lines, middle, axis=0).transpose(2, 0, 1)
+    limit = np.full(n, np.inf) if soil.most is None else soil.most
+    limit[where] = most
+    return replace(soil, lines=every, most=limit)
 
 
 def _parameters(region: Region, flow: Flow, name: str) -> tuple[Any, Any, Any]:

@@ -5,7 +5,8 @@ Both obey two conditions on a mean stress p = k . s and a shear stress r = \|R s
 .. math:: \sqrt{F^2 + w t^2}\, r \le c - t p, \qquad F (p + w r) \le T.
 
 Soil in plane strain has :math:`w = 1`, the centre p and the radius r of Mohr's circle, :math:`t = \tan\phi`.  A joint
-has :math:`w = 0`, its normal and tangential tractions, and the friction t = mu.
+has :math:`w = 0`, its normal and tangential tractions, and the friction t = mu.  A curved strength is that of several
+lines, each with its c and t: chords are inside of it, tangents outside.
 """
 from __future__ import annotations
 
@@ -70,6 +71,8 @@ class Strength:
     tension: ndarray
     reduced: ndarray  # divided by the factor
     joint: bool = False
+    lines: ndarray | None = None  # c and t of further lines, the steepest first, (n, n_lines, 2); c = inf: none
+    most: ndarray | None = None  # compression up to which all lines are inside of a curved strength, (n,)
 
     @property
     def rigid(self) -> ndarray:
@@ -89,6 +92,11 @@ class Strength:
         return finite & (below | self.smooth)
 
     @property
+    def resists_nothing(self) -> ndarray:
+        """Points without any strength where they are free of stress."""
+        return (self._all_lines[0] == 0).any(axis=0)
+
+    @property
     def incompressible(self) -> ndarray:
         """Points whose volume is constant."""
         return (self.t == 0) & ~self.cut
@@ -100,11 +108,23 @@ class Strength:
 
     def at(self, points: ndarray) -> Strength:
         """Return the strength of some points."""
-        return Strength(self.c[points], self.t[points], self.tension[points], self.reduced[points], self.joint)
+        lines, most = (None if values is None else values[points] for values in (self.lines, self.most))
+        return Strength(self.c[points], self.t[points], self.tension[points], self.reduced[points], self.joint, lines,
+                        most)
 
     def over(self, stress: float) -> Strength:
         """Return the strength in another unit of stress."""
-        return replace(self, c=self.c / stress, tension=self.tension / stress)
+        lines = None if self.lines is None else self.lines / (stress, 1.0)
+        most = None if self.most is None else self.most / stress
+        return replace(self, c=self.c / stress, tension=self.tension / stress, lines=lines, most=most)
+
+    @property
+    def _all_lines(self) -> tuple[ndarray, ndarray]:
+        """Return cohesion and friction of all lines, (n_lines, n) each: the first is c, t."""
+        if self.lines is None:
+            return self.c[None], self.t[None]
+        c, t = self.lines.transpose(2, 1, 0)
+        return np.concatenate((self.c[None], c)), np.concatenate((self.t[None], t))
 
     def cones(self, first: int) -> tuple[Cones, Cones]:
         """Return one cone for every point, and the second cones; the points' numbers begin at `first`."""
@@ -116,7 +136,11 @@ class Strength:
         size = np.where(self.smooth & self.joint, 1.0, self.c)
         one = Cones(at, size, zero if self.joint else self.t, self.t[:, None] * k, R, no, self.reduced)
         two = Cones(at, self.tension, zero, np.broadcast_to(k, (n, 3)), R * (not self.joint), ~no, self.reduced)
-        return one, two.taken(np.flatnonzero(self.cut))
+        rest = [two.taken(np.flatnonzero(self.cut))]
+        for c, t in zip(*(values[1:] for values in self._all_lines)):
+            line = Cones(at, c, t, t[:, None] * k, R, no, self.reduced)
+            rest.append(line.taken(np.flatnonzero(np.isfinite(c))))
+        return one, Cones.join(rest)
 
     def _invariants(self, values: ndarray) -> tuple[ndarray, ndarray]:
         """Return change of volume and largest shear of strains (n, 3), or opening and slip."""
@@ -134,11 +158,15 @@ class Strength:
             r = np.where(self.smooth, 0.0, r)
         else:
             p, r = 0.5 * p, np.hypot(0.5 * (stress[:, 0] - stress[:, 1]), stress[:, 2])
-        left = self.c - self.t * p
-        rest = left**2 - (0.0 if self.joint else (self.t * r) ** 2)
-        none = (r <= round_off) & (left >= -round_off)
-        found = np.where(left > 0, _ratio(np.sqrt(np.maximum(rest, 0.0)), r), 0.0)
-        found = np.where(none, np.inf, found)
+        found = np.full(len(p), np.inf)
+        for c, t in zip(*self._all_lines):
+            left = c - t * p
+            rest = left**2 - (0.0 if self.joint else (t * r) ** 2)
+            none = (r <= round_off) & (left >= -round_off)
+            one = np.where(left > 0, _ratio(np.sqrt(np.maximum(rest, 0.0)), r), 0.0)
+            found = np.minimum(found, np.where(none, np.inf, one))
+        if self.most is not None:
+            found = np.where(r - p <= self.most, found, 0.0)
         pull = p if self.joint else p + r
         found = np.where((pull > round_off) & self.cut, np.minimum(found, _ratio(self.tension, pull)), found)
         return np.where(self.reduced, found, np.where(found >= 1.0, np.inf, 0.0))
@@ -147,7 +175,9 @@ class Strength:
         """Return the smallest factor for which every strain (n, 3) is a plastic flow: 0 for all, inf for none."""
         volume, shear = self._invariants(strain)
         root = shear if self.joint else np.sqrt(np.maximum((shear - volume) * (shear + volume), 0.0))
-        steep = np.where(volume > 0, _ratio(self.t * root, volume), np.inf)
+        c, t = self._all_lines
+        flattest = np.where(np.isfinite(c), t, np.inf).min(axis=0) if self.lines is not None else self.t
+        steep = np.where(volume > 0, _ratio(flattest * root, volume), np.inf)
         flat = np.where(np.abs(volume) <= INCOMPRESSIBLE * shear.max(initial=0.0), 0.0, np.inf)
         opening = np.where(volume >= -round_off, 0.0, np.inf)
         found = np.where(self.t > 0, steep, np.where(self.cut, opening, flat))
@@ -170,6 +200,9 @@ class Strength:
         steep = self.t > 0
         sheared = np.where(steep, self.c / np.where(steep, self.t, 1.0) * volume, self.c / F * shear)
         limit = np.where(self.cut, self.tension, 0.0) / F
+        if self.lines is not None:
+            sheared = np.minimum(np.where(volume >= self.t / np.hypot(F, self.t) * shear, sheared, np.inf),
+                                 self._of_lines(volume, shear, F))
         if self.joint:
             both = limit * volume + (self.c - self.t * limit) / F * shear
         else:
@@ -177,6 +210,24 @@ class Strength:
             p = (a * limit - self.c) / (a - self.t)
             both = np.maximum(p * volume + (limit - p) * shear, limit * volume)
         return np.where(self.cut, both, sheared)
+
+
+    def _of_lines(self, volume: ndarray, shear: ndarray, F: ndarray) -> ndarray:
+        """Return the least dissipation that is found for a line or for two that follow each other; inf for none.
+
+        Each is that of a larger strength: of the apex of a line, or of the corner of two.
+        """
+        c, t = self._all_lines
+        order = np.argsort(t, axis=0)
+        c, t = np.take_along_axis(c, order, 0), np.take_along_axis(t, order, 0)
+        a = np.hypot(F, t)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            apex = np.where(volume * a >= t * shear, c / t * volume, np.inf)
+            p = (c[:-1] * a[1:] - c[1:] * a[:-1]) / (t[:-1] * a[1:] - t[1:] * a[:-1])
+            r = (c[:-1] - t[:-1] * p) / a[:-1]
+            between = (volume * a[:-1] >= t[:-1] * shear) & (volume * a[1:] <= t[1:] * shear)
+            corner = np.where(between, p * volume + r * shear, np.inf)
+        return np.nanmin(np.concatenate((apex, corner)), axis=0)
 
 
 def _ratio(above: ndarray, below: ndarray) -> ndarray:

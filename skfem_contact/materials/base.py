@@ -210,6 +210,12 @@ class Material:
         """
         return None
 
+    def lines(self, stress: float, inner: bool = True, flow: Flow = "associated") -> tuple[Array, Array] | None:
+        """Return c and tan(phi) of lines, (n_lines, 2, n), inside or outside of a curved strength, None if straight.
+
+        They resolve stresses up to about a given one, and are inside up to the returned compression, (n,).
+        """
+
     def cohesion_at(self, x: Array) -> Array | None:
         """Return the cohesion of the associated cone at points, None unless it is a function of the coordinates."""
 
@@ -334,12 +340,6 @@ def along_elements(value: Parameter, shape: tuple[int, ...]) -> Parameter:
     if value.ndim == 2:
         return np.broadcast_to(value, shape[1:]) if len(shape) > 2 else value.mean(axis=1)
     return np.repeat(value, int(np.prod(shape[2:]))).reshape(shape[1:])
-
-
-def reduced_dilatancy(dilatancy: Parameter, friction: Parameter, reduced_friction: Parameter) -> Parameter:
-    """Return the dilatancy of a reduced friction: equal to it if the flow was associated, else at most equal."""
-    associated = np.equal(dilatancy, friction)
-    return np.where(associated, reduced_friction, np.minimum(dilatancy, reduced_friction))
 
 
 def warn_of_radians(**angles: Parameter) -> None:

@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 from typing_extensions import override
 
-from .base import Array, Flow, Given, Parameter, along_elements, check_reduction, reduced_dilatancy, require
-from .elastic import at_points
+from .base import Array, Flow, Given, Parameter, along_elements, check_reduction, require
+from .elastic import at_points, reduced_dilatancy
 from .mohr_coulomb import MohrCoulomb
 from .plastic import IsotropicPlasticity, Return, chosen
 from .spectral import mean_and_shear

@@ -163,3 +163,9 @@ def refuse_functions(material: Material) -> None:
     if material.functions:
         raise ValueError(f"{' and '.join(material.functions)} of {material.label} vary with the coordinates, which "
                          "a single point does not have: give numbers")
+
+
+def reduced_dilatancy(dilatancy: Parameter, friction: Parameter, reduced_friction: Parameter) -> Parameter:
+    """Return the dilatancy of a reduced friction: equal to it if the flow was associated, else at most equal."""
+    associated = np.equal(dilatancy, friction)
+    return np.where(associated, reduced_friction, np.minimum(dilatancy, reduced_friction))

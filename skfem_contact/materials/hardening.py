@@ -15,10 +15,10 @@ from .base import (
     Parameter,
     along_elements,
     check_reduction,
-    reduced_dilatancy,
     require,
     warn_of_radians,
 )
+from .elastic import reduced_dilatancy
 from .mohr_coulomb import CohesiveFrictional, MohrCoulomb
 from .plastic import ROUND_OFF, IsotropicPlasticity, Return, chosen, equivalent_shear_strain
 from .pyramid import PyramidConstants, pyramid_excess, pyramid_return

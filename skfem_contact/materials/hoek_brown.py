@@ -8,14 +8,15 @@ and tangent are then those of Mohr-Coulomb's pyramid with sin(phi) and the stren
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import NamedTuple
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
 
 import numpy as np
 from typing_extensions import override
 
 from ..errors import IncrementTooLarge
-from .base import Array, Given, Parameter, along_elements, require, warn_of_radians
+from .base import Array, Flow, Given, Parameter, along_elements, check_reduction, require, warn_of_radians
+from .curved import APEX, IMAGINARY, falling_root, lines_of, tangent
 from .plastic import ROUND_OFF, IsotropicPlasticity, Return, chosen
 from .pyramid import PyramidConstants, pyramid_return
 from .spectral import extremes, principal_stresses
@@ -24,10 +25,10 @@ from .spectral import extremes, principal_stresses
 _MOST = 100
 #: A step of the root by this share is the last: the next one would be its square, 1e-16.
 _LAST = 1e-8
-#: t below which the tangent stays, at the apex it would be vertical: 1 - sin(phi) is 2e-7 then, with an error of 5e-10.
-_APEX = 1e-14
 #: Excess over the yield surface after a return, as a share of the largest trial stress, that is refused.
 _ADMITTED = 1e-9
+#: Dilatancy in degrees that the cap always replaces by the friction of the tangent.
+_ASSOCIATED = 89.999999
 
 
 class _Constants(NamedTuple):
@@ -40,6 +41,7 @@ class _Constants(NamedTuple):
     m_b: Parameter
     s: Parameter
     a: Parameter
+    factor: Parameter  # of the reduction
 
 
 class _Line(NamedTuple):
@@ -57,8 +59,10 @@ class HoekBrown(IsotropicPlasticity):
 
     With the principal stresses :math:`\sigma_1 \ge \sigma_2 \ge \sigma_3`, tension positive, the strength is
     :math:`\sigma_1 - \sigma_3 = \sigma_{ci} (s - m_b \sigma_1 / \sigma_{ci})^a`. The friction angle of its tangent
-    falls with the pressure, and the dilatancy angle is capped by it: E. Hoek, C. Carranza-Torres, B. Corkum, Proc.
-    NARMS-TAC (2002) 267-273; J. Clausen, L. Damkilde, Int. J. Rock Mech. Min. Sci. 45 (2008) 831-847.
+    falls with the pressure, and the dilatancy angle is capped by it. A strength reduction divides the shear strength on
+    every plane, so that c and tan(phi) of every tangent are divided; bounds have chords and tangents. E. Hoek,
+    C. Carranza-Torres, B. Corkum, Proc. NARMS-TAC (2002) 267-273; J. Clausen, L. Damkilde, Int. J. Rock Mech. Min. Sci.
+    45 (2008) 831-847.
 
     Parameters
     ----------
@@ -85,6 +89,7 @@ class HoekBrown(IsotropicPlasticity):
     s: Given
     a: Given = 0.5
     psi: Given = 0.0
+    factor: float = field(default=1.0, init=False, repr=False)  # of the reduction
 
     @override
     def _check(self) -> None:
@@ -127,6 +132,17 @@ class HoekBrown(IsotropicPlasticity):
         a = 0.5 + (np.exp(-index / 15) - np.exp(-20 / 3)) / 6
         return cls(E, nu, sigma_ci, m_b, np.exp((index - 100) / (9 - 3 * D)), a, psi)
 
+    @override
+    def reduced(self, factor: float, flow: Flow = "given") -> HoekBrown:
+        check_reduction(factor, flow)
+        if flow not in ("given", "associated"):
+            raise ValueError(f"flow '{flow}' needs one friction angle: HoekBrown has 'given' and 'associated'")
+        return self._with(factor=self.factor * factor, psi=self.psi if flow == "given" else _ASSOCIATED)
+
+    @override
+    def lines(self, stress: float, inner: bool = True, flow: Flow = "associated") -> tuple[Array, Array]:
+        return lines_of(_Constants(*map(np.atleast_1d, self.constants())), stress, inner, flow)
+
     @property
     @override
     def dilates(self) -> bool:
@@ -135,7 +151,7 @@ class HoekBrown(IsotropicPlasticity):
     @property
     @override
     def dilates_less(self) -> bool:
-        return True
+        return bool(np.any(np.less(self.psi, _ASSOCIATED)))
 
     @property
     @override
@@ -146,11 +162,12 @@ class HoekBrown(IsotropicPlasticity):
     def mobilised(self, stress: Array, internal: Array) -> tuple[Array, Array]:
         largest, _, smallest = principal_stresses(stress)
         k = _Constants(*(along_elements(value, stress.shape) for value in self.constants()))
-        return 0.5 * (largest - smallest), 0.5 * k.ci * np.maximum(k.s - k.m_b * largest / k.ci, 0.0) ** k.a
+        return 0.5 * (largest - smallest), 0.5 * (largest - smallest - _excess(largest, smallest, k))
 
     @override
     def constants(self) -> _Constants:
-        return _Constants(*self.lame, np.sin(np.radians(self.psi)), self.sigma_ci, self.m_b, self.s, self.a)
+        return _Constants(*self.lame, np.sin(np.radians(self.psi)), self.sigma_ci, self.m_b, self.s, self.a,
+                          self.factor)
 
     @override
     def yield_bound(self, stress: Array, constants: _Constants) -> Array:
@@ -162,29 +179,33 @@ class HoekBrown(IsotropicPlasticity):
 
     @override
     def return_map(self, trial: Array, constants: _Constants) -> Return:
-        cone, weights = _tangent_cone(trial, constants)
+        cone, weights, t = _tangent_cone(trial, constants)
         new = pyramid_return(trial, cone)
         largest = np.maximum(trial[0], -trial[2])
         off = np.abs(_excess(new.values[0], new.values[2], constants)) > _ADMITTED * largest
         off &= new.values[0] - new.values[2] > ROUND_OFF * largest
         if off.any():  # near the apex the strength is steep: its error is that of s1 times the slope
-            t = constants.s - constants.m_b * new.values[0] / constants.ci
             error = np.abs(_excess(new.values[0], new.values[2], constants))
             off &= error > _ADMITTED * (1 + _slope(t, constants)) * largest
         if off.any():
             raise IncrementTooLarge(f"the return to the strength of Hoek and Brown fails at {off.sum()} points")
-        return Return(new.values, lambda: _with_capped_flow(new, trial, cone, constants, weights))
+        return Return(new.values, lambda: _with_capped_flow(new, trial, cone, constants, weights, t))
 
 
 def _excess(largest: Array, smallest: Array, k: _Constants) -> Array:
     """Return the yield function of the extreme principal stresses, beyond the apex with the distance to it."""
     t = k.s - k.m_b * largest / k.ci
-    return largest - smallest - k.ci * np.maximum(t, 0.0) ** k.a + np.maximum(-t, 0.0) * k.ci / k.m_b
+    if np.all(np.equal(k.factor, 1.0)):
+        strength = k.ci * np.maximum(t, 0.0) ** k.a
+    else:
+        apart = falling_root(lambda t: tangent(t, k).s1 - largest, np.maximum(t, APEX))
+        strength = np.where(t > 0, largest - tangent(apart, k).s3, 0.0)
+    return largest - smallest - strength + np.maximum(-t, 0.0) * k.ci / k.m_b
 
 
 def _slope(t: Array, k: _Constants) -> Array:
     """Return d (s1 - s3) / d (-s1) of the strength."""
-    return k.a * k.m_b * np.maximum(t, _APEX) ** (k.a - 1)
+    return k.a * k.m_b * np.maximum(t, APEX) ** (k.a - 1)
 
 
 def _directions(line: _Line, sine: Array, k: _Constants) -> tuple[Array, Array]:
@@ -207,51 +228,37 @@ def _touch(line: _Line, k: _Constants) -> tuple[Array, Array]:
         if np.all(np.abs(step) <= _LAST * u):
             break
     t = u ** (1 / k.a)
-    slope = _slope(t, k)
-    capped = np.flatnonzero(sine > slope / (2 + slope))
-    if capped.size:
+    reduced = np.not_equal(k.factor, 1.0)
+    other = np.flatnonzero(np.broadcast_to(reduced | (sine > tangent(np.maximum(t, APEX), k).sine), t.shape))
+    if other.size:
         t, sine = t.copy(), sine.copy()
-        some = _Line(*chosen(line, capped))
-        t[capped], sine[capped] = _touch_capped(some, t[capped], chosen(k, capped))
+        t[other], sine[other] = _touch_other(_Line(*chosen(line, other)), t[other], chosen(k, other))
     return t, sine
 
 
-def _touch_capped(line: _Line, high: Array, k: _Constants) -> tuple[Array, Array]:
-    """Return t, below that of uncapped flow, and the dilatancy where flow is associated: the condition falls with t."""
-    t0 = k.s - k.m_b * line.s1 / k.ci
-    low, t = np.maximum(t0, 0.0), high
-    for _ in range(_MOST):
-        slope = _slope(t, k)
-        sine = slope / (2 + slope)
-        d1, d3 = _directions(line, sine, k)
-        b = (d1 - d3) / (k.m_b * d1)
-        value = (line.s1 - line.s3) / k.ci - b * (t - t0) - t**k.a
-        change = 2 * k.mu * (line.w1 - line.w3) / (k.m_b * d1) - b * (2 * k.lam + 2 * k.mu * line.w1) / d1
-        rate = -b - (t - t0) * change * _capped_rate(t, k) - slope / k.m_b
-        low, high = np.where(value > 0, t, low), np.where(value > 0, high, t)
-        new = t - value / rate
-        new = np.where((new >= low) & (new <= high), new, 0.5 * (low + high))
-        done = np.all(np.abs(new - t) <= 1e-14 * new)
-        t = new
-        if done:
-            break
-    slope = _slope(t, k)
-    return t, slope / (2 + slope)
+def _touch_other(line: _Line, start: Array, k: _Constants) -> tuple[Array, Array]:
+    """Return t, from one nearby, and the dilatancy where the strength is reduced or the dilatancy that of friction."""
+
+    def capped(t: Any) -> Array:
+        sine = tangent(t, k).sine
+        return np.where(sine.real < k.sin_psi, sine, k.sin_psi)
+
+    def beyond(t: Any) -> Array:
+        d1, d3 = _directions(line, capped(t), k)
+        touching = tangent(t, k)
+        return (line.s1 - touching.s1) * d3 - (line.s3 - touching.s3) * d1
+
+    t = falling_root(beyond, start)
+    return t, capped(t)
 
 
-def _capped_rate(t: Array, k: _Constants) -> Array:
-    """Return d sin(phi) / dt of the tangent."""
-    slope = _slope(t, k)
-    return 2 / (2 + slope) ** 2 * (k.a - 1) * slope / np.maximum(t, _APEX)
-
-
-def _tangent_cone(trial: Array, k: _Constants) -> tuple[PyramidConstants, tuple[Array, Array]]:
-    """Return the tangent at the returned stresses as constants of a pyramid, and the weights of faces and edges."""
+def _tangent_cone(trial: Array, k: _Constants) -> tuple[PyramidConstants, tuple[Array, Array], Array]:
+    """Return the tangent at the returned stresses as constants of a pyramid, weights of faces and edges, and t."""
     one = np.ones(trial.shape[1])
     line = _Line(trial[0], trial[2], one, one)
     t, sine = _touch(line, k)
     d1, d3 = _directions(line, sine, k)
-    length = (t - k.s + k.m_b * trial[0] / k.ci) * k.ci / (k.m_b * d1)
+    length = (trial[0] - tangent(np.maximum(t, APEX), k).s1) / d1
     s1, s2, s3 = trial[0] - length * d1, trial[1] - length * 2 * k.lam * sine, trial[2] - length * d3
     w1, w3 = one.copy(), one.copy()
     edge = np.flatnonzero((s1 <= s2) | (s2 <= s3))
@@ -264,15 +271,13 @@ def _tangent_cone(trial: Array, k: _Constants) -> tuple[PyramidConstants, tuple[
         t[edge], psi = _touch(averaged, some)
         sine = np.array(sine)
         sine[edge] = psi
-    slope = _slope(t, k)
-    sin_phi = slope / (2 + slope)
-    touching = (k.s - t) * k.ci / k.m_b
-    strength = (1 - sin_phi) * (k.ci * t**k.a + slope * touching)
-    return PyramidConstants(k.lam, k.mu, sin_phi, sine, strength), (w1, w3)
+    s1, s3, sin_phi = tangent(np.maximum(t, APEX), k)
+    strength = (1 + sin_phi) * s1 - (1 - sin_phi) * s3
+    return PyramidConstants(k.lam, k.mu, sin_phi, sine, strength), (w1, w3), t
 
 
-def _with_capped_flow(new: Return, trial: Array, cone: PyramidConstants, k: _Constants, weights: tuple[Array, Array]
-                      ) -> Array:
+def _with_capped_flow(new: Return, trial: Array, cone: PyramidConstants, k: _Constants, weights: tuple[Array, Array],
+                      t: Array) -> Array:
     """Return the moduli; where the dilatancy is that of the tangent, it changes with the returned stress.
 
     With the flow d(sin psi) the returned stress changes by dL d + L d' (d sin psi / d s1) d s1, and stays on the
@@ -289,7 +294,8 @@ def _with_capped_flow(new: Return, trial: Array, cone: PyramidConstants, k: _Con
     middle = np.where(w3 < 1, d3, np.where(w1 < 1, d1, 2 * k.lam * sine))
     d = np.stack((d1, middle, d3))
     e = np.stack(np.broadcast_arrays(e1, np.where(w3 < 1, e3, np.where(w1 < 1, e1, 2 * k.lam)), e3))
-    rate = -k.m_b / k.ci * _capped_rate(k.s - k.m_b * values[0] / k.ci, k) * (s1 - values[0]) / d1
+    along_t = tangent(np.maximum(t[points], APEX) * (1 + IMAGINARY * 1j), k)
+    rate = along_t.sine.imag / along_t.s1.imag * (s1 - values[0]) / d1
     share = rate / (1 + rate * e1)
     resisting, along = ((1 + sine) * v[0] - (1 - sine) * v[2] for v in (d, e))
     change = -share * e + (d - share * d1 * e) * share * along / (resisting - share * d1 * along)

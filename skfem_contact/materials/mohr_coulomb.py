@@ -22,11 +22,10 @@ from .base import (
     Update,
     along_elements,
     check_reduction,
-    reduced_dilatancy,
     require,
     warn_of_radians,
 )
-from .elastic import at_points
+from .elastic import at_points, reduced_dilatancy
 from .plastic import IsotropicPlasticity, Return
 from .pyramid import PyramidConstants, cut_off_excess, return_with_cut_off
 from .spectral import extremes, principal_stresses
