@@ -19,6 +19,7 @@ import skfem_contact.plot as plot
 ROOMS = {
     "Models and stages": ("model", "stages"),
     "Meshes": ("mesh", "layout"),
+    "Sections from a sketch": ("section",),
     "Forms": ("forms",),
     "Materials": ("materials",),
     "Contact": ("contact", "surfaces"),
