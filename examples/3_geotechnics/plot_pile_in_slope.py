@@ -55,7 +55,8 @@ def surface(x):
 # ----
 # Columns of quadrilaterals, finer towards the pile, and rows, finer towards the interface of the layers. Diagonals cut
 # each of them into four triangles; with quadratic shape functions such crossed triangles do not lock when soil yields,
-# and they bend like a pile should. ``join_bodies`` gives soil and pile nodes of their own.
+# and they bend like a pile should. The pile has a mesh of its own in a slot of the ground, with elements as long as it
+# is wide: in the rows of the soil, 1 to 2 m high, its hinges bear 198 kNm/m for 150.
 
 
 def graded(start, stop, first, last):
@@ -66,8 +67,8 @@ def graded(start, stop, first, last):
     return start + (stop - start) * np.cumsum(steps) / steps.sum()
 
 
-def slope(size, with_pile):
-    """Mesh whose elements beside the pile have about this size."""
+def slope(size, with_slot):
+    """Mesh of the ground, with a slot for the pile, whose elements beside it have about this size."""
     toe = 0.5 * (width + run)
     right = np.concatenate(([0.5 * width], graded(0.5 * width, toe, 0.4 * size, 1.6 * size),
                             graded(toe, end, 1.6 * size, 5.0 * size)))
@@ -83,26 +84,26 @@ def slope(size, with_pile):
     corners = np.array([corner, corner + 1, corner + columns + 1, corner + columns])
     mesh = MeshQuad(np.array([x.ravel(), y.ravel()]), corners).to_meshtri(style="x")
 
-    def in_pile(x):
-        return with_pile & (abs(x[0]) < 0.5 * width) & (x[1] > tip)
-
-    mesh = mesh.with_subdomains({"upper": lambda x: (x[1] > interface) & ~in_pile(x),
-                                 "lower": lambda x: (x[1] < interface) & ~in_pile(x)})
+    mesh = mesh.with_subdomains({"upper": lambda x: x[1] > interface, "lower": lambda x: x[1] < interface})
     mesh = mesh.with_boundaries({"bottom": lambda x: np.isclose(x[1], base),
                                  "sides": lambda x: np.isclose(abs(x[0]), end)})
-    if not with_pile:
+    if not with_slot:
         return mesh
+    middle = mesh.p[:, mesh.t].mean(axis=1)
+    mesh = mesh.remove_elements(np.flatnonzero((abs(middle[0]) < 0.5 * width) & (middle[1] > tip)))
+    faces = {"tip": lambda x: np.isclose(x[1], tip) & (abs(x[0]) < 0.5 * width)}
+    for side, at in (("left", -0.5 * width), ("right", 0.5 * width)):
+        faces[f"{side} upper"] = lambda x, at=at: np.isclose(x[0], at) & (x[1] > interface)
+        faces[f"{side} lower"] = lambda x, at=at: np.isclose(x[0], at) & (x[1] > tip) & (x[1] < interface)
+    return mesh.with_boundaries(faces)
 
-    def beside(sign):
-        return lambda x: np.isclose(x[0], 0.5 * sign * width) & (x[1] > tip)
 
-    faces = {"left": beside(-1), "right": beside(1),
-             "tip": lambda x: np.isclose(x[1], tip) & (abs(x[0]) < 0.5 * width)}
-    for side in ("left", "right"):
-        faces[f"{side} upper"] = lambda x, face=faces[side]: face(x) & (x[1] > interface)
-        faces[f"{side} lower"] = lambda x, face=faces[side]: face(x) & (x[1] < interface)
-    mesh = mesh.with_subdomains({"pile": in_pile}).with_boundaries(faces, boundaries_only=False)
-    return sc.join_bodies(mesh, bodies={"ground": ["upper", "lower"], "pile": "pile"})
+def slender():
+    """Mesh of the pile, two elements wide."""
+    grid = MeshQuad.init_tensor(np.linspace(-0.5, 0.5, 3) * width, np.linspace(tip, 0.0, round(-tip / width) + 1))
+    return grid.to_meshtri(style="x").with_boundaries({
+        "left": lambda x: np.isclose(x[0], -0.5 * width), "right": lambda x: np.isclose(x[0], 0.5 * width),
+        "tip": lambda x: np.isclose(x[1], tip)})  # fmt: skip
 
 
 # %%
@@ -128,21 +129,24 @@ law = {layer: sc.Coulomb(mu=np.tan(np.radians(2.0 / 3.0 * soil.phi))) for layer,
 
 def model(size, pile=None):
     """Forms, own weight and supports."""
-    mesh = slope(size, with_pile=pile is not None)
+    mesh, own = slope(size, with_slot=pile is not None), "" if pile is None else "ground:"
+    if pile is not None:
+        mesh = sc.join_bodies({"ground": mesh, "pile": slender()})
     basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
-    fixed = np.concatenate((basis.get_dofs("bottom").all(), basis.get_dofs("sides").all("u^1")))
+    fixed = np.concatenate((basis.get_dofs(f"{own}bottom").all(), basis.get_dofs(f"{own}sides").all("u^1")))
     if pile is None:
         return {"ground": sc.SolidForm(basis, soils)}, sc.weight(basis, unit_weights), fixed
+    ground, weights = ({f"ground:{layer}": of[layer] for layer in soils} for of in (soils, unit_weights))
 
     def contact(slave, master, layer):
         return sc.ContactPair(basis, f"ground:{slave}", f"pile:{master}", law[layer], "nodal", penalty=(6e5, 6e4))
 
-    forms = {"ground": sc.SolidForm(basis.with_elements("ground"), soils),
+    forms = {"ground": sc.SolidForm(basis.with_elements("ground"), ground),
              "pile": sc.SolidForm(basis.with_elements("pile"), pile)}
     for side in ("left", "right"):
         forms |= {f"{side} {layer}": contact(f"{side} {layer}", side, layer) for layer in soils}
     forms["tip"] = contact("tip", "tip", "lower")
-    return forms, sc.weight(basis, {**unit_weights, "pile": 25.0}), fixed
+    return forms, sc.weight(basis, {**weights, "pile": 25.0}), fixed
 
 
 # %%
@@ -175,8 +179,8 @@ print(piled)
 # -----------------------
 # Without the pile, the curve is level once the ground has moved by a decimetre. With the pile it goes on rising: a
 # pile this slender must bend a long way before it resists, and only when it has yielded does the ground collapse. The
-# greatest factor belongs to a displacement that nobody would wait for, so the factor at a displacement of one pile
-# width is given as well. Both soils have no dilatancy: Davis' factor is on the safe side.
+# factor at a displacement of one pile width is given as well. Both soils have no dilatancy: Davis' factor is on the
+# safe side.
 
 cases = {"without pile": bare, "with pile": piled}
 at_width = {name: float(np.interp(width, safety.curve[:, 2], safety.curve[:, 1])) for name, safety in cases.items()}
@@ -205,7 +209,7 @@ plot.contour(moved, "ux")
 
 # %%
 # The pile, displacements as they are. It has two hinges: one below the interface, where the firm ground holds it, and
-# one in the sliding ground. Near its head the soil uphill falls behind, and a gap opens.
+# one in the sliding ground.
 
 plot.contour(moved, "ux", deformed=1.0, window=(-8.0, 6.0, -17.0, 4.0))
 
@@ -232,8 +236,7 @@ plot.diagram(right, along="y")
 # What the pile carries
 # ---------------------
 # Section forces at cuts across the pile, from the head downwards. The moment is positive where it stretches the right
-# side. At failure the pile bears all it can in its two hinges. That it bears somewhat more than the 150 kNm/m of its
-# cross section is the mesh: the hinges are shorter than its elements.
+# side. At failure the pile bears all it can in its two hinges, the 150 kNm/m of its cross section.
 
 cuts = sc.Sections.line((0.0, 0.0), (0.0, tip), depth=width, n=79)
 carried = {stage.name: stage.section_forces("pile", cuts) for stage in (gravity, failure)}
@@ -269,20 +272,20 @@ for stage in (gravity, failure):
 
 def with_beam(size):
     """Gravity stage and strength reduction with a beam for the pile."""
-    mesh = slope(size, with_pile=True)
+    mesh = slope(size, with_slot=True)
     basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
-    ground = sc.SolidForm(basis.with_elements("ground"), soils)
-    levels = np.unique(mesh.p[1, mesh.facets[:, mesh.boundaries["pile:right"]]].round(9))[::-1]
+    ground = sc.SolidForm(basis, soils)
+    right = np.concatenate([mesh.boundaries[f"right {layer}"] for layer in soils])
+    levels = np.unique(mesh.p[1, mesh.facets[:, right]].round(9))[::-1]
     plate = concrete.E / (1 - concrete.nu**2)
     pile = sc.Beam(basis, np.column_stack((0 * levels, levels)), EI=plate * width**3 / 12, EA=plate * width,
                    GA=5 / 6 * concrete.E / 2 / (1 + concrete.nu) * width, Mp=moment, unit_weight=25.0 * width,
                    thickness=width)  # fmt: skip
     forms, stiff = {"ground": ground, "pile": pile}, {"upper": (1.25e6, 1.25e5), "lower": (2.5e6, 2.5e5)}
     for layer in soils:
-        forms |= pile.contact(basis, law[layer], [f"ground:{side} {layer}" for side in ("left", "right")],
+        forms |= pile.contact(basis, law[layer], [f"{side} {layer}" for side in ("left", "right")],
                               quadrature="nodal", penalty=stiff[layer])  # fmt: skip
-    unused = np.setdiff1d(np.arange(basis.N), np.unique(ground.basis.element_dofs))
-    model = sc.Model(forms, [unused, basis.get_dofs("bottom").all(), basis.get_dofs("sides").all("u^1")])
+    model = sc.Model(forms, [basis.get_dofs("bottom").all(), basis.get_dofs("sides").all("u^1")])
     gravity = model.run([sc.Stage("gravity", sc.weight(ground, unit_weights))])
     safety = model.strength_reduction(start=gravity, reduce=set(forms) - {"pile"})
     return safety, replace(gravity["gravity"], x=safety.x, states=safety.states)
@@ -303,23 +306,26 @@ for name, forces in bent.items():
     print(f"{name}: moments {forces.M.min():.1f} and {forces.M.max():.1f} kNm/m at {forces.y[forces.M.argmin()]:.1f} "
           f"and {forces.y[forces.M.argmax()]:.1f} m, thrust {-forces.N.min():.1f} kN/m")
 beam_at_width = float(np.interp(width, beam_safety.curve[:, 2], beam_safety.curve[:, 1]))
-lengths = slips(failure, sides), slips(beam_failure, [f"ground:{name}" for name in sides])
+lengths = slips(failure, sides), slips(beam_failure, sides)
 print(f"factor {beam_safety.factor:.3f} for {piled.factor:.3f}, at {width:g} m {beam_at_width:.3f} for "
       f"{at_width['with pile']:.3f}; the sides slip along {lengths[1]:.1f} m for {lengths[0]:.1f} m")
 assert abs(beam_safety.factor / piled.factor - 1) < 0.03 and abs(beam_at_width / at_width["with pile"] - 1) < 0.03
-assert abs(lengths[1] / lengths[0] - 1) < 0.03
+assert abs(lengths[1] / lengths[0] - 1) < 0.05  # 0.8 m, one point of the soil
 assert abs(abs(bent["beam"].M).max() / moment - 1) < 1e-6
+moments = [(forces.M.min(), forces.M.max()) for forces in bent.values()]
+assert np.allclose(*moments, rtol=0.03)  # of the hinges; the solid's are a row of elements long
 
 # %%
 # What the paper says
 # -------------------
-# * The factor rises, in the paper by 8 % from 1.31 to 1.412, here by 5 %. There the strength was reduced until the
-#   computation no longer converged. Both factors fall as the mesh is refined: without and with the pile they are 1.352
-#   and 1.425 with 2,300 unknowns, 1.329 and 1.404 with 4,200, 1.317 and 1.384 with 7,700.
+# * The factor rises, in the paper by 8 % from 1.31 to 1.412, here by 4 %. There the strength was reduced until the
+#   computation no longer converged. Both factors fall as the mesh is refined: without and with a pile in the rows of
+#   the soil they are 1.352 and 1.425 with 2,300 unknowns, 1.329 and 1.404 with 4,200, 1.317 and 1.384 with 7,700. The
+#   finer pile has 1.372, and the beam 1.371.
 # * On the right side of the pile the tractions jump at a depth of about 10 m: from the sliding ground above, which
 #   presses on the pile, to the firm ground below. Here the pressure falls within a metre, at the interface.
 # * Above it the soil slips along the pile, and all friction is mobilised. Below it most of the points stick in the
-#   paper; here, at the greatest factor, where the pile has bent by a metre and more, most of them slip as well.
+#   paper; here, at the greatest factor, where the pile has bent by more than its width, three quarters slip as well.
 
 points = right["failure"]
 closed = points.status != Status.OPEN
@@ -338,8 +344,10 @@ assert abs(bare.factor - 1.31) < 0.01
 assert bare.factor + 0.05 < at_width["with pile"] < piled.factor
 assert slipping > 0.7 and mobilised > 0.7
 assert jump > 1.5
-assert max(unbalanced.values()) < 0.02  # pressures count with their tributary lengths, in the geometry of the mesh
-assert moment < abs(carried["failure"].M).max() < 1.4 * moment
+# pressures count with their tributary lengths, in the geometry of the mesh; the node at the interface bears the soil of
+# both layers, and half of its force lies above the cut
+assert max(unbalanced.values()) < 0.04
+assert 0.97 * moment < abs(carried["failure"].M).max() < 1.03 * moment
 
 plt.show()
 cases["beam for the pile"] = beam_safety
