@@ -143,7 +143,8 @@ def test_package_does_not_grow() -> None:
     soils = [name for name in TREES if name.split(".")[0] == "laboratory"
              or name in {"materials.cam_clay", "materials.hoek_brown", "materials.hardening_soil",
                          "materials.hardening_return"}]  # fmt: skip
-    assert sum(map(lines, soils)) <= 1_200 + 600 and len(soils) <= 8
+    # measured tests and their fit 190 in a file
+    assert sum(map(lines, soils)) <= 1_200 + 600 + 190 and len(soils) <= 8 + 1
     beams = [name for name in TREES if name.split(".")[0] == "beams"]
     # joints of beams 175 in a file, lines along edges of a mesh and what they tell 100; taken dofs 30 outside
     assert sum(map(lines, beams)) <= 1_500 + 150 + 175 + 100 and len(beams) <= 7 + 1 + 1
