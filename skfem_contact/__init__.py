@@ -3,7 +3,7 @@
 from . import laboratory, mesh, results, section, testing, water
 from .beams import Beam, Embedded, Reinforcement, split_along
 from .checks import guard
-from .contact import AugmentedLagrangian, ContactPair, Surface
+from .contact import AugmentedLagrangian, ContactPair, DualMultipliers, Surface
 from .contact.laws import Coulomb, InterfaceLaw, Tied
 from .errors import AnalysisWarning, NoEquilibrium, NotConverged
 from .forms.base import Form, Response
@@ -40,12 +40,12 @@ __version__ = "0.2.0"
 
 __all__ = [
     "AnalysisWarning", "AugmentedLagrangian", "Bar", "Beam", "CamClay", "ContactPair", "Coulomb", "DruckerPrager",
-    "Embedded", "Field", "Form", "HardeningMohrCoulomb", "HardeningSoil", "HoekBrown", "InterfaceLaw", "Internal",
-    "LinearElastic", "Material", "MatrixForm", "Model", "MohrCoulomb", "Newton", "NoEquilibrium", "NotConverged",
-    "PoreWater", "Reinforcement", "Response", "RigidBoundary", "Sections", "SolidForm", "Spring", "Stage", "Surface",
-    "Tied", "Tresca", "Undrained", "VonMises", "box_supports", "dofs_at", "element_test", "hydrostatic", "join_bodies",
-    "load_mesh", "load_result", "mesh", "results", "rigid", "section", "show_versions", "split_along", "testing",
-    "traction", "water", "water_load", "weight",
+    "DualMultipliers", "Embedded", "Field", "Form", "HardeningMohrCoulomb", "HardeningSoil", "HoekBrown",
+    "InterfaceLaw", "Internal", "LinearElastic", "Material", "MatrixForm", "Model", "MohrCoulomb", "Newton",
+    "NoEquilibrium", "NotConverged", "PoreWater", "Reinforcement", "Response", "RigidBoundary", "Sections",
+    "SolidForm", "Spring", "Stage", "Surface", "Tied", "Tresca", "Undrained", "VonMises", "box_supports", "dofs_at",
+    "element_test", "hydrostatic", "join_bodies", "load_mesh", "load_result", "mesh", "results", "rigid", "section",
+    "show_versions", "split_along", "testing", "traction", "water", "water_load", "weight",
 ]
 
 guard(__name__, laboratory.__name__, mesh.__name__, results.__name__, rigid.__name__, section.__name__,

@@ -156,8 +156,8 @@ def test_number_of_points_may_be_numpy():
         ({"share": 1.5}, "share must lie in"),
         ({"smoothing": 0.7}, "alpha must lie in"),
         ({"smoothing": 0.0}, "alpha must lie in"),
-        ({"enforcement": "augmented"}, "enforcement must be an AugmentedLagrangian or None"),
-        ({"enforcement": sc.AugmentedLagrangian}, "enforcement must be an AugmentedLagrangian or None"),
+        ({"enforcement": "augmented"}, "enforcement must be an AugmentedLagrangian or a DualMultipliers or None"),
+        ({"enforcement": sc.AugmentedLagrangian}, "enforcement must be an AugmentedLagrangian or a DualMultipliers"),
     ],
 )
 def test_bad_options(options, message):

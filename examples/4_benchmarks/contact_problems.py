@@ -86,7 +86,7 @@ class Problem:
         shares = [1 / 2, 1 / 2] if segments.shape[1] == 2 else [1 / 6, 1 / 6, 2 / 3]
         widths = np.abs(nodes[segments[:, 1]] - nodes[segments[:, 0]])[:, None] * shares
         width = np.bincount(segments.ravel(), widths.ravel())
-        force = (self.solid.elastic_stiffness @ x)[self.face.dofs]
+        force = (self.solid.elastic_stiffness @ x[:self.basis.N])[self.face.dofs]  # multipliers follow
         order = np.argsort(nodes)
         return nodes[order], width[order], (force / width[:, None])[order]
 

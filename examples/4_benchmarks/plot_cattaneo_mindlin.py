@@ -38,6 +38,7 @@ METHODS = {
     "Gauss(4)": {"quadrature": 4},
     "segments": {"quadrature": "segments"},
     "segments, augmented": {"quadrature": "segments", "enforcement": sc.AugmentedLagrangian()},
+    "segments, multipliers": {"quadrature": "segments", "enforcement": sc.DualMultipliers()},
 }
 
 # %%
@@ -140,6 +141,10 @@ own = [row for row in rows if "peer" not in row]
 assert all(abs(row["ratio"] / RATIO - 1) < 0.005 for row in own if row["n"] >= 10)
 assert all(row["tangential_iterations"] <= 60 for row in own if "augmented" not in row["method"])
 assert table["Gauss(4)", 10]["error"] <= 0.04
+for n in SIZES:  # multipliers inside Newton's method, and after it
+    inside, after = (table[f"segments, {method}", n] for method in ("multipliers", "augmented"))
+    assert inside["iterations"] <= 0.45 * after["iterations"]
+    assert inside["error"] <= 1.15 * after["error"]
 assert max(reversal_errors) <= 0.5 / n
 print("error of the shear on the way back over the friction:", *(f"{error:.2%}" for error in reversal_errors))
 if FULL:

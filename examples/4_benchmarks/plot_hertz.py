@@ -36,6 +36,7 @@ METHODS = {
     "Gauss(4)": {"quadrature": 4},
     "segments": {"quadrature": "segments"},
     "segments, augmented": {"quadrature": "segments", "enforcement": sc.AugmentedLagrangian()},
+    "segments, multipliers": {"quadrature": "segments", "enforcement": sc.DualMultipliers()},
 }
 
 # %%
@@ -188,7 +189,7 @@ def sweep(ratio=None, quadrature="segments", **options):
 
 RATIOS = (1.5, 3, 6, 12, 50)
 soft_to_hard = {ratio: sweep(ratio) for ratio in RATIOS}
-swept = {method: sweep(**options) for method, options in METHODS.items()}
+swept = {method: sweep(**options) for method, options in METHODS.items() if "multipliers" not in method}
 augmented = swept["segments, augmented"]
 for row in rows:
     if row["n"] == n and row["method"] in swept:

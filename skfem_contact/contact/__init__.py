@@ -3,7 +3,7 @@ from ..surfaces.surface import Surface
 from .interface import ContactState
 from .laws import InterfaceLaw, LawUpdate
 from .pair import ContactPair
-from .penalty import AugmentedLagrangian, choose_penalties
+from .penalty import AugmentedLagrangian, DualMultipliers, choose_penalties
 
-__all__ = ["AugmentedLagrangian", "ContactPair", "ContactState", "InterfaceLaw", "LawUpdate", "Surface",
-           "choose_penalties"]
+__all__ = ["AugmentedLagrangian", "ContactPair", "ContactState", "DualMultipliers", "InterfaceLaw", "LawUpdate",
+           "Surface", "choose_penalties"]

@@ -14,12 +14,14 @@ from typing_extensions import Self, override
 
 from ..checks import check_basis, is_number
 from ..forms.base import Form
+from ..layout import Field
 from ..sparse import Gathering
 from ..surfaces.smoothing import smoothed
 from ..surfaces.surface import Surface
 from .interface import ContactState, Interface
 from .laws import InterfaceLaw, Status
-from .penalty import AugmentedLagrangian, chosen
+from .multipliers import Nodes
+from .penalty import AugmentedLagrangian, DualMultipliers, chosen
 from .quadrature import SlavePoints
 
 #: Initial fit of bodies; a number: they touch exactly, and interfere by that much.
@@ -48,15 +50,17 @@ class ContactBase(Form):
     # A regularised pair has other values here: present and final clearance, (2, n), share of the tangential penalty,
     # shift of the slip, (dim - 1, n), points with a broken bond, (n,), and the families in force.
     clearance: ndarray | None = None
+    _nodes: tuple[Any, Any] = (None, None)
     softness: float = 1.0
     slip_shift: ndarray | None = None
     debonded: ndarray | None = None
     families: tuple[Any, ...] = ()
+    multipliers = np.zeros((0, 0), int)  # their dofs, (dim, n_nodes), which the model numbers
 
     def __init__(self, basis: CellBasis | None, slave: str | Surface, master: str | Surface, law: InterfaceLaw,
                  quadrature: Literal["nodal", "segments"] | int = "segments",
                  penalty: float | tuple[float, float] | None = None,
-                 smoothing: float | None = None, enforcement: AugmentedLagrangian | None = None,
+                 smoothing: float | None = None, enforcement: AugmentedLagrangian | DualMultipliers | None = None,
                  initial: Fit = "as meshed", share: float = 1.0,
                  tangent: Literal["exact", "primary"] = "exact") -> None:
         if basis is not None or isinstance(slave, str) or isinstance(master, str):
@@ -70,6 +74,11 @@ class ContactBase(Form):
         _check_law(law, len(self.slave.nodes))
         self.law, self.quadrature, self.tangent = law, quadrature, tangent
         self.enforcement, self.initial, self.share = enforcement, initial, share
+        self.dual = self.saddle = isinstance(enforcement, DualMultipliers)
+        if self.dual:
+            _check_dual(self.slave, law, quadrature, share)
+            nodes = np.repeat(self.slave.nodes.T, self.slave.dim, axis=1)
+            self.fields = (Field(f"contact traction of '{self.slave.name}'", nodes, "multiplier"),)
         self.penalty: tuple[float, float] | None = None
         self.stiffness: float | None = None
         self.complete = False
@@ -80,9 +89,9 @@ class ContactBase(Form):
 
     def _connect(self) -> None:
         self.interface = Interface(self.slave, self.master, self.quadrature)
-        size = max(self.mesh_dofs, self.slave.end, self.master.end)
+        size = max(self.mesh_dofs, self.slave.end, self.master.end, int(self.multipliers.max(initial=-1)) + 1)
         self.size: int = size or None  # type: ignore[assignment]  # unknown before fields are numbered
-        self._gathering = Gathering(size)
+        self.gathering = Gathering(size)
 
     def __repr__(self) -> str:
         return (f"<ContactPair {self.slave.name} on {self.master.name}, {len(self.slave.facets)} facets, "
@@ -125,9 +134,13 @@ class ContactBase(Form):
 
     def numbered(self, numbers: Mapping[Any, ndarray]) -> Self:
         """Return a copy whose surfaces have global dofs, numbers[field] : ndarray, shape (n,)."""
+        new = self
+        if self.fields:
+            new = self.with_(multipliers=numbers[self.fields[0]].reshape(-1, self.slave.dim).T)
+            new._connect()
         if not self.borrowed:
-            return self
-        return self.with_surfaces(*(part.numbered(numbers) for part in (self.slave, self.facets, self.master)))
+            return new
+        return new.with_surfaces(*(part.numbered(numbers) for part in (self.slave, self.facets, self.master)))
 
     @override
     def completed(self, forms: Mapping[str, Form]) -> Self:
@@ -139,7 +152,9 @@ class ContactBase(Form):
             return new
         penalty, stiffness = chosen(new.slave, new.facets, [form.elastic_stiffness for form in bodies], new.penalty,
                                     new.enforcement is None)
-        return new.with_penalty(*penalty, stiffness=stiffness).with_(adapts=new.penalty is None)
+        if self.dual:
+            new.fields = (replace(self.fields[0], scale=stiffness or penalty[0]),)
+        return new.with_penalty(*penalty, stiffness=stiffness).with_(adapts=new.penalty is None and not self.dual)
 
     @property
     def axisymmetric(self) -> bool:
@@ -163,12 +178,12 @@ class ContactBase(Form):
     @property
     @override
     def changing(self) -> ndarray:  # type: ignore[override]
-        return self.joins[self.joins >= 0]
+        return np.concatenate((self.acts_on, self.multipliers.ravel())) if self.dual else self.acts_on
 
     @property
     @override
     def acts_on(self) -> ndarray:  # type: ignore[override]
-        return self.changing
+        return self.joins[self.joins >= 0]
 
     @property
     @override
@@ -198,11 +213,20 @@ class ContactBase(Form):
         """Return the slave's points of a state."""
         return self.interface.points(state.cuts)
 
+    def nodes_at(self, state: ContactState) -> Nodes:
+        """Return the slave's nodes at the points of a state."""
+        points = self.points(state)
+        if self._nodes[0] is not points:
+            self._nodes = (points, Nodes.of(self.slave, points))
+        return self._nodes[1]
+
     def penalties(self, state: ContactState) -> tuple[float, float]:
         """Return the normal and the tangential penalty in a state."""
         if self.penalty is None:
             raise ValueError(f"contact of '{self.slave.name}' on '{self.master.name}' has no penalty yet: give "
                              "`penalty=`, or take the pair from Model(forms).forms")
+        if self.dual and self.stiffness is not None:  # on the way only
+            return self.stiffness, self.stiffness
         normal, tangential = self.penalty * state.penalty_factor
         return float(normal), float(tangential)
 
@@ -254,9 +278,23 @@ def _check_settings(slave: Surface, quadrature: Any, enforcement: Any, initial: 
     if not (share == 1.0 or is_number(share, 0.0, 1.0)):
         raise ValueError(f"share must lie in (0, 1], not {share!r}")
     if enforcement is not None and slave.facets.shape[1] == _NEGATIVE:
-        raise ValueError(f"the augmented method is not for facets of eight nodes, as '{slave.name}' has them: the "
-                         "corners have negative areas for their multipliers; take ElementHex2 or ElementHex1, or the "
-                         "penalty method")
+        raise ValueError(f"multipliers are not for facets of eight nodes, as '{slave.name}' has them: the corners have "
+                         "negative areas; take ElementHex2 or ElementHex1, or the penalty method")
+
+
+def _check_dual(slave: Surface, law: InterfaceLaw, quadrature: Any, share: float) -> None:
+    """Refuse what has more multipliers than motions, or directions of slip that differ at a node."""
+    if slave.rigid:
+        raise ValueError(f"DualMultipliers are dofs of a slave that deforms: '{slave.name}' is rigid, make it the "
+                         "master")
+    if share != 1.0:
+        raise ValueError("DualMultipliers hold both surfaces in one pass: share must be 1, and no second pair")
+    if not isinstance(quadrature, str) and quadrature <= slave.shape.exponents.max():
+        raise ValueError(f'DualMultipliers need quadrature="segments", or at least {slave.shape.exponents.max() + 1} '
+                         f"points along a facet, not {quadrature}")
+    if slave.dim == 3 and not law.symmetric and (slave.directions != slave.directions[0]).any():
+        raise ValueError(f"DualMultipliers with friction: the facets of '{slave.name}' have no axis that lies along all"
+                         " of them, from which slip is counted; split the boundary, or take AugmentedLagrangian()")
 
 
 def _check_law(law: Any, n_nodes: int) -> None:

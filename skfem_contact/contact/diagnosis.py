@@ -11,9 +11,9 @@ from ..checks import format_point
 from ..errors import Remark
 from ..surfaces.surface import Surface
 from .base import TOUCHING, ContactBase
-from .interface import ContactState
+from .interface import ROUND_OFF, ContactState
 from .laws import InterfaceLaw, Status
-from .penalty import HARDEST
+from .penalty import HARDEST, AugmentedLagrangian
 from .quadrature import SlavePoints
 from .search import normals_at_joint
 
@@ -37,8 +37,6 @@ _DEEP, _EVENLY, _TOO_LOW = 0.25, 0.9, 0.05
 #: Share of the pressure that acts along the slave where nodes face joints of the master, likewise; and how near to
 #: one, as a share of the facet, they do so: strains move them by less.
 _SIDEWAYS, _AT_JOINT = 1e-3, 0.01
-#: A gap below this share of the coordinates is nothing: bodies that touch unloaded still touch when they move.
-ROUND_OFF = 8 * np.finfo(float).eps
 #: Share of the pressure on points that have only just closed beside others that slide, likewise.
 _CLOSED = 0.05
 #: Friction of points that slid in the increment in which they closed, as a share of all friction: .85, .69, .47 and .17
@@ -92,16 +90,18 @@ def _on_enforcement(pair: ContactBase, x: ndarray, state: ContactState, meshed: 
     """Yield remarks on penetration, compliance of the penalty, errors of multipliers, and round-off."""
     slave, master, points, penalties = pair.slave, pair.master, pair.points(state), pair.penalties(state)
     share, stiffness = pair.penetration(state), pair.stiffness or penalties[0]
-    if pair.enforcement is not None:
+    if isinstance(pair.enforcement, AugmentedLagrangian):
         error = pair.enforcement.error(state, points, penalties, stiffness)
         if error > pair.enforcement.tolerance:
             yield Remark("multipliers", error,
                          f"the multipliers of '{slave.name}' leave an error of {error:.2%} of the largest traction: at "
                          "some nodes they do not converge, and the penalty acts there")
-        if (left := _left_between(pair, x, state, meshed)) > _BETWEEN:
-            yield Remark("between", left,
-                         f"between the nodes '{slave.name}' gapes or penetrates by {left:.1%} of the largest "
-                         "displacement on average, which multipliers at the nodes do not prevent: refine the mesh")
+    if pair.enforcement is not None and (left := _left_between(pair, x, state, meshed)) > _BETWEEN:
+        yield Remark("between", left,
+                     f"between the nodes '{slave.name}' gapes or penetrates by {left:.1%} of the largest displacement "
+                     "on average, which multipliers at the nodes do not prevent: refine the mesh")
+    if pair.dual:
+        return
     if share > PENETRATION:
         yield Remark("penetration", share,
                      f"the slave penetrates by {share:.1%} of its segment length: the penalty, {penalties[0]:.3g}, is "

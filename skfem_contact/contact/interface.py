@@ -23,6 +23,8 @@ from .search import Projection, merged, project
 _MOVED = 1e-3
 #: ... but not more often than this in an increment: cuts may chatter.
 RECUTS = 8
+#: A gap below this share of the coordinates is nothing: bodies that touch unloaded still touch when they move.
+ROUND_OFF = 8 * np.finfo(float).eps
 
 
 @dataclass(frozen=True)
@@ -51,11 +53,13 @@ class ContactState:
     internal : ndarray, shape (n_internal, n)
         Internal variables of the law.
     multiplier : ndarray, shape (dim, n_nodes)
-        Lagrange multipliers of the augmented method at the slave's nodes; zero in the penalty method.
+        Lagrange multipliers at the slave's nodes; zero in the penalty method.
     penalty_factor : ndarray, shape (2,)
         Factors by which the augmented method has changed the normal and the tangential penalty.
     clearance : ndarray, shape (n,)
         Gap of bodies that touch: the initial one where it was adjusted.
+    closed : ndarray, shape (n_nodes,)
+        Nodes that are closed in the method of :class:`DualMultipliers`.
     cuts : ndarray
         Cuts of the slave for ``quadrature="segments"``: facet numbers plus shares of the facet in the plane, points of
         the pieces in space; empty for other rules.
@@ -74,6 +78,7 @@ class ContactState:
     multiplier: ndarray
     penalty_factor: ndarray
     clearance: ndarray
+    closed: ndarray
     cuts: ndarray
 
     @property

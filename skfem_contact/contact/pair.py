@@ -17,11 +17,12 @@ from ..forms.base import Form, Response
 from ..forms.staged import arrays_of
 from . import regularisation
 from .base import ContactBase, initial_clearance
-from .diagnosis import ROUND_OFF, hardened, remarks
-from .interface import RECUTS, ContactState
+from .diagnosis import hardened, remarks
+from .interface import RECUTS, ROUND_OFF, ContactState
 from .kinematics import Kinematics, dragged, tangents, variations
 from .laws import InterfaceLaw, LawUpdate, Status
-from .penalty import Progress
+from .multipliers import Nodes, respond
+from .penalty import AugmentedLagrangian, Progress
 from .prestress import LinearisedContact, TractionOperator
 
 #: Largest tractions in the damped tangent's geometric part, over those at which the surfaces yield by a segment.
@@ -54,8 +55,9 @@ class ContactPair(ContactBase):
         Share alpha of the facets that Hermite curves round off at the master's joints (0 < alpha <= 1/2); joints of
         more than 45 degrees stay sharp.  ``None``: a node that faces a joint belongs to the facet before it, which
         costs the mirror symmetry of meshes that match; a smoothing of 0.1 restores it.
-    enforcement : AugmentedLagrangian, optional
-        ``None``: penalty; or :class:`AugmentedLagrangian`, whose result does not depend on the penalty.
+    enforcement : AugmentedLagrangian or DualMultipliers, optional
+        ``None``: penalty; :class:`DualMultipliers`, which know none; or :class:`AugmentedLagrangian`, whose result does
+        not depend on it.
     initial : str or float
         ``"as meshed"``: gaps and overlaps count; ``"adjusted"``: points within half a segment touch exactly;
         ``"ramped"``: overlaps are resolved in steps; a number: an interference of adjusted bodies.
@@ -132,17 +134,22 @@ class ContactPair(ContactBase):
         n, nodal, dim, closest = len(found.gap), len(self.slave.nodes), self.slave.dim, found.closest
         status = np.where(found.gap <= clearance, int(Status.STICK), int(Status.OPEN))
         factor = np.ones(2)
-        if self.enforcement is not None and self.penalty is not None and self.stiffness is not None:
+        if isinstance(self.enforcement, AugmentedLagrangian) and self.penalty and self.stiffness is not None:
             factor = self.enforcement.start(self.penalty, self.stiffness)
+        closed = np.zeros(nodal, bool) if not self.dual else status[Nodes.of(self.slave, points).point] != Status.OPEN
         return ContactState(facet=closest.facet, position=closest.xi.T, stick_facet=closest.facet,
                             stick_point=closest.xi.T, gap=found.gap, slip=np.zeros((dim - 1, n)),
                             closing_slip=np.zeros(n), traction=np.zeros((dim, n)), status=status,
                             internal=np.zeros((self.law.n_internal, n)), multiplier=np.zeros((dim, nodal)),
-                            penalty_factor=factor, clearance=clearance, cuts=cuts)
+                            penalty_factor=factor, clearance=clearance, closed=closed, cuts=cuts)
 
     @override
     def assemble(self, x: ndarray, state: ContactState) -> Response:
         check_size(x, self.size)
+        if self.dual:
+            if len(self.multipliers) == 0:
+                raise ValueError("the multipliers are dofs of a model: take the pair from Model(forms).forms")
+            return respond(self, x, state)
         slave, nodes = self.interface.positions(x)
         points, exact = self.points(state), ROUND_OFF * float(np.abs(nodes).max())
         accepted, state, law = state, self.effective(state), self.law
@@ -172,7 +179,7 @@ class ContactPair(ContactBase):
             slip = accepted.slip + self.interface.slid(accepted, closest.closest)
             return state.after(closest, at, update, stick, slip)
 
-        return Response(self._gathering.force(kinematics.dofs, force), candidate,
+        return Response(self.gathering.force(kinematics.dofs, force), candidate,
                         lambda: self._stiffness(kinematics, update, weight, self.tangent == "exact"),
                         lambda: self._stiffness(kinematics, self._limited(update), weight, self.tangent == "exact"),
                         round_off=max(penalties) * exact * float(np.linalg.norm(weight)),
@@ -180,14 +187,16 @@ class ContactPair(ContactBase):
 
     def _stiffness(self, kinematics: Kinematics, update: LawUpdate, weight: ndarray, exact: bool) -> csr_matrix:
         K = tangents(kinematics, update.traction, update.tangent, exact) * weight[:, None, None]
-        return self._gathering.matrix(kinematics.dofs, K)
+        return self.gathering.matrix(kinematics.dofs, K)
+
+    @property
+    def largest_traction(self) -> float:
+        """Largest traction in the damped tangent's geometric part."""
+        return np.inf if self.stiffness is None else _LARGEST_TRACTION * self.stiffness * self.slave.spacing
 
     def _limited(self, update: LawUpdate) -> LawUpdate:
         """Return the update with tractions limited to what the bodies resist; without any a round body turns freely."""
-        if self.stiffness is None:
-            return update
-        largest = _LARGEST_TRACTION * self.stiffness * self.slave.spacing
-        return update._replace(traction=np.clip(update.traction, -largest, largest))
+        return update._replace(traction=np.clip(update.traction, -self.largest_traction, self.largest_traction))
 
     @override
     def outer(self, x: ndarray, accepted: ContactState, found: ContactState
@@ -212,7 +221,7 @@ class ContactPair(ContactBase):
             return new, accepted
         changes: dict[str, Any] = {}
         state = accepted
-        if self.enforcement is not None:
+        if isinstance(self.enforcement, AugmentedLagrangian):
             stiffness = self.penalty[0] if self.stiffness is None else self.stiffness  # type: ignore[index]
             state, changes["_progress"] = self.enforcement.augment(accepted, found, points, self.penalties(accepted),
                                                                    stiffness, self._progress)
@@ -237,6 +246,8 @@ class ContactPair(ContactBase):
         if not isinstance(old, ContactPair) or (old.slave.name, old.facets.name, old.quadrature) \
                 != (self.slave.name, self.facets.name, self.quadrature):
             raise ValueError("its surfaces are others")
+        if self.dual != old.dual:
+            raise ValueError("it has multipliers, or the old one has: keep the enforcement")
         new = self if self.complete or not old.complete else self._about_axis(old.axisymmetric).with_(complete=True)
         if new.penalty is not None or old.penalty is None:
             return new
@@ -285,6 +296,9 @@ class ContactPair(ContactBase):
 
     @override
     def fixed_geometry(self, x: ndarray, state: ContactState) -> tuple[LinearisedContact, ContactState]:
+        if self.dual:
+            raise ValueError(f"contact of '{self.slave.name}' has DualMultipliers: searches for a collapse are for the "
+                             "penalty method and AugmentedLagrangian()")
         held = LinearisedContact(self, x, state)
         return held, held.held(state)
 

@@ -97,6 +97,9 @@ class TractionOperator:
     def state_with(self, tractions: ndarray) -> ContactState:
         """Return the state with these tractions, shape (dim n_points,)."""
         pair, state, points = self._pair, self._state, self._points
+        if pair.dual:
+            raise ValueError(f"contact of '{pair.slave.name}' has DualMultipliers, and cannot start with given "
+                             "tractions: take the penalty method or AugmentedLagrangian()")
         tractions = tractions.reshape(pair.slave.dim, -1)
         if pair.enforcement is not None:
             at_points = np.repeat(np.arange(len(points.weight)), points.nodes.shape[1])
@@ -208,10 +211,10 @@ class LinearisedContact(Form):
 
         def stiffness() -> csr_matrix:
             K = work.transpose(0, 2, 1) @ (update.tangent.transpose(2, 0, 1) @ work)
-            return pair._gathering.matrix(dofs, K * weight[:, None, None])
+            return pair.gathering.matrix(dofs, K * weight[:, None, None])
 
         force = weight[:, None] * np.einsum("in,nim->nm", update.traction, work)
-        return Response(pair._gathering.force(dofs, force), candidate, stiffness)
+        return Response(pair.gathering.force(dofs, force), candidate, stiffness)
 
     @override
     def remarks(self, x: ndarray, state: ContactState) -> Iterator[Remark]:

@@ -191,7 +191,7 @@ def _start_soft_stick(pair: ContactBase, accepted: ContactState, failure: Failur
     From slip in one direction to slip in the other the traction runs through stick, in an elastic slip that is smaller
     the higher the penalty; Newton's method may jump over it for ever.
     """
-    if failure is None or not failure.seen or pair.softness < 1.0:
+    if failure is None or not failure.seen or pair.softness < 1.0 or pair.dual:
         return None
     slides = np.array([np.sign(state.traction[1:]) * (state.status == Status.SLIP) for state in failure.seen])
     chatters = (slides != slides[0]).any(axis=(0, 1))

@@ -202,9 +202,12 @@ class Regularised:
         True if the form opens, closes and slips: on the way to equilibrium the residual may rise now and then.
     changing
         Dofs at which the tangent may change while Newton's method iterates; None: anywhere.
+    saddle: bool
+        True if multipliers change with the displacements: equilibrium then is no minimum of the energy along a step.
     """
 
     unilateral: bool = False
+    saddle: bool = False
     changing: ndarray | None = None
 
     def begin(self: Self, accepted: Any, failure: Failure | None = None) -> Self:

@@ -46,7 +46,8 @@ def solve_increment(system: System, x: ndarray, states: Mapping[str, Any], load:
     Newton's method begins at `start` and, where that fails, at `x`. With `try_recovery` the search along the energy
     and regularised forms follow; these take several times as long as the rest.
     """
-    searches: tuple[Search, ...] = ("residual", "energy") if try_recovery else ("residual",)
+    minimum = not any(form.saddle for form in system.forms.values())
+    searches: tuple[Search, ...] = ("residual", "energy") if try_recovery and minimum else ("residual",)
     given = system
     system = given.with_forms({name: form.begin(states[name]) for name, form in given.forms.items()})
     if start is not None:

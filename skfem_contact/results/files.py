@@ -26,7 +26,7 @@ from ..layout import Layout
 from ..versions import own_version
 
 #: Layout of saved arrays: another number for other states.
-_LAYOUT = 1
+_LAYOUT = 2
 #: Parts of states that may hold NaN: memory of own laws, and of points of a slave that face no facet.
 _FREE = {"internal", "position", "stick_point", "gap", "clearance", "cuts"}
 #: First bytes of a file of records, and the length and checksum before each of them.

@@ -14,7 +14,7 @@ from scipy.spatial import cKDTree
 from ..checks import look_up
 from ..contact.prestress import prestressed
 from ..errors import warn
-from ..forms.base import Form, internal_force
+from ..forms.base import Form, internal_force, pairs_of
 from ..loads import by_element
 from ..materials import LinearElastic, Material
 from ..nonlinear.newton import Evaluation
@@ -139,6 +139,9 @@ def _without_still_fields(setup: Setup) -> tuple[Setup, ndarray]:
     still = setup.layout.still
     names = [key for key, form in setup.forms.items() if all(field.moves for field in form.fields)
              and (form.joins is None or not np.isin(form.joins, still).any())]
+    for key in set(pairs_of(setup.forms)).difference(names):
+        raise ValueError(f"'{key}' has DualMultipliers: initial states of the ground are for the penalty method and "
+                         "AugmentedLagrangian()")
     dry, kept = setup.restricted(names)
     dry.gravity = 0.0 * setup.gravity
     return dry, kept
