@@ -23,6 +23,7 @@ from .materials import (
     LinearElastic,
     Material,
     MohrCoulomb,
+    SoftSoilCreep,
     Tresca,
     Undrained,
     VonMises,
@@ -43,9 +44,10 @@ __all__ = [
     "DualMultipliers", "Embedded", "Field", "Form", "HardeningMohrCoulomb", "HardeningSoil", "HoekBrown",
     "InterfaceLaw", "Internal", "LinearElastic", "Material", "MatrixForm", "Model", "MohrCoulomb", "Newton",
     "NoEquilibrium", "NotConverged", "PoreWater", "Reinforcement", "Response", "RigidBoundary", "Sections",
-    "SolidForm", "Spring", "Stage", "Surface", "Tied", "Tresca", "Undrained", "VonMises", "box_supports", "dofs_at",
-    "element_test", "hydrostatic", "join_bodies", "load_mesh", "load_result", "mesh", "results", "rigid", "section",
-    "show_versions", "split_along", "testing", "traction", "water", "water_load", "weight",
+    "SoftSoilCreep", "SolidForm", "Spring", "Stage", "Surface", "Tied", "Tresca", "Undrained", "VonMises",
+    "box_supports", "dofs_at", "element_test", "hydrostatic", "join_bodies", "load_mesh", "load_result", "mesh",
+    "results", "rigid", "section", "show_versions", "split_along", "testing", "traction", "water", "water_load",
+    "weight",
 ]
 
 guard(__name__, laboratory.__name__, mesh.__name__, results.__name__, rigid.__name__, section.__name__,

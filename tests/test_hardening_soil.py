@@ -49,29 +49,46 @@ def test_hyperbola_is_exact_where_cap_and_dilatancy_rest(increments: int) -> Non
     assert np.abs(test.q[:, 0] - exact).max() < 1e-9 * failure  # Newton's tolerance
 
 
-def test_oedometer_meets_its_modulus_and_K0() -> None:
-    """The stiffness is that of the accepted stress: the error falls linearly with the increment."""
+@pytest.mark.parametrize(("m", "tolerance"), [(0.5, 1e-9), (0.8, 3e-4)])
+def test_oedometer_meets_its_modulus_and_K0(m: float, tolerance: float) -> None:
+    """[X] The power law of the oedometer: to Newton's tolerance with m = 0.5, else of second order."""
     start, errors = -np.array([[6.8], [20.0], [6.8], [0.0]]), []
     for increments in (20, 80):
-        test = sc.element_test(sand(), start, oedometer(-200.0, increments=increments))
-        exact = 2 * (np.sqrt(200) - np.sqrt(20)) * 10 / 29.6e3
+        test = sc.element_test(sand(m=m), start, oedometer(-200.0, increments=increments))
+        exact = (200 ** (1 - m) - 20 ** (1 - m)) / (1 - m) * 100**m / 29.6e3
         errors.append(abs(-test.axial[-1, 0] / exact - 1))
-        assert test.stress[-1, 0, 0] / test.stress[-1, 1, 0] == pytest.approx(0.34, rel=5e-3)
-    assert errors[1] < 5.05e-3 and errors[1] < 0.3 * errors[0]
+        assert test.stress[-1, 0, 0] / test.stress[-1, 1, 0] == pytest.approx(0.34, rel=1e-3)
+    assert errors[1] < tolerance  # 3.0e-4 at 80 increments with m = 0.8
+    assert m == 0.5 or errors[1] < errors[0] / 3.6
 
 
 def increments(size: float, shape: tuple[int, ...]) -> np.ndarray:
     return size * np.random.default_rng(2).standard_normal(shape)
 
 
-@pytest.mark.parametrize("c", [0.0, 5.0])
-@pytest.mark.parametrize("ncomp", [4, 6])
-@pytest.mark.parametrize("size", [1e-6, 1e-5, 1e-4])
-def test_random_increments(size: float, ncomp: int, c: float) -> None:
-    """The answer is admissible, dissipates, and has its tangent."""
-    law, n = sand(c), 20_000 if ncomp == 4 else 2_000
-    stress = stresses(n, ncomp)
-    internal, strain = law.initial_internal(stress), increments(size, (ncomp, n, 1))
+def followed(law: sc.HardeningSoil, strain: np.ndarray, stress: np.ndarray) -> np.ndarray:
+    """Indices of the points that are not refused."""
+    def split(at: np.ndarray) -> list[np.ndarray]:
+        try:
+            law.update(strain[:, at], stress[:, at], law.initial_internal(stress[:, at]))
+        except IncrementTooLarge:
+            return [] if at.size == 1 else split(at[: at.size // 2]) + split(at[at.size // 2 :])
+        return [at]
+
+    return np.concatenate(split(np.arange(strain.shape[1])))
+
+
+@pytest.mark.parametrize(("size", "ncomp", "c", "n", "smooth"), [
+    (1e-6, 4, 0.0, 5_000, 1.0), (1e-5, 4, 5.0, 20_000, 1.0), (1e-4, 4, 0.0, 1_000, 0.95), (1e-4, 6, 5.0, 200, 0.9),
+    (1e-3, 4, 0.0, 500, 0.95), (1e-2, 4, 5.0, 200, 0.95), (1e-2, 6, 0.0, 30, 0.9), (1e-1, 4, 0.0, 6, 0.8),
+])  # fmt: skip
+def test_random_increments(size: float, ncomp: int, c: float, n: int, smooth: float) -> None:
+    """[N] The answer is admissible, dissipates, and has its tangent, or the point is refused."""
+    law, stress, strain = sand(c), stresses(n, ncomp), increments(size, (ncomp, n, 1))
+    kept = followed(law, strain, stress)
+    assert kept.size >= n - (0 if size < 1e-3 else 2)  # 1 of 2,000 is refused for 1e-2, 4 of 20 for 1e-1
+    stress, strain = stress[:, kept], strain[:, kept]
+    internal = law.initial_internal(stress)
     new = law.update(strain, stress, internal)
     again = law.update(np.zeros_like(strain), new.stress, new.internal)
     shift = c / np.tan(np.radians(41))
@@ -79,39 +96,24 @@ def test_random_increments(size: float, ncomp: int, c: float) -> None:
     assert (np.abs(again.stress - new.stress) / mean).max() <= 1e-8
     assert (new.internal >= internal).all()
 
-    elastic = law.elasticity(ncomp, stress, internal)[:, 0]
+    ends = law.elasticity(ncomp, stress, internal), law.elasticity(ncomp, new.stress, new.internal)
+    elastic = (ends[0] + ends[1])[:, 0] / 2
     relaxed = np.linalg.solve(elastic, (new.stress - stress)[:, :, 0].T[:, :, None])[:, :, 0].T
-    flow = strain[:, :, 0] - relaxed
-    work = (new.stress[:, :, 0] * flow).sum(axis=0)
+    work = (new.stress[:, :, 0] * (strain[:, :, 0] - relaxed)).sum(axis=0)
     assert (work >= -1e-10 * np.abs(new.stress).max() * np.abs(strain).max()).all()
 
-    tangent, h, largest = new.tangent(), 1e-5 * size, elastic[new.plastic].max(axis=(1, 2))
-    error = np.zeros(new.plastic.size)
+    tangent, h, largest = new.tangent(), 1e-5 * size, elastic.max(axis=(1, 2))
+    error, kink = np.zeros(kept.size), np.zeros(kept.size)
     for j in range(ncomp):
         step = np.zeros_like(strain)
         step[j] = h
-        ahead, behind = (law.update(strain + sign * step, stress, internal).stress for sign in (1, -1))
-        quotient = ((ahead - behind) / (2 * h))[:, new.plastic, 0].T
-        error = np.maximum(error, np.abs(tangent[:, :, j] - quotient).max(axis=1) / largest)
-    assert np.quantile(error, 0.98) < 1e-6  # the others have a kink within the step
-
-
-@pytest.mark.parametrize(("size", "refused"), [(1e-3, 0.01), (1e-2, 0.10), (1e-1, 0.20)])
-def test_large_increments_are_right_or_refused(size: float, refused: float) -> None:
-    """Points one by one; trials in tension of many times the stress are refused, measured 0, 0.06 and 0.12 of them."""
-    law, n, none = sand(), 200, 0
-    stress = stresses(n, 4)
-    internal, strain = law.initial_internal(stress), increments(size, (4, n, 1))
-    for i in range(n):
-        at = slice(i, i + 1)
-        try:
-            new = law.update(strain[:, at], stress[:, at], internal[:, at])
-        except IncrementTooLarge:
-            none += 1
-            continue
-        again = law.update(np.zeros((4, 1, 1)), new.stress, new.internal).stress
-        assert np.abs(again - new.stress).max() <= 1e-8 * max(-new.stress[:3].mean(), 1e-3)
-    assert none <= refused * n
+        ahead, behind = (sign / h * (law.update(strain + sign * step, stress, internal).stress - new.stress)[:, :, 0].T
+                         for sign in (1, -1))
+        error = np.maximum(error, np.abs(tangent[:, :, j] - (ahead + behind) / 2).max(axis=1) / largest)
+        kink = np.maximum(kink, np.abs(ahead - behind).max(axis=1) / largest)
+    away = kink < 1e-3  # the step crosses no kink, nor bends by more
+    assert away.mean() >= smooth
+    assert error[away].max() < 1e-6
 
 
 @pytest.mark.parametrize("scale", [1.0, 1e3])
@@ -124,19 +126,22 @@ def test_units(scale: float) -> None:
     assert np.abs(found / scale - expected).max() < 1e-9 * np.abs(expected).max()  # Newton's last step
 
 
-def test_reversed_cycles_do_not_drift() -> None:
-    """After the first cycle 200 more between the same strains are elastic, without a power law to the round-off."""
-    law = sand(m=0.0, K0nc=None)
+@pytest.mark.parametrize("m", [0.0, 0.5, 1.0])
+@pytest.mark.parametrize(("component", "size"), [(3, 2e-4), (1, -1e-4)])
+def test_reversed_cycles_do_not_drift(component: int, size: float, m: float) -> None:
+    """After the first cycle 200 more between the same strains, in three increments each, are elastic."""
+    law = sand(m=m, K0nc=None)
     stress = np.array([-60.0, -100.0, -60.0, 0.0])[:, None, None]
     internal = law.initial_internal(stress)
-    step, ends = np.array([0.0, 0.0, 0.0, 2e-4])[:, None, None], []
+    step, ends = np.zeros((4, 1, 1)), []
+    step[component] = size / 3
     for _ in range(201):
-        for sign in (1, -1):
+        for sign in (1, 1, 1, -1, -1, -1):
             new = law.update(sign * step, stress, internal)
             stress, internal = new.stress, new.internal
         ends.append((stress.copy(), internal.copy()))
-    assert np.abs(ends[-1][0] - ends[1][0]).max() < 1e-10 * 100
-    assert np.array_equal(ends[-1][1][1:], ends[1][1][1:])
+    assert np.abs(ends[-1][0] - ends[1][0]).max() < 1e-10 * 100  # 1.3e-9 measured: round-off of 1,200 updates
+    np.testing.assert_allclose(ends[-1][1][1:], ends[1][1][1:], rtol=1e-10)
 
 
 @pytest.mark.parametrize("ocr", [1.0, 5.0, 50.0])
@@ -218,7 +223,7 @@ def test_pit_in_stages(tmp_path: Path) -> None:
     result = model.run(stages, start=start, progress=False)
     assert len(result["dig"].iterations) == 8 and max(result["dig"].iterations) <= 5
     heave = result["dig"].x[1::2].max()
-    assert heave == pytest.approx(6.0266e-3, rel=1e-3)  # of the independent prototype
+    assert heave == pytest.approx(6.0266e-3, rel=0.02)  # of an independent one, whose stiffness is that of the start
     result.save(tmp_path / "pit.npz")
     again = sc.load_result(tmp_path / "pit.npz", model)
     assert np.array_equal(again["dig"].states["ground"].internal, result["dig"].states["ground"].internal)
@@ -233,7 +238,7 @@ def test_undrained_pit() -> None:
     undrained = sc.Model(wet, model.fixed)
     after = undrained.run(stages, start=undrained.k0_state(K0=0.55), progress=False)["dig"]
     assert len(after.iterations) == 4 and max(after.iterations) <= 5
-    assert after.x[1::2].max() < dug.x[1::2].max()
+    assert after.x[1::2].max() < dug.x[1::2].max() == pytest.approx(6.1154e-3, rel=2e-3)  # of eight increments
 
 
 def test_increment_without_an_answer_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,10 +1,10 @@
 r"""
-Laboratory tests of clay and rock
-=================================
+Laboratory tests of clay, rock and sand
+=======================================
 
 :func:`~skfem_contact.element_test` follows a material along a path of prescribed stresses and strains, as a laboratory
 does with a sample. The tests of Modified Cam Clay are compared with closed forms and quadratures of the law, those of
-Hoek-Brown with its strength.
+Hoek-Brown with its strength, loops of sand at small strains with Masing's rule.
 """
 
 import json
@@ -137,6 +137,34 @@ for name, step in {"compression": triaxial(-0.02), "extension": triaxial(0.02), 
     assert rows[-1]["error"] < 1e-8
 
 # %%
+# Sand at small strains
+# ---------------------
+# :class:`~skfem_contact.HardeningSoil` with ``G0_ref`` and ``gamma_07``: dense sand is loaded in triaxial compression,
+# unloaded, and goes through two cycles. From each reversal on, the secant modulus falls with the strain as
+# :math:`G_0 / (1 + 0.385\, \gamma / (2 \gamma_{0.7}))`, since a loop is twice as large as the curve of first loading.
+# At twice the threshold it is :math:`0.722\, G_0`. The loops close. Here the stiffness does not depend on the stress.
+
+G0, THRESHOLD = 110e3, 2e-4
+sand = sc.HardeningSoil(37e3, 29.6e3, 90e3, m=0.0, c=0.0, phi=41.0, psi=14.0, G0_ref=G0, gamma_07=THRESHOLD)
+constant_volume = {"xx": THRESHOLD * 2 / 3, "yy": -THRESHOLD * 4 / 3, "zz": THRESHOLD * 2 / 3}
+back = {name: -value for name, value in constant_volume.items()}
+
+
+def sheared(strain):
+    """Step of a triaxial deviator without a change of volume, in 20 increments."""
+    return sc.laboratory.PathStep(strain={**strain, "xy": 0.0}, increments=20)
+
+
+path = [triaxial(-0.004, increments=40), sheared(back), *2 * [sheared(constant_volume), sheared(back)]]
+loops = timed("sand, loops at small strains", sand, -100.0, path)
+q, tips = loops.stress[:, 0, 0] - loops.stress[:, 1, 0], 40 + 20 * np.arange(6)
+secant = (q[tips[0]] - q[tips[1]]) / (2 * 2 * THRESHOLD)
+rows[-1]["error"] = float(abs(secant / G0 * 1.385 - 1))
+print(f"secant modulus at the threshold {secant / G0:.6f} of G_0, loop open by {abs(q[tips[3]] - q[tips[1]]):.1e} kPa")
+assert rows[-1]["error"] < 1e-6
+assert np.abs(q[tips[3:]] - q[tips[1:4]]).max() < 1e-6 * np.abs(q).max()
+
+# %%
 # Undrained paths
 # ---------------
 
@@ -146,6 +174,14 @@ for OCR, test in undrained.items():
 ax.plot([0, 150], [0, M * 150], "k--", linewidth=0.8, label="critical state")
 ax.set(xlabel="p' [kPa]", ylabel="q [kPa]", xlim=(0, 180), ylim=(0, 200))
 ax.legend(frameon=False)
+
+# %%
+# Loops of the sand
+# -----------------
+
+fig, ax = plt.subplots(figsize=(6, 4), layout="constrained")
+ax.plot(1e3 * (loops.strain[40:, 0, 0] - loops.strain[40:, 1, 0]), q[40:])
+ax.set(xlabel="shear strain [1/1000]", ylabel="q [kPa]")
 plt.show()
 
 # %%

@@ -305,7 +305,8 @@ def hardening_row(n: int = 50_000) -> dict:
     error = float((np.abs(again.stress - update.stress) / np.abs(update.stress[:3].mean(axis=0))).max())
     print(f"Hardening Soil {1e6 * own / n:.2f} us a point, {ratio:.1f} times Mohr-Coulomb")
     assert error < 1e-8
-    return {**row("Hardening Soil", own * N / n, error, update.plastic.size / n), "n": n, "cpu_s": round(own, 4),
+    yielding = float((update.internal[0] > internal[0]).mean())
+    return {**row("Hardening Soil", own * N / n, error, yielding), "n": n, "cpu_s": round(own, 4),
             "time_over_mohr_coulomb": round(ratio, 2)}
 
 

@@ -8,7 +8,8 @@ from .hardening import HardeningMohrCoulomb
 from .hardening_soil import HardeningSoil
 from .hoek_brown import HoekBrown
 from .mohr_coulomb import MohrCoulomb, Tresca
+from .soft_soil_creep import SoftSoilCreep
 from .undrained import Undrained
 
 __all__ = ["CamClay", "DruckerPrager", "HardeningMohrCoulomb", "HardeningSoil", "HoekBrown", "Internal",
-           "LinearElastic", "Material", "MohrCoulomb", "Tresca", "Undrained", "Update", "VonMises"]
+           "LinearElastic", "Material", "MohrCoulomb", "SoftSoilCreep", "Tresca", "Undrained", "Update", "VonMises"]

@@ -14,6 +14,7 @@ one equation in y >= 0:
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -39,7 +40,7 @@ _ROUND = 1e-24
 _LEAST_EXTENSION = 0.6
 
 
-class _Constants(NamedTuple):
+class CamClayConstants(NamedTuple):
     """Floats, or arrays over points: moduli over p, hardening, critical state and attraction."""
 
     k: Parameter
@@ -117,12 +118,12 @@ class CamClay(Material):
         convex = np.greater_equal(self.extension, _LEAST_EXTENSION) & np.less_equal(self.extension, 1)
         require("extension", self.extension, convex, f"lie between {_LEAST_EXTENSION} and 1")
 
-    def _constants(self, shape: tuple[int, ...]) -> _Constants:
+    def _constants(self, shape: tuple[int, ...]) -> CamClayConstants:
         """Return the constants at the points of a stress of a shape, flattened."""
         k, shear = 1 / self.kappa, 1.5 * (1 - 2 * self.nu) / (1 + self.nu)
         values = k, shear * k, 1 / (self.lambda_ - self.kappa), self.M, self.extension, self.attraction
         spread = (along_elements(value, shape) for value in values)
-        return _Constants(*(value.ravel() if isinstance(value, np.ndarray) else value for value in spread))
+        return CamClayConstants(*(value.ravel() if isinstance(value, np.ndarray) else value for value in spread))
 
     @override
     def elasticity(self, ncomp: int, stress: Array | None = None, internal: Array | None = None) -> Array:
@@ -166,6 +167,11 @@ class CamClay(Material):
 
     @override
     def update(self, strain_increment: Array, stress: Array, internal: Array) -> Update:
+        return self._update(strain_increment, stress, internal, _plastic)
+
+    def _update(self, strain_increment: Array, stress: Array, internal: Array,
+                rate: Callable[[Array, Array, CamClayConstants], Rate]) -> Update:
+        """Update points whose plastic strain follows from the yield condition without it."""
         shape, n, c = stress.shape, len(stress), self._constants(stress.shape)
         flat, pc = stress.reshape(n, -1), internal[1].ravel()
         p0, e0, E0 = _elastic_strain(flat, c)
@@ -179,9 +185,9 @@ class CamClay(Material):
         E = _square(e)
         M, dM = _critical(e, E, c)
         c, growth = c._replace(M=M), c.k * (volume - c.g * E0)
-        y = _returned(np.log(p0 / pc) + growth, E, c)
-        x = 1 / (1 + y)
-        D = y * (M**2 - 6 * c.g**2 * E * x * x) / (6 * c.g)
+        flow = rate(np.log(p0 / pc) + growth, E, c)
+        y, x = flow.y, 1 / (1 + flow.y)
+        D = volume_strain(y, E, c)[0]
         change = growth - c.k * D + c.k * c.g * E * x * x
         p = p0 * np.exp(np.clip(change, -_LARGEST, _LARGEST))
         lost = (np.abs(change) > _LARGEST) | (p < _LEAST * c.attraction)
@@ -196,7 +202,7 @@ class CamClay(Material):
 
         def tangent() -> Array:
             self._check_pressure(np.where(none, 0.0, p0), none)
-            return _tangent(y, e, p, E, dM, c)
+            return _tangent(flow, e, p, E, dM, c)
 
         return Update(new.reshape(shape), memory.reshape(2, *shape[1:]), np.arange(p.size), tangent)
 
@@ -206,7 +212,7 @@ def _square(e: Array) -> Array:
     return np.square(e[:3]).sum(axis=0) + 2 * np.square(e[3:]).sum(axis=0)
 
 
-def _elastic_strain(stress: Array, c: _Constants) -> tuple[Array, Array, Array]:
+def _elastic_strain(stress: Array, c: CamClayConstants) -> tuple[Array, Array, Array]:
     """Return the pressure, the deviator of the elastic strain with tensor shears, and its square."""
     mean = stress[:3].mean(axis=0)
     p = c.attraction - mean
@@ -232,7 +238,7 @@ def _deviator(ncomp: int) -> Array:
     return unit
 
 
-def _critical(e: Array, E: Array, c: _Constants) -> tuple[Array, Array | None]:
+def _critical(e: Array, E: Array, c: CamClayConstants) -> tuple[Array, Array | None]:
     """Return M at the Lode angle of a deviator, and its derivative by the strain, None if it is constant."""
     if np.all(c.extension == 1.0):
         return np.broadcast_to(np.asarray(c.M, dtype=float), E.shape), None
@@ -253,7 +259,28 @@ def _critical(e: Array, E: Array, c: _Constants) -> tuple[Array, Array | None]:
     return M, slope * (minors - 3 * third / np.where(directed, E, 1.0) * e)
 
 
-def _condition(y: Array, base: Array, E: Array, c: _Constants) -> tuple[Array, Array]:
+class Rate(NamedTuple):
+    """Plastic strain y of an increment, and what it depends on.
+
+    It solves an equation whose derivatives are those of the yield condition F and of the volume strain D times
+    ``of_condition`` and ``of_volume``, and ``of_y`` and ``of_M`` by y and M.
+    """
+
+    y: Array
+    of_condition: Parameter = 1.0
+    of_volume: Parameter = 0.0
+    of_y: Parameter = 0.0
+    of_M: Parameter = 0.0
+
+
+def volume_strain(y: Array, E: Array, c: CamClayConstants) -> tuple[Array, Array]:
+    """Return the plastic volume strain D, positive in compression, and its derivative by y."""
+    x = 1 / (1 + y)
+    rate = (c.M**2 - 6 * c.g**2 * E * x * x) / (6 * c.g)
+    return y * rate, rate + 2 * y * c.g * E * x**3
+
+
+def condition(y: Array, base: Array, E: Array, c: CamClayConstants) -> tuple[Array, Array]:
     """Return the yield condition F and its derivative."""
     x, B, m2 = 1 / (1 + y), c.k + c.hardening, c.M**2
     square = E * x * x
@@ -263,25 +290,30 @@ def _condition(y: Array, base: Array, E: Array, c: _Constants) -> tuple[Array, A
     return value, -B * rate - 2 * c.k * c.g * square * x - 2 * h * x / (m2 + h)
 
 
-def _returned(base: Array, E: Array, c: _Constants) -> Array:
+def _plastic(base: Array, E: Array, c: CamClayConstants) -> Rate:
+    """Return the plastic strain that fulfils the yield condition."""
+    return Rate(_returned(base, E, c))
+
+
+def _returned(base: Array, E: Array, c: CamClayConstants) -> Array:
     """Return the root y of the yield condition, zero in elastic points.
 
     Beyond the critical state, y_M = eta_trial / M - 1, F falls. Dry of it, the root lies in (0, y_M) if F(y_M) < 0:
     Newton's method without the bracket jumps between several roots there.
     """
     y = np.zeros_like(E)
-    first = _condition(y, base, E, c)[0]
+    first = condition(y, base, E, c)[0]
     points = np.flatnonzero(first > _ROUND_OFF * (1 + np.abs(base)))
     base, E, c, first = base[points], E[points], chosen(c, points), first[points]
     critical = np.maximum(np.sqrt(6 * E) * c.g / c.M - 1, 0.0)
-    beyond = _condition(critical, base, E, c)[0] > 0
+    beyond = condition(critical, base, E, c)[0] > 0
     farthest = 6 * c.g / c.M**2 * (first / (c.k + c.hardening) + c.g * E / 4) * (1 + 1e-9) + 1e-12
     low, high = np.where(beyond, critical, 0.0), np.where(beyond, np.maximum(farthest, critical), critical)
     at = low.copy()
     for _ in range(_MOST):
         if not points.size:
             return y
-        value, slope = _condition(at, base, E, c)
+        value, slope = condition(at, base, E, c)
         low, high = np.where(value > 0, at, low), np.where(value > 0, high, at)
         step = at - value / slope
         inside = (slope < 0) & (step >= low) & (step <= high)
@@ -295,18 +327,19 @@ def _returned(base: Array, E: Array, c: _Constants) -> Array:
     raise IncrementTooLarge(f"the return to the yield surface of Cam Clay fails at {points.size} points")
 
 
-def _tangent(y: Array, e: Array, p: Array, E: Array, dM: Array | None, c: _Constants) -> Array:
+def _tangent(flow: Rate, e: Array, p: Array, E: Array, dM: Array | None, c: CamClayConstants) -> Array:
     """Return d stress / d strain = sigma (x) d ln(p) + 2 g p (e (x) dx + x I_dev), shape (n, ncomp, ncomp)."""
+    y = flow.y
     ncomp, x, k, g, B, M = len(e), 1 / (1 + y), c.k, c.g, c.k + c.hardening, c.M
-    h = 6 * g**2 * E * x * x
-    slope = _condition(y, np.zeros_like(E), E, c)[1]
-    D_y = (M**2 - h) / (6 * g) + 2 * y * g * E * x**3
+    h, D_y = 6 * g**2 * E * x * x, volume_strain(y, E, c)[1]
+    slope = flow.of_condition * condition(y, np.zeros_like(E), E, c)[1] + flow.of_volume * D_y + flow.of_y
     one = np.r_[1.0, 1.0, 1.0, np.zeros(ncomp - 3)][:, None]
     dF = k * one + ((B * y + k) * g * x * x + 6 * g**2 * x * x / (M**2 + h)) * 2 * e
     dD = -y * g * x * x * 2 * e
     if dM is not None:
         dF += (-B * y * M / (3 * g) - 2 * h / (M * (M**2 + h))) * dM
         dD += y * M / (3 * g) * dM
+    dF = flow.of_condition * dF + flow.of_volume * dD + (0.0 if dM is None else flow.of_M * dM)
     dy = np.where(y > 0, -dF / slope, 0.0)
     dx = -x * x * dy
     change = k * (one - dD - D_y * dy + 2 * g * x * x * e + 2 * g * E * x * dx)

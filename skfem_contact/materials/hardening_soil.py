@@ -11,11 +11,13 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from ..checks import number
-from ..errors import warn
+from ..errors import IncrementTooLarge, warn
 from .base import PLASTIC_STRAIN, Array, Flow, Internal, Material, Parameter, Update, require, warn_of_radians
-from .hardening_return import LEAST, Constants, Returned, hardening_return
+from .hardening_return import Returned, hardening_return
+from .hardening_stiffness import LEAST, Constants, Points, elastic_scale
 from .mohr_coulomb import CohesiveFrictional, MohrCoulomb
 from .plastic import BLOCK, ROUND_OFF, equivalent_shear_strain
+from .small_strain import SMALL_STRAIN, SmallStrain, Stiffening
 from .spectral import Frame, principal, principal_stresses
 
 # Excess of an initial stress over the failure surface that is round-off of an analysis, relative to q_f.
@@ -26,14 +28,13 @@ _OUTSIDE = 1e-6
 class HardeningSoil(CohesiveFrictional):
     """Hardening Soil of Schanz, Vermeer and Bonnier (1999): hyperbola in shear, cap, Rowe's dilatancy.
 
-    The stiffness grows with the power m of the least compression, from the accepted stress of each increment. Shear
+    The stiffness grows with the power m of the least compression; that of an increment is the mean of its values at
+    both ends, so that reversed cycles of strain do not drift and errors fall with the square of the increment. Shear
     hardening follows the hyperbola of drained triaxial tests up to Mohr-Coulomb failure; the cap
     ``q~^2 / M^2 + p^2 = p_p^2`` hardens with plastic compression. M and the modulus of the cap follow in closed form
     from ``K0nc`` and ``Eoed_ref``. The mobilised dilatancy is Rowe's, without contraction and not over ``psi``.
     Stresses count from c cot(phi). Below a thousandth of ``p_ref`` the stiffness does not fall any more: sand
-    at a free surface needs a small cohesion. The modulus stays during an increment and is not that of an energy: 200
-    closed cycles of strain of 2e-4 drift by 4 % of the stress with m = 0.5, by nothing with m = 0. The parameters have
-    PLAXIS' names and are floats.
+    at a free surface needs a small cohesion. The parameters have PLAXIS' names and are floats.
 
     Parameters
     ----------
@@ -53,6 +54,11 @@ class HardeningSoil(CohesiveFrictional):
         Failure ratio, the share of the hyperbola's asymptote that can be reached.
     OCR, POP : float
         Overconsolidation: the largest vertical stress of the past is ``OCR`` times that of now, plus ``POP``.
+    G0_ref, gamma_07 : float, optional
+        Small-strain stiffness (Benz): shear modulus at very small strains at the pressure `p_ref`, and shear strain at
+        which the secant modulus has fallen to 0.722 of it. The elastic stiffness follows this curve from the last
+        reversal of the strain down to that of unloading; plastic strains harden faster by
+        ``(G / G_ur)**(1 + E_ur / (2 E_i))``. Closed loops obey Masing's rule.
 
     Examples
     --------
@@ -75,6 +81,8 @@ class HardeningSoil(CohesiveFrictional):
     R_f: float = 0.9
     OCR: float = 1.0
     POP: float = 0.0
+    G0_ref: float | None = None
+    gamma_07: float | None = None
 
     internal = (Internal(PLASTIC_STRAIN), Internal("hardening shear strain"), Internal("preconsolidation"))
     stress_dependent = True
@@ -82,7 +90,7 @@ class HardeningSoil(CohesiveFrictional):
     def __post_init__(self) -> None:
         for name in (field.name for field in fields(self)):
             value = getattr(self, name)
-            if value is None and name == "K0nc":
+            if value is None and name in ("K0nc", "G0_ref", "gamma_07"):
                 continue
             object.__setattr__(self, name, number(value, name))
         for name in ("E50_ref", "Eoed_ref", "Eur_ref", "p_ref"):
@@ -99,6 +107,14 @@ class HardeningSoil(CohesiveFrictional):
         require("Eur_ref", self.Eur_ref, self.Eur_ref > least, f"exceed the initial modulus {least:.6g} of E50_ref")
         if self.K0nc is not None:
             require("K0nc", self.K0nc, 0 < self.K0nc < 1, "lie between 0 and 1")
+        if (self.G0_ref is None) != (self.gamma_07 is None):
+            raise ValueError("small-strain stiffness needs both G0_ref and gamma_07")
+        if self.G0_ref is not None and self.gamma_07 is not None:
+            unloading = self.Eur_ref / (2 * (1 + self.nu_ur))
+            require("G0_ref", self.G0_ref, self.G0_ref > unloading,
+                    f"exceed the shear modulus {unloading:.6g} of Eur_ref")
+            require("gamma_07", self.gamma_07, 0 < self.gamma_07 < 0.1, "lie between 0 and 0.1")
+            object.__setattr__(self, "internal", (*type(self).internal, *SMALL_STRAIN))
         warn_of_radians(phi=self.phi)
         self.constants  # noqa: B018  a cap that cannot be met is refused here
 
@@ -131,14 +147,29 @@ class HardeningSoil(CohesiveFrictional):
         return Constants(shift, self.p_ref + shift, self.m, initial, self.Eur_ref, nu, failure, failure / self.R_f,
                          sin_cv, sin_psi, slope, cap ** (1 - self.m) / (2 * p * multiplier), (3 + sin) / (3 - sin))
 
+    @cached_property
+    def _small(self) -> SmallStrain | None:
+        """Small-strain stiffness, if there is any."""
+        if self.G0_ref is None or self.gamma_07 is None:
+            return None
+        return SmallStrain(self.G0_ref * 2 * (1 + self.nu_ur) / self.Eur_ref, self.gamma_07)
+
+    def _stiffening(self, strain: Array, memory: Array) -> Stiffening:
+        """Return the stiffening of small strains, one without them."""
+        if self._small is None:
+            return Stiffening(np.ones(strain.shape[1]), np.zeros((1, strain.shape[1])), memory)
+        return self._small.stiffening(strain, memory)
+
     @override
     def elasticity(self, ncomp: int, stress: Array | None = None, internal: Array | None = None) -> Array:
         k = self.constants
-        lam, mu = k.lame(np.array(k.reference) if stress is None else k.shift - principal_stresses(stress)[0])
-        stiffness = np.zeros((*lam.shape, ncomp, ncomp))
-        stiffness[..., :3, :3] = lam[..., None, None] + 2 * mu[..., None, None] * np.eye(3)
-        stiffness[..., 3:, 3:] = mu[..., None, None] * np.eye(ncomp - 3)
-        return stiffness
+        scale = k.scale(np.array(k.reference) if stress is None else k.shift - principal_stresses(stress)[0])
+        if internal is not None and self._small is not None:
+            none = np.zeros((ncomp, internal[0].size))
+            scale = scale * self._stiffening(none, internal[3:].reshape(13, -1)).factor.reshape(scale.shape)
+        stiffness = 2 * k.mu * np.diag(np.r_[np.ones(3), np.full(ncomp - 3, 0.5)])
+        stiffness[:3, :3] += k.lam
+        return scale[..., None, None] * stiffness
 
     @override
     def initial_internal(self, stress: Array) -> Array:
@@ -152,7 +183,8 @@ class HardeningSoil(CohesiveFrictional):
         K0 = 1 - np.sin(np.radians(self.phi)) if self.K0nc is None else self.K0nc
         past = np.maximum(k.cap_stress(np.stack((vertical, K0 * vertical, K0 * vertical))), k.cap_stress(c))
         cap = np.maximum(past, LEAST * k.reference)
-        return np.stack((np.zeros(gamma.shape), gamma, cap)).reshape(3, *stress.shape[1:])
+        history = np.zeros((self.n_internal - 3, gamma.size))
+        return np.concatenate(([0 * gamma, gamma, cap], history)).reshape(-1, *stress.shape[1:])
 
     def _check_initial(self, c: Array, n_points: int) -> None:
         """Refuse initial stresses, shifted and compression positive, in tension or outside the failure surface."""
@@ -177,36 +209,46 @@ class HardeningSoil(CohesiveFrictional):
             raise ValueError("strain increment and stress must share a shape (4 or 6, n_elements, ...), "
                              f"got {strain_increment.shape} and {stress.shape}")
         increment, result = strain_increment.reshape(len(stress), -1), stress.reshape(len(stress), -1).copy()
-        memory = internal.reshape(3, -1).copy()
+        memory = internal.reshape(len(internal), -1).copy()
         blocks = [self._return_block(increment, result, memory, slice(start, start + BLOCK))
                   for start in range(0, result.shape[1], BLOCK)]
-        plastic = np.concatenate([np.zeros(0, np.intp), *(start * BLOCK + b.at for start, b in enumerate(blocks))])
 
         def tangent() -> Array:
-            parts = [b.frame.tangent(b.returned.moduli()[::-1, ::-1], b.values, b.mu) for b in blocks]
-            return np.concatenate([np.zeros((0, len(stress), len(stress))), *parts])
+            return np.concatenate([_tangent(block, self.constants) for block in blocks])
 
-        return Update(result.reshape(stress.shape), memory.reshape(internal.shape), plastic, tangent)
+        return Update(result.reshape(stress.shape), memory.reshape(internal.shape), np.arange(result.shape[1]), tangent)
 
     def _return_block(self, increment: Array, stress: Array, memory: Array, at: slice) -> _Block:
-        """Update the points of a block in place: stress (ncomp, n) and internal variables (3, n)."""
-        k, part = self.constants, stress[:, at]
-        lam, mu = k.lame(k.shift - principal_stresses(part)[0])
-        part[:3] += 2 * mu * increment[:3, at] + lam * increment[:3, at].sum(axis=0)
-        part[3:] += mu * increment[3:, at]
-        frame, own = principal(part), memory[:, at]
-        c = k.shift - frame.values[::-1]
-        size = np.maximum(np.abs(c).max(axis=0), LEAST * k.reference)
-        sheared = c[0] - c[2] - k.shear_strength(c[2], own[1])[0]
+        """Update the points of a block in place: stress (ncomp, n) and internal variables (n_internal, n)."""
+        k, part, own = self.constants, stress[:, at], memory[:, at]
+        push = 2 * k.mu * increment[:, at]
+        push[3:] *= 0.5
+        push[:3] += k.lam * increment[:3, at].sum(axis=0)
+        small = self._stiffening(increment[:, at], own[3:])
+        own[3:] = small.memory
+        faster = small.factor ** (1 + 0.5 * k.unloading / k.initial)
+        t = Points(part.copy(), push, own[1].copy(), own[2].copy(), k.scale(k.shift - principal_stresses(part)[0]),
+                   small.factor, faster)
+        scale = elastic_scale(t, k)
+        c = k.shift - t.trial(scale).values[::-1]
+        size = np.maximum(np.maximum(np.abs(c[0]), np.abs(c[2])), LEAST * k.reference)
+        sheared = c[0] - c[2] - k.shear_strength(c[2], own[1], k.scale(c[2]))[0]
         crushed = np.where(c.sum(axis=0) > 0, k.cap_stress(c) - own[2], 0.0)
-        points = np.flatnonzero(np.maximum(sheared, crushed) > ROUND_OFF * size)
-        frame, mu = frame.take(points), mu[points]
-        returned = hardening_return(c[:, points], lam[points], mu, own[1, points], own[2, points], k)
+        outside = ~(np.maximum(sheared, crushed) <= ROUND_OFF * size)
+        part[...] = t.stress + scale * push
+        points = np.flatnonzero(outside)
+        t = t.take(points)
+        returned = hardening_return(t, k)
+        if returned.lost.size:
+            raise IncrementTooLarge(f"{returned.lost.size} of {points.size} yielding points of HardeningSoil have no "
+                                    "admissible stress: the increment of the first is "
+                                    f"{increment[:, at][:, points[returned.lost[0]]]}")
+        frame, scale[points] = t.trial(returned.scale), returned.scale
         values = k.shift - returned.c[::-1]
         part[:, points] = frame.stress(values)
-        own[0, points] += equivalent_shear_strain(frame.values - values, mu)
+        own[0, points] += equivalent_shear_strain(frame.values - values, k.mu * returned.scale)
         own[1, points], own[2, points] = returned.gamma, returned.cap
-        return _Block(points, frame, values, mu, returned)
+        return _Block(points, increment[:, at], part, push, scale, small, frame, values, returned)
 
     @property
     def strength(self) -> MohrCoulomb:
@@ -224,10 +266,38 @@ class HardeningSoil(CohesiveFrictional):
 
 
 class _Block(NamedTuple):
-    """Yielding points of a block with their trial directions, and their principal stresses after the return."""
+    """Points of a block: strain increments, stresses, elastic changes at the scale 1, scales; those that yield."""
 
     at: NDArray[np.intp]
+    strain: Array
+    stress: Array
+    push: Array
+    scale: Array
+    small: Stiffening
     frame: Frame
     values: Array
-    mu: Array
     returned: Returned
+
+
+def _tangent(block: _Block, k: Constants) -> Array:
+    """Return the tangent, (n, ncomp, ncomp): that of a held scale, and its change with stress and strain."""
+    n, ncomp, factor = block.scale.size, len(block.stress), block.small.factor
+    elastic = np.diag(np.r_[np.full(3, 2 * k.mu), np.full(ncomp - 3, k.mu)])
+    elastic[:3, :3] += k.lam
+    result, by_scale = block.scale[:, None, None] * elastic, block.push.copy()
+    slopes, own = block.returned.slopes()
+    scale, at = block.scale[block.at], block.at
+    moduli = (2 * k.mu * slopes + k.lam * slopes.sum(axis=1, keepdims=True)) * scale
+    result[at] = block.frame.tangent(moduli[::-1, ::-1], block.values, k.mu * scale)
+    hardened = block.frame.stress(own[::-1])
+    by_scale[:, at] = (np.einsum("nij,jn->in", result[at], block.strain[:, at]) - hardened) / scale
+    if len(block.small.slope) == ncomp:
+        by_factor = block.scale / factor * by_scale
+        by_factor[:, at] += (1 + 0.5 * k.unloading / k.initial) / factor[at] * hardened
+        result += by_factor.T[:, :, None] * block.small.slope.T[:, None, :]
+    axes = principal(block.stress)
+    least = k.shift - axes.values[0]
+    rate = -0.5 * factor * k.scale_slope(least, k.scale(least)) * axes.stress(np.eye(3)[:, :1] * np.ones(n))
+    rate[3:] *= 2
+    gain = np.einsum("in,nij->nj", rate, result) / (1 - (rate * by_scale).sum(axis=0))[:, None]
+    return result + by_scale.T[:, :, None] * gain[:, None, :]

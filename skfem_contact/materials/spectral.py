@@ -106,6 +106,14 @@ class _PlaneFrame(NamedTuple):
         zz = np.where(self.rank == 1, values[1], np.where(self.rank == 0, values[0], values[2]))
         return np.stack((centre + normal, centre - normal, zz, tangential))
 
+    def along(self, tensor: Array) -> Array:
+        """Return the normal components (3, n) of a symmetric tensor (ncomp, n) in these directions."""
+        centre = (tensor[0] + tensor[1]) / 2
+        radial = (tensor[0] - tensor[1]) / 2 * self.cos + tensor[3] * self.sin
+        major, minor, zz = centre + radial, centre - radial, tensor[2]
+        middle = np.where(self.rank == 1, zz, np.where(self.rank == 0, major, minor))
+        return np.stack((np.where(self.rank == 0, zz, major), middle, np.where(self.rank == 2, zz, minor)))
+
     def tangent(self, moduli: Array, values: Array, shear: Parameter) -> Array:
         """Return the Cartesian tangent, (n, ncomp, ncomp), of a return mapping from this trial frame.
 
@@ -165,6 +173,9 @@ class _SpaceFrame(NamedTuple):
 
     def stress(self, values: Array) -> Array:
         return np.einsum("nci,in->cn", self._dyads(_ROW[:3], _ROW[:3]), values)
+
+    def along(self, tensor: Array) -> Array:
+        return np.einsum("nik,ijn,njk->kn", self.directions, tensor[_TENSOR], self.directions)
 
     def tangent(self, moduli: Array, values: Array, shear: Parameter) -> Array:
         local = np.zeros((values.shape[1], 6, 6))

@@ -1,0 +1,135 @@
+"""Constants of the Hardening Soil, its stiffness by stress, and elastic increments.
+
+Stresses are positive in compression here and measured from the apex of the failure cone, c1 >= c2 >= c3. The elastic
+stiffness of an increment is the reference stiffness times a scale, the mean of its values at both ends: reversed
+increments undo each other, and isotropic ones are exact for m = 0, 1/2.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .base import Array
+from .spectral import Frame, principal
+
+#: Share of the reference stress below which the stiffness does not fall any more.
+LEAST = 1e-3
+# Iterations of an elastic increment, 3 to 6 are needed; growth of the stiffness beyond which it has no solution.
+_ITERATIONS, _LARGEST = 60, 1e3
+
+
+class Constants(NamedTuple):
+    """Constants of the law: ``initial`` and ``unloading`` are moduli, ``failure`` is q_f / c3."""
+
+    shift: float
+    reference: float
+    m: float
+    initial: float
+    unloading: float
+    nu: float
+    failure: float
+    asymptote: float
+    sin_cv: float
+    sin_psi: float
+    cap_slope: float  # squared
+    cap_modulus: float
+    lode: float
+
+    @property
+    def lam(self) -> float:
+        """Lamé's first constant of unloading at the reference stress."""
+        return self.unloading * self.nu / ((1 + self.nu) * (1 - 2 * self.nu))
+
+    @property
+    def mu(self) -> float:
+        """Shear modulus of unloading at the reference stress."""
+        return self.unloading / (2 * (1 + self.nu))
+
+    def scale(self, least: Array) -> Array:
+        """Return the ratio of a stiffness to its reference value at the least compression."""
+        ratio = np.maximum(least, LEAST * self.reference) / self.reference
+        return np.sqrt(ratio) if self.m == 0.5 else ratio**self.m
+
+    def scale_slope(self, least: Array, scale: Array) -> Array:
+        """Return the derivative of a scale by the least compression."""
+        floor = LEAST * self.reference
+        return np.where(least > floor, self.m * scale / np.maximum(least, floor), 0.0)
+
+    def shear_strength(self, least: Array, gamma: Array, scale: Array) -> tuple[Array, Array, Array]:
+        """Return the smaller of hyperbola and failure, and its derivatives to the least compression and to gamma."""
+        at = np.maximum(least, LEAST * self.reference)
+        a, b, qa = 2 / (self.initial * scale), 2 / (self.unloading * scale), self.asymptote * at
+        linear = a - b + gamma / qa
+        q = 2 * gamma / (linear + np.sqrt(linear * linear + 4 * b * gamma / qa))
+        left = 1 / (1 - np.minimum(q, self.failure * at) / qa)
+        soft = 1 / (a * left * left - b)
+        to_least = np.where(least > at * (1 - 1e-12), soft * (self.m * gamma + a * (q * left) ** 2 / qa) / at, 0.0)
+        failed = q >= self.failure * least
+        return (np.where(failed, self.failure * least, q), np.where(failed, self.failure, to_least),
+                np.where(failed, 0.0, soft))
+
+    def hardened(self, cap: Array, volume: Array) -> tuple[Array, Array]:
+        """Return the preconsolidation after a plastic compression, and its derivative."""
+        rate = self.cap_modulus / self.reference**self.m
+        if self.m == 1:
+            new = cap * np.exp(rate * volume)
+        else:
+            new = cap * (1 + (1 - self.m) * rate * volume * cap ** (self.m - 1)) ** (1 / (1 - self.m))
+        return new, rate * new**self.m
+
+    def cap_stress(self, c: Array) -> Array:
+        """Return the preconsolidation whose cap goes through principal stresses (3, n)."""
+        q = c[0] + (self.lode - 1) * c[1] - self.lode * c[2]
+        return np.sqrt(q * q / self.cap_slope + c.mean(axis=0) ** 2)
+
+
+class Points(NamedTuple):
+    """Accepted stresses (ncomp, n), their elastic change at the scale 1, memory, and the accepted scale (n,).
+
+    At small strains the scale of the increment is stiffened by a factor, and plastic strains harden faster.
+    """
+
+    stress: Array
+    push: Array
+    gamma: Array
+    cap: Array
+    scale: Array
+    factor: Array
+    faster: Array
+
+    def take(self, at: NDArray[np.intp]) -> Points:
+        """Return some of the points."""
+        return Points(*(values[..., at] for values in self))
+
+    def trial(self, scale: Array) -> Frame:
+        """Return the principal axes and stresses of the elastic stress."""
+        return principal(self.stress + scale * self.push)
+
+
+def elastic_scale(t: Points, k: Constants) -> Array:
+    """Return the scales of elastic increments.
+
+    The scale at the end is a concave function of that of the increment: repeated insertion converges, and so does
+    Newton's method from where its slope is good. Beyond the limit, without a solution, a point lies outside the cap.
+    """
+    result = t.factor * t.scale
+    if k.m == 0.0:
+        return result
+    open_, here = np.arange(result.size), result.copy()
+    for _ in range(_ITERATIONS):
+        frame = t.trial(here)
+        least, change = k.shift - frame.values[0], -frame.along(t.push)[0]
+        reached = k.scale(least)
+        excess = here - 0.5 * t.factor * (t.scale + reached)
+        slope = 1 - 0.5 * t.factor * k.scale_slope(least, reached) * change
+        new = here - excess / np.where(slope > 0.3, slope, 1.0)
+        new = np.clip(new, 0.5 * t.factor * t.scale, _LARGEST * t.factor * t.scale)
+        result[open_] = new
+        left = np.flatnonzero(np.abs(new - here) > 4e-16 * new)
+        if not left.size:
+            break
+        open_, t, here = open_[left], t.take(left), new[left]
+    return result
