@@ -28,13 +28,13 @@ def support(forms: dict, stage: StageResult) -> tuple[np.ndarray, np.ndarray]:
 # -- C6: a block on a plane ---------------------------------------------------------------------------------
 
 
-def pushed(quadrature, law: sc.Coulomb, height: float | None, **options) -> tuple[dict, list[StageResult]]:
+def pushed(quadrature, law: sc.Coulomb, height: float | None) -> tuple[dict, list[StageResult]]:
     """The block of the case, 4 x 1 and 100 heavy, pushed at its left side: at one height, or the whole side."""
     basis = vector_basis(grid("Q1", np.linspace(0, 4, 17), np.linspace(0, 1, 5)), "Q1")
     plane = sc.rigid.line((-5.0, 0.0), (10.0, 0.0))
     forms = {
         "block": sc.SolidForm(basis, sc.LinearElastic(E=1e6, nu=0.2)),
-        "floor": sc.ContactPair(basis, "bottom", plane, law, quadrature, **options),
+        "floor": sc.ContactPair(basis, "bottom", plane, law, quadrature),
     }
     weight = sc.weight(basis, 25.0)
     left = basis.get_dofs("left").all("u^1")
@@ -92,7 +92,7 @@ def test_adhesion_where_it_touches(quadrature, height: float) -> None:
 def test_broken_bond_is_warned_of() -> None:
     """C6: without equilibrium with the adhesion of a point or without the point, it loses its bond, and is named."""
     with pytest.warns(sc.AnalysisWarning, match=r"points \[12\] of 'bottom' opened with their bond and closed without"):
-        _, stages = pushed("nodal", sc.Coulomb(PHI, adhesion=2.5), 1.0, penalty=24444444.4)  # six times E over h
+        _, stages = pushed("nodal", sc.Coulomb(PHI, adhesion=2.5), 1.0)
     state = stages[-1].states["floor"]
     broken = (state.internal[0] > 0) & (state.status != Status.OPEN)
     assert broken.nonzero()[0].tolist() == [12]

@@ -322,10 +322,7 @@ def remarked(forms, stage, fixed) -> tuple[StageResult, str]:
 
 @pytest.mark.parametrize(("n", "share"), [(3, 0.044), (7, 0.018), (20, None)])
 def test_share_of_the_default_penalty(n: int, share: float | None) -> None:
-    """[X] Two blocks shorten by 2 p (1 - nu^2) / E, and by what the penalty gives way, which is warned of above 1 %.
-
-    By default it becomes harder there, so that less than 1 % is left.
-    """
+    """[X] Two blocks shorten by 2 p (1 - nu^2) / E, and by what the penalty gives way, which is warned of above 1 %."""
     E, nu, pressure = 30e6, 0.3, 1e3
     bodies = {
         "low": grid("Q1", np.linspace(0, 1, n + 1), np.linspace(-1, 0, n + 1)),
@@ -336,30 +333,21 @@ def test_share_of_the_default_penalty(n: int, share: float | None) -> None:
         "blocks": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=nu)),
         "joint": sc.ContactPair(basis, "up:bottom", "low:top", sc.Coulomb()),
     })  # fmt: skip
-    penalty = forms["joint"].penalty
-    given = sc.ContactPair(basis, "up:bottom", "low:top", sc.Coulomb(), penalty=penalty)
     guided = basis.get_dofs({"low:left", "up:left"}).all("u^1")
     fixed = np.union1d(basis.get_dofs("low:bottom").all("u^2"), guided)
-    load = sc.Stage("press", traction(basis, "up:top", (0.0, -pressure)))
-    exact = 2 * pressure * (1 - nu**2) / E
-    for pair in (forms["joint"], given):
-        stage, remarks = remarked({**forms, "joint": pair}, load, fixed)
-        short = -stage.x[basis.get_dofs("up:top").all("u^2")].mean()
-        way = pressure / penalty[0] / stage.states["joint"].penalty_factor[0]
-        assert short == pytest.approx(exact + way, rel=1e-6)
-        told = pair is given and share is not None
-        assert ("of the largest displacement" in remarks) == told
-        if told:
-            assert way / short == pytest.approx(share, abs=0.003)
-            assert f"penalty compliance is {way / short:.1%} of" in remarks
-        else:
-            assert way / short < 0.01
+    stage, remarks = remarked(forms, sc.Stage("press", traction(basis, "up:top", (0.0, -pressure))), fixed)
+    short, way = -stage.x[basis.get_dofs("up:top").all("u^2")].mean(), pressure / forms["joint"].penalty[0]
+    assert short == pytest.approx(2 * pressure * (1 - nu**2) / E + way, rel=1e-6)
+    assert ("of the largest displacement" in remarks) == (share is not None)
+    if share is not None:
+        assert way / short == pytest.approx(share, abs=0.003)
+        assert f"penalty compliance is {way / short:.1%} of" in remarks
 
 
 @pytest.mark.parametrize("n", [3, 20])
 def test_share_of_the_tangential_penalty(n: int) -> None:
-    """[X] Two stuck blocks in pure shear move by 2 t / G, and by what the penalty gives way, .6 % at most."""
-    E, nu, shear, mu, depth = 30e6, 0.3, 1e3, 1000.0, 1e-7
+    """[X] Two stuck blocks in pure shear move by 2 t / G, and by what the penalty gives way, warned of above 1 %."""
+    E, nu, shear, mu, depth = 30e6, 0.3, 1e3, 100.0, 1e-7
     bodies = {name: grid("Q1", np.linspace(0, 1, m + 1), np.linspace(y, y + 1, m + 1))
               for name, m, y in (("low", n, -1), ("up", n + 1, 0))}  # fmt: skip
     basis = vector_basis(sc.join_bodies(bodies), "Q1", intorder=2)
@@ -371,11 +359,11 @@ def test_share_of_the_tangential_penalty(n: int) -> None:
     pressed[basis.get_dofs(elements="up").all("u^2")] = -depth
     fixed = np.union1d(basis.get_dofs("low:bottom").all(), np.unique(basis.dofs.element_dofs[1::2]))
     stage, remarks = remarked(forms, sc.Stage("shear", traction(basis, "up:top", (shear, 0.0)), pressed), fixed)
-    moved = stage.x[basis.get_dofs("up:top").all("u^1")].mean()
-    way = shear / forms["joint"].penalties(stage.states["joint"])[1]
+    moved, way = stage.x[basis.get_dofs("up:top").all("u^1")].mean(), shear / forms["joint"].penalty[1]
     assert moved == pytest.approx(4 * shear * (1 + nu) / E + way, rel=1e-6)
-    assert "of the largest displacement" not in remarks and way < 0.009 * moved
-    assert (stage.states["joint"].penalty_factor[1] > 1.0) == (n == 3)
+    assert ("of the largest displacement" in remarks) == (n == 3)
+    if n == 3:
+        assert f"tangential penalty compliance is {way / moved:.1%} of" in remarks
 
 
 def annulus(inner: float, outer: float, n: int, layers: int):

@@ -161,7 +161,7 @@ def test_package_does_not_grow() -> None:
     # tables of stages and forms another 310 lines and two files: one for them, one for a stage's result
     # reports, pictures of a model and of a running analysis, progress and versions 800 in four files; a slope that the
     # demonstration shows 60; heave and rates that do nothing 50
-    # shares of the mesh in factors of safety, penalties that become harder and lost weights 150
+    # shares of the mesh in factors of safety and lost weights 150
     # multipliers inside Newton's method 360, a file and a name
     assert total <= 22_400 + 30 + 180 + 330 + 480 + 160 + 110 + 310 + 100 + 800 + 60 + 50 + 150 + 360, total
     assert len(TREES) - len(apart) - len({"materials.curved"}) <= 123 + 1 + 1 + 2 + 1 + 4 + 1, len(TREES)

@@ -45,8 +45,6 @@ class ContactBase(Form):
     """Data of a contact pair, for regularisation, diagnosis and prestress."""
 
     unilateral = True
-    #: True if the penalty was chosen, and may become harder.
-    adapts = False
     # A regularised pair has other values here: present and final clearance, (2, n), share of the tangential penalty,
     # shift of the slip, (dim - 1, n), points with a broken bond, (n,), and the families in force.
     clearance: ndarray | None = None
@@ -114,7 +112,7 @@ class ContactBase(Form):
         for value in (normal, tangential):
             if not is_number(value, 0.0, np.inf):
                 raise ValueError(f"penalties must be positive numbers, not {value!r}")
-        return self.with_(penalty=(float(normal), float(tangential)), stiffness=stiffness, adapts=False)
+        return self.with_(penalty=(float(normal), float(tangential)), stiffness=stiffness)
 
     def with_law(self, law: InterfaceLaw) -> Self:
         """Return a copy with another interface law."""
@@ -154,7 +152,7 @@ class ContactBase(Form):
                                     new.enforcement is None)
         if self.dual:
             new.fields = (replace(self.fields[0], scale=stiffness or penalty[0]),)
-        return new.with_penalty(*penalty, stiffness=stiffness).with_(adapts=new.penalty is None and not self.dual)
+        return new.with_penalty(*penalty, stiffness=stiffness)
 
     @property
     def axisymmetric(self) -> bool:

@@ -2,7 +2,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
 from numpy import ndarray
@@ -13,7 +12,7 @@ from ..surfaces.surface import Surface
 from .base import TOUCHING, ContactBase
 from .interface import ROUND_OFF, ContactState
 from .laws import InterfaceLaw, Status
-from .penalty import HARDEST, AugmentedLagrangian
+from .penalty import AugmentedLagrangian
 from .quadrature import SlavePoints
 from .search import normals_at_joint
 
@@ -21,9 +20,6 @@ from .search import normals_at_joint
 PENETRATION = 0.01
 #: Displacement that is the penalty's, as a share of the largest one, that is remarked on.
 _COMPLIANCE = 0.01
-#: ... from which on a default penalty is made harder, and the share that is left then. More would be left by less hard
-#: ones, but not by fewer iterations: 123, 127 and 130 for .004, .005 and .0085 in four scenes of 1.9 to 2.9 %, for 103.
-_YIELDS, _LEAST = 0.009, 0.004
 #: Gap between nodes that multipliers leave, likewise: with gaps of 1.7 and .5 % on coarse facets that do not match, a
 #: penalty ten times as hard changes the displacements by 4.0 and 1.6 %.
 _BETWEEN = 0.004
@@ -144,22 +140,6 @@ def compliance(pair: ContactBase, x: ndarray, state: ContactState) -> ndarray:
         return most
     meshed = pair.interface.closest(None, state.cuts).gap
     return shares(np.abs(depth - (state.clearance - meshed)[closed]), _moved_apart(pair, x, state)[closed])
-
-
-def hardened(pair: ContactBase, x: ndarray, accepted: ContactState, found: ContactState) -> ContactState:
-    """Return the accepted state with penalties that yield by less than is remarked on in the state found.
-
-    Yields are shares of displacements x, (N,). Penalties that are hard enough stay, as do the hardest ones, those of
-    bonds, and those with which tractions were accepted before.
-    """
-    if pair.law.bonds or accepted.traction.any():
-        return accepted
-    penalties, shares, n = np.array(pair.penalties(accepted)), compliance(pair, x, found), pair.mesh_dofs
-    if len(moved := x[:n].reshape(-1, pair.slave.dim)):  # the largest component depends on the axes
-        shares *= np.abs(x).max() / max(np.linalg.norm(moved, axis=1).max(), np.finfo(float).tiny)
-    wanted = penalties * np.where(shares > _YIELDS, shares / _LEAST, 1.0)
-    factors = np.maximum(np.minimum(wanted, HARDEST * (pair.stiffness or 0.0)) / penalties, 1.0)
-    return accepted if (factors == 1.0).all() else replace(accepted, penalty_factor=accepted.penalty_factor * factors)
 
 
 def _left_between(pair: ContactBase, x: ndarray, state: ContactState, meshed: ndarray) -> float:

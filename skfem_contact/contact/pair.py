@@ -17,7 +17,7 @@ from ..forms.base import Form, Response
 from ..forms.staged import arrays_of
 from . import regularisation
 from .base import ContactBase, initial_clearance
-from .diagnosis import hardened, remarks
+from .diagnosis import remarks
 from .interface import RECUTS, ROUND_OFF, ContactState
 from .kinematics import Kinematics, dragged, tangents, variations
 from .laws import InterfaceLaw, LawUpdate, Status
@@ -50,7 +50,7 @@ class ContactPair(ContactBase):
         err by 6 to 29 % in a patch test.
     penalty : float or tuple, optional
         Traction per penetration: one number for both directions, or (normal, tangential); by default chosen from the
-        stiffness and the size of the elements on both sides, and harder where it is a percent of the displacements.
+        stiffness and the size of the elements on both sides.
     smoothing : float, optional
         Share alpha of the facets that Hermite curves round off at the master's joints (0 < alpha <= 1/2); joints of
         more than 45 degrees stay sharp.  ``None``: a node that faces a joint belongs to the facet before it, which
@@ -203,9 +203,8 @@ class ContactPair(ContactBase):
               ) -> tuple[ContactPair, ContactState] | None:
         """Return the pair and the accepted state with which the increment must be solved once more, or None.
 
-        A regularised pair proceeds to the next one, the augmented method improves its multipliers, a penalty by default
-        becomes harder where it is a percent of the displacements, and the cuts of ``quadrature="segments"`` follow the
-        bodies.
+        A regularised pair proceeds to the next one, the augmented method improves its multipliers, and the cuts of
+        ``quadrature="segments"`` follow the bodies.
 
         Raises
         ------
@@ -225,10 +224,8 @@ class ContactPair(ContactBase):
             stiffness = self.penalty[0] if self.stiffness is None else self.stiffness  # type: ignore[index]
             state, changes["_progress"] = self.enforcement.augment(accepted, found, points, self.penalties(accepted),
                                                                    stiffness, self._progress)
-        elif self.adapts:
-            state = hardened(self, x, accepted, found)
-        if (harder := state.penalty_factor[1] / accepted.penalty_factor[1]) != 1.0:  # with the same tractions
-            state = self.interface.with_elastic_slip(state, self.interface.elastic_slip(state) / harder)
+            if (harder := state.penalty_factor[1] / accepted.penalty_factor[1]) != 1.0:  # with the same tractions
+                state = self.interface.with_elastic_slip(state, self.interface.elastic_slip(state) / harder)
         cut = self.interface.follow(state, x) if self._recuts < RECUTS else None
         if cut is not None:
             at = self.interface.nearest(points, self.points(cut))
@@ -251,7 +248,7 @@ class ContactPair(ContactBase):
         new = self if self.complete or not old.complete else self._about_axis(old.axisymmetric).with_(complete=True)
         if new.penalty is not None or old.penalty is None:
             return new
-        return new.with_penalty(*old.penalty, stiffness=old.stiffness).with_(adapts=old.adapts)
+        return new.with_penalty(*old.penalty, stiffness=old.stiffness)
 
     @override
     def replaces(self, old: Form) -> bool:

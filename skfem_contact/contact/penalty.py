@@ -38,7 +38,7 @@ _TOO_HARD = 1e9
 #: Penalty over the stiffness of the surfaces that the method goes to from whatever it was given, and the one that it
 #: goes to where the corrections hardly become less: in a tie of 3 elements with 7 of a body 14 times as stiff by a
 #: tenth each time, so that 30 equilibria are not enough; with the second one 26 iterations are.
-_WANTED, HARDEST = 10.0, 100.0
+_WANTED, _HARDEST = 10.0, 100.0
 #: ... and the softest one that it starts from: with less, bodies might sink into each other by more than an element.
 _SOFTEST = 0.1
 #: Share of the largest entry that is added to the products of the shape functions: fewer points than nodes, as two on
@@ -214,8 +214,8 @@ class AugmentedLagrangian:
         if not (unfinished & moves).any():
             return accepted, progress
         worst = float(error[moves].max())
-        hardest = (HARDEST if worst > _PROGRESS * progress.error else _WANTED) * stiffness
-        factors = np.clip(penalties, hardest, HARDEST * stiffness) / penalties
+        hardest = (_HARDEST if worst > _PROGRESS * progress.error else _WANTED) * stiffness
+        factors = np.clip(penalties, hardest, _HARDEST * stiffness) / penalties
         improved = replace(accepted, multiplier=np.where(moves, after, accepted.multiplier),
                            penalty_factor=accepted.penalty_factor * factors)
         return improved, progress.after(correction, unfinished, worst)

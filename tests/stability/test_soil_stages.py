@@ -22,7 +22,7 @@ def pit(scale: float = 1.0, stiff: float = 1.0, force: float = 1.0, soil: dict |
     mesh = replace(mesh, doflocs=scale * (turned @ mesh.doflocs))
     basis = vector_basis(mesh, "Q1", intorder=2)
     stress = force / scale**2
-    given = {"E": 2e4 * stress, "nu": 0.3, "c": 10.0 * stress, "phi": 25.0, **(soil or {})}
+    given = {"E": 2e4 / min(stiff, 1.0) * stress, "nu": 0.3, "c": 10.0 * stress, "phi": 25.0, **(soil or {})}
     weak = sc.MohrCoulomb(**given)
     base = sc.MohrCoulomb(**{**given, "E": given["E"] * stiff})
     forms = {
