@@ -78,15 +78,11 @@ print(envelope)
 plot.diagram({stage.name: stage.section_forces("wall") for stage in result}, "M", upright=True)
 
 # %%
-# The moments on the wall itself, and what settles behind it:
+# The moments on the wall itself, and what settles behind it. ``model.strength_reduction(start=result)`` computes the
+# factor of safety: see :doc:`an anchored wall in stages </gallery/1_short_scripts/plot_anchored_wall>`.
 
 plot.diagram(result["street"].section_forces("wall"), "M", on=result["street"], window=(-6, 8, -11, 1))
 plot.contour(result["street"], "uy")
-
-# %%
-# ``model.strength_reduction(start=result)`` would tell how safe the pit is, with the mechanism: see
-# :doc:`an anchored wall in stages </gallery/1_short_scripts/plot_anchored_wall>`, which has two rows of anchors, a
-# strut and water.
 
 # sphinx_gallery_start_ignore
 import json
