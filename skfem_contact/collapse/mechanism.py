@@ -126,12 +126,12 @@ def added_by_mesh(forms: Mapping[str, Form], bands: Mapping[str, ndarray]) -> fl
         return 0.0
     volume = np.concatenate([np.asarray(basis.dx).sum(axis=1) for basis, _ in solids])
     slip = np.concatenate([(np.asarray(basis.dx) * band).sum(axis=1) for basis, band in solids])
-    place = np.concatenate([np.asarray(basis.global_coordinates()).mean(axis=2) for basis, _ in solids], axis=1)
-    size = volume ** (1.0 / len(place))
+    centres = np.concatenate([np.asarray(basis.global_coordinates()).mean(axis=2) for basis, _ in solids], axis=1)
+    size = volume ** (1.0 / len(centres))
     if not (slip / volume * size).max() > _JUMP:
         return 0.0
     share = slip / slip.sum()
-    length = np.sqrt(12.0 * float((share * (place - (place @ share)[:, None]) ** 2).sum()))  # of a straight line
+    length = np.sqrt(12.0 * float((share * (centres - (centres @ share)[:, None]) ** 2).sum()))  # of a straight line
     length = max(length, float(size.max()))
     everywhere = 1.0 / float((share**2 / volume).sum() * volume.sum())  # 1 where all elements deform by as much
     factor, power = _ADDED[any(has_corners_only(basis) for basis, _ in solids)]

@@ -107,7 +107,7 @@ def _on_enforcement(pair: ContactBase, x: ndarray, state: ContactState, meshed: 
         yield Remark("soft penalty", softer,
                      f"the penalty, {penalties[0]:.3g}, is {softer:.2g} times softer than the surfaces: contact yields "
                      "by more than the elements beside it; it is a stress per length, some times E/h")
-    elif pair.enforcement is None and max(parts := compliance(pair, x, state)) > _COMPLIANCE:
+    elif pair.enforcement is None and max(parts := _compliance(pair, x, state)) > _COMPLIANCE:
         part, penalty, which = max(zip(parts, penalties, ("", "tangential ")))
         yield Remark("compliance", part,
                      f"{which}penalty compliance is {part:.1%} of the largest displacement: increase the penalty, "
@@ -120,7 +120,7 @@ def _on_enforcement(pair: ContactBase, x: ndarray, state: ContactState, meshed: 
                      f"penalty, {penalties[1]:.3g}, is too hard")
 
 
-def compliance(pair: ContactBase, x: ndarray, state: ContactState) -> ndarray:
+def _compliance(pair: ContactBase, x: ndarray, state: ContactState) -> ndarray:
     """Return the force-weighted mean compliance of both penalties as shares of the largest displacement, (2,).
 
     Compliance before the last reset of displacements does not count, nor do overlaps of the mesh and laws of one's own.
