@@ -162,9 +162,9 @@ def test_package_does_not_grow() -> None:
     # reports, pictures of a model and of a running analysis, progress and versions 800 in four files; a slope that the
     # demonstration shows 60; heave and rates that do nothing 50
     # shares of the mesh in factors of safety and lost weights 150
-    # multipliers inside Newton's method 360, a file and a name
-    assert total <= 22_400 + 30 + 180 + 330 + 480 + 160 + 110 + 310 + 100 + 800 + 60 + 50 + 150 + 360, total
-    assert len(TREES) - len(apart) - len({"materials.curved"}) <= 123 + 1 + 1 + 2 + 1 + 4 + 1, len(TREES)
+    # multipliers inside Newton's method 360, a file and a name; threads of large factors 30 in a file
+    assert total <= 22_400 + 30 + 180 + 330 + 480 + 160 + 110 + 310 + 100 + 800 + 60 + 50 + 150 + 360 + 30, total
+    assert len(TREES) - len(apart) - len({"materials.curved"}) <= 123 + 1 + 1 + 2 + 1 + 4 + 1 + 1, len(TREES)
     assert len(skfem_contact.__all__) <= 45 + len({"Beam", "Embedded", "Reinforcement", "split_along"}) + len(
         {"CamClay", "DualMultipliers", "HardeningSoil", "HoekBrown", "SoftSoilCreep", "element_test", "section",
          "show_versions"}

@@ -74,10 +74,16 @@ def test_errors_are_raised():
     """PARDISO reports by a number; a library that does nothing else stands in for it."""
 
     def call(number):
-        def library(*arguments):
-            arguments[-1][0] = number
+        class Library:
+            @staticmethod
+            def pardiso(*arguments):
+                arguments[-1][0] = number
 
-        pardiso._Call(library, pardiso.UNSYMMETRIC)(pardiso.FACTOR, np.zeros(1), np.ones(2), np.ones(1))
+            @staticmethod
+            def limit(threads):
+                return threads
+
+        pardiso._Call(Library, pardiso.UNSYMMETRIC, 1)(pardiso.FACTOR, np.zeros(1), np.ones(2), np.ones(1))
 
     with pytest.raises(MemoryError, match="memory"):
         call(pardiso.OUT_OF_MEMORY)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import weakref
 from collections.abc import Callable
-from typing import Any
+from ctypes import c_int
 
 import numpy as np
 from numpy import ndarray
@@ -12,6 +12,7 @@ from numpy.ctypeslib import ndpointer
 from scipy.sparse import csr_matrix, eye
 
 from ..sparse import same_pattern
+from .threads import allowed
 
 UNSYMMETRIC, SYMMETRIC = 11, -2  # PARDISO's types of real matrices
 ANALYSE, FACTOR, SOLVE, RELEASE = 11, 22, 33, -1  # its phases
@@ -20,6 +21,10 @@ OPTIONS = {1: 1, 2: 2, 10: 18, 11: 1, 13: 1}  # own options, METIS, pivots above
 #: Entries up to which minimum degree replaces METIS: with 10,000 to 90,000 of plane bodies the analysis takes
 #: 13 to 35 % less time and the factor 4 to 13 %; with 350,000 factors take 15 to 30 % more, with 130,000 in space 17 %.
 FEW = 100_000
+#: Entries from which a factor is computed by all threads that the process may use. On two free cores they save a
+#: quarter of an iteration in the plane from 3,000 dofs on, but beside one more process they take up to four times as
+#: long as one thread, since each waits for the other at every small block.
+MANY = 300_000
 SPARE = 1.1  # entries of an analysed pattern to those of the matrix, at most
 
 
@@ -34,7 +39,7 @@ class Pardiso:
     name = "MKL PARDISO"
 
     def __init__(self) -> None:
-        self._library = _library()
+        self._library = _Library()
         self._analysis: _Analysis | None = None
         self._factored: csr_matrix | None = None
 
@@ -74,7 +79,7 @@ class Pardiso:
 class _Analysis:
     """PARDISO's analysis of one pattern and the factor of the last values on it; its memory ends with it."""
 
-    def __init__(self, library: Any, pattern: csr_matrix, A: csr_matrix, symmetric: bool) -> None:
+    def __init__(self, library: _Library, pattern: csr_matrix, A: csr_matrix, symmetric: bool) -> None:
         self.pattern, self.symmetric = _ones(pattern), symmetric
         self._last: csr_matrix | None = None
         n, indptr, indices = pattern.shape[0], pattern.indptr, pattern.indices
@@ -82,7 +87,7 @@ class _Analysis:
         self._stored = np.flatnonzero(indices >= row) if symmetric else slice(None)
         self._rows = np.cumsum(np.bincount(row[self._stored] + 1, minlength=n + 1), dtype=np.int32) + 1
         self._columns = indices[self._stored].astype(np.int32) + 1
-        self._call = _Call(library, SYMMETRIC if symmetric else UNSYMMETRIC, pattern.nnz <= FEW)
+        self._call = _Call(library, SYMMETRIC if symmetric else UNSYMMETRIC, pattern.nnz)
         self.admits(A)
         self._run(ANALYSE, A)
         weakref.finalize(self, self._call, RELEASE, np.zeros(1), self._rows, self._columns).atexit = False
@@ -123,15 +128,16 @@ def _ones(A: csr_matrix) -> csr_matrix:
 
 
 class _Call:
-    """Phases of PARDISO on one handle."""
+    """Phases of PARDISO on one handle, with one number of threads: another one than at the analysis is not safe."""
 
-    def __init__(self, library: Any, kind: int, few: bool = False) -> None:
+    def __init__(self, library: _Library, kind: int, entries: int) -> None:
         self._library, self._kind = library, kind
+        self._threads = allowed() if entries >= MANY else 1
         self._handle = np.zeros(64, dtype=np.intp)
         self._options = np.zeros(64, dtype=np.int32)
         for number, value in OPTIONS.items():
             self._options[number - 1] = value
-        if few:
+        if entries <= FEW:
             self._options[1] = 0
 
     def __call__(self, phase: int, values: ndarray, rows: ndarray, columns: ndarray, *vectors: ndarray) -> None:
@@ -139,23 +145,28 @@ class _Call:
             np.array([value], dtype=np.int32) for value in (1, 0, 0, self._kind, phase, len(rows) - 1)
         )
         b, x = vectors or (np.zeros(1), np.zeros(1))
-        self._library(
+        before = self._library.limit(self._threads)
+        self._library.pardiso(
             self._handle, one, one, kind, phases, size, values, rows, columns,
             zero, one, self._options, zero, b, x, error,
         )  # fmt: skip
+        self._library.limit(before)
         if error[0] == OUT_OF_MEMORY:
             raise MemoryError("PARDISO: not enough memory for the factor")
         if error[0] != 0:
             raise RuntimeError(f"PARDISO stopped with error {error[0]}")
 
 
-def _library() -> Any:
-    """Load PARDISO's entry point, with own argument types."""
-    from pypardiso import ps
+class _Library:
+    """Entry points of MKL."""
 
-    function = ps.libmkl["pardiso"]  # the subscript leaves pypardiso's own prototype alone
-    integers, reals = ndpointer(np.int32, flags="C"), ndpointer(float, flags="C")
-    handle = ndpointer(np.intp, flags="C")
-    function.argtypes = [handle, *5 * [integers], reals, *6 * [integers], reals, reals, integers]
-    function.restype = None
-    return function
+    def __init__(self) -> None:
+        from pypardiso import ps
+
+        self.pardiso = ps.libmkl["pardiso"]  # the subscript leaves pypardiso's own prototype alone
+        integers, reals = ndpointer(np.int32, flags="C"), ndpointer(float, flags="C")
+        handle = ndpointer(np.intp, flags="C")
+        self.pardiso.argtypes = [handle, *5 * [integers], reals, *6 * [integers], reals, reals, integers]
+        self.pardiso.restype = None
+        self.limit = ps.libmkl["MKL_Set_Num_Threads_Local"]  # of this thread of Python; returns the last one
+        self.limit.argtypes, self.limit.restype = [c_int], c_int
