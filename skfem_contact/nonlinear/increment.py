@@ -155,7 +155,8 @@ def solve_step(system: System, x: ndarray, states: Mapping[str, Any], path: Path
                                else form.over((1.0 - PART) * duration) for name, form in system.forms.items()})
     begun = {name: first.forms[name].extrapolated(states[name], state, 1.0 / PART - 1.0) if name in second_order
              else state for name, state in middle.states.items()}
-    last = solve_increment(second, middle.x, begun, *path(end), newton, None, try_recovery)
+    ahead = x + (middle.x - x) / PART  # in proportion
+    last = solve_increment(second, middle.x, begun, *path(end), newton, ahead, try_recovery)
     errors = {name: first.forms[name].time_error(middle.states[name], last.states[name]) for name in second_order}
     return Equilibrium(last.x, last.states, middle.residuals + last.residuals[1:],
                        middle.equilibria + last.equilibria), errors

@@ -29,8 +29,8 @@ class StageResult(files.StageData):
     forms, states, summary
         Forms by name as they are in the stage, their accepted states, and one line of text for each.
     iterations, residual, fraction
-        Newton iterations of every increment, relative residual at the end, and share of the stage's load that was
-        reached: 1 unless the analysis failed.
+        Newton iterations of every increment, those of both equilibria of a step in time of second order; relative
+        residual at the end, and share of the stage's load that was reached: 1 unless the analysis failed.
     increments
         Accepted increments that were kept, in their order.
     unreleased : ndarray, shape (N,), or None
