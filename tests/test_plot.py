@@ -312,6 +312,23 @@ def test_stages_share_a_scale_and_a_film_has_frames(tmp_path):
 
 
 @needs_opengl
+def test_views_stand_apart_below_their_titles():
+    """[X] White columns of the gap's width between views that fill their windows; titles, also long ones, above."""
+    _, step = block()
+    names = ("short", "a name that is too long for one of three views side by side", "last")
+    steps = [replace(step, name=name) for name in names]
+    image = shot(plot.stages(steps, "ux", window=(0.5, 1.5, 0.2, 0.8)))[:-FOOT]
+    white = (image[..., :3] == 255).all(axis=(0, 2))
+    begins, ends = np.flatnonzero(np.diff(white.astype(int)) == 1), np.flatnonzero(np.diff(white.astype(int)) == -1)
+    assert len(begins) == len(ends) == 2
+    np.testing.assert_allclose(ends - begins, sheet._GAP, atol=2)  # parts of a pixel on both sides
+    titles = image[: sheet._HEAD - 1]
+    assert not colored(titles).any() and colored(image[sheet._HEAD + 1 :])[:, ~white].mean() > 0.9
+    dark = (titles[..., :3] < 100).all(axis=2).any(axis=0)
+    assert dark[: begins[0]].any() and dark[ends[0] : begins[1]].any() and dark[ends[1] :].any()
+
+
+@needs_opengl
 def test_a_notebook_shows_the_picture():
     _, step = block()
     plotter = plot.contour(step, "ux", mesh=False)

@@ -25,14 +25,16 @@ _TAIL, _LONGER = 0.01, 3.0
 _BOTH = 0.02
 #: Sizes of letters, in points at 100 dots per inch, and the width of a small one in pixels.
 _SMALL, _LARGE, _LETTER = 15, 17, 13
+#: Pixels of a point at 100 dots per inch, and of the mean letter per point.
+_POINT, _BROAD = 100 / 72, 0.75
 #: Blue for negative, red for positive values, without the darkest ends: mesh lines are seen on every colour.
 _DIVERGING = LinearSegmentedColormap.from_list(
     "signed", ["#3b78b4", "#8ab6d6", "#d6e6f0", "#f9f7f5", "#f8d9c6", "#ec9a79", "#cf4b41"])
 #: From pale yellow over green to blue, light enough for dark lines.
 _SEQUENTIAL = LinearSegmentedColormap.from_list(
     "one sign", ["#fdf6c9", "#d5e8a4", "#9dd3a3", "#62b8b2", "#4796b8", "#4f6fae"])
-#: Pixels of all views together at most, and of the foot and the views' titles.
-_WIDTH, _FOOT, _HEAD = 1400, 178, 46
+#: Pixels of all views together at most, of the foot, of the views' titles, and between views side by side.
+_WIDTH, _FOOT, _HEAD, _GAP = 1400, 178, 46, 24
 #: Width over height of all views at least, and of a picture over the largest width.
 _ASPECT, _NARROWEST = 1.4, 0.65
 
@@ -121,12 +123,17 @@ def bar_figure(scale: Scale, title: str, note: str, extremes: str, size: tuple[i
     bar.ax.xaxis.set_major_formatter(lambda value, _: _figures(value, scale.levels))
     figure.text(0.06, 0.80, title, fontsize=_LARGE)
     figure.text(0.94, 0.80, note, fontsize=_SMALL, ha="right", color="#444444")
-    figure.text(0.06, 0.62, extremes, fontsize=_SMALL, color="#444444")
+    figure.text(0.06, 0.62, extremes, fontsize=fitting(extremes, 0.88 * size[0]), color="#444444")
     if marks:
         handles = [Line2D([], [], label=label, **style) for label, style in marks.items()]
         figure.legend(handles=handles, loc="lower center", ncol=len(handles), frameon=False, fontsize=_SMALL,
                       bbox_to_anchor=(0.5, -0.07), handletextpad=0.4)
     return figure
+
+
+def fitting(text: str, width: float) -> float:
+    """Return the size of letters, in points at 100 dots per inch, at which a text is no wider than some pixels."""
+    return min(_SMALL, width / (_BROAD * max(len(text), 1)))
 
 
 def _figures(value: float, levels: ndarray) -> str:
@@ -171,7 +178,7 @@ class Frame:
     @property
     def size(self) -> tuple[int, int]:
         """Width and height of the whole picture."""
-        return self.columns * self.view[0], self.rows * self.height + _FOOT
+        return self.columns * (self.view[0] + _GAP) - _GAP, self.rows * self.height + _FOOT
 
     @property
     def height(self) -> int:
@@ -182,26 +189,36 @@ class Frame:
         """Return a plotter with the views and an empty foot."""
         import pyvista
 
-        rows = [self.height] * self.rows + [_FOOT]
+        rows = ([self.head] if self.head else []) + [self.view[1]]
+        rows, columns = rows * self.rows + [_FOOT], [self.view[0], _GAP] * self.columns
         with pyvista.vtk_verbosity("off"):  # VTK complains of displays that it tries before it finds one
             plotter = _picture()(off_screen=not show, window_size=list(self.size), lighting="none", border=False,
-                                 shape=(self.rows + 1, self.columns), row_weights=rows,
-                                 groups=[(self.rows, slice(None))])
+                                 shape=(len(rows), 2 * self.columns - 1), row_weights=rows,
+                                 col_weights=columns[:-1], groups=[(len(rows) - 1, slice(None))])
         plotter.set_background("white", all_renderers=True)
         for renderer in list(plotter.renderers)[:-1]:  # in the foot it would shrink the figure
             renderer.enable_anti_aliasing("ssaa")
         return plotter
 
+    def cell(self, number: int) -> tuple[int, int]:
+        """Return row and column of a view; its title is in the row above."""
+        row, column = divmod(number, self.columns)
+        return (2 * row + 1 if self.head else row), 2 * column
+
     def aim(self, plotter: Any, number: int, title: str, axes: ndarray, depth: float, distance: float) -> None:
         """Look in one of the views, tight, from a distance against the last of three axes, at a depth on it."""
-        plotter.subplot(number // self.columns, number % self.columns)
+        row, column = self.cell(number)
         if self.head:
-            plotter.add_text(title, position="upper_edge", color="black", font="arial", font_size=8)
+            plotter.subplot(row - 1, column)
+            text = plotter.add_text(title, position=(0.5, 0.3), viewport=True, color="black", font="arial",
+                                    name="title")
+            text.prop.font_size = int(_POINT * fitting(title, self.view[0]))
+            text.prop.justification_horizontal = "center"
+        plotter.subplot(row, column)
         plotter.enable_parallel_projection()
-        shift = 0.5 * (self.height - self.view[1]) * self.pixel
-        focus = (self.focus + np.array([0.0, shift])) @ axes[:2] + depth * axes[2]
+        focus = self.focus @ axes[:2] + depth * axes[2]
         plotter.camera_position = [focus + distance * axes[2], focus, axes[1]]
-        plotter.camera.parallel_scale = 0.5 * self.height * self.pixel
+        plotter.camera.parallel_scale = 0.5 * self.view[1] * self.pixel
         plotter.renderer.ResetCameraClippingRange()
 
     def put_foot(self, plotter: Any, scale: Scale, title: str, note: str, extremes: str,
@@ -209,12 +226,12 @@ class Frame:
         """Put the colour bar into the foot, with title, note, extremes of the field and a legend of marks."""
         import pyvista
 
-        plotter.subplot(self.rows, 0)
+        plotter.subplot(self.cell(self.columns * self.rows - 1)[0] + 1, 0)
         figure = bar_figure(scale, title, note, extremes, (self.size[0], _FOOT), marks)
         chart = pyvista.ChartMPL(figure, redraw_on_render=False)
         chart.border_color, chart.background_color = "white", "white"
         plotter.add_chart(chart)
-        plotter.subplot(0, 0)
+        plotter.subplot(*self.cell(0))
 
 
 def finish(plotter: Any, file: Any, show: bool) -> Any:
