@@ -11,7 +11,7 @@ import numpy as np
 from PIL import Image
 
 HERE = Path(__file__).parent
-PICTURES = ("from_drawing_003", "slope_with_water_001", "tunnel_with_lining_002")
+PICTURES = ("from_drawing_003", "slope_with_bracket_002", "tunnel_with_lining_002", "pile_in_space_001")
 HEIGHT, GAP = 360, 16
 
 

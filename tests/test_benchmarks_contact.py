@@ -15,6 +15,7 @@ from skfem_contact.contact.penalty import choose_penalties
 from skfem_contact.results import Result
 
 sys.path.append(str(Path(__file__).parents[1] / "examples" / "4_benchmarks"))
+import one_program
 import peers
 from contact_problems import ELEMENTS, LOWER, MU, NU, UPPER, Contact, E, hertz, patch, patch_errors
 
@@ -115,6 +116,16 @@ def test_hertz(quadrature: str | int, options: dict, error: float, iterations: i
     assert contact.pressure_error < error
     assert abs(contact.peak_error) < 0.02
     assert sum(result[-1].iterations) <= iterations
+
+
+def test_versions_of_other_programs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """[X] CalculiX says its version, packages of Python have one."""
+    program = tmp_path / "ccx"
+    program.write_text("#!/bin/sh\necho; echo This is Version 2.20\n")
+    program.chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
+    monkeypatch.setitem(one_program.PACKAGES, "NumPy", "numpy")
+    assert (one_program.version_of("CalculiX"), one_program.version_of("NumPy")) == ("2.20", np.__version__)
 
 
 def test_problem_is_the_peers() -> None:

@@ -90,8 +90,9 @@ def rival(peer: dict, rows: list[dict]) -> dict:
 
 
 def figures(row: dict) -> list[str]:
-    """Method, error and time of a row."""
-    return [text(key, row[key]) for key in ("method", "error", "cpu_s")]
+    """Method, with the version of another program where it is known, error and time of a row."""
+    version = f" ({row['peer']})" if isinstance(row.get("peer"), str) else ""
+    return [row["method"] + version, *(text(key, row[key]) for key in ("error", "cpu_s"))]
 
 
 def setup(app):

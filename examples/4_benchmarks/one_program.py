@@ -2,11 +2,23 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 from collections.abc import Sequence
+from importlib.metadata import version
 from pathlib import Path
 
 TIMEOUT = 900  # seconds
+#: Packages of Python that bring other programs.
+PACKAGES = {"Kratos": "KratosMultiphysics", "OpenGeoSys": "ogs", "xslope": "xslope"}
+
+
+def version_of(program: str) -> str:
+    """Version of another program: that of its package, or what CalculiX says of itself."""
+    if program in PACKAGES:
+        return version(PACKAGES[program])
+    said = subprocess.run(["ccx", "-v"], capture_output=True, text=True, check=False).stdout
+    return next(iter(re.findall(r"[Vv]ersion (\S+)", said)), "")
 
 
 def timed(command: Sequence[str | Path], folder: Path) -> tuple[subprocess.CompletedProcess[str], float]:

@@ -26,6 +26,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import peers
 from contact_problems import MU, Contact, hertz
+from one_program import version_of
 
 import skfem_contact as sc
 
@@ -82,7 +83,7 @@ for n in SIZES if PEERS and peers.available() else ():
     run = peers.calculix(problem, stages(problem), MU)
     if run.x is not None:
         row = figures(n, problem, run.x, run.cpu, run.iterations)
-        rows.append({"method": "CalculiX, surface to surface", "peer": True, **row})
+        rows.append({"method": "CalculiX, surface to surface", "peer": version_of("CalculiX"), **row})
 
 for row in rows:
     print("{method:28} n = {n:2}  shear L2 {error:6.2%}  stick zone {stick_error:+6.2%}  Q/mu P {ratio:.4f}  "

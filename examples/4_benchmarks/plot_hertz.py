@@ -24,6 +24,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import peers
 from contact_problems import Contact, hertz
+from one_program import version_of
 
 import skfem_contact as sc
 from skfem_contact.contact.penalty import choose_penalties
@@ -80,7 +81,7 @@ for n in SIZES if PEERS and peers.available() else ():
         run = peers.calculix(problem, [problem.stage("press", increments=4)], mu=0.0, method=method)
         if run.x is not None:
             row = figures(n, problem, Contact.of(problem, run.x), run.cpu, run.iterations)
-            rows.append({"method": name, "peer": True, **row})
+            rows.append({"method": name, "peer": version_of("CalculiX"), **row})
 
 for row in rows:
     print("{method:28} n = {n:2}  L2 {error:7.2%}  peak {peak_error:+7.2%}  "

@@ -26,6 +26,7 @@ from time import process_time
 import matplotlib.pyplot as plt
 import numpy as np
 import peers_space
+from one_program import version_of
 from space_problems import MASTER, SLAVE, YOUNG, hertz, paraboloid
 
 import skfem_contact as sc
@@ -81,7 +82,7 @@ for name, n in product(peers_space.available(), SIZES) if PEERS else ():
     found = peers_space.run(name, problem)
     if found.x is not None:
         rows.append({**figures(name, n, problem, found.x, found.cpu, found.iterations),
-                     "peer": True})  # fmt: skip
+                     "peer": version_of(name)})  # fmt: skip
 
 # %%
 # Pressure

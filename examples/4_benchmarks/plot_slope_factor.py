@@ -16,6 +16,7 @@ import time
 
 import matplotlib.pyplot as plt
 import numpy as np
+from one_program import version_of
 from skfem import Basis, ElementQuad1, ElementQuadS2, ElementTriP2, ElementVector, MeshQuad, MeshTri
 
 import skfem_contact as sc
@@ -169,8 +170,9 @@ if PEERS:
     data = build_fem_data({"materials": [soil], "mesh": peer_mesh, "gamma_water": 9.81, "k_seismic": 0.0,
                            "reinforcement_lines": [], "distributed_loads": [], "max_depth": 0.0}, peer_mesh)
     peer = solve_ssrm(data, F_min=1.0, F_max=2.0, tolerance=0.01)
-    rows.append({"method": "xslope, viscoplastic", "peer": True, "psi": 0.0, "n": len(peer_mesh["elements"]),
-                 "unknowns": 2 * len(peer_mesh["nodes"]), "factor": round(peer["FS"], 4),
+    rows.append({"method": "xslope, viscoplastic", "peer": version_of("xslope"), "psi": 0.0,
+                 "n": len(peer_mesh["elements"]), "unknowns": 2 * len(peer_mesh["nodes"]),
+                 "factor": round(peer["FS"], 4),
                  "error": round(abs(peer["FS"] / 1.38 - 1), 5), "cpu_s": round(time.process_time() - began, 2),
                  "iterations": None})
     print(rows[-1])

@@ -68,7 +68,7 @@ def slope(height: float, angle: float, bottoms: Layers, size: float, *, crest: f
     <Section areas: fill, clay>
     """
     run = positive(height, "height") / np.tan(np.radians(number(angle, "angle", 0.0, 90.0)))
-    left, right = -(2.0 * height if crest is None else crest), run + (2.0 * height if toe is None else toe)
+    left, right = -chosen(crest, "crest", 2.0 * height), run + chosen(toe, "toe", 2.0 * height)
     surface = [(left, height), (0.0, height), (run, 0.0), (right, 0.0)]
     return Section(layers((left, right), height, bottoms), size, surface=surface, **more)
 
@@ -103,7 +103,7 @@ def embankment(height: float, crest: float, run: float, bottoms: Layers, size: f
     base = positive(crest, "crest") + positive(run, "run") * positive(height, "height")
     levels = np.linspace(0.0, height, lifts + 1)
     widths = base - run * levels
-    right = 3.0 * base if beyond is None else base + beyond
+    right = base + chosen(beyond, "beyond", 2.0 * base)
     ground = layers((0.0, right), 0.0, bottoms)
     fill = {"fill": [(0.0, 0.0), (base, 0.0), (crest, height), (0.0, height)]}
     placed = {f"lift {k + 1}": [(0.0, levels[k]), (widths[k], levels[k]), (widths[k + 1], levels[k + 1]),
@@ -144,11 +144,16 @@ def pit(width: float, floors: Sequence[float], wall: float | Sequence[float], bo
     if (np.diff(levels) >= 0.0).any() or (np.diff(heights[heights < 0.0]) >= 0.0).any() or heights[-1] > levels[-1]:
         raise ValueError("heights of floors and of the wall must descend from 0, to the toe of the wall, not "
                          f"{floors!r} and {wall!r}")
-    left, right = -positive(width, "width"), -3.0 * heights[-1] if beyond is None else positive(beyond, "beyond")
+    left, right = -positive(width, "width"), chosen(beyond, "beyond", -3.0 * heights[-1])
     lifts = {f"lift {k}": rectangle((left, 0.0), (levels[k], levels[k - 1])) for k in range(1, len(levels))}
     options: dict[str, Any] = {"lifts": lifts, "lines": {"wall": np.column_stack((0.0 * heights, heights))},
-                               "slits": "wall", "sizes": {"wall": size / 3.0 if fine is None else fine}}
+                               "slits": "wall", "sizes": {"wall": chosen(fine, "fine", size / 3.0)}}
     return Section(layers((left, right), 0.0, bottoms), size, **merged(options, more))
+
+
+def chosen(value: float | None, name: str, default: float) -> float:
+    """Return a length, or its default where it is not given."""
+    return default if value is None else number(value, name)
 
 
 def merged(options: dict[str, Any], more: dict[str, Any]) -> dict[str, Any]:

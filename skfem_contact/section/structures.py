@@ -8,7 +8,7 @@ import numpy as np
 from numpy import ndarray
 
 from ..checks import finite, positive
-from .earthworks import Layers, layers, merged
+from .earthworks import Layers, chosen, layers, merged
 from .outline import Outline, circle, rectangle
 from .section import Section
 
@@ -43,8 +43,8 @@ def trench(width: float, depth: float, bottoms: Layers, size: float, *, outer: f
     <Section areas: clay, backfill, pipe; holes: inside>
     """
     half = 0.5 * positive(width, "width")
-    floor = (0.1 * depth if bedding is None else bedding) - positive(depth, "depth")
-    right = half + (3.0 * depth if beyond is None else beyond)
+    floor = chosen(bedding, "bedding", 0.1 * depth) - positive(depth, "depth")
+    right = half + chosen(beyond, "beyond", 3.0 * depth)
     if np.ndim(outer):
         wide, high = finite(outer, "outer")
         shell = rectangle((-wide / 2, wide / 2), (floor, floor + high))
@@ -118,7 +118,7 @@ def tunnel(outline: Outline, bottoms: Layers, size: float, *, width: float, fine
     """
     right = 0.5 * positive(width, "width")
     options: dict[str, Any] = {"lifts": {"core": outline}, "lines": {"lining": outline},
-                               "sizes": {"lining": size / 4.0 if fine is None else fine}}
+                               "sizes": {"lining": chosen(fine, "fine", size / 4.0)}}
     return Section(layers((-right, right), 0.0, bottoms), size, **merged(options, more))
 
 
@@ -148,11 +148,11 @@ def footing(width: float, thickness: float, bottoms: Layers, size: float, *, dep
     <Section areas: clay, footing>
     """
     half = 0.5 * positive(width, "width")
-    right = half + (3.0 * width if beyond is None else beyond)
+    right = half + chosen(beyond, "beyond", 3.0 * width)
     areas = {**layers((-right, right), 0.0, bottoms),
              "footing": rectangle((-half, half), (-depth, positive(thickness, "thickness") - depth))}
     options: dict[str, Any] = {"bodies": "footing", "replace": "footing",
-                               "sizes": {"footing": width / 10.0 if fine is None else fine}}
+                               "sizes": {"footing": chosen(fine, "fine", width / 10.0)}}
     return Section(areas, size, **merged(options, more))
 
 
@@ -187,14 +187,14 @@ def retaining_wall(height: float, base: float, bottoms: Layers, size: float, *, 
     >>> sc.section.retaining_wall(4., 3., {"sand": -6.}, size=2., stem=.4, slab=.5, toe=.6, depth=1.)
     <Section areas: sand, backfill, wall>
     """
-    heel, free = base - toe, 3.0 * (height + depth) if beyond is None else beyond
+    heel, free = base - toe, chosen(beyond, "beyond", 3.0 * (height + depth))
     left, right = -toe - free, heel + free
     wall = [(-toe, -depth), (heel, -depth), (heel, slab - depth), (stem, slab - depth), (stem, height), (0.0, height),
             (0.0, slab - depth), (-toe, slab - depth)]
     filled = [(0.0, -depth), (right, -depth), (right, height), (0.0, height)]
     areas = {**layers((left, right), 0.0, bottoms), "backfill": filled, "wall": wall}
     options: dict[str, Any] = {"bodies": "wall", "replace": ["backfill", "wall"],
-                               "sizes": {"wall": stem if fine is None else fine}}
+                               "sizes": {"wall": chosen(fine, "fine", stem)}}
     return Section(areas, size, **merged(options, more))
 
 
@@ -221,8 +221,8 @@ def pile(diameter: float, length: float, bottoms: Layers, size: float, *, radius
     >>> sc.section.pile(.6, 10., {"clay": -15.}, size=3.).coordinates
     'axisymmetric'
     """
-    areas = {**layers((0.0, positive(length, "length") if radius is None else radius), 0.0, bottoms),
+    areas = {**layers((0.0, chosen(radius, "radius", positive(length, "length"))), 0.0, bottoms),
              "pile": rectangle((0.0, 0.5 * positive(diameter, "diameter")), (-length, 0.0))}
     options: dict[str, Any] = {"bodies": "pile", "replace": "pile", "coordinates": "axisymmetric",
-                               "sizes": {"pile": 0.5 * diameter if fine is None else fine}}
+                               "sizes": {"pile": chosen(fine, "fine", 0.5 * diameter)}}
     return Section(areas, size, **merged(options, more))
