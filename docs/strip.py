@@ -7,22 +7,24 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
 from PIL import Image
 
 HERE = Path(__file__).parent
 PICTURES = ("from_drawing_003", "slope_with_bracket_002", "tunnel_with_lining_002", "pile_in_space_001")
-HEIGHT, GAP = 360, 16
+COLUMNS, WIDTH, HEIGHT, GAP = 2, 680, 420, 20
 
 
 def strip(folder: Path) -> Image.Image:
-    """Return the pictures side by side, each of one height."""
-    parts = []
-    for name in PICTURES:
+    """Return the pictures in rows, each as large as its place allows."""
+    rows = -(-len(PICTURES) // COLUMNS)
+    sheet = Image.new("RGB", (COLUMNS * (WIDTH + GAP) - GAP, rows * (HEIGHT + GAP) - GAP), "white")
+    for number, name in enumerate(PICTURES):
         picture = Image.open(folder / f"sphx_glr_plot_{name}.png").convert("RGB")
-        parts.append(np.asarray(picture.resize((round(picture.width * HEIGHT / picture.height), HEIGHT))))
-        parts.append(np.full((HEIGHT, GAP, 3), 255, np.uint8))
-    return Image.fromarray(np.hstack(parts[:-1]))
+        picture.thumbnail((WIDTH, HEIGHT), Image.Resampling.LANCZOS)
+        row, column = divmod(number, COLUMNS)
+        left, top = column * (WIDTH + GAP), row * (HEIGHT + GAP)
+        sheet.paste(picture, (left + (WIDTH - picture.width) // 2, top + (HEIGHT - picture.height) // 2))
+    return sheet
 
 
 if __name__ == "__main__":

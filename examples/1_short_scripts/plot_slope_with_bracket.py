@@ -17,7 +17,7 @@ import skfem_contact as sc
 import skfem_contact.plot as plot
 
 begin = process_time()
-section = sc.section.slope(10.0, 26.57, {"clay": -10.0}, size=3.0, crest=20.0, toe=20.0)
+section = sc.section.slope(10.0, 26.57, {"clay": -10.0}, size=3.0, crest=28.0, toe=20.0)
 section.plot()
 
 # %%
