@@ -11,7 +11,7 @@ from ..display import progress_bar
 from ..errors import NoEquilibrium, NotConverged
 from ..limit_analysis import beside
 from ..materials.base import Flow, check_reduction
-from ..nonlinear.newton import Newton, Search
+from ..nonlinear.newton import Evaluation, Newton, Search
 from ..nonlinear.system import System
 from ..results.result import Result
 from ..results.stage import StageResult
@@ -38,6 +38,12 @@ class _Load:
     def at(self, parameter: float) -> tuple[System, ndarray]:
         """Return the system, and the load at a multiplier."""
         return self.system, self.dead + parameter * self.reference
+
+    def slope(self, now: Evaluation, states: Mapping[str, Any]) -> ndarray:
+        """Return the load that is multiplied, less what the supports take."""
+        slope = self.reference.copy()
+        slope[self.system.fixed] = 0.0
+        return slope
 
 
 @single_threaded

@@ -88,14 +88,18 @@ class System:
         """Return the work of a load on the free dofs."""
         return float(load[self.free] @ displacements[self.free])
 
-    def evaluate(self, x: ndarray, states: Mapping[str, Any], load: ndarray) -> Evaluation:
-        """Evaluate all forms at displacements, unless these have run away."""
+    def responses(self, x: ndarray, states: Mapping[str, Any]) -> dict[str, Response]:
+        """Return the responses of all forms at displacements, unless these have run away."""
         if not np.abs(x).max(initial=0.0) < _ENDLESS:
             raise NotConverged("the iterations run away: the displacements are no numbers any more")
         try:
-            responses = responses_of(self.forms, x, states)
+            return responses_of(self.forms, x, states)
         except IncrementTooLarge as error:
             raise NotConverged(f"the increment is too large: {error}", x) from error
+
+    def evaluate(self, x: ndarray, states: Mapping[str, Any], load: ndarray) -> Evaluation:
+        """Evaluate all forms at displacements."""
+        responses = self.responses(x, states)
         residual = load - sum(r.force for r in responses.values())
         residual[self.fixed] = 0.0
         everywhere = 0.0 if self._scale is None else \
