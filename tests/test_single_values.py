@@ -8,7 +8,7 @@ import pytest
 from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
 
 import skfem_contact as sc
-from skfem_contact.contact.laws import Status
+from skfem_contact.contact.laws import Status, resisting
 
 #: Exact up to the round-off of a few operations.
 EXACT = {"rtol": 1e-12, "atol": 1e-12}
@@ -33,6 +33,16 @@ def test_friction_and_adhesion(slip, shear, status):
     found = coulomb(sc.Coulomb(mu=0.5, adhesion=3.0), -0.008, slip)
     np.testing.assert_allclose(found.traction[:, 0], [-8.0, shear], **EXACT)
     assert found.status[0] == status
+
+
+def test_damped_tangent_of_friction():
+    """[X] By hand: .3 * 5 / 2e-3 = 750 along the slip of a point that slides, nothing where it sticks."""
+    jump, whole = np.array([[-1e-3, -1e-3], [2e-3, 2e-4]]), np.zeros((1, 2))
+    update = sc.Coulomb(mu=0.5).update(jump, whole, (1e4, 1e4))
+    more = resisting(update, jump[1:]).tangent - update.tangent
+    np.testing.assert_allclose(more[1, 1], [750.0, 0.0], rtol=1e-12)
+    more[1, 1] = 0.0
+    assert not more.any()
 
 
 def test_reduced_friction():

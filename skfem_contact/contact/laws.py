@@ -17,6 +17,10 @@ from .quadrature import SlavePoints
 
 #: Round-off of a traction on the friction cone, as a share of it.
 _ON_CONE = 1e-9
+#: Share of the secant in a damped tangent. A pit of 6 m beside a sheet pile that slides along both faces: the search
+#: for its factor, 3.30, takes 254 iterations with .3 and 543 with 1; it stalls at 3.20 with .1 and at 2.65 without.
+#: A wall of which 5 m are dug free in an increment takes 27 iterations with .3 and with 1, 28 with .2, 31 without.
+_SECANT = 0.3
 
 
 class Status(IntEnum):
@@ -49,6 +53,19 @@ class LawUpdate(NamedTuple):
     tangent: ndarray
     elastic_slip: ndarray
     status: ndarray
+
+
+def resisting(update: LawUpdate, slip: ndarray) -> LawUpdate:
+    """Return an update whose tangent has a share of the secant, shear traction over slip, where points slide.
+
+    A wall that slides along all of its faces has no stiffness along its axis. The secant decreases as the slip grows.
+    """
+    shear, size = (np.sqrt((vector * vector).sum(axis=0)) for vector in (update.traction[1:], slip))
+    slides = (update.status == int(Status.SLIP)) & (size > 0.0)
+    secant = np.where(slides, shear, 0.0) / np.where(slides, size, 1.0)
+    tangent = update.tangent.copy()
+    tangent[1:, 1:] += _SECANT * secant * np.eye(len(slip))[..., None]
+    return update._replace(tangent=tangent)
 
 
 class InterfaceLaw:

@@ -20,7 +20,7 @@ from .base import ContactBase, initial_clearance
 from .diagnosis import remarks
 from .interface import RECUTS, ROUND_OFF, ContactState
 from .kinematics import Kinematics, dragged, tangents, variations
-from .laws import InterfaceLaw, LawUpdate, Status
+from .laws import InterfaceLaw, LawUpdate, Status, resisting
 from .multipliers import Nodes, respond
 from .penalty import AugmentedLagrangian, Progress
 from .prestress import LinearisedContact, TractionOperator
@@ -180,13 +180,13 @@ class ContactPair(ContactBase):
             return state.after(closest, at, update, stick, slip)
 
         return Response(self.gathering.force(kinematics.dofs, force), candidate,
-                        lambda: self._stiffness(kinematics, update, weight, self.tangent == "exact"),
-                        lambda: self._stiffness(kinematics, self._limited(update), weight, self.tangent == "exact"),
+                        lambda: self._stiffness(kinematics, update, weight),
+                        lambda: self._stiffness(kinematics, self._limited(update, slip), weight),
                         round_off=max(penalties) * exact * float(np.linalg.norm(weight)),
                         active=at.tobytes() + update.status.tobytes())
 
-    def _stiffness(self, kinematics: Kinematics, update: LawUpdate, weight: ndarray, exact: bool) -> csr_matrix:
-        K = tangents(kinematics, update.traction, update.tangent, exact) * weight[:, None, None]
+    def _stiffness(self, kinematics: Kinematics, update: LawUpdate, weight: ndarray) -> csr_matrix:
+        K = tangents(kinematics, update.traction, update.tangent, self.tangent == "exact") * weight[:, None, None]
         return self.gathering.matrix(kinematics.dofs, K)
 
     @property
@@ -194,9 +194,10 @@ class ContactPair(ContactBase):
         """Largest traction in the damped tangent's geometric part."""
         return np.inf if self.stiffness is None else _LARGEST_TRACTION * self.stiffness * self.slave.spacing
 
-    def _limited(self, update: LawUpdate) -> LawUpdate:
+    def _limited(self, update: LawUpdate, slip: ndarray) -> LawUpdate:
         """Return the update with tractions limited to what the bodies resist; without any a round body turns freely."""
-        return update._replace(traction=np.clip(update.traction, -self.largest_traction, self.largest_traction))
+        limited = np.clip(update.traction, -self.largest_traction, self.largest_traction)
+        return resisting(update, slip)._replace(traction=limited)
 
     @override
     def outer(self, x: ndarray, accepted: ContactState, found: ContactState

@@ -16,7 +16,7 @@ from ..forms.base import Form, Response
 from ..surfaces.material_points import MaterialPoints, offset_back
 from .base import ContactBase
 from .interface import ContactState
-from .laws import Status
+from .laws import LawUpdate, Status, resisting
 
 #: Components of a stress by their indices in the tensor.
 _TENSOR = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
@@ -209,12 +209,13 @@ class LinearisedContact(Form):
             return replace(state, gap=gaps, slip=slip, traction=traction, status=status, internal=new, position=motion,
                            stick_point=origin)
 
-        def stiffness() -> csr_matrix:
+        def stiffness(update: LawUpdate) -> csr_matrix:
             K = work.transpose(0, 2, 1) @ (update.tangent.transpose(2, 0, 1) @ work)
             return pair.gathering.matrix(dofs, K * weight[:, None, None])
 
         force = weight[:, None] * np.einsum("in,nim->nm", update.traction, work)
-        return Response(pair.gathering.force(dofs, force), candidate, stiffness)
+        return Response(pair.gathering.force(dofs, force), candidate, lambda: stiffness(update),
+                        lambda: stiffness(resisting(update, jump[1:])))
 
     @override
     def remarks(self, x: ndarray, state: ContactState) -> Iterator[Remark]:
