@@ -116,6 +116,20 @@ def test_interrupted(tmp_path):
     np.testing.assert_allclose(resumed.x, whole.x, atol=1e-12 * abs(whole.x).max())  # round-off of new factors
 
 
+def test_limit_of_the_pull(tmp_path):
+    """The pile slides along both of its sides: one limit in metres, in millimetres, mirrored, and from a file."""
+    limits = []
+    for options in ({}, {"length": 1e3}, {"mirror": -1.0}):
+        model, stages, start = pulled(**options)
+        model.run(stages[:1], start=start, **QUIET).save(tmp_path / "half.npz")
+        half = sc.load_result(tmp_path / "half.npz", model)
+        found = model.limit_load(stages[1].load, start=half, certify=False, **QUIET)
+        limits.append(found.multiplier)
+        assert found.stop.kind == "plateau"
+        assert found.bracket[1] < 1.01 * found.bracket[0]
+    np.testing.assert_allclose(limits, limits[0], rtol=1e-4)  # 1e-11 but for noise, which may end a step earlier
+
+
 @pytest.mark.parametrize("n", [1, 8, 32])
 def test_stiff_in_shear(n):
     """[X] GA up to 1e8 EI / L^2 bends as without shear; 1e10 is told with the figure."""
