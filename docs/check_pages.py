@@ -2,8 +2,9 @@
 
 ``python docs/check_pages.py docs/_build/html --out screenshots`` needs Chromium, its driver and selenium;
 ``python docs/check_pages.py pit.html`` looks at one file. Each page is opened once and looked at with 1,300 and 400
-pixels, light and dark. What fails: pages wider than their window, text that is cut off, requests to other machines,
-links that lead nowhere, pictures that are missing, errors in the console. Screenshots are kept.
+pixels, light and dark. What fails: pages wider than their window, text that is cut off, navigation in two rows,
+requests to other machines, links that lead nowhere, pictures that are missing, errors in the console. Screenshots are
+kept.
 """
 
 from __future__ import annotations
@@ -22,8 +23,8 @@ from urllib.parse import unquote, urldefrag, urljoin, urlparse
 
 SIZES = {"wide": 1300, "narrow": 400}
 SCHEMES = ("light", "dark")
-#: What a page is asked: texts that are cut off, how far it stands out, pictures without an image, links, and names that
-#: links can lead to.
+#: What a page is asked: texts that are cut off, how far it stands out, heights of the navigation, pictures without an
+#: image, links, and names that links can lead to.
 ASK = """
 const wide = document.documentElement.clientWidth, out = [];
 for (const e of document.querySelectorAll('main *')) {
@@ -36,7 +37,10 @@ for (const e of document.querySelectorAll('main *')) {
 }
 const cut = [...document.querySelectorAll('main :is(p, li, td, th, dd, pre, figure, figcaption)')].filter(e =>
   /hidden|clip/.test(getComputedStyle(e).overflowX) && e.clientWidth && e.scrollWidth > e.clientWidth + 1);
+const bar = [...document.querySelectorAll('header :is(.nav-link, .search-button, .search-button-field)')]
+  .map(e => e.getBoundingClientRect()).filter(box => box.width).map(box => Math.round(box.top + box.height / 2));
 return {
+  rows: Math.max(...bar) - Math.min(...bar) > 16 ? bar : [],
   cut: cut.map(e => e.tagName + '.' + e.className + ' ' + e.textContent.trim().slice(0, 40)),
   overflow: document.documentElement.scrollWidth > wide + 1 ? ['page ' + document.documentElement.scrollWidth, ...out]
     : out,
@@ -95,7 +99,8 @@ def complaints(found: dict, host: str) -> list[str]:
     """What is wrong with a page by itself."""
     outside = [r for r in found["requests"] if not r.startswith((host, "data:", "blob:"))]
     return [f"{kind}: {', '.join(map(str, what[:4]))}" for kind, what in (
-        ("stands out", found["overflow"]), ("cut off", found["cut"]), ("missing picture", found["pictures"]),
+        ("stands out", found["overflow"]), ("cut off", found["cut"]), ("navigation in rows", found["rows"]),
+        ("missing picture", found["pictures"]),
         ("external request", outside), ("console", found["console"])) if what]  # fmt: skip
 
 

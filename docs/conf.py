@@ -43,6 +43,7 @@ html_theme_options = {
     "navbar_align": "left",
     "header_links_before_dropdown": 8,
     "logo": {"text": f"skfem_contact {version}"},
+    "navbar_persistent": ["search-button"],  # its field would need a second row
     "navbar_end": ["theme-switcher"],
     "show_prev_next": True,
     "secondary_sidebar_items": ["page-toc", "sourcelink"],

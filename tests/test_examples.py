@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import ast
 import json
 import math
 import os
-import re
 import runpy
 import shutil
 import sys
@@ -19,9 +17,6 @@ import pytest
 ROOT = Path(__file__).parents[1]
 CHAPTERS = ("1_first_steps", "1_short_scripts", "2_contact", "3_geotechnics")
 SCRIPTS = [path for chapter in CHAPTERS for path in sorted((ROOT / "examples" / chapter).glob("plot_*.py"))]
-SHORT = [script for script in SCRIPTS if script.parent.name == "1_short_scripts"]
-#: What the gallery omits.
-OMITTED = re.compile(r"(?ms)^# sphinx_gallery_start_ignore.*?^# sphinx_gallery_end_ignore\n")
 #: Folder of a built gallery, which has run the examples with their checks: its pages hold what they printed.
 GALLERY = os.environ.get("BUILT_GALLERY")
 KEYS = {"method", "n", "unknowns", "error", "cpu_s", "iterations"}
@@ -62,15 +57,3 @@ def _run(script: Path, folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: py
     finally:
         plt.close("all")
     return capsys.readouterr().out
-
-
-@pytest.mark.parametrize("script", SHORT, ids=lambda script: script.stem)
-def test_short_scripts_are_short(script: Path) -> None:
-    """At most 40 lines with the mesh, without comments, docstrings and what the gallery omits."""
-    lines: set[int] = set()
-    for node in ast.walk(ast.parse(OMITTED.sub("", script.read_text(encoding="utf-8")))):
-        if isinstance(node, ast.FunctionDef | ast.ClassDef):
-            lines.add(node.lineno)
-        elif isinstance(node, ast.stmt) and not (isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)):
-            lines |= set(range(node.lineno, node.end_lineno + 1))
-    assert len(lines) <= 40, len(lines)

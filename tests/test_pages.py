@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import ast
 import json
+import re
 import shutil
 import subprocess
 import sys
@@ -13,6 +15,10 @@ import pytest
 DOCS = Path(__file__).parents[1] / "docs"
 sys.path.insert(0, str(DOCS / "_ext"))
 gallery_output = pytest.importorskip("gallery_output")
+
+EXAMPLES = sorted((DOCS.parent / "examples").glob("*/plot_*.py"))
+#: What Sphinx-Gallery leaves out.
+IGNORED = re.compile(r"(?ms)^# sphinx_gallery_start_ignore.*?^# sphinx_gallery_end_ignore\n")
 
 PAGE = """
 Figures
@@ -54,6 +60,38 @@ def test_readers_see_neither_checks_nor_figures():
     assert untouched == [PAGE]
 
 
+def on_page(script: Path) -> ast.Module:
+    """Return the code of an example that its page shows."""
+    code = IGNORED.sub("", script.read_text(encoding="utf-8"))
+    return ast.parse(gallery_output.without_checks(code, gallery_output.needed(code)))
+
+
+def test_code_on_pages_imports_what_it_needs():
+    """The clock and JSON are imported where something that is left uses them."""
+    for script in EXAMPLES:
+        page = on_page(script)
+        used = {node.id for node in ast.walk(page) if isinstance(node, ast.Name)} & {"process_time", "json"}
+        imported = {name.name for node in ast.walk(page) if isinstance(node, ast.Import | ast.ImportFrom)
+                    for name in node.names}  # fmt: skip
+        assert used <= imported, script.stem
+
+
+def test_short_scripts_are_short():
+    """At most 40 lines on the page with the mesh, without comments and docstrings."""
+    long = {}
+    for script in (script for script in EXAMPLES if script.parent.name == "1_short_scripts"):
+        lines: set[int] = set()
+        for node in ast.walk(on_page(script)):
+            text = isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
+            if isinstance(node, ast.FunctionDef | ast.ClassDef):
+                lines.add(node.lineno)
+            elif isinstance(node, ast.stmt) and not text:
+                lines |= set(range(node.lineno, node.end_lineno + 1))
+        if len(lines) > 40:
+            long[script.stem] = len(lines)
+    assert not long
+
+
 def test_warnings_lose_the_path_of_the_machine():
     """What was warned stays, where in the builder's folders does not."""
     source = [" .. code-block:: none\n\n    /home/a/plot_b.py:65: AnalysisWarning: the joint is soft\n"
@@ -85,13 +123,14 @@ SITE = {
     "good.html": "<main><h1 id='here'>Good</h1><p>A line that wraps.</p></main>",
     "cut.html": "<main><p style='width:90px;overflow:hidden;white-space:nowrap'>A line that goes on.</p></main>",
     "wide.html": "<main><div style='width:2000px'>wide</div></main>",
+    "rows.html": "<header><a class='nav-link'>one</a><br><br><a class='nav-link'>two</a></header>",
     "bad.html": "<main><img src='none.png' alt='none'><script>console.error('trouble')</script></main>",
 }  # fmt: skip
 
 
 @pytest.mark.skipif(shutil.which("chromium") is None or shutil.which("chromedriver") is None, reason="needs Chromium")
 def test_what_a_browser_stumbles_over(tmp_path):
-    """A site of five pages with one fault of each kind; the good page is not named."""
+    """A site of six pages with one fault of each kind; the good page is not named."""
     pytest.importorskip("selenium")
     for name, body in SITE.items():
         head = "<!doctype html><html><head><title>t</title><link rel='icon' href='data:,'></head>"
@@ -100,11 +139,11 @@ def test_what_a_browser_stumbles_over(tmp_path):
     done = subprocess.run(command, capture_output=True, text=True, timeout=240)
     assert done.returncode == 1, done.stderr
     *lines, last = done.stdout.splitlines()
-    assert json.loads(last)["pages"] == 5
+    assert json.loads(last)["pages"] == 6
     for fault in ("index.html: broken link none.html", "index.html: no place #nowhere on good.html",
-                  "cut.html (wide, light): cut off",
+                  "cut.html (wide, light): cut off", "rows.html (wide, light): navigation in rows",
                   "wide.html (wide, light): stands out", "wide.html (narrow, dark): stands out",
                   "bad.html (wide, light): missing picture", "bad.html (wide, light): console"):  # fmt: skip
         assert any(line.startswith(fault) for line in lines), (fault, lines)
     assert not any(line.startswith("good.html") for line in lines)
-    assert len(list((tmp_path / "shots").rglob("*.png"))) == 20
+    assert len(list((tmp_path / "shots").rglob("*.png"))) == 24

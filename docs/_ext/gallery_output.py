@@ -11,6 +11,7 @@ import re
 import subprocess
 import sys
 import textwrap
+from collections.abc import Collection
 
 import skfem_contact.plot as plot
 
@@ -28,8 +29,17 @@ WARNING = re.compile(r"^( *)\S+\.py:\d+: (\w*Warning: .*)\n\1  .*\n", re.MULTILI
 COLLECTS = re.compile(
     r"(rows\b|(begin|cpu\w*|cpu, \w+) = |print\(json\.dumps|import json$|from time import process_time$)")
 
+#: Imports that go as well unless something that stays uses them, as it is written there.
+IMPORTS = {"import json": "json.", "from time import process_time": "process_time()"}
 
-def without_checks(code: str) -> str:
+
+def needed(code: str) -> list[str]:
+    """Imports that are used by what stays of the code of a page."""
+    left = without_checks(code)
+    return [line for line, use in IMPORTS.items() if use in left]
+
+
+def without_checks(code: str, kept: Collection[str] = ()) -> str:
     """Code without assertions and without what collects figures; comments that stand above them go as well."""
     try:
         body = ast.parse(code).body
@@ -38,7 +48,7 @@ def without_checks(code: str) -> str:
     lines = code.split("\n")
     for node in reversed(body):
         text = "\n".join(lines[node.lineno - 1:node.end_lineno])
-        if isinstance(node, ast.Assert) or COLLECTS.match(text):
+        if isinstance(node, ast.Assert) or (COLLECTS.match(text) and text not in kept):
             first = node.lineno - 1
             while first > 0 and lines[first - 1].startswith("#"):
                 first -= 1
@@ -66,8 +76,10 @@ def for_readers(app, name: str, source: list[str]) -> None:
     if not name.startswith("gallery/"):
         return
 
+    kept = needed("\n".join(map(textwrap.dedent, CODE.findall(source[0]))))
+
     def shown(match: re.Match) -> str:
-        code = narrow(without_checks(textwrap.dedent(match.group(1))))
+        code = narrow(without_checks(textwrap.dedent(match.group(1)), kept))
         return f".. code-block:: Python\n\n{textwrap.indent(code, '    ')}\n\n\n" if code.strip() else "\n"
 
     text = CODE.sub(shown, WARNING.sub(r"\1\2\n", FIGURES.sub("", source[0])))

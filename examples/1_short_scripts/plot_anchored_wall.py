@@ -16,7 +16,8 @@ from skfem import Basis, ElementTriP2, ElementVector
 import skfem_contact as sc
 import skfem_contact.plot as plot
 
-begin, toe, table, floors, row = process_time(), -14.0, -7.0, (-3.0, -6.0, -8.0, -9.0), 2.5
+begin = process_time()
+toe, table, floors, row = -14.0, -7.0, (-3.0, -6.0, -8.0, -9.0), 2.5
 pit = sc.section.pit(10.0, floors, (-2.0, -5.0, toe), {"sand": -24.0}, size=3.0, beyond=30.0, fine=0.7)
 basis = Basis(pit.mesh(), ElementVector(ElementTriP2()), intorder=2)
 sand = sc.MohrCoulomb(E=5e4, nu=0.3, c=3.0, phi=32.0, psi=4.0)

@@ -21,7 +21,8 @@ from skfem import Basis, ElementTriP2, ElementVector
 import skfem_contact as sc
 import skfem_contact.plot as plot
 
-begin, H, E, nu, k = process_time(), 4.0, 2e3, 0.3, 1e-4
+begin = process_time()
+H, E, nu, k = 4.0, 2e3, 0.3, 1e-4
 section = sc.section.embankment(3.0, 14.0, 2.0, {"clay": -H}, 2.0, lifts=3, beyond=10.0, sizes={"clay": 1.0})
 section.plot()
 

@@ -21,7 +21,8 @@ from skfem import Basis, ElementTriP2, ElementVector
 import skfem_contact as sc
 import skfem_contact.plot as plot
 
-begin, width, c = process_time(), 2.0, 20.0
+begin = process_time()
+width, c = 2.0, 20.0
 ground = sc.section.layers((-5.0, 5.0), 0.0, {"clay": -3.0})
 section = sc.section.Section(ground, 1.5, lines={"footing": [(-1, 0), (1, 0)]}, sizes={"footing": 0.5})
 basis = Basis(section.mesh(), ElementVector(ElementTriP2()), intorder=2)

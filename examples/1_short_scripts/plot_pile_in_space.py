@@ -17,7 +17,8 @@ from skfem import Basis, ElementTetP2, ElementVector
 import skfem_contact as sc
 import skfem_contact.plot as plot
 
-begin, D, L, width, tau = process_time(), 0.5, 8.0, 12.0, 30.0
+begin = process_time()
+D, L, width, tau = 0.5, 8.0, 12.0, 30.0
 areas = {"around": sc.section.rectangle((0, width), (0, width)), "inside": sc.section.rectangle((0, D / 2), (0, D / 2))}
 plan = sc.section.Section(areas, 8.0, replace="inside", sizes={"inside": D / 2})
 column = plan.extruded([-18, -10.5, -8.6, -8, -7.4, -5, -2.5, 0], upright=True)
