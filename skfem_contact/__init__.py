@@ -23,6 +23,7 @@ from .materials import (
     LinearElastic,
     Material,
     MohrCoulomb,
+    NgiAdp,
     SoftSoilCreep,
     Tresca,
     Undrained,
@@ -42,7 +43,7 @@ __version__ = "0.2.0"
 __all__ = [
     "AnalysisWarning", "AugmentedLagrangian", "Bar", "Beam", "CamClay", "ContactPair", "Coulomb", "DruckerPrager",
     "DualMultipliers", "Embedded", "Field", "Form", "HardeningMohrCoulomb", "HardeningSoil", "HoekBrown",
-    "InterfaceLaw", "Internal", "LinearElastic", "Material", "MatrixForm", "Model", "MohrCoulomb", "Newton",
+    "InterfaceLaw", "Internal", "LinearElastic", "Material", "MatrixForm", "Model", "MohrCoulomb", "Newton", "NgiAdp",
     "NoEquilibrium", "NotConverged", "PoreWater", "Reinforcement", "Response", "RigidBoundary", "Sections",
     "SoftSoilCreep", "SolidForm", "Spring", "Stage", "Surface", "Tied", "Tresca", "Undrained", "VonMises",
     "box_supports", "dofs_at", "element_test", "hydrostatic", "join_bodies", "load_mesh", "load_result", "mesh",

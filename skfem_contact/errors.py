@@ -72,6 +72,14 @@ class Failure:
     seen: tuple[Any, ...] = ()
 
 
+class InadmissibleStress(ValueError):
+    """Initial stress that a material does not admit, worst at a point: the flat index (C order) among those given."""
+
+    def __init__(self, message: str, point: int) -> None:
+        super().__init__(message)
+        self.point = point
+
+
 class IncrementTooLarge(RuntimeError):
     """Error of a material's update or of :meth:`Form.outer`: the increment is too large and must be cut."""
 

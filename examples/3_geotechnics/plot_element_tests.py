@@ -4,7 +4,8 @@ Laboratory tests of clay, rock and sand
 
 :func:`~skfem_contact.element_test` follows a material along a path of prescribed stresses and strains, as a laboratory
 does with a sample. The tests of Modified Cam Clay are compared with closed forms and quadratures of the law, those of
-Hoek-Brown with its strength, loops of sand at small strains with Masing's rule.
+Hoek-Brown with its strength, loops of sand at small strains with Masing's rule, creep with the logarithm of time, and
+the undrained strengths of clay in all directions of the plane with the ellipse of NGI-ADP.
 """
 
 import json
@@ -16,7 +17,7 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 import skfem_contact as sc
-from skfem_contact.laboratory import isotropic, oedometer, simple_shear, triaxial
+from skfem_contact.laboratory import PathStep, isotropic, oedometer, simple_shear, triaxial
 
 KAPPA, LAMBDA, M, NU, P = 0.02, 0.10, 1.2, 0.25, 100.0
 SHEAR = 1.5 * (1 - 2 * NU) / (1 + NU) / KAPPA  # shear modulus over mean stress
@@ -165,6 +166,45 @@ assert rows[-1]["error"] < 1e-6
 assert np.abs(q[tips[3:]] - q[tips[1:4]]).max() < 1e-6 * np.abs(q).max()
 
 # %%
+# Secondary compression
+# ---------------------
+# An oedometer sample of Soft Soil Creep under a constant load, at the stress ratio whose flow has no lateral strain.
+# The axial strain is :math:`\mu \ln(1 + (1 - \eta^2 / M^2)\, t / \tau)`, a straight line over the logarithm of time.
+
+MU, DAY = 0.004, 1.0
+eta = (9 + 4 * M**2) ** 0.5 / 2 - 1.5
+lateral = (1 - eta / 3) / (1 + 2 * eta / 3)
+held = [PathStep(stress={"yy": None}, strain={"xx": 0.0, "zz": 0.0, "xy": 0.0}, increments=1, duration=days)
+        for days in np.diff(np.geomspace(1e-2, 1e4, 25), prepend=0.0)]  # fmt: skip
+creeping = sc.SoftSoilCreep(KAPPA, LAMBDA, M, NU, p_ref=P, mu=MU, tau=DAY)
+creep = timed("Soft Soil Creep, 24 steps of time", creeping, -P * np.array([[lateral], [1.0], [lateral], [0.0]]), held)
+days, strain = np.geomspace(1e-2, 1e4, 25), -creep.axial[1:, 0]
+exact = MU * np.log1p((1 - (eta / M) ** 2) * days / DAY)
+rows[-1]["error"] = float(np.abs(strain / exact - 1).max())
+slope = (strain[-1] - strain[-5]) / (MU * np.log(10.0))
+print(f"creep of the last decade {slope:.5f} mu ln(10), error of the curve {rows[-1]['error']:.1e}")
+assert rows[-1]["error"] < 1e-6 and abs(slope - 1) < 1e-3
+
+# %%
+# Strength by direction
+# ---------------------
+# Clay that is weaker in simple and in passive shearing (NGI-ADP), strained in 24 directions of the plane from its
+# stress at rest. All of them end on the ellipse through the three strengths.
+
+anisotropic = sc.NgiAdp.from_ratios(20.0, s_uDSS=0.7, s_uP=0.4, G_ur=500.0, gamma_A=0.01, gamma_DSS=0.02, gamma_P=0.04)
+angle = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
+pushed = PathStep(strain={"xx": 0.3 * np.cos(angle), "yy": -0.3 * np.cos(angle), "zz": 0.0, "xy": 0.6 * np.sin(angle)},
+                  increments=50)
+at_rest = np.tile(-np.array([[60.0], [80.0], [60.0], [0.0]]), 24)
+ellipse = timed("NGI-ADP, 24 directions", anisotropic, at_rest, pushed)
+t, tau = (ellipse.stress[:, 0] - ellipse.stress[:, 1]) / 2, ellipse.stress[:, 3]
+active, dss, passive = anisotropic.s_uA, anisotropic.s_uDSS, anisotropic.s_uP
+across = (2 * t[-1] - active + passive) / (active + passive)
+rows[-1]["error"] = float(np.abs(np.hypot(across, tau[-1] / dss) - 1).max())
+print(f"distance from the ellipse of strengths {rows[-1]['error']:.1e}")
+assert rows[-1]["error"] < 1e-5
+
+# %%
 # Undrained paths
 # ---------------
 
@@ -182,6 +222,20 @@ ax.legend(frameon=False)
 fig, ax = plt.subplots(figsize=(6, 4), layout="constrained")
 ax.plot(1e3 * (loops.strain[40:, 0, 0] - loops.strain[40:, 1, 0]), q[40:])
 ax.set(xlabel="shear strain [1/1000]", ylabel="q [kPa]")
+
+# %%
+# Creep, and paths to the ellipse of strengths
+# --------------------------------------------
+
+fig, axes = plt.subplots(1, 2, figsize=(9, 3.8), layout="constrained")
+axes[0].semilogx(days, 100 * strain, "o", markersize=3, label="element test")
+axes[0].semilogx(days, 100 * exact, linewidth=0.8, label="exact")
+axes[0].set(xlabel="time [days]", ylabel="axial strain [%]")
+axes[0].invert_yaxis()
+axes[0].legend(frameon=False)
+axes[1].plot(t, tau, linewidth=0.8)
+axes[1].plot(t[-1], tau[-1], "k.")
+axes[1].set(xlabel="half of (xx - yy) [kPa]", ylabel="shear stress xy [kPa]", aspect="equal")
 plt.show()
 
 # %%

@@ -8,7 +8,8 @@ import numpy as np
 from numpy import ndarray
 from skfem import CellBasis
 
-from ..checks import look_up
+from ..checks import format_point, look_up
+from ..errors import InadmissibleStress
 from ..layout import elements_of
 from ..materials import Material, Update
 from ..materials.base import as_material, updated
@@ -31,6 +32,15 @@ class Region(NamedTuple):
         except ValueError as error:
             raise ValueError(f"material of '{self.name}': {error}") from error
         return Region(self.name, here, self.elements, given if given.functions else None)
+
+    def initial_internal(self, stress: ndarray, basis: CellBasis) -> ndarray:
+        """Return the memory of ground under stresses of a basis' points; say where they are not admissible."""
+        try:
+            return self.material.initial_internal(stress[:, self.elements])
+        except InadmissibleStress as error:
+            at = np.asarray(basis.global_coordinates())[:, self.elements].reshape(basis.mesh.dim(), -1)[:, error.point]
+            raise InadmissibleStress(f"{error}; that point lies at {format_point(at)} in '{self.name}'", error.point
+                                     ) from error
 
 
 def check_materials(regions: tuple[Region, ...], shape: tuple[int, ...], ncomp: int) -> None:

@@ -193,7 +193,7 @@ class SolidForm(Form):
         """Return the internal variables with which the materials start under a stress."""
         internal = np.zeros((self._n_internal, *self.weight.shape))
         for r in self.regions:
-            internal[:r.material.n_internal, r.elements] = r.material.initial_internal(stress[:, r.elements])
+            internal[:r.material.n_internal, r.elements] = r.initial_internal(stress, self.basis)
         return internal
 
     def _strains(self, x: ndarray) -> ndarray:

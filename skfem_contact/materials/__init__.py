@@ -8,8 +8,10 @@ from .hardening import HardeningMohrCoulomb
 from .hardening_soil import HardeningSoil
 from .hoek_brown import HoekBrown
 from .mohr_coulomb import MohrCoulomb, Tresca
+from .ngi_adp import NgiAdp
 from .soft_soil_creep import SoftSoilCreep
 from .undrained import Undrained
 
 __all__ = ["CamClay", "DruckerPrager", "HardeningMohrCoulomb", "HardeningSoil", "HoekBrown", "Internal",
-           "LinearElastic", "Material", "MohrCoulomb", "SoftSoilCreep", "Tresca", "Undrained", "Update", "VonMises"]
+           "LinearElastic", "Material", "MohrCoulomb", "NgiAdp", "SoftSoilCreep", "Tresca", "Undrained", "Update",
+           "VonMises"]

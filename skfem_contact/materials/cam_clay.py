@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 from typing_extensions import override
 
-from ..errors import IncrementTooLarge
+from ..errors import InadmissibleStress, IncrementTooLarge
 from .base import PLASTIC_STRAIN, Array, Internal, Material, Parameter, Update, along_elements, as_parameters, require
 from .plastic import chosen
 
@@ -150,9 +150,10 @@ class CamClay(Material):
         """Refuse points without a positive pressure."""
         if wrong.any():
             worst = int(np.argmin(np.where(wrong, p, np.inf)))
-            raise ValueError(f"{self.label} has neither stiffness nor strength without pressure, but p plus the "
-                             f"attraction is {p[worst]:.4g} at point {worst} ({wrong.sum()} of {p.size} points): begin "
-                             "with compressive initial stresses, or give `attraction`")
+            raise InadmissibleStress(
+                f"{self.label} has neither stiffness nor strength without pressure, but p plus the attraction is "
+                f"{p[worst]:.4g} at point {worst} ({wrong.sum()} of {p.size} points): begin with compressive initial "
+                "stresses, or give `attraction`", worst)
 
     @override
     def yielding(self, before: Array, after: Array) -> NDArray[np.bool_]:

@@ -23,7 +23,7 @@ from .plastic import ROUND_OFF
 # Newton's method takes its last step below the first residual, and the second is then reached: it converges
 # quadratically. Residuals are relative to the largest trial stress.
 _LAST_STEP, _SOLVED = 1e-7, 1e-11
-_ITERATIONS, _HALVINGS = 30, 6
+_ITERATIONS, _HALVINGS = 20, 6
 # Shares in which the solution of an increment is followed where Newton's method fails in one: of 2,000 random
 # increments of 1e-2 (ten times the stresses) 211 need them; 3 stay without a solution with 8 shares, 1 with 24.
 _STEPS = 12
@@ -271,10 +271,13 @@ def hardening_return(t: Points, k: Constants) -> Returned:
     n = t.gamma.size
     c, gamma, cap = np.zeros((3, n)), t.gamma.copy(), t.cap.copy()
     scale = 0.5 * t.factor * (t.scale + k.scale(np.zeros(n)))
-    open_, parts = np.flatnonzero(~_beyond_apex(t, scale, k)), []
-    for steps, with_cap, mode in product((1, _STEPS), (True, False), modes(k.lode)):
+    left, parts = ~_beyond_apex(t, scale, k), []
+    likely = _likely_modes(t, scale, k)
+    for steps, first, with_cap, (number, mode) in product((1, _STEPS), (True, False), (True, False),
+                                                          enumerate(modes(k.lode))):
+        open_ = np.flatnonzero(left & ((likely == number) == first))
         if not open_.size:
-            break
+            continue
         points = t.take(open_)
         z = _followed(points, mode, k, with_cap, steps)
         values, memory, holds = _checked(z, points, mode, k)
@@ -282,8 +285,15 @@ def hardening_return(t: Points, k: Constants) -> Returned:
         done = open_[kept]
         parts.append(_Part(done, mode, points.take(kept), z[:, kept]))
         c[:, done], (gamma[done], cap[done]), scale[done] = values[:, kept], memory[:, kept], z[3, kept]
-        open_ = open_[~holds]
-    return Returned(c, gamma, cap, scale, open_, lambda: _slopes(parts, n, k))
+        left[done] = False
+    return Returned(c, gamma, cap, scale, np.flatnonzero(left), lambda: _slopes(parts, n, k))
+
+
+def _likely_modes(t: Points, scale: Array, k: Constants) -> NDArray[np.intp]:
+    """Return the numbers of the modes in which points return by shear alone, without change of volume."""
+    c1, c2, c3 = k.shift - t.trial(scale).values[::-1]
+    shear = 0.5 * np.maximum(c1 - c3 - k.shear_strength(c3, t.gamma, k.scale(c3))[0], 0.0) / (1 + 0.5 * k.failure)
+    return np.where(c2 <= c3 + shear, 1, np.where(c2 >= c1 - shear, 2, 0))
 
 
 def _beyond_apex(t: Points, scale: Array, k: Constants) -> NDArray[np.bool_]:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from typing_extensions import override
 
 from ..checks import number
-from ..errors import IncrementTooLarge, warn
+from ..errors import InadmissibleStress, IncrementTooLarge, warn
 from .base import PLASTIC_STRAIN, Array, Flow, Internal, Material, Parameter, Update, require, warn_of_radians
 from .hardening_return import Returned, hardening_return
 from .hardening_stiffness import LEAST, Constants, Points, elastic_scale
@@ -175,7 +175,7 @@ class HardeningSoil(CohesiveFrictional):
     def initial_internal(self, stress: Array) -> Array:
         k = self.constants
         c = k.shift - principal_stresses(stress)[::-1].reshape(3, -1)
-        self._check_initial(c, stress[0].size // max(stress.shape[1], 1))
+        self._check_initial(c)
         gamma, least = np.zeros(c.shape[1]), np.maximum(c[2], LEAST * k.reference)
         scale, q = k.scale(c[2]), np.minimum(c[0] - c[2], k.failure * least)
         gamma = 2 * q / scale * (1 / (k.initial * (1 - q / (k.asymptote * least))) - 1 / k.unloading)
@@ -186,7 +186,7 @@ class HardeningSoil(CohesiveFrictional):
         history = np.zeros((self.n_internal - 3, gamma.size))
         return np.concatenate(([0 * gamma, gamma, cap], history)).reshape(-1, *stress.shape[1:])
 
-    def _check_initial(self, c: Array, n_points: int) -> None:
+    def _check_initial(self, c: Array) -> None:
         """Refuse initial stresses, shifted and compression positive, in tension or outside the failure surface."""
         k, size = self.constants, np.abs(c).max(axis=0)
         excess = c[0] - c[2] - k.failure * c[2]
@@ -195,9 +195,10 @@ class HardeningSoil(CohesiveFrictional):
             worst = outside[np.argmax(excess[outside])]
             s3, s1 = k.shift - c[[0, 2], worst]
             where = "in tension" if c[2, worst] < 0 else f"outside the failure surface by {excess[worst]:.4g}"
-            raise ValueError(f"initial stress of HardeningSoil {where} at {outside.size} points, the worst in element "
-                             f"{worst // n_points}: principal stresses {s1:.4g} and {s3:.4g} with c={self.c:g}, "
-                             f"phi={self.phi:g}; change K0, or give more cohesion")
+            raise InadmissibleStress(
+                f"initial stress of HardeningSoil {where} at {outside.size} of {c.shape[1]} points, most at point "
+                f"{worst}: principal stresses {s1:.4g} and {s3:.4g} with c={self.c:g}, phi={self.phi:g}; change K0, or "
+                "give more cohesion", int(worst))
         bare = np.count_nonzero(c[2] < LEAST * k.reference)
         if bare and size.max() > 0:
             warn(f"{bare} points of HardeningSoil are compressed by less than {LEAST * k.reference:.3g}, where the "
