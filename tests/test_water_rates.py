@@ -94,26 +94,6 @@ def test_sources():
     np.testing.assert_allclose(water.head, 9.0 + 0.1 * mesh.p[0] * (4.0 - mesh.p[0]), rtol=1e-10)
 
 
-@pytest.mark.parametrize("seed", range(12))
-def test_water_balances(seed):
-    """[X] Rain, a well and a source in random ground: what enters at boundaries and in the ground leaves by 1e-8."""
-    rng = np.random.default_rng(seed)
-    length, height = rng.uniform(8, 30), rng.uniform(4, 9)
-    mesh = strip(length, height)
-    mesh = mesh.with_boundaries({"screen": lambda x: (x[0] > length - 1e-9) & (x[1] < 0.3 * height)})
-    mesh = mesh.with_subdomains({"low": lambda x: x[1] < 0.5 * height, "high": lambda x: x[1] > 0.5 * height})
-    k = dict(zip(("low", "high"), 10.0 ** rng.uniform(-7, -4, 2)))
-    source = 10.0 ** rng.uniform(-10, -8)
-    pumped = min(k.values()) * rng.uniform(-0.5, 0.5)
-    water = sc.water.seepage(
-        heads(mesh), k, {"left": height * rng.uniform(0.8, 1.0)}, unit_weight=WATER, seepage_face="left",
-        flux={"top": 10.0 ** rng.uniform(-9, -5)}, wells={"screen": pumped}, sources={"low": source},
-    )  # fmt: skip
-    through = [water.discharge(name) for name in ("left", "top", "screen")]
-    assert through[2] == pytest.approx(-pumped, rel=1e-8)
-    assert abs(sum(through) + 0.5 * length * height * source) <= 1e-8 * np.abs(through).sum()
-
-
 def theis(r, t, pumped, transmissivity, storativity):
     return pumped / (4 * np.pi * transmissivity) * exp1(r**2 * storativity / (4 * transmissivity * t))
 

@@ -41,8 +41,28 @@ class Retention(Protocol):
         return suction + change
 
 
+class _Limited(Retention):
+    """Retention with a lower limit of the relative permeability, between 0 and 1."""
+
+    least: float
+    content: tuple[float, float] | None
+
+    def __post_init__(self) -> None:
+        number(self.least, "least", 0.0, 1.0)
+        if self.content is not None:
+            least, most = vector(self.content, 2, "content")
+            if not 0.0 <= least < most <= 1.0:
+                raise ValueError(f"content is the residual and the saturated content of water, 0 <= residual < "
+                                 f"saturated <= 1, not {self.content!r}")
+
+    def limited(self, k: ndarray, slope: ndarray, dry: ndarray) -> tuple[ndarray, ndarray]:
+        """Return the relative permeability and its slope: 1 where the ground is not dry, and not below the limit."""
+        changing = dry & (k > self.least)
+        return np.where(dry, np.maximum(k, self.least), 1.0), np.where(changing, slope, 0.0)
+
+
 @dataclass(frozen=True)
-class Ramp(Retention):
+class Ramp(_Limited):
     r"""Sharp free surface: ground is saturated below it and nearly impermeable above it.
 
     The relative permeability falls from 1 to `least` as the cubic :math:`3s^2 - 2s^3` over a suction head of `width`
@@ -71,9 +91,8 @@ class Ramp(Retention):
     content: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         positive(self.width, "width")
-        number(self.least, "least", 0.0, 1.0)
-        _check_content(self.content)
 
     @override
     def relative(self, suction: ndarray, size: ndarray) -> tuple[ndarray, ndarray]:
@@ -92,7 +111,7 @@ class Ramp(Retention):
 
 
 @dataclass(frozen=True)
-class VanGenuchten(Retention):
+class VanGenuchten(_Limited):
     r"""Capillary fringe above the water table, by Mualem's model with van Genuchten's curve.
 
     With the suction head :math:`s`, :math:`m = 1 - 1/n` and the effective saturation
@@ -126,10 +145,9 @@ class VanGenuchten(Retention):
     content: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
-        _check_content(self.content)
+        super().__post_init__()
         positive(self.alpha, "alpha")
         number(self.n, "n", 1.0)
-        number(self.least, "least", 0.0, 1.0)
 
     @override
     def relative(self, suction: ndarray, size: ndarray) -> tuple[ndarray, ndarray]:
@@ -142,8 +160,7 @@ class VanGenuchten(Retention):
         # slope of (x / (1 + x))^m: infinite at s = 0 for n < 2
         steep = (self.n - 1.0) * np.maximum(s, _STEEPEST) ** (self.n - 2.0) * (1.0 + x) ** (-m - 1.0)
         slope = -filled * rest * (0.5 * m * self.n * rest * x / s / (1.0 + x) + 2.0 * steep)
-        changing = (suction > 0.0) & (k > self.least)
-        return np.where(suction > 0.0, np.maximum(k, self.least), 1.0), np.where(changing, self.alpha * slope, 0.0)
+        return self.limited(k, self.alpha * slope, suction > 0.0)
 
     @override
     def saturation(self, suction: ndarray, size: ndarray) -> tuple[ndarray, ndarray]:
@@ -172,7 +189,7 @@ class VanGenuchten(Retention):
 
 
 @dataclass(frozen=True)
-class BrooksCorey(Retention):
+class BrooksCorey(_Limited):
     r"""Ground that stays saturated up to a suction at which air enters.
 
     Beyond the suction head :math:`s_b` the effective saturation is :math:`S = (s_b / s)^\lambda` and the relative
@@ -206,18 +223,16 @@ class BrooksCorey(Retention):
     content: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
-        _check_content(self.content)
+        super().__post_init__()
         positive(self.entry, "entry")
         positive(self.index, "index")
-        number(self.least, "least", 0.0, 1.0)
 
     @override
     def relative(self, suction: ndarray, size: ndarray) -> tuple[ndarray, ndarray]:
         power = 3.0 * self.index + 2.0
         s = np.maximum(suction / self.entry, 1.0)
         k = s**-power
-        changing = (suction >= self.entry) & (k > self.least)
-        return np.maximum(k, self.least), np.where(changing, -power * k / s / self.entry, 0.0)
+        return self.limited(k, -power * k / s / self.entry, suction >= self.entry)
 
     @override
     def saturation(self, suction: ndarray, size: ndarray) -> tuple[ndarray, ndarray]:
@@ -248,11 +263,3 @@ def _by_saturation(law: Retention, turn: float, suction_of: Callable[[ndarray], 
     now = filled + steep * np.minimum(suction - turn, 0.0)
     new = np.maximum(now + slope * change, _DRIER * now)
     return np.where(new < most, suction_of(np.minimum(new, most)), turn + (new - most) / steep)
-
-
-def _check_content(content: tuple[float, float] | None) -> None:
-    if content is not None:
-        least, most = vector(content, 2, "content")
-        if not 0.0 <= least < most <= 1.0:
-            raise ValueError(f"content is the residual and the saturated content of water, 0 <= residual < saturated "
-                             f"<= 1, not {content!r}")

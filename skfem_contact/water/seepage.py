@@ -10,7 +10,7 @@ from numpy import ndarray
 from skfem import CellBasis, FacetBasis, LinearForm
 
 from ..checks import format_point, look_up, number, positive
-from ..errors import warn
+from ..errors import NotConverged, warn
 from ..forms.assembly import strain_of
 from ..forms.base import Coordinates
 from ..layout import elements_of
@@ -272,8 +272,13 @@ def seepage(basis: CellBasis, permeability: Permeability | Mapping[str, Permeabi
     tie = screens_and_ties(porous, connected, given.held, first)
     check_heads(porous, given.held, tie)
     lowered = replace(given, head=given.head - datum)
-    found = WaterBalance(flow, lowered, tie, porous.mesh.p[:, :porous.N]).solve(laws)
-    result = described(flow, found, given, laws, flux, sourced(porous, sources, axisymmetric), unit_weight)
+    try:
+        found = WaterBalance(flow, lowered, tie, porous.mesh.p[:, :porous.N]).solve(laws)
+    except NotConverged as failed:
+        assert failed.x is not None
+        warn_of_dry_wells(porous, wells, failed.x + datum)
+        raise
+    result = described(flow, found, given, laws, flux, tie.T @ sourced(porous, sources, axisymmetric), unit_weight)
     _warn_of_dry_ground(porous, tensors, found.relative, result.velocity)
     warn_of_dry_wells(porous, wells, result.head)
     return result

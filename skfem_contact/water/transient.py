@@ -245,7 +245,7 @@ class _March:
     def _row(self, found: Balance, time: float, unit_weight: float) -> tuple[Seepage, ndarray, float, float]:
         flux, sources = self.given.values("flux", time), self.given.values("sources", time)
         state = described(self.flow, found, self.given.at(time)[0], self.laws, flux,
-                          sourced(self.flow.basis, sources, self.flow.axisymmetric), unit_weight)
+                          self._balance.tie.T @ sourced(self.flow.basis, sources, self.flow.axisymmetric), unit_weight)
         return state, self._stored.sum(axis=0) / self.flow.volume, float(self._stored.sum()), self.entered
 
     def _tried(self, time: float, end: float) -> tuple[float, Balance] | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from contextlib import suppress
 
 import numpy as np
 import pytest
@@ -168,3 +169,92 @@ def test_what_does_not_balance_is_warned_of(monkeypatch):
     limit = np.inf
     with pytest.raises(sc.NotConverged, match="the water does not balance: it does not want to"):
         sc.water.seepage(basis, 1.0, {"left": 10.0, "right": 2.0}, seepage_face="right", unit_weight=9.81)
+
+
+def wet_strip(kind=MeshQuad, size: float = 1.0, mirrored: bool = False):
+    """Ground of 40 by 10 m between two ditches, with the screen of a well on one side."""
+    x, y = np.linspace(0, 40, 19) ** 1.2 / 40**0.2, np.linspace(0, 10, 9)
+    mesh = kind.init_tensor(*(size * each for each in (40 - x[::-1] if mirrored else x, y)))
+    near, far = ("right", "left") if mirrored else ("left", "right")
+    sides = {"left": mesh.p[0].min(), "right": mesh.p[0].max()}
+    at = sides[far]
+    return mesh.with_boundaries({
+        "top": lambda x: x[1] > (10 - 1e-9) * size, "near": lambda x: abs(x[0] - sides[near]) < 1e-9 * size,
+        "far": lambda x: (abs(x[0] - at) < 1e-9 * size) & (x[1] > 2.6 * size),
+        "screen": lambda x: (abs(x[0] - at) < 1e-9 * size) & (x[1] < 2.6 * size),
+    })  # fmt: skip
+
+
+def rained(mesh, rain=0.02, pumped=0.2, k=1.0, level=6.0, **options) -> sc.water.Seepage:
+    """Flow under rain to a ditch and to a well, without any warning."""
+    return flow(mesh, {"near": level}, k, ["near", "far"], flux={"top": rain}, wells={"screen": pumped}, **options)
+
+
+@pytest.mark.parametrize("kind", [MeshTri, MeshQuad])
+@pytest.mark.parametrize("rain", [1e-12, 1e-6, 1e-2, 1.0, 1e3])
+def test_rain_of_any_rate(rain, kind):
+    """[X] Rain of 1e-12 to 1e3 times the permeability: what the ground takes reaches the ditch and the well."""
+    water = rained(wet_strip(kind), rain)
+    through = {name: water.discharge(name) for name in ("near", "far", "top", "screen")}
+    assert abs(sum(through.values())) <= 1e-8 * sum(map(abs, through.values()))
+    assert through["screen"] == pytest.approx(-0.2, rel=1e-8)
+    taken = min(rain, 0.1) * 40.0  # less than 0.1 enters in full
+    assert taken * (1 - 1e-7) - 1e-9 < through["top"] <= rain * 40.0 * (1 + 1e-7) + 1e-9
+
+
+@pytest.mark.parametrize("contrast", [1e-10, 1e10])
+def test_contrast_of_ten_decades(contrast):
+    """[X] Layers in series and side by side, 1e10 times as permeable as each other: harmonic and arithmetic means."""
+    mesh = dam(n=10).with_subdomains({"a": lambda x: x[1] > 5, "b": lambda x: x[1] < 5})
+    k = {"a": contrast, "b": 1.0}
+    down = flow(mesh, {"top": 12.0, "bottom": 10.0}, k, face=())
+    assert down.discharge("top") == pytest.approx(10 * 2.0 / (5 + 5 / contrast), rel=1e-6)
+    along = flow(mesh, {"left": 14.0, "right": 12.0}, k, face=())
+    # round-off of the tight layer is 1e-16 of the flow through the other one
+    assert along.discharge("left") == pytest.approx(1.0 + contrast, rel=1e-9)
+    assert along.discharge("right") == pytest.approx(-along.discharge("left"), rel=1e-9)
+
+
+@pytest.mark.parametrize("pumped", [1.1, 5.0])
+def test_wells_that_fall_dry(pumped):
+    """More than the ground yields: the level in the well lies below its screen, with or without a balance."""
+    told = pytest.warns(sc.AnalysisWarning, match=r"well 'screen' falls dry: its level, -?\d")
+    with told, suppress(sc.NotConverged):
+        sc.water.seepage(Basis(wet_strip(), ElementQuad1()), 1.0, {"near": 6.0}, unit_weight=9.81,
+                         seepage_face=["near", "far"], wells={"screen": pumped})  # fmt: skip
+
+
+@pytest.mark.parametrize(("length", "time"), [(1e3, 1e-9)])
+def test_units_of_rain_and_wells(length, time):
+    """[X] Rain, a well and their answer in other units of length and time."""
+    base, other = rained(wet_strip()), rained(
+        wet_strip(size=length), 0.02 * length / time, 0.2 * length**2 / time, length / time, 6.0 * length)  # fmt: skip
+    np.testing.assert_allclose(other.head / length, base.head, atol=1e-6)
+    assert other.discharge("near") * time / length**2 == pytest.approx(base.discharge("near"), rel=1e-7)
+
+
+def test_mirrored_rain_and_wells():
+    """[X] The same to the left and to the right."""
+    base, other = rained(wet_strip()), rained(wet_strip(mirrored=True))
+    mesh, turned = base.basis.mesh, other.basis.mesh
+    order, again = (np.lexsort((y, x.round(9))) for x, y in (mesh.p, (40 - turned.p[0], turned.p[1])))
+    np.testing.assert_allclose(other.head[again], base.head[order], atol=1e-7)
+    assert other.discharge("near") == pytest.approx(base.discharge("near"), rel=1e-8)
+
+
+def test_restart_in_the_middle():
+    """A run in time that begins anew from its own middle ends as one that goes on, within the error of its steps."""
+    sand = sc.water.VanGenuchten(1.5, 2.0, content=(0.05, 0.4))
+
+    def run(times, start):
+        return sc.water.transient_seepage(
+            Basis(wet_strip(), ElementQuad1()), 1e-5, {"near": 4.0}, retention=sand, times=times, start=start,
+            unit_weight=9.81, seepage_face=["near", "far"], flux={"top": 2e-7}, wells={"screen": 1e-7}, error=5e-3,
+        )  # fmt: skip
+
+    whole = run([0.0, 2e5, 4e5], 4.0)
+    again = run([2e5, 4e5], whole[1])
+    assert again.stored[0] == pytest.approx(whole.stored[1], rel=1e-8)
+    assert again.stored[-1] == pytest.approx(whole.stored[-1], rel=1e-4)
+    # of 10 m; measured 2e-4
+    np.testing.assert_allclose(again[-1].head, whole[-1].head, atol=5e-3)
