@@ -11,6 +11,8 @@ formula for a rigid conduit in a trench (1913) gives the load, of a fill of heig
 Units are kN and m.
 """
 
+# sphinx_gallery_thumbnail_number = 2
+
 import json
 from time import process_time
 

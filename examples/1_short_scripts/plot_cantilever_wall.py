@@ -6,6 +6,8 @@ A retaining wall of 5 m on sand, which touches the ground by contact alone. What
 much of the strength is used? Units are kN and m.
 """
 
+# sphinx_gallery_thumbnail_number = 3
+
 import json
 from time import process_time
 

@@ -12,6 +12,8 @@ middle the clay is pressed like a sample in an oedometer. There Terzaghi's theor
 for the load of every moment at which fill is placed. Units are kN, m and days.
 """
 
+# sphinx_gallery_thumbnail_number = 2
+
 import json
 from time import process_time
 

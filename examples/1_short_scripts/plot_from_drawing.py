@@ -7,6 +7,8 @@ layers' names, a strip load and the water table, in millimetres. From it follow 
 factor of safety, which Davis' flow rule finds on the safe side. Units are kN and m.
 """
 
+# sphinx_gallery_thumbnail_number = 3
+
 import json
 from time import process_time
 

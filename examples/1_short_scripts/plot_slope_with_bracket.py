@@ -8,6 +8,8 @@ differ. Strength reduction on the last of these meshes gives the displacements. 
 are kN and m.
 """
 
+# sphinx_gallery_thumbnail_number = 2
+
 import json
 from time import process_time
 

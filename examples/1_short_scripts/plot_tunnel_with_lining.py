@@ -6,6 +6,8 @@ A tunnel of three centres in two layers of ground. Half of the ground's pressure
 of 20 cm of shotcrete, is placed; it bears the rest. Units are kN and m.
 """
 
+# sphinx_gallery_thumbnail_number = 2
+
 import json
 from time import process_time
 
