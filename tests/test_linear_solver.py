@@ -163,6 +163,20 @@ def test_exactly_singular_matrix(engine):
     assert error.value.dofs.tolist() == [0, 1]
 
 
+def test_pattern_without_a_pivot_in_each_row(engine, capfd):
+    """[X] Two unknowns that one spring joins to a third: named, and BLAS has nothing to complain about."""
+    K = np.diag([0.0, 6.0, 6.0, 6.0, 6.0, 0.0, 6.0])
+    for i, j in ((0, 6), (5, 6), (2, 3), (2, 4), (2, 6), (3, 6)):
+        K[i, j] = K[j, i] = 1.0
+    if engine == "superlu":
+        with pytest.raises(RuntimeError, match="by its pattern"):
+            superlu.SuperLU().factor(csr_matrix(K), symmetric=False)
+    with pytest.raises(SingularSystem) as error:
+        DirectSolver(np.arange(7.0)[None], np.arange(7), engine).factor(csr_matrix(K))
+    assert error.value.dofs.tolist() == [0, 5]
+    assert not "".join(capfd.readouterr())
+
+
 def test_unchanged_factor_is_used_again(blocks, monkeypatch):
     """[X] Equal data or other values on fixed rows: no second factor; changed data: one more."""
     calls, splu = [], superlu.splu

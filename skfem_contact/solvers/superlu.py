@@ -8,7 +8,7 @@ from hashlib import blake2b
 import numpy as np
 from numpy import ndarray
 from scipy.sparse import csc_matrix, csr_array, csr_matrix
-from scipy.sparse.csgraph import breadth_first_order, maximum_flow
+from scipy.sparse.csgraph import breadth_first_order, maximum_flow, structural_rank
 from scipy.sparse.linalg import splu
 
 DRIFT = 1.15  # growth of the factors from which the dofs are ordered anew
@@ -52,7 +52,13 @@ class SuperLU:
         return self._first_fill is not None and self._fill > DRIFT * self._first_fill
 
     def factor(self, A: csr_matrix, symmetric: bool, careful: bool = False) -> Callable[[ndarray], ndarray]:
-        """Factor A and return its solution; `careful` pivots for accuracy; SuperLU makes no use of symmetry."""
+        """Factor A and return its solution; `careful` pivots for accuracy; SuperLU makes no use of symmetry.
+
+        Without a pivot in each row, whatever the numbers, SuperLU reads beyond its arrays: it prints errors of BLAS, or
+        ends the process.
+        """
+        if structural_rank(A) < A.shape[0]:
+            raise RuntimeError("the matrix is singular by its pattern")
         transposed = csc_matrix((A.data, A.indices, A.indptr), shape=A.shape)
         transposed.has_canonical_format = True
         threshold, options = (1.0, {}) if careful else (0.01, {"SymmetricMode": True})
