@@ -117,6 +117,16 @@ def test_names_of_the_reference_become_links():
         assert target(other) is None
 
 
+def test_sources_link_to_places_that_are_there():
+    """A link takes the module from the name of its page; one that is right stays."""
+    from reference_pages import to_places
+
+    folder = "../reference/generated/skfem_contact.results"
+    right = f'<a href="{folder}.Result.html#skfem_contact.results.Result.save">'
+    assert to_places(f'<a href="{folder}.Result.html#skfem_contact.Result.save">') == right == to_places(right)
+    assert to_places(f'"{folder}.of.html#skfem_contact.of"') == f'"{folder}.of.html#skfem_contact.results.of"'
+
+
 SITE = {
     "index.html": "<main><p id='top'>Text</p><a href='good.html#here'>good</a> <a href='none.html'>broken</a>"
                   " <a href='good.html#nowhere'>no place</a></main>",

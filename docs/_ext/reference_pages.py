@@ -15,6 +15,8 @@ from sphinx.errors import ConfigError
 import skfem_contact
 import skfem_contact.plot as plot
 
+#: A link to the page of a name, its module and the name, and what comes before that name in the place on the page.
+BACK = re.compile(r"(reference/generated/)((?:\w+\.)*)(\w+)\.html#(?:\w+\.)*?\3(?=[.\"])")
 #: Titles of the pages, in their order, and the modules of each; the first one's docstring opens the page.
 ROOMS = {
     "Models and stages": ("model", "stages"),
@@ -106,7 +108,22 @@ def write_pages(app, config) -> None:
     index.write_text("\n".join(topics), encoding="utf-8")
 
 
+def to_places(body: str) -> str:
+    """Links from the source of a module back to its reference, each to the module that its page is named by.
+
+    Sphinx takes one module for all names of a source, though some are public elsewhere.
+    """
+    return BACK.sub(r"\1\2\3.html#\2\3", body)
+
+
+def mend_links(app, pagename: str, templatename: str, context: dict, doctree) -> None:
+    """Mend the links of a page that shows a source."""
+    if pagename.startswith("_modules/"):
+        context["body"] = to_places(context["body"])
+
+
 def setup(app):
     """Register the extension."""
     app.connect("config-inited", write_pages)
+    app.connect("html-page-context", mend_links)
     return {"parallel_read_safe": True}
