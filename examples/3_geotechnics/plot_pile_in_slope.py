@@ -310,7 +310,7 @@ lengths = slips(failure, sides), slips(beam_failure, sides)
 print(f"factor {beam_safety.factor:.3f} for {piled.factor:.3f}, at {width:g} m {beam_at_width:.3f} for "
       f"{at_width['with pile']:.3f}; the sides slip along {lengths[1]:.1f} m for {lengths[0]:.1f} m")
 assert abs(beam_safety.factor / piled.factor - 1) < 0.03 and abs(beam_at_width / at_width["with pile"] - 1) < 0.03
-assert abs(lengths[1] / lengths[0] - 1) < 0.05  # 0.8 m, one point of the soil
+assert abs(lengths[1] / lengths[0] - 1) < 0.03  # .41 m of 22.2, the length of a node or two
 assert abs(abs(bent["beam"].M).max() / moment - 1) < 1e-6
 moments = [(forces.M.min(), forces.M.max()) for forces in bent.values()]
 assert np.allclose(*moments, rtol=0.03)  # of the hinges; the solid's are a row of elements long
@@ -321,7 +321,7 @@ assert np.allclose(*moments, rtol=0.03)  # of the hinges; the solid's are a row 
 # * The factor rises, in the paper by 8 % from 1.31 to 1.412, here by 4 %. There the strength was reduced until the
 #   computation no longer converged. Both factors fall as the mesh is refined: without and with a pile in the rows of
 #   the soil they are 1.352 and 1.425 with 2,300 unknowns, 1.329 and 1.404 with 4,200, 1.317 and 1.384 with 7,700. The
-#   finer pile has 1.372, and the beam 1.371.
+#   finer pile has 1.373, and the beam 1.371.
 # * On the right side of the pile the tractions jump at a depth of about 10 m: from the sliding ground above, which
 #   presses on the pile, to the firm ground below. Here the pressure falls within a metre, at the interface.
 # * Above it the soil slips along the pile, and all friction is mobilised. Below it most of the points stick in the
