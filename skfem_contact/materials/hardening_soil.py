@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,8 @@ from .spectral import Frame, principal, principal_stresses
 
 # Excess of an initial stress over the failure surface that is round-off of an analysis, relative to q_f.
 _OUTSIDE = 1e-6
+# Increments without an admissible result are halved so often; step of the differences of their tangents, as a share.
+_HALVINGS, _DIFFERENCE = 6, 1e-5
 
 
 @dataclass(frozen=True, eq=False)
@@ -209,15 +212,46 @@ class HardeningSoil(CohesiveFrictional):
         if strain_increment.shape != stress.shape or stress.ndim < 2 or stress.shape[0] not in (4, 6):
             raise ValueError("strain increment and stress must share a shape (4 or 6, n_elements, ...), "
                              f"got {strain_increment.shape} and {stress.shape}")
-        increment, result = strain_increment.reshape(len(stress), -1), stress.reshape(len(stress), -1).copy()
-        memory = internal.reshape(len(internal), -1).copy()
-        blocks = [self._return_block(increment, result, memory, slice(start, start + BLOCK))
-                  for start in range(0, result.shape[1], BLOCK)]
+        increment, start, before = (values.reshape(len(values), -1) for values in (strain_increment, stress, internal))
+        result, memory, tangent = self._followed(increment, start, before, _HALVINGS)
+        return Update(result.reshape(stress.shape), memory.reshape(internal.shape), np.arange(result.shape[1]), tangent)
+
+    def _followed(self, increment: Array, stress: Array, memory: Array, halvings: int
+                  ) -> tuple[Array, Array, Callable[[], Array]]:
+        """Return stresses, internal variables and tangent; halve the increments of points without a result."""
+        result, new = stress.copy(), memory.copy()
+        starts = range(0, stress.shape[1], BLOCK)
+        blocks = [self._return_block(increment, result, new, slice(start, start + BLOCK)) for start in starts]
+        found = (start + block.at[block.returned.lost] for start, block in zip(starts, blocks))
+        lost = np.concatenate([np.zeros(0, np.intp), *found])
+        if lost.size and halvings == 0:
+            raise IncrementTooLarge(f"{lost.size} of {stress.shape[1]} points of HardeningSoil have no admissible "
+                                    f"stress: the increment of the first is {increment[:, lost[0]]}")
+        given = stress[:, lost], memory[:, lost], halvings - 1
+        if lost.size:
+            result[:, lost], new[:, lost] = self._by_halves(increment[:, lost], *given)
 
         def tangent() -> Array:
-            return np.concatenate([_tangent(block, self.constants) for block in blocks])
+            slopes = np.concatenate([_tangent(block, self.constants) for block in blocks])
+            if lost.size:
+                slopes[lost] = self._differences(increment[:, lost], *given)
+            return slopes
 
-        return Update(result.reshape(stress.shape), memory.reshape(internal.shape), np.arange(result.shape[1]), tangent)
+        return result, new, tangent
+
+    def _by_halves(self, increment: Array, stress: Array, memory: Array, halvings: int) -> tuple[Array, Array]:
+        """Return stresses and internal variables after the two halves of an increment."""
+        for _ in range(2):
+            stress, memory, _ = self._followed(0.5 * increment, stress, memory, halvings)
+        return stress, memory
+
+    def _differences(self, increment: Array, *given: Any) -> Array:
+        """Return the tangent of halved increments, (n, ncomp, ncomp), by central differences."""
+        size, columns = _DIFFERENCE * np.abs(increment).max(axis=0), []
+        for unit in np.eye(len(increment)):
+            ahead, behind = (self._by_halves(increment + sign * size * unit[:, None], *given)[0] for sign in (1, -1))
+            columns.append((ahead - behind).T / (2 * size[:, None]))
+        return np.stack(columns, axis=2)
 
     def _return_block(self, increment: Array, stress: Array, memory: Array, at: slice) -> _Block:
         """Update the points of a block in place: stress (ncomp, n) and internal variables (n_internal, n)."""
@@ -240,10 +274,6 @@ class HardeningSoil(CohesiveFrictional):
         points = np.flatnonzero(outside)
         t = t.take(points)
         returned = hardening_return(t, k)
-        if returned.lost.size:
-            raise IncrementTooLarge(f"{returned.lost.size} of {points.size} yielding points of HardeningSoil have no "
-                                    "admissible stress: the increment of the first is "
-                                    f"{increment[:, at][:, points[returned.lost[0]]]}")
         frame, scale[points] = t.trial(returned.scale), returned.scale
         values = k.shift - returned.c[::-1]
         part[:, points] = frame.stress(values)
