@@ -192,3 +192,14 @@ def test_heave() -> None:
         down.heave_factor("prism", 9.0)
     with pytest.raises(ValueError, match="above the free surface"):
         sc.water.seepage(heads(mesh), K, {"left": 1.0, "right": 1.0}, unit_weight=WATER).heave_factor("prism", 20.0)
+
+
+@pytest.mark.parametrize("given", [{"head": {"left": 3.0, "right": 5.0}},
+                                   {"head": {"right": 5.0}, "flux": {"left": 1e-6}},
+                                   {"head": {"right": 5.0}, "seepage_face": "left"}])  # fmt: skip
+def test_no_water_passes_through_an_axis(given):
+    """There a head would be a well without a radius, whose discharge depends on the mesh alone."""
+    with pytest.raises(ValueError, match="'left' lies on the axis and has no area"):
+        sc.water.seepage(heads(strip()), K, **given, unit_weight=WATER, coordinates="axisymmetric")
+    hollow = strip().translated((0.5, 0.0))
+    assert sc.water.seepage(heads(hollow), K, **given, unit_weight=WATER, coordinates="axisymmetric").head.size
