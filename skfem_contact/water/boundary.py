@@ -69,8 +69,8 @@ def conditions(basis: CellBasis, head: Mapping[str, Given], seepage_face: str | 
     tolerance = _SAME * float(np.ptp(mesh.p, axis=1).max())
     on_axis = [name for name, at in nodes.items() if axisymmetric and mesh.p[0, at].max() <= tolerance]
     if on_axis:
-        raise ValueError(f"boundary '{on_axis[0]}' lies on the axis and has no area: no water passes through it; a well "
-                         "has a radius")
+        raise ValueError(f"boundary '{on_axis[0]}' lies on the axis and has no area: no water passes through it; a "
+                         "well has a radius")
     for name, value in head.items():
         wet, heads = _below(name, value, mesh.p[:, nodes[name]], tolerance)
         at = nodes[name][wet]
