@@ -58,6 +58,9 @@ class Branch(Protocol):
     def slope(self, now: Evaluation, states: Mapping[str, Any]) -> ndarray:
         """Return the derivative of the residual by the parameter, at an evaluation from accepted states."""
 
+    def resist(self) -> bool:
+        """Let friction resist further slip in damped tangents from now on; return whether any does."""
+
 
 def last_stage(start: Result | StageResult | None) -> StageResult | None:
     """Return the stage that a search starts from: the last one of a result."""
@@ -122,6 +125,11 @@ def loaded_start(setup: Setup, load: Any, start: Result | StageResult | None, wa
     return SearchStart(dict(active), system.with_forms(fixed_forms), Point(x, states, 0.0), weight, on_top)
 
 
+def with_resistance(system: System) -> System:
+    """Return a system in which friction resists further slip in damped tangents; itself where nothing slips."""
+    return system.with_forms({name: form.with_resistance() for name, form in system.forms.items()})
+
+
 def remainder(points: list[Point] | tuple[Point, ...]) -> float:
     """Estimate how far the parameter may still rise, by the slope of the curve's last part.
 
@@ -138,9 +146,22 @@ def remainder(points: list[Point] | tuple[Point, ...]) -> float:
 
 
 def follow(branch: Branch, control: ndarray, points: list[Point], newton: Newton, tolerance: float,
-           log: SearchLog, relative: bool = False, max_value: float = np.inf, growth: float = GROWTH,
-           max_step: float = np.inf, min_displacement: float = 0.0) -> SearchResult:
-    """Follow the curve until it has levelled off.
+           log: SearchLog, **settings: Any) -> SearchResult:
+    """Follow the curve until it has levelled off, a second time with resistance to slip where it stalls.
+
+    With resistance from the start blocks that slide away end in a plateau, up to .3 % too high.
+    """
+    found = _follow(branch, control, points, newton, tolerance, log, **settings)
+    if found.stop.kind == "stall" and branch.resist():
+        again = _follow(branch, control, points, newton, tolerance, log, **settings)
+        return again if again.stop.shows_limit else found
+    return found
+
+
+def _follow(branch: Branch, control: ndarray, points: list[Point], newton: Newton, tolerance: float,
+            log: SearchLog, relative: bool = False, max_value: float = np.inf, growth: float = GROWTH,
+            max_step: float = np.inf, min_displacement: float = 0.0) -> SearchResult:
+    """Follow the curve once.
 
     Parameters
     ----------

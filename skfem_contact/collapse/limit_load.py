@@ -17,7 +17,7 @@ from ..results.result import Result
 from ..results.stage import StageResult
 from ..solvers import single_threaded
 from ..stages.setup import Setup
-from .continuation import GROWTH, follow, last_stage, loaded_start
+from .continuation import GROWTH, follow, last_stage, loaded_start, with_resistance
 from .mechanism import as_collapse, warn_of_errors
 from .result import LOAD, CollapseResult, Point, SearchLog, conclude
 
@@ -44,6 +44,11 @@ class _Load:
         slope = self.reference.copy()
         slope[self.system.fixed] = 0.0
         return slope
+
+    def resist(self) -> bool:
+        """Let friction resist further slip in damped tangents; return whether any does."""
+        before, self.system = self.system, with_resistance(self.system)
+        return self.system is not before
 
 
 @single_threaded

@@ -21,7 +21,7 @@ from ..results.result import Result
 from ..results.stage import StageResult
 from ..solvers import single_threaded
 from ..stages.setup import Setup
-from .continuation import follow, loaded_start
+from .continuation import follow, loaded_start, with_resistance
 from .mechanism import as_collapse, is_singular
 from .result import FACTOR, CollapseResult, Point, SearchLog, SearchResult, Stop, conclude, no_collapse_below
 
@@ -88,6 +88,11 @@ class _Strength:
         change = sum(now.responses[name].force - response.force for name, response in beside.items()) / step
         change[self.whole.fixed] = 0.0
         return np.asarray(change)
+
+    def resist(self) -> bool:
+        """Let friction resist further slip in damped tangents; return whether any does."""
+        before, self.whole = self.whole, with_resistance(self.whole)
+        return self.whole is not before
 
     def equilibrium(self, start: Point, factor: float, newton: Newton, elastic: float = 0.0,
                     searches: tuple[Search, ...] = ("energy", "residual")) -> Point:

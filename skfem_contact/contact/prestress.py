@@ -130,6 +130,7 @@ class LinearisedContact(Form):
     """
 
     unilateral = True
+    _resists = False
 
     def __init__(self, pair: ContactBase, x: ndarray, state: ContactState) -> None:
         self.pair, self.size, self.strengths = pair, pair.size, pair.strengths
@@ -186,6 +187,12 @@ class LinearisedContact(Form):
         return new
 
     @override
+    def with_resistance(self) -> LinearisedContact:
+        new = copy(self)
+        new._resists = True
+        return new
+
+    @override
     def assemble(self, x: ndarray, state: ContactState) -> Response:
         pair, near = self.pair, self._points.take(self._at)
         change = np.where(self._dofs < 0, 0.0, x.take(self._dofs.clip(0)) - self._first)
@@ -215,7 +222,7 @@ class LinearisedContact(Form):
 
         force = weight[:, None] * np.einsum("in,nim->nm", update.traction, work)
         return Response(pair.gathering.force(dofs, force), candidate, lambda: stiffness(update),
-                        lambda: stiffness(resisting(update, jump[1:])))
+                        lambda: stiffness(resisting(update, jump[1:]) if self._resists else update))
 
     @override
     def remarks(self, x: ndarray, state: ContactState) -> Iterator[Remark]:

@@ -185,6 +185,10 @@ class Reducible:
         """Return the form whose geometry is not held, and its state: the inverse of :meth:`fixed_geometry`."""
         return self, state
 
+    def with_resistance(self: Self) -> Self:
+        """Return the form with damped tangents in which friction resists further slip."""
+        return self
+
     def yielding(self, before: Any, after: Any) -> tuple[int, int]:
         """Return the number of points of solids that have flowed from one state to another, and of all points."""
         return 0, 0
