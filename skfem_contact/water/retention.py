@@ -256,11 +256,10 @@ def _by_saturation(law: Retention, turn: float, suction_of: Callable[[ndarray], 
                    change: ndarray) -> ndarray:
     """Return the suction after a change in saturation, beyond the suction where its curve is steepest.
 
-    On the wet side of it the variable is the tangent there, and the suction itself is where a change ends that passes.
+    On the wet side of it the variable is the tangent there.
     """
     at, size = np.array(turn), np.ones(1)
     (most, steep), (filled, slope) = law.saturation(at, size), law.saturation(np.maximum(suction, at), size)
     now = filled + steep * np.minimum(suction - turn, 0.0)
     new = np.maximum(now + slope * change, _DRIER * now)
-    drier = np.where(suction < turn, turn, suction_of(np.minimum(new, most)))
-    return np.where(new < most, drier, turn + (new - most) / steep)
+    return np.where(new < most, suction_of(np.minimum(new, most)), turn + (new - most) / steep)
