@@ -169,8 +169,10 @@ def test_pattern_without_a_pivot_in_each_row(engine, capfd):
     for i, j in ((0, 6), (5, 6), (2, 3), (2, 4), (2, 6), (3, 6)):
         K[i, j] = K[j, i] = 1.0
     if engine == "superlu":
-        with pytest.raises(RuntimeError, match="by its pattern"):
-            superlu.SuperLU().factor(csr_matrix(K), symmetric=False)
+        with_zeros = csr_matrix((K.ravel(), np.indices(K.shape).reshape(2, -1)), shape=K.shape)
+        for matrix in (csr_matrix(K), with_zeros):
+            with pytest.raises(RuntimeError, match="by its pattern"):
+                superlu.SuperLU().factor(matrix, symmetric=False)
     with pytest.raises(SingularSystem) as error:
         DirectSolver(np.arange(7.0)[None], np.arange(7), engine).factor(csr_matrix(K))
     assert error.value.dofs.tolist() == [0, 5]

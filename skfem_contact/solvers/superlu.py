@@ -54,10 +54,12 @@ class SuperLU:
     def factor(self, A: csr_matrix, symmetric: bool, careful: bool = False) -> Callable[[ndarray], ndarray]:
         """Factor A and return its solution; `careful` pivots for accuracy; SuperLU makes no use of symmetry.
 
-        Without a pivot in each row, whatever the numbers, SuperLU reads beyond its arrays: it prints errors of BLAS, or
-        ends the process.
+        Where the entries that are not zero leave a row without a pivot, whatever their values, SuperLU reads beyond its
+        arrays: it prints errors of BLAS, or ends the process.
         """
-        if structural_rank(A) < A.shape[0]:
+        entries = A.copy()
+        entries.eliminate_zeros()
+        if structural_rank(entries) < A.shape[0]:
             raise RuntimeError("the matrix is singular by its pattern")
         transposed = csc_matrix((A.data, A.indices, A.indptr), shape=A.shape)
         transposed.has_canonical_format = True
