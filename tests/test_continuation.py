@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from helpers import analysis
@@ -18,6 +20,8 @@ from skfem import (
 )
 
 import skfem_contact as sc
+from skfem_contact.collapse import continuation
+from skfem_contact.collapse.result import SearchResult, Stop
 
 
 def column(phi=0.0, psi=0.0, n=2):
@@ -131,3 +135,15 @@ def test_no_load():
     forms, fixed, load = column()
     with pytest.raises(ValueError, match="zero"):
         sc.Model(forms, fixed).limit_load(0.0 * load)
+
+
+@pytest.mark.parametrize(("slides", "second", "ends"), [(True, "plateau", "plateau"), (True, "peak", "stall"),
+                                                         (False, "plateau", "stall")])  # fmt: skip
+def test_a_search_that_stalls_tries_again_with_resistance(monkeypatch, slides, second, ends):
+    """Once, where anything slides; an end that shows no limit does not replace the first one."""
+    tried = [SearchResult([], Stop(kind, "")) for kind in ("stall", second)]
+    monkeypatch.setattr(continuation, "_follow", lambda *given, **settings: tried.pop(0))
+    branch = SimpleNamespace(resist=lambda: slides)
+    found = continuation.follow(branch, np.zeros(1), [], sc.Newton(), 0.01, None)
+    assert found.stop.kind == ends
+    assert len(tried) == (0 if slides else 1)
