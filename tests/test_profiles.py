@@ -162,6 +162,9 @@ def test_davis_estimate_and_linear_triangles() -> None:
                         elements=200, gap=1.0, progress=False)
     assert found.estimate
     assert found.lower < constant.lower < found.upper
+    same = [analysis("bounds", *cut(2, sc.MohrCoulomb(E=1e4, nu=0.3, c=c, phi=20.0)), elements=200, gap=1.0,
+                     progress=False).lower for c in (10.0, lambda x: np.full(x.shape[1:], 10.0))]  # fmt: skip
+    assert same[1] == pytest.approx(same[0], rel=1e-6)
 
 
 @pytest.mark.parametrize(

@@ -113,6 +113,18 @@ def test_footing() -> None:
     assert 0.5 * exact < found.lower < exact < found.upper < 1.15 * exact  # 300 triangles
 
 
+@pytest.mark.parametrize("side", [0.0, 0.05])
+def test_confined_column(side: float) -> None:
+    """[X] The strength itself lies between bounds with chords and with tangents, which are 1.5 and .9 % away."""
+    law = sc.HoekBrown.from_gsi(E=1e6, nu=0.25, sigma_ci=1.0, m_i=10.0, gsi=60.0)
+    basis = Basis(MeshTri().refined(1).with_defaults(), ElementVector(ElementTriP2()), intorder=2)
+    fixed = [basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1")]
+    found = sc.Model({"rock": sc.SolidForm(basis, law)}, fixed).bounds(
+        tractions={"top": (0.0, -1.0), "right": (-side, 0.0)}, live="top", elements=60, progress=False)
+    exact = side + law.sigma_ci * (law.m_b * side / law.sigma_ci + law.s) ** law.a
+    assert 0.98 * exact < found.lower < exact < found.upper < 1.015 * exact
+
+
 def points(lines: np.ndarray, most: np.ndarray, n: int) -> Strength:
     """Strength of n points with lines."""
     rest = np.repeat(lines[1:, :, 0][None], n, axis=0)

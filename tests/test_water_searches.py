@@ -70,6 +70,17 @@ def test_factor_without_drainage(cut):
     np.testing.assert_allclose(after.stored, before.stored, atol=1e-6 * np.abs(quick.x).max())
 
 
+def test_pressures_that_drains_hold_follow_as_well(cut):
+    """[N] Without drainage it does not matter where water could leave; nothing left within the time of the cut."""
+    model, dug = cut.dug(1e-3)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", sc.AnalysisWarning)
+        found = model.strength_reduction(start=dug, undrained=True, progress=False)
+    pressures = model.forms["water"].pressure(found.x) - model.forms["water"].pressure(dug[-1].x)
+    held = np.unique(cut.basis.mesh.facets[:, cut.basis.mesh.boundaries["free"]])
+    assert found.stop.shows_limit and np.abs(pressures[held]).max() > 1.0
+
+
 def test_old_cuts_are_not_told(cut):
     """[X] Once it has drained a cut has the factor of one that was dug drained, and nothing is told."""
     model, dug = cut.dug(1e7)
