@@ -67,7 +67,7 @@ def conditions(basis: CellBasis, head: Mapping[str, Given], seepage_face: str | 
     passing = {name: np.asarray(mesh.boundaries[name]) for name in nodes}
     values, by = np.full(basis.N, np.nan), np.zeros(basis.N, dtype=object)
     tolerance = _SAME * float(np.ptp(mesh.p, axis=1).max())
-    on_axis = [name for name, at in nodes.items() if axisymmetric and mesh.p[0, at].max() <= tolerance]
+    on_axis = [name for name, at in nodes.items() if axisymmetric and np.abs(mesh.p[0, at]).max() <= tolerance]
     if on_axis:
         raise ValueError(f"boundary '{on_axis[0]}' lies on the axis and has no area: no water passes through it; a "
                          "well has a radius")
