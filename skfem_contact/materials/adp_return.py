@@ -51,6 +51,11 @@ def _vertical(ncomp: int) -> int:
     return 1 if ncomp == 4 else 2
 
 
+def _twice_shear(ncomp: int) -> Array:
+    """Return the weights of the components in the product of two stresses."""
+    return np.r_[1.0, 1.0, 1.0, np.full(ncomp - 3, 2.0)]
+
+
 def _projection(k: ADPConstants, ncomp: int) -> Array:
     """Return the matrix from stresses to modified deviators, (n, ncomp, ncomp)."""
     result = np.zeros((k.scale.size, ncomp, ncomp))
@@ -91,7 +96,7 @@ class _Measure(NamedTuple):
 
 def measure(s: Array, k: ADPConstants) -> _Measure:
     """Return the largest shear stress of deviators, rounded."""
-    weight = np.r_[1.0, 1.0, 1.0, np.full(len(s) - 3, 2.0)]
+    weight = _twice_shear(len(s))
     J2 = 0.5 * np.einsum("i,in->n", weight, s * s)
     safe = np.where(J2 > 0, J2, 1.0)
     unit = s / np.sqrt(safe)
@@ -236,7 +241,7 @@ def _at_failure(s: Array, k: ADPConstants) -> tuple[Array, Array]:
     That of direct simple shear counts by the share of shear on horizontal planes in J2. The rest is of the active side
     where the vertical axis is compressed, of the passive one where it is extended, between them where it is neither.
     """
-    weight, rows = np.r_[1.0, 1.0, 1.0, np.full(len(s) - 3, 2.0)][:, None], [3] if len(s) == 4 else [4, 5]
+    weight, rows = _twice_shear(len(s))[:, None], [3] if len(s) == 4 else [4, 5]
     J2 = np.maximum(0.5 * (weight * s * s).sum(axis=0), 1e-300)
     horizontal = (s[rows] ** 2).sum(axis=0)
     rest, up = np.maximum(J2 - horizontal, 1e-14 * J2), _vertical(len(s))
