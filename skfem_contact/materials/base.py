@@ -278,8 +278,8 @@ class _Completed(Material):
 def as_material(law: Any) -> Material:
     """Return a law with the defaults of the contract; refuse what has no elasticity or update."""
     calls = {name: getattr(law, name, None) for name in ("elasticity", "update")}
-    missing = [name for name, call in calls.items()
-               if not callable(call) or getattr(call, "__func__", None) is getattr(Material, name)]
+    missing = [name for name, call in calls.items() if not callable(call)
+               or getattr(call, "__func__", None) is getattr(Material, name)]
     if missing or isinstance(law, type):
         raise ValueError(f"{law!r} is no material: {' and '.join(missing) or 'an instance'} missing")
     return law if isinstance(law, Material) else _Completed(law)
@@ -287,15 +287,16 @@ def as_material(law: Any) -> Material:
 
 def updated(material: Material, strain_increment: Array, stress: Array, internal: Array, dt: float) -> Update:
     """Call the update of a material, with the time increment if it asks for it."""
-    time = (dt,) if material.time_dependent else ()
-    return material.update(strain_increment, stress, internal, *time)
+    return material.update(strain_increment, stress, internal, *((dt,) if material.time_dependent else ()))
 
 
-def check_reduction(factor: float, flow: str) -> None:
-    """Check a reduction factor and a flow rule."""
+def check_reduction(factor: float, flow: str, material: Material | None = None) -> None:
+    """Check a reduction factor, a flow rule, and that the strength of a material has values."""
     require("factor", factor, np.isfinite(factor) and factor > 0, "be positive")
     if flow not in FLOWS:
         raise ValueError(f"flow must be one of {', '.join(FLOWS)}, not {flow!r}")
+    if material is not None and (names := sorted(set(material.functions) - {"E", "nu"})):
+        raise ValueError(f"{' and '.join(names)} of {material.label} vary with the coordinates: reduce material.at(x)")
 
 
 def as_parameter(name: str, value: ArrayLike, ndim: int = 1) -> Parameter:
@@ -317,16 +318,15 @@ def as_parameters(material: Any) -> None:
             object.__setattr__(material, field.name, as_parameter(field.name, given[field.name]))
     lengths = {name: len(value) for name, value in given.items() if np.ndim(value)}
     if len(set(lengths.values())) > 1:
-        listed = ", ".join(f"{name} has {length}" for name, length in lengths.items())
-        raise ValueError(f"parameter arrays must have one value an element: {listed}")
+        raise ValueError("parameter arrays must have one value an element: "
+                         + ", ".join(f"{name} has {length}" for name, length in lengths.items()))
 
 
 def require(name: str, value: Parameter, holds: Any, demand: str) -> None:
     """Raise a ValueError that names the first element where a demand on a parameter does not hold."""
     if np.all(holds):
         return
-    mask = np.atleast_1d(holds)
-    first = np.unravel_index(int(np.argmin(mask)), mask.shape)
+    first = np.unravel_index(int(np.argmin(mask := np.atleast_1d(holds))), mask.shape)
     where = f" in element {first[0]}" if mask.size > 1 else ""
     raise ValueError(f"{name} must {demand}, got {np.broadcast_to(value, mask.shape)[first]}{where}")
 

@@ -110,7 +110,7 @@ class DruckerPrager(ConePlasticity):
 
     @override
     def reduced(self, factor: float, flow: Flow = "given") -> DruckerPrager:
-        check_reduction(factor, flow)
+        check_reduction(factor, flow, self)
         if flow not in ("given", "associated") and not self.symmetric:
             raise ValueError(f"flow '{flow}' needs cohesion and friction angle, which a DruckerPrager cone with "
                              "beta < alpha has not: use MohrCoulomb, or flow 'given' or 'associated'")
@@ -150,7 +150,7 @@ class VonMises(ConePlasticity):
 
     @override
     def reduced(self, factor: float, flow: Flow = "given") -> VonMises:
-        check_reduction(factor, flow)
+        check_reduction(factor, flow, self)
         return self._with(strength=self.strength / factor)
 
     @override

@@ -97,7 +97,7 @@ class HardeningMohrCoulomb(CohesiveFrictional, IsotropicPlasticity):
 
     @override
     def reduced(self, factor: float, flow: Flow = "given") -> HardeningMohrCoulomb:
-        check_reduction(factor, flow)
+        check_reduction(factor, flow, self)
         if flow == "lagged":
             raise ValueError("flow 'lagged' is for MohrCoulomb, not for HardeningMohrCoulomb, whose strength changes")
         if flow != "given" and not np.all(self.phi == self.phi_end):

@@ -134,7 +134,7 @@ class HoekBrown(IsotropicPlasticity):
 
     @override
     def reduced(self, factor: float, flow: Flow = "given") -> HoekBrown:
-        check_reduction(factor, flow)
+        check_reduction(factor, flow, self)
         if flow not in ("given", "associated"):
             raise ValueError(f"flow '{flow}' needs one friction angle: HoekBrown has 'given' and 'associated'")
         return self._with(factor=self.factor * factor, psi=self.psi if flow == "given" else _ASSOCIATED)

@@ -130,7 +130,7 @@ class MohrCoulomb(CohesiveFrictional, IsotropicPlasticity):
 
     @override
     def reduced(self, factor: float, flow: Flow = "given") -> MohrCoulomb | AssociatedSubstitute:
-        check_reduction(factor, flow)
+        check_reduction(factor, flow, self)
         if flow == "associated":
             return self._with(psi=self.phi)._divided(factor)
         if flow == "davis_a":

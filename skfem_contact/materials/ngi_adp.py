@@ -159,7 +159,7 @@ class NgiAdp(Isotropic):
     @override
     def reduced(self, factor: float, flow: Flow = "given") -> NgiAdp:
         """Return perfectly plastic clay of the reduced strengths: hardening changes no collapse."""
-        check_reduction(factor, flow)
+        check_reduction(factor, flow, self)
         weaker = {name: getattr(self, name) / factor for name in _STRENGTHS}
         return self._with(**weaker, **dict.fromkeys(_GAMMAS))
 
