@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .base import Array
-from .hardening_stiffness import Constants, Points
+from .hardening_stiffness import Constants, Points, beyond_apex, likely_modes
 from .plastic import ROUND_OFF
 
 # Newton's method takes its last step below the first residual, and the second is then reached: it converges
@@ -205,14 +205,14 @@ def _newton(t: Points, mode: _Mode, k: Constants, with_cap: bool, start: Array
         residual = _residual(here, t, trial, k, state, with_cap)
         better = (residual.error < least) | (halved >= _HALVINGS)
         new = here + _step(here, trial, state, residual)
-        new = np.where(np.isfinite(new).all(axis=0), new, here)  # a singular matrix: no solution
+        if not np.isfinite(new).all():
+            new = np.where(np.isfinite(new).all(axis=0), new, here)  # a singular matrix: no solution
         new[0] = np.clip(new[0], 0.0, np.maximum(trial.c[0] - trial.c[2], 0.0) / (0.5 * k.mu))
         grown = 1 + bulk * here[1]  # the cap is nearly linear in its logarithm
         new[1] = np.maximum(grown * np.exp(np.clip(bulk * (new[1] - here[1]) / grown, -3.0, 3.0)) - 1, 0.0) / bulk
         np.clip(new[2], 0.0, k.sin_psi, out=new[2])
         new[3] = np.clip(new[3], np.maximum(0.5 * t.factor * t.scale, 0.3 * here[3]), 3 * here[3])
-        step = np.where(better, new - here, 0.5 * step)
-        base = np.where(better, here, base)
+        step, base = np.where(better, new - here, 0.5 * step), np.where(better, here, base)
         halved, least = np.where(better, 0, halved + 1), np.where(better, residual.error, least)
         here = base + step
         left = np.flatnonzero(~(residual.error < _LAST_STEP))
@@ -258,12 +258,13 @@ class Returned(NamedTuple):
 
 
 class _Part(NamedTuple):
-    """Points that returned in one mode."""
+    """Points that returned in one mode, with their state and residual where none of those that were tried is left."""
 
     at: NDArray[np.intp]
     mode: _Mode
     points: Points
     z: Array
+    known: tuple[_State, _Residual] | None
 
 
 def hardening_return(t: Points, k: Constants) -> Returned:
@@ -271,47 +272,34 @@ def hardening_return(t: Points, k: Constants) -> Returned:
     n = t.gamma.size
     c, gamma, cap = np.zeros((3, n)), t.gamma.copy(), t.cap.copy()
     scale = 0.5 * t.factor * (t.scale + k.scale(np.zeros(n)))
-    left, parts = ~_beyond_apex(t, scale, k), []
-    likely = _likely_modes(t, scale, k)
-    for steps, first, with_cap, (number, mode) in product((1, _STEPS), (True, False), (True, False),
+    left, parts = ~beyond_apex(t, scale, k), []
+    likely = likely_modes(t, scale, k)
+    for steps, with_cap, first, (number, mode) in product((1, _STEPS), (True, False), (True, False),
                                                           enumerate(modes(k.lode))):
         open_ = np.flatnonzero(left & ((likely == number) == first))
         if not open_.size:
             continue
         points = t.take(open_)
         z = _followed(points, mode, k, with_cap, steps)
-        values, memory, holds = _checked(z, points, mode, k)
+        values, memory, holds, known = _checked(z, points, mode, k)
         kept = np.flatnonzero(holds)
         done = open_[kept]
-        parts.append(_Part(done, mode, points.take(kept), z[:, kept]))
+        parts.append(_Part(done, mode, points, z, known) if kept.size == open_.size else
+                     _Part(done, mode, points.take(kept), z[:, kept], None))
         c[:, done], (gamma[done], cap[done]), scale[done] = values[:, kept], memory[:, kept], z[3, kept]
         left[done] = False
     return Returned(c, gamma, cap, scale, np.flatnonzero(left), lambda: _slopes(parts, n, k))
 
 
-def _likely_modes(t: Points, scale: Array, k: Constants) -> NDArray[np.intp]:
-    """Return the numbers of the modes in which points return by shear alone, without change of volume."""
-    c1, c2, c3 = k.shift - t.trial(scale).values[::-1]
-    shear = 0.5 * np.maximum(c1 - c3 - k.shear_strength(c3, t.gamma, k.scale(c3))[0], 0.0) / (1 + 0.5 * k.failure)
-    return np.where(c2 <= c3 + shear, 1, np.where(c2 >= c1 - shear, 2, 0))
-
-
-def _beyond_apex(t: Points, scale: Array, k: Constants) -> NDArray[np.bool_]:
-    """Return a mask of the points whose shear would vanish in tension: no face or edge has a result."""
-    trial = k.shift - t.trial(scale).values[::-1]
-    to_minor = (trial[0] - 0.5 * (trial[1] + trial[2])) / (3 - k.sin_psi)
-    to_major = (0.5 * (trial[0] + trial[1]) - trial[2]) / (3 + k.sin_psi)
-    multiplier = 2 * np.maximum(to_minor, to_major) / k.mu
-    return trial.mean(axis=0) + (k.lam + 2 * k.mu / 3) * k.sin_psi * multiplier <= 0
-
-
-def _checked(z: Array, t: Points, mode: _Mode, k: Constants) -> tuple[Array, Array, NDArray[np.bool_]]:
-    """Return stresses (3, n) and memory (2, n) of the variables, and where they are admissible."""
+def _checked(z: Array, t: Points, mode: _Mode, k: Constants
+             ) -> tuple[Array, Array, NDArray[np.bool_], tuple[_State, _Residual]]:
+    """Return stresses (3, n) and memory (2, n) of the variables, where they are admissible, state and residual."""
     trial = mode.trial(t, z[3], k)
     state = _state(z, trial, mode, k, (0, 2, 1))
+    residual = _residual(z, t, trial, k, state)
     (L, C, s, scale), (c1, c3, c2) = z, state.c
     round_off, c = 10 * ROUND_OFF * trial.size, k.shift - t.trial(scale).values[::-1]
-    holds = (_residual(z, t, trial, k, state).error <= _SOLVED) & (c1 >= c3)
+    holds = (residual.error <= _SOLVED) & (c1 >= c3)
     faces, caps = k.mu * L, 4 * k.mu / k.cap_slope * state.q * C
     if mode.averaging[1, 1] == 1:
         holds &= (c1 >= c2 - round_off) & (c2 >= c3 - round_off)
@@ -324,16 +312,14 @@ def _checked(z: Array, t: Points, mode: _Mode, k: Constants) -> tuple[Array, Arr
         holds &= c[0] - c[1] <= (1 - s) * faces + (2 - k.lode) * caps + round_off
     rate = t.faster / scale
     memory = np.stack((t.gamma + L * rate, k.hardened(t.cap, 2 * state.p * C * rate)[0]))
-    return np.stack((c1, c2, c3)), memory, holds
+    return np.stack((c1, c2, c3)), memory, holds, (state, residual)
 
 
 def _slopes(parts: list[_Part], n: int, k: Constants) -> tuple[Array, Array]:
     """Return d c / d trial, (3, 3, n), at a held scale, and d c / d ln(scale), (3, n), at a held trial."""
     by_trial, by_scale = np.zeros((3, 3, n)), np.zeros((3, n))
-    for at, mode, t, z in parts:
-        trial = mode.trial(t, z[3], k)
-        state = _state(z, trial, mode, k, (0, 2, 1))
-        residual = _residual(z, t, trial, k, state)
+    for at, mode, t, z, known in parts:
+        state, residual = known or _checked(z, t, mode, k)[3]
         one, none = np.ones(at.size), np.zeros(at.size)
         direct = [state.by_trial(mode.averaging[:, [i]] * one, mode.w[i] * one, one / 3) for i in range(3)]
         columns = [*(_row(slope, residual) for slope in direct), [*residual.to_memory, none]]

@@ -1,4 +1,4 @@
-"""Constants of the Hardening Soil, its stiffness by stress, and elastic increments.
+"""Constants of the Hardening Soil, its stiffness by stress, elastic increments, and the modes of return that follow.
 
 Stresses are positive in compression here and measured from the apex of the failure cone, c1 >= c2 >= c3. The elastic
 stiffness of an increment is the reference stiffness times a scale, the mean of its values at both ends: reversed
@@ -77,7 +77,7 @@ class Constants(NamedTuple):
         if self.m == 1:
             new = cap * np.exp(rate * volume)
         else:
-            new = cap * (1 + (1 - self.m) * rate * volume * cap ** (self.m - 1)) ** (1 / (1 - self.m))
+            new = cap * (1 + (1 - self.m) * rate * volume * cap**self.m / cap) ** (1 / (1 - self.m))
         return new, rate * new**self.m
 
     def cap_stress(self, c: Array) -> Array:
@@ -133,3 +133,30 @@ def elastic_scale(t: Points, k: Constants) -> Array:
             break
         open_, t, here = open_[left], t.take(left), new[left]
     return result
+
+
+def likely_modes(t: Points, scale: Array, k: Constants) -> NDArray[np.intp]:
+    """Return the modes in which points return by one step of shear and cap, each alone, without dilatancy.
+
+    0 is the face, 1 the edge c2 = c3 and 2 the edge c1 = c2: there the step exceeds the distance of the trial stresses.
+    """
+    c = k.shift - t.trial(scale).values[::-1]
+    strength, to_least, to_gamma = k.shear_strength(c[2], t.gamma, k.scale(c[2]))
+    shear = np.maximum(c[0] - c[2] - strength, 0.0) / (2 + to_least + to_gamma * t.faster / (k.mu * scale))
+    w, p = np.array([1, k.lode - 1, -k.lode]), np.maximum(c.mean(axis=0), 0.0)
+    q, N, K = w @ c, 4 * k.mu / k.cap_slope, k.lam + 2 * k.mu / 3
+    squares = q * q / k.cap_slope
+    softer = (N * (w @ w) * squares + 2 * K * p * p) / (squares + p * p)
+    harder = 2 * p * k.hardened(t.cap, 0.0 * p)[1] * t.faster / (scale * t.cap)
+    cap = N * q * np.maximum(0.5 * np.log((squares + p * p) / t.cap**2), 0.0) / (softer + harder)
+    return np.where(c[1] - c[2] <= shear + (2 * k.lode - 1) * cap, 1,
+                    np.where(c[0] - c[1] <= shear + (2 - k.lode) * cap, 2, 0))
+
+
+def beyond_apex(t: Points, scale: Array, k: Constants) -> NDArray[np.bool_]:
+    """Return a mask of the points whose shear would vanish in tension: no face or edge has a result."""
+    trial = k.shift - t.trial(scale).values[::-1]
+    to_minor = (trial[0] - 0.5 * (trial[1] + trial[2])) / (3 - k.sin_psi)
+    to_major = (0.5 * (trial[0] + trial[1]) - trial[2]) / (3 + k.sin_psi)
+    multiplier = 2 * np.maximum(to_minor, to_major) / k.mu
+    return trial.mean(axis=0) + (k.lam + 2 * k.mu / 3) * k.sin_psi * multiplier <= 0
