@@ -26,7 +26,7 @@ def constant(K: csr_matrix) -> csr_matrix:
 
 def padded(K: csr_matrix, n: int) -> csr_matrix:
     """Pad a matrix of the first dofs to n dofs; its data are shared."""
-    indptr = np.pad(K.indptr, (0, n - K.shape[0]), mode="edge")
+    indptr = np.concatenate((K.indptr, np.repeat(K.indptr[-1:], n - K.shape[0])))
     return with_data(csr_matrix((K.data, K.indices, indptr), shape=(n, n)), K.data)  # scipy takes a view of them
 
 

@@ -85,18 +85,17 @@ class Response:
         dofs = self._dofs
         if dofs is None and len(self.force) == n:
             return self
-        if dofs is None:
-            more = (0, n - len(self.force))
-            return Response(np.pad(self.force, more), lambda: self.state, lambda: padded(self.stiffness, n),
-                            lambda: padded(self.damped, n), _each(self.round_off, lambda part: np.pad(part, more)),
-                            self.active, np.pad(self.measure, more))
 
         def spread(values: ndarray) -> ndarray:
+            if dofs is None:
+                return np.concatenate((values, np.zeros(n - len(values))))
             return np.bincount(dofs, values, minlength=n)
 
-        force, measure = spread(self.force), spread(self.measure)
-        return Response(force, lambda: self.state, lambda: scattered(self.stiffness, dofs, n),
-                        lambda: scattered(self.damped, dofs, n), _each(self.round_off, spread), self.active, measure)
+        def among(K: csr_matrix) -> csr_matrix:
+            return padded(K, n) if dofs is None else scattered(K, dofs, n)
+
+        return Response(spread(self.force), lambda: self.state, lambda: among(self.stiffness),
+                        lambda: among(self.damped), _each(self.round_off, spread), self.active, spread(self.measure))
 
     def lost(self, part: slice) -> float:
         """Return the norm of the forces that round-off may leave on some dofs."""
