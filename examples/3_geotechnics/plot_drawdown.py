@@ -10,11 +10,12 @@ of safety depends on how fast that happens:
 * **at once**, and no water leaves the slope: it answers :class:`undrained <skfem_contact.Undrained>`.
 
 Reality lies in between: :class:`water <skfem_contact.PoreWater>` that flows takes its time. The slow drawdown is the
-one of the paper. Run with ``--full`` for more levels without drainage.
+one of the paper. Run with ``--full`` for more levels without drainage, a third speed and a finer mesh.
 """
 import json
 import sys
 import time
+from itertools import pairwise
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -27,6 +28,7 @@ plot.set_units("kN", "m")
 
 HEIGHT, RUN, CREST, GAMMA, WATER, PHI = 10.0, 20.0, 12.0, 20.0, 9.81, 20.0
 K = 1e-4  # permeability, m/day
+FULL = "--full" in sys.argv
 COHESION = 0.05 * GAMMA * HEIGHT
 #: Factors by L / H, read off the figure of the paper; there the soil does not dilate.
 PUBLISHED = {-0.2: 1.85, 0.0: 1.85, 0.7: 1.30, 1.0: 1.40}
@@ -36,7 +38,9 @@ PUBLISHED = {-0.2: 1.85, 0.0: 1.85, 0.7: 1.30, 1.0: 1.40}
 # ---------
 # A rectangle of elements, finer towards the toe, is sheared into the slope.
 
-grid = MeshQuad.init_tensor(-(RUN + CREST) * np.linspace(1, 0, 23) ** 1.2, HEIGHT * np.linspace(0, 1, 9) ** 1.3)
+columns, layers = (22, 8) if FULL else (16, 6)
+grid = MeshQuad.init_tensor(-(RUN + CREST) * np.linspace(1, 0, columns + 1) ** 1.2,
+                            HEIGHT * np.linspace(0, 1, layers + 1) ** 1.3)
 x, y = grid.p
 mesh = MeshQuad(np.array([x - RUN * (1 + x / (RUN + CREST)) * y / HEIGHT, y]), grid.t).to_meshtri(style="x")
 mesh = mesh.with_boundaries({"surface": lambda x: x[1] > np.minimum(-x[0] * HEIGHT / RUN, HEIGHT) - 1e-9,
@@ -49,7 +53,7 @@ rows, curves = [], {"slow": {}, "no drainage": {}, "no drainage, total stress": 
 
 def factor(kind: str, share: float, began: float, forms, load, expected: float | None = None, **settings) -> None:
     """Factor of safety at a level, noted in a row; `expected` is what the error is taken from."""
-    result = sc.Model(forms, fixed).strength_reduction(load, progress=False, **settings)
+    result = sc.Model(forms, fixed).strength_reduction(load, certify=False, progress=False, **settings)
     curves[kind][share] = result.factor
     rows.append({"method": f"{kind}, L/H = {share:g}", "n": mesh.nelements, "unknowns": int(basis.N),
                  "factor": round(result.factor, 4),
@@ -67,14 +71,13 @@ def factor(kind: str, share: float, began: float, forms, load, expected: float |
 
 soil = sc.MohrCoulomb(E=1e5, nu=0.3, c=COHESION, phi=PHI, psi=PHI)
 slow = {"slope": sc.SolidForm(basis, soil)}
-for share in (-0.2, 0.0, 0.2, 0.4, 0.6, 0.7, 0.8, 0.9, 1.0):
+for share in (-0.2, 0.0, 0.2, 0.4, 0.6, 0.7, 0.8, 0.9, 1.0) if FULL else (-0.2, 0.0, 0.4, 0.6, 0.7, 0.8, 1.0):
     began = time.process_time()
     water = sc.hydrostatic(HEIGHT * (1 - share), unit_weight=WATER)
     factor("slow", share, began, slow, weight + sc.water_load(basis, water, "surface"), PUBLISHED.get(share))
 
-assert abs(curves["slow"][0.7] - 1.30) < 0.02
-assert all(1.81 < curves["slow"][share] < 1.85 for share in (-0.2, 0.0))
-assert 1.385 < curves["slow"][1.0] < 1.40
+# figures of the paper have two or three digits; the coarser mesh raises the factors by 0.5 %
+assert all(abs(curves["slow"][share] / known - 1) < (0.013 if FULL else 0.018) for share, known in PUBLISHED.items())
 assert min(curves["slow"], key=curves["slow"].get) in (0.7, 0.8)
 
 # %%
@@ -111,7 +114,7 @@ clay = {"slope": form.with_materials({"all": sc.Tresca(E=1e5, nu=0.4995, c=stren
 # is F.
 
 phi = np.radians(PHI)
-for share in (0.0, 0.2, 0.4, 0.6, 0.8, 1.0) if "--full" in sys.argv else (0.0, 0.4, 1.0):
+for share in (0.0, 0.2, 0.4, 0.6, 0.8, 1.0) if FULL else (0.0, 0.4, 1.0):
     began = time.process_time()
     load = weight + on_surface(HEIGHT * (1 - share))
     factor("no drainage, total stress", share, began, clay, load, tolerance=0.004)
@@ -148,7 +151,7 @@ plot.contour(result["down"], "pore", mesh=False, levels=5)
 # %%
 # With time
 # ---------
-# The reservoir falls by 0.4 H in four lifts, within 1, 10 or 100 days, and the face follows the level. Below it the
+# The reservoir falls by 0.4 H in four lifts, within 1 or 100 days, and the face follows the level. Below it the
 # pressure is that of the water outside. Above it the face is one for seepage: water leaves where its pressure would be
 # positive, and none enters. If it rains, face and crest stay wet, at zero pressure. Far side and base are tight.
 # The pressures count from those of still water before. In a search for the factor they stay as they are.
@@ -173,7 +176,8 @@ def lift(water: sc.PoreWater, level: float, days: float, rain: bool) -> sc.Stage
 at_rest = weight + sc.water_load(basis, full, "surface")
 figure, ax = plt.subplots(figsize=(7, 4.2), layout="constrained")
 with_time = {}
-for days, rain, style in ((1.0, False, "o-"), (10.0, False, "s--"), (100.0, False, "^:"), (100.0, True, "v-.")):
+SPEEDS = [(1.0, False, "o-"), (10.0, False, "s--"), (100.0, False, "^:")][::1 if FULL else 2]
+for days, rain, style in (*SPEEDS, (100.0, True, "v-.")):
     forms, key = (wet, "rain") if rain else (dry, f"{days:g} days")
     model = sc.Model(forms, fixed)
     water = model.forms["water"]
@@ -186,7 +190,8 @@ for days, rain, style in ((1.0, False, "o-"), (10.0, False, "s--"), (100.0, Fals
     highest = max(float((water.pressure(result[name].x) + full(mesh.p))[open_face].max()) for name in ("6 m", "later"))
     for name in ("6 m", "later"):
         began = time.process_time()
-        found = model.strength_reduction(start=result[name], tolerance=0.01, flow="associated", progress=False)
+        found = model.strength_reduction(start=result[name], tolerance=0.01, flow="associated", certify=False,
+                                         progress=False)
         with_time[key, name] = found.factor
         rows.append({"method": f"L/H = 0.4, {key}, {name}", "n": mesh.nelements, "unknowns": len(result[name].x),
                      "factor": round(found.factor, 4), "error": None, "iterations": found.iterations,
@@ -201,15 +206,15 @@ ax.axhline(curves["slow"][0.4], color="#1f4e8c", label="slow")
 ax.set(xlabel="time [days]", ylabel="factor of safety")
 ax.legend(frameon=False)
 plt.show()
-fast = [with_time[f"{days} days", "6 m"] for days in (1, 10, 100)]
-assert curves["no drainage"][0.4] < fast[0] < fast[1] < fast[2] < curves["slow"][0.4]
+fast = [with_time[f"{days:g} days", "6 m"] for days, *_ in SPEEDS]
+assert all(a < b for a, b in pairwise([curves["no drainage"][0.4], *fast, curves["slow"][0.4]]))
 
 # %%
 # The faster, the less safe; with time the slope recovers. In dry weather it becomes safer than slow drawdown is said to
 # be, because the water that stays above the level sucks. Rain takes that away, and does not let the slope drain.
 
-later = [with_time[f"{days} days", "later"] for days in (1, 10, 100)]
-assert all(b > a for a, b in zip(fast, later, strict=True)) and later[2] > curves["slow"][0.4]
+later = [with_time[f"{days:g} days", "later"] for days, *_ in SPEEDS]
+assert all(b > a for a, b in zip(fast, later, strict=True)) and later[-1] > curves["slow"][0.4]
 assert with_time["rain", "later"] < curves["slow"][0.4]
 
 # %%

@@ -36,10 +36,10 @@ FULL = "--full" in sys.argv
 # Half of the road. The fill is a grid whose outer side is drawn in to the slope; it stands on the nodes of the clay.
 
 TOE = CREST + SLOPE * LIFT * LIFTS
-x = np.concatenate((np.linspace(0, CREST, 4)[:-1], np.linspace(CREST, TOE, 7)[:-1],
-                    TOE + (WIDTH - TOE) * np.linspace(0, 1, 7) ** 1.4))
-clay = MeshTri.init_tensor(x, -DEPTH * np.linspace(1, 0, 8) ** 1.3)
-fill = MeshTri.init_tensor(x[:10], np.linspace(0, LIFT * LIFTS, 2 * LIFTS + 1))
+x = np.concatenate((np.linspace(0, CREST, 3)[:-1], np.linspace(CREST, TOE, 7)[:-1],
+                    TOE + (WIDTH - TOE) * np.linspace(0, 1, 5) ** 1.4))
+clay = MeshTri.init_tensor(x, -DEPTH * np.linspace(1, 0, 6) ** 1.3)
+fill = MeshTri.init_tensor(x[:9], np.linspace(0, LIFT * LIFTS, LIFTS + 1))
 inside = fill.p[0] / TOE * (TOE - SLOPE * fill.p[1])
 mesh = clay + MeshTri(np.stack((inside, fill.p[1])), fill.t)
 parts = {"clay": lambda x: x[1] < 0}
@@ -81,7 +81,7 @@ rows, factors = [], {}
 def factor(forms, stage, key) -> None:
     """Factor of safety at the end of a stage: the pressures are those of that moment."""
     began = time.process_time()
-    found = sc.Model(forms, fixed).strength_reduction(start=stage, tolerance=0.02, progress=False)
+    found = sc.Model(forms, fixed).strength_reduction(start=stage, tolerance=0.05, progress=False)
     factors[key, stage.name] = found.factor
     rows.append({"method": f"{key}, after {stage.name}", "n": mesh.nelements, "unknowns": len(stage.x),
                  "factor": round(found.factor, 3), "error": None,
@@ -97,11 +97,11 @@ for psi in (0.0, 5.0, PHI) if FULL else (0.0, PHI):
                  "cpu_s": round(time.process_time() - began, 2),
                  "iterations": sum(sum(stage.iterations) for stage in result)})
     assert lost < 1e-8  # all water that the clay has lost has left through its surface
-    searched = result.stages[1:] if FULL or psi == 0.0 else result.stages[-2:]
+    searched = result.stages[1:] if FULL or psi == 0.0 else result.stages[-1:]
     for stage in searched:
         factor(forms, stage, key)
     print(f"{key:<9}", ", ".join(f"{stage.name} {factors[key, stage.name]:.2f}" for stage in searched))
-    for i in (1, 2, 3) if len(searched) > 2 else (3,):  # every rest makes it safer
+    for i in (1, 2, 3) if len(searched) > 1 else ():  # every rest makes it safer
         assert factors[key, f"rest {i}"] > factors[key, f"lift {i}"] + 0.1
     if psi == 0.0:
         kept = forms, result

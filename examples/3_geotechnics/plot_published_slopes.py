@@ -12,7 +12,7 @@ search finds the factor of Davis' soils besides, which is on the safe side and d
 that no dilatancy exceeds.
 
 Units are kN and m; for Fredlund and Krahn pounds and feet. Run with ``--full`` for all seven on finer meshes; the
-default is three of them.
+default is two of them.
 """
 
 # %%
@@ -112,7 +112,7 @@ def problem(slope, dilatant, finer=1.0):
 # -----------------
 # The error is the distance from the published range.
 
-finer, chosen = 1.0, ("ACADS 1(a)", "Fredlund-Krahn", "Arai-Tagyo 1")
+finer, chosen = 0.8, ("Fredlund-Krahn", "Arai-Tagyo 1")
 if "--full" in sys.argv:
     finer, chosen = 1.5, tuple(slopes)
 rows, found = [], {}
@@ -122,7 +122,7 @@ for name in chosen:
     for dilatant in (True, False):
         begin = process_time()
         model, load = problem(slope, dilatant, finer)
-        result = model.strength_reduction(load, tolerance=0.005)
+        result = model.strength_reduction(load, tolerance=0.005, certify=False)
         seconds = round(process_time() - begin, 2)
         low, high = slope.published
         error = max(low / result.factor - 1.0, result.factor / high - 1.0, 0.0)

@@ -93,7 +93,8 @@ rows, factors, exact = [], [], []
 for day, water in zip(DAYS, flow, strict=True):
     began = time.process_time()
     u = pressure(water)
-    found = model.strength_reduction(sc.weight(basis, GAMMA) + sc.water_load(basis, u), tolerance=2e-3, progress=False)
+    found = model.strength_reduction(sc.weight(basis, GAMMA) + sc.water_load(basis, u), tolerance=2e-3, certify=False,
+                                     progress=False)
     tan = np.tan(np.radians(PHI))
     at = tan / np.tan(BETA) + 2 * C / (GAMMA * z * np.sin(2 * BETA)) - u(np.array([0 * z, DEPTH - z])) / (GAMMA * z) * (
         np.tan(BETA) + 1 / np.tan(BETA)) * tan

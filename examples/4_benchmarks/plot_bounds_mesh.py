@@ -6,10 +6,11 @@ Bounds leave a mesh behind that is fine where the ground shears and coarse elsew
 some 5,000 unknowns and quadratic triangles, comes within .9 % of the middle of the bracket that was found with it, on
 the first slope within .3 %; on a uniform mesh of as many unknowns it is two to five times as far. The slopes are
 examples 1 and 2 of Griffiths and Lane and ACADS 1(a); they stand in ``bound_cases.py``. The soil flows with
-:math:`\psi = \phi`.
+:math:`\psi = \phi`. Run with ``--full`` for all three; the default leaves out the second.
 """
 
 import json
+import sys
 import warnings
 from time import process_time
 
@@ -34,17 +35,20 @@ def factor(mesh, soil):
     """Factor of safety by strength reduction, its unknowns, iterations and processor time."""
     begin = process_time()
     slope = model(mesh, soil)
-    found = slope.strength_reduction(slope.weight(20.0), tolerance=0.002, progress=False)
+    found = slope.strength_reduction(slope.weight(20.0), tolerance=0.002, certify=False, progress=False)
     return found.factor, len(found.x), found.iterations, process_time() - begin
 
 
 # %%
-# Three slopes
-# ------------
+# The slopes
+# ----------
 
 warnings.filterwarnings("ignore", "the bounds .* differ|.* unstable under its own load", sc.AnalysisWarning)
 rows, meshes = [], {}
-for name, times in (("Griffiths and Lane 1", 3), ("Griffiths and Lane 2", 2), ("ACADS 1(a)", 2)):
+chosen = {"Griffiths and Lane 1": 3, "Griffiths and Lane 2": 2, "ACADS 1(a)": 2}
+if "--full" not in sys.argv:
+    del chosen["Griffiths and Lane 2"]
+for name, times in chosen.items():
     problem, _ = CASES[name]
     first = problem["forms"]["soil"]
     begin = process_time()
