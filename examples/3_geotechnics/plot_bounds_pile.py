@@ -122,7 +122,8 @@ for name, share in cases.items():
     basis = Basis(found.mesh, ElementVector(ElementTriP2()), intorder=2)
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "no collapse was shown", sc.AnalysisWarning)
-        reduction = sc.Model(forms, fixed).strength_reduction(sc.weight(basis, weight), exclude=kept, progress=False)
+        reduction = sc.Model(forms, fixed).strength_reduction(sc.weight(basis, weight), exclude=kept, tolerance=0.02,
+                                                              certify=False, progress=False)
     proven[name], factors[name] = found, reduction.factor
     safe = "" if found.safe is None else f", safe {found.safe:.3f}"
     print(f"{name:14} [{found.lower:.3f}, {found.upper:.3f}]{safe}, strength reduction "
@@ -150,7 +151,8 @@ assert factors["without pile"] < factors["interface 1"]
 if FULL:
     forms, fixed, weight = model(proven["interface 1"].mesh, 1.0, stiffness=2.8e8)
     basis = Basis(proven["interface 1"].mesh, ElementVector(ElementTriP2()), intorder=2)
-    stiff = sc.Model(forms, fixed).strength_reduction(sc.weight(basis, weight), exclude="pile", progress=False)
+    stiff = sc.Model(forms, fixed).strength_reduction(sc.weight(basis, weight), exclude="pile", certify=False,
+                                                      progress=False)
     print(f"a pile ten times as stiff: {stiff.factor:.3f}")
     assert abs(stiff.factor - factors["interface 1"]) < 0.02
 

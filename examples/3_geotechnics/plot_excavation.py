@@ -132,7 +132,7 @@ assert 0 < inwards["lift 1"] < inwards["lift 2"]
 # %%
 # How far is it from collapse? The strength of the soil is reduced from the last stage on, and that of its contact with
 # the wall as well. What has been dug away is left out.
-found = sc.Model(forms, [fixed, strut]).strength_reduction(start=result, reduce=["soil", "soil|wall"])
+found = sc.Model(forms, [fixed, strut]).strength_reduction(start=result, reduce=["soil", "soil|wall"], certify=False)
 print(f"factor of safety {found.factor:.2f} in {found.iterations} iterations, stopped by {found.stop}")
 assert 2.8 < found.factor < 3.2  # psi = 0: this much depends on path and method
 

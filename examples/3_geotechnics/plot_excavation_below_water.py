@@ -63,10 +63,10 @@ def in_lift(name):
 
 def ground_and_wall():
     """Mesh of sand, lifts and wall with the parts of their joint."""
-    behind = OUTER + (FAR - OUTER) * np.expm1(np.linspace(0, 3, 13)) / np.expm1(3)
+    behind = OUTER + (FAR - OUTER) * np.expm1(np.linspace(0, 3, 11)) / np.expm1(3)
     across = np.concatenate((INNER * (1 - np.linspace(1, 0, 10) ** 1.4), behind))
     heights = np.append(
-        TOE + (BASE - TOE) * np.linspace(1, 0, 7) ** 1.5, np.linspace(TOE, 0, 29)[1:]
+        TOE + (BASE - TOE) * np.linspace(1, 0, 7) ** 1.5, np.linspace(TOE, 0, 22)[1:]
     )
     mesh = (
         MeshQuad.init_tensor(across, heights)

@@ -74,7 +74,7 @@ def drawn_beside(place, pressure, line, exact, title, along, **limits):
 # The pressure is infinite at the rim, where the elements are smallest. What they make of it does
 # not matter a few elements away.
 
-n, size, growth = (6, 0.0025, 1.5) if FULL else (5, 0.005, 1.5)
+n, size, growth = (6, 0.0025, 1.5) if FULL else (4, 0.005, 1.5)
 away = growing(size, growth, 9.0)
 inside = away[away < 0.36] / 0.4  # from the rim towards the square in the middle
 section = quarter_disc(n, np.append(0.0, 1 - inside[:0:-1]), 1 + away)
@@ -161,7 +161,7 @@ def across(p):
     return -np.minimum(way**2, 1.5) / (2 * RADIUS)
 
 
-n = 9 if FULL else 7
+n = 9 if FULL else 6
 x, y, z = lines(1 / n, 1.3), lines(1.3 * b / n, 1.3 * b), lines(1.3 * b / n, 2.6 * b / n)
 x, y = (np.append(-c[:0:-1], c) for c in (x, y))
 level = Block.of(MeshHex.init_tensor(x, y, -z[::-1]),

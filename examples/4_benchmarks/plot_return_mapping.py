@@ -23,9 +23,10 @@ from one_program import version_of
 
 import skfem_contact as sc
 
-N = 1_000_000 if "--full" in sys.argv else 100_000
+FULL = "--full" in sys.argv
+N = 1_000_000 if FULL else 20_000
 PEERS = "--peers" in sys.argv
-REPEATS, SAMPLE = 7, 400
+REPEATS, SAMPLE = 7 if FULL else 3, 400
 E, NU, C, PHI = 1e4, 0.3, 10.0, 30.0
 LAME, SHEAR = E * NU / ((1 + NU) * (1 - 2 * NU)), E / (2 * (1 + NU))
 
@@ -292,7 +293,7 @@ for (name, law), internal, cpu in zip(curved.items(), memory[1:], times, strict=
 # increment of zero changes, relative to the mean stress.
 
 
-def hardening_row(n: int = 50_000) -> dict:
+def hardening_row(n: int = 50_000 if FULL else 5_000) -> dict:
     """Time of Hardening Soil on random increments, and its ratio to that of Mohr-Coulomb."""
     rng = np.random.default_rng(0)
     sand = sc.HardeningSoil(37e3, 29.6e3, 90e3, m=0.5, c=1.0, phi=41.0, psi=14.0, K0nc=0.34)
