@@ -76,6 +76,22 @@ def test_open_nodes_get_no_multiplier():
     assert not result.states["stop"].multiplier.any()
 
 
+def test_multipliers_vanish_where_a_body_lifts_off():
+    """[X] A block is pressed unevenly, then lifted: nothing presses on it, which takes one increment."""
+    basis = vector_basis(grid("Q1", np.linspace(0, 2, 5), np.linspace(0, 1, 3)), "Q1")
+    line, augmented = sc.rigid.line((-1, 0), (3, 0)), sc.AugmentedLagrangian()
+    pair = sc.ContactPair(basis, "bottom", line, sc.Coulomb(), enforcement=augmented)
+    top = basis.get_dofs("top")
+    upwards, down, up = top.all("u^2"), basis.zeros(), basis.zeros()
+    down[upwards], up[upwards] = -0.01 * (1 + basis.doflocs[0, upwards]), 0.01
+    model = sc.Model({"body": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3)), "stop": pair}, top.all())
+    with pytest.warns(sc.AnalysisWarning, match="gap is"):
+        stages = [sc.Stage("press", prescribed=down), sc.Stage("lift", prescribed=up)]
+        lifted = model.run(stages, progress=False)["lift"]
+    assert (lifted.states["stop"].status == Status.OPEN).all() and len(lifted.iterations) == 1
+    assert not lifted.states["stop"].multiplier.any()
+
+
 @pytest.mark.parametrize("radius", [0.5, 3.0])
 def test_foot_on_a_parabola(radius, rng):
     """[X] Case A6: on y = x^2 / 2R the foot solves x^3 / 2R^2 + x (1 - y0 / R) - x0 = 0; one root for y0 < R."""

@@ -81,11 +81,12 @@ def test_a_joint_is_closed_or_refused(gap: float) -> None:
     assert any("associated flow" in remark for remark in found.remarks)
 
 
-@pytest.mark.parametrize(("c", "elements"), [(1000.0, 100), (150.0, 100), (15.0, 500)])
-def test_a_rigid_block_on_soil(c: float, elements: int) -> None:
+@pytest.mark.parametrize("c", [1000.0, 150.0, 15.0])
+def test_a_rigid_block_on_soil(c: float) -> None:
     """[X] A rigid block on soil of any usual strength slides at (.4 * 151.2 + 2 * 4.2) / 1.5 = 45.92.
 
-    Weight and load are up to 3 times the cohesion of the soil. The first stresses of weak soil are a third too low.
+    Weight and load are up to 3 times the cohesion of the soil. The ground's boundary goes on beside the block, whose
+    edges are singular: without fans there the first stresses of weak soil are a third too low.
     """
     ground = MeshTri.init_tensor(np.linspace(0, 9, 8), np.linspace(-3, 0, 4)).with_defaults()
     block = MeshTri.init_tensor(np.linspace(2.1, 6.3, 6), np.linspace(0, 1.5, 3)).with_defaults()
@@ -97,7 +98,7 @@ def test_a_rigid_block_on_soil(c: float, elements: int) -> None:
     sides = basis.get_dofs({"ground:left", "ground:right"}).all("u^1")
     model, exact = sc.Model(forms, [basis.get_dofs("ground:bottom").all(), sides]), (0.4 * 151.2 + 2.0 * 4.2) / 1.5
     found = model.bounds(weight={"ground": 18.0, "block": 24.0}, tractions={"block:left": (1.0, 0.0)},
-                         live="block:left", gap=0.03, elements=elements, progress=False)  # fmt: skip
+                         live="block:left", gap=0.03, elements=100, progress=False)  # fmt: skip
     assert found.lower <= exact * (1 + 1e-12) and found.upper >= exact * (1 - 1e-12) and found.gap < 0.03
     assert sum(one.iterations for one in found.history[:2]) < 40
 

@@ -237,6 +237,7 @@ class AugmentedLagrangian:
         after = np.stack([_improved(points, traction, multiplier, closed & moving)
                           for traction, multiplier, moving in zip(found.traction, before, moves, strict=True)])
         after[0] = np.minimum(after[0], largest)
+        after[:, _nodal_mean(points, np.abs(pressure)) == 0.0] = 0.0  # means of multipliers would vanish by halves
         correction = (after - before) / np.array([penalties[0], *penalties[1:] * (len(before) - 1)])[:, None]
         # a sliding point's traction follows from the normal one; only where it sticks is its elastic slip an error
         sticks = _nodal_mean(points, found.status == Status.STICK) > 0.99

@@ -15,7 +15,7 @@ from .interior_point import HIGHEST, Goal, Solution, solve
 from .model import LimitModel, discretise
 from .reading import Problem
 from .result import Certificate, relative_gap
-from .triangles import Triangles, check_closed, gradients, matched, outward_normals
+from .triangles import Triangles, check_closed, gradients, matched, outward_normals, pairs
 
 #: Strength that the solver keeps in reserve where it is not reduced: its stresses violate it by less.
 _RESERVES = (1e-6, 2e-5, 2e-4, 2e-3)
@@ -282,11 +282,11 @@ def _singular_points(model: LimitModel, triangles: Triangles) -> ndarray:
 def _kinds(model: LimitModel, triangles: Triangles) -> ndarray:
     """Return the supports, loads, contacts and rigid bodies on every facet, (n_facets, n_kinds)."""
     mesh, tags = triangles.mesh, triangles.tags
-    names = [("held", 0), ("held", 1), *(t.tag for t in model.loads.tractions)]
-    names += [tag for contact in model.contacts for tag in (contact.slave, contact.master)]
-    kinds = np.zeros((mesh.nfacets, len(names) + 1), bool)
-    for i, name in enumerate(names):
-        kinds[tags[name], i] = True
+    parts = [tags[tag] for tag in (("held", 0), ("held", 1), *(load.tag for load in model.loads.tractions))]
+    parts += [side for contact in model.contacts for side in pairs(contact, triangles)[:2]]  # where both sides meet
+    kinds = np.zeros((mesh.nfacets, len(parts) + 1), bool)
+    for i, part in enumerate(parts):
+        kinds[part, i] = True
     kinds[:, -1] = (np.where(mesh.f2t >= 0, model.rigid[triangles.origin][mesh.f2t], -1) >= 0).any(axis=0)
     return kinds
 
