@@ -18,6 +18,15 @@ def no_orders(monkeypatch) -> None:
     monkeypatch.setattr("skfem_contact.solvers.superlu._orders", {})
 
 
+@pytest.fixture(autouse=True)
+def bounds_beside(monkeypatch) -> None:
+    """Leave out the bounds that searches compute unasked, in up to four times their own time.
+
+    Modules that test these have a fixture of this name.
+    """
+    monkeypatch.setattr("skfem_contact.collapse.strength.at_hand", lambda *args: None)
+
+
 @pytest.fixture
 def bars(monkeypatch) -> list[tuple[str, str, str]]:
     """Titles, notes and extremes of the colour bars of contour pictures."""

@@ -35,6 +35,11 @@ from bound_cases import ground, slope_mesh
 SOIL = sc.MohrCoulomb(E=1e5, nu=0.3, c=10.0, phi=20.0, psi=20.0)
 
 
+@pytest.fixture(autouse=True)
+def bounds_beside() -> None:
+    """Keep the bounds that searches compute unasked."""
+
+
 def square(element, mesh=None) -> Basis:
     """A square of two layers, and a strip on its top."""
     mesh = (mesh or MeshTri().refined(2)).with_defaults().with_subdomains(
@@ -170,9 +175,9 @@ def test_less_dilation() -> None:
     load = sc.traction(basis, "top", (0.0, -20.0))
     with warnings.catch_warnings():
         warnings.filterwarnings("error", "the factor of safety .* lies", sc.AnalysisWarning)
-        found = sc.Model(forms, fixed).strength_reduction(load, certify={"gap": 0.02}, progress=False)
+        found = sc.Model(forms, fixed).strength_reduction(load, certify={"gap": 0.05}, progress=False)
     assert found.proven.estimate and found.factor < found.proven.upper + 0.01
-    associated = quiet(analysis, "strength_reduction", forms, fixed, load, flow="associated", certify={"gap": 0.02})
+    associated = quiet(analysis, "strength_reduction", forms, fixed, load, flow="associated", certify={"gap": 0.05})
     assert not associated.proven.estimate
 
 

@@ -22,6 +22,11 @@ GALLERY = os.environ.get("BUILT_GALLERY")
 KEYS = {"method", "n", "unknowns", "error", "cpu_s", "iterations"}
 
 
+@pytest.fixture(autouse=True)
+def bounds_beside() -> None:
+    """Keep the bounds that searches compute unasked."""
+
+
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.stem)
 def test_example_runs_and_ends_with_its_figures(
     script: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

@@ -14,6 +14,11 @@ PAGES = [ROOT / "README.md", ROOT / "docs" / "index.md", *sorted((ROOT / "docs" 
 CODE = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
+@pytest.fixture(autouse=True)
+def bounds_beside() -> None:
+    """Keep the bounds that searches compute unasked."""
+
+
 def python_code(page: Path) -> str:
     """The Python blocks of a page in one script."""
     return "\n".join(CODE.findall(page.read_text(encoding="utf-8")))

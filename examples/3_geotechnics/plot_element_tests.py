@@ -60,7 +60,7 @@ for increments in (1, 10):
 
 undrained = {}
 for OCR in (1.0, 1.5, 4.0):
-    for increments in (100, 800):
+    for increments in (100, 400):
         test = timed(f"undrained, OCR {OCR}, {increments} increments", clay(OCR), -P,
                      triaxial(-0.3, drained=False, increments=increments))
         on = test.variable("plastic strain")[:, 0] > 1e-6
