@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from functools import cache
 
 import numpy as np
 import pytest
@@ -168,6 +169,7 @@ def test_a_value_that_needs_large_displacements_is_told():
     assert (near, reached) == (0.1, pytest.approx(21.0, rel=5e-3))  # the search's tolerance and the printed digits
 
 
+@cache
 def nailed_slope(T_max, EA=5e4, side=1.0):
     """Search for the factor of a slope of 8 m with five rows of nails, whose toe is the origin."""
     x = np.append(-15.0 * np.linspace(1, 0, 9) ** 1.3, 5.0 * np.linspace(0, 1, 4)[1:] ** 1.3)

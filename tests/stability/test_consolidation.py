@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import pytest
 from helpers import vector_basis
@@ -60,7 +62,7 @@ def test_permeability_contrast(element, seam):
 
 
 @pytest.mark.parametrize("element", ELEMENTS)
-@pytest.mark.parametrize("duration", [1e-8, 1e-4, 1.0, 1e4, 1e8])
+@pytest.mark.parametrize("duration", [1e-8, 1.0, 1e8])
 @pytest.mark.parametrize("storage", [0.0, 1e-9, 1e-4])
 def test_steps_of_any_length(element, duration, storage):
     """[X] From undrained ground to the end of consolidation, which is elastic ground without water, in one stage."""
@@ -108,12 +110,17 @@ def test_sealed_everywhere(element, storage):
         assert np.ptp(p) < 1e-2 * p.mean()  # in the end it is the same everywhere
 
 
+@cache
+def in_metres(element):
+    _, forms, fixed, load = footing(element)
+    return consolidated(forms, fixed, load)
+
+
 @pytest.mark.parametrize("element", ["P2", "Q1"])
 @pytest.mark.parametrize(("length", "stress", "time"), [(1e3, 1e-6, 1.0), (1.0, 1e3, 86400.0), (1e-3, 1e6, 1e-3)])
 def test_units(element, length, stress, time):
     """[X] Millimetres and megapascals, days and seconds: the same digits."""
-    basis, forms, fixed, load = footing(element)
-    one = consolidated(forms, fixed, load)
+    one = in_metres(element)
     basis, forms, fixed, load = footing(element, 1e-4 * length**2 / stress / time, length=length, stress=stress)
     other = consolidated(forms, fixed, load, (1e-2 * time, 0.3 * time))
     n, first = basis.N, one[-1].forms["water"].first

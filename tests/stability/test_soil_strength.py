@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -20,6 +21,7 @@ from skfem_contact.results import Result
 SOIL = {"E": 1e5, "nu": 0.3, "c": 10.0, "phi": 20.0}
 
 
+@cache
 def on_a_slope(psi: float, **settings) -> CollapseResult:
     """A coarse slope on a foundation."""
     return reduced_slope(slope_mesh(20.0, 12.0, 5.0, 15.0, 3), sc.MohrCoulomb(**SOIL, psi=psi), **settings)
