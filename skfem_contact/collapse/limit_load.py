@@ -17,7 +17,7 @@ from ..results.result import Result
 from ..results.stage import StageResult
 from ..solvers import single_threaded
 from ..stages.setup import Setup
-from .continuation import GROWTH, follow, last_stage, loaded_start, with_resistance
+from .continuation import GROWTH, Branch, follow, last_stage, loaded_start
 from .mechanism import as_collapse, warn_of_errors
 from .result import LOAD, CollapseResult, Point, SearchLog, conclude
 
@@ -26,8 +26,8 @@ _CUTS = 10
 _SMALL_GROWTH = 1.5
 
 
-class _Load:
-    """A constant load and a multiple of another one: a :class:`~.continuation.Branch`."""
+class _Load(Branch):
+    """A constant load and a multiple of another one."""
 
     lowest = -np.inf
     search: Search = "energy"
@@ -44,11 +44,6 @@ class _Load:
         slope = self.reference.copy()
         slope[self.system.fixed] = 0.0
         return slope
-
-    def resist(self) -> bool:
-        """Let friction resist further slip in damped tangents; return whether any does."""
-        before, self.system = self.system, with_resistance(self.system)
-        return self.system is not before
 
 
 @single_threaded

@@ -21,7 +21,7 @@ from ..results.result import Result
 from ..results.stage import StageResult
 from ..solvers import single_threaded
 from ..stages.setup import Setup
-from .continuation import follow, loaded_start, with_resistance
+from .continuation import Branch, follow, loaded_start
 from .mechanism import as_collapse, is_singular
 from .result import FACTOR, CollapseResult, Point, SearchLog, SearchResult, Stop, conclude, no_collapse_below
 
@@ -41,19 +41,19 @@ _OPEN = 0.25
 _NOTICEABLE, _BY_RESIDUAL = 1e-4, 3.0
 
 
-class _Strength:
-    """Structure with its strength divided by a factor: a :class:`~.continuation.Branch`.
+class _Strength(Branch):
+    """Structure with its strength divided by a factor.
 
     The structure is known to be stable at all factors up to ``safe``, and at none from ``above`` on.
     """
 
     lowest = 0.0
 
-    def __init__(self, whole: System, load: ndarray, targets: dict[str, tuple[str, ...]], flow: Flow) -> None:
-        self.whole, self.load, self.targets, self.flow = whole, load, targets, flow
+    def __init__(self, system: System, load: ndarray, targets: dict[str, tuple[str, ...]], flow: Flow) -> None:
+        self.system, self.load, self.targets, self.flow = system, load, targets, flow
         self.safe, self.above = 0.0, np.inf
         # where contact opens, closes and slips on the way, the residual may rise now and then
-        unilateral = any(form.unilateral for form in whole.forms.values())
+        unilateral = any(form.unilateral for form in system.forms.values())
         self.search: Search = "residual" if unilateral else "step"
 
     @property
@@ -64,35 +64,30 @@ class _Strength:
     @property
     def materials(self) -> list[Any]:
         """Materials of the reduced parts."""
-        forms = self.whole.forms
+        forms = self.system.forms
         return [forms[name].materials[part] for name, parts in self.targets.items() for part in parts if part]
 
     def bound(self, davis: CollapseResult) -> float:
         """Return a factor that is not reached with any dilatancy, where Radenkovic's theorem holds."""
-        rest = [form.reduced(1.0, "associated", self.targets.get(name, ())) for name, form in self.whole.forms.items()]
+        rest = [form.reduced(1.0, "associated", self.targets.get(name, ())) for name, form in self.system.forms.items()]
         if not davis.stop.shows_limit or not all(form.symmetric for form in rest):
             return np.inf
         return max(material.associated_bound(davis.bracket[1]) for material in self.materials)
 
     def at(self, parameter: float) -> tuple[System, ndarray]:
         """Return forms of reduced strength, and the load."""
-        return self.whole.with_forms({**self.whole.forms, **self._reduced(parameter)}), self.load
+        return self.system.with_forms({**self.system.forms, **self._reduced(parameter)}), self.load
 
     def _reduced(self, factor: float) -> dict[str, Form]:
-        return {name: self.whole.forms[name].reduced(factor, self.flow, parts) for name, parts in self.targets.items()}
+        return {name: self.system.forms[name].reduced(factor, self.flow, parts) for name, parts in self.targets.items()}
 
     def slope(self, now: Evaluation, states: Mapping[str, Any]) -> ndarray:
         """Return the difference quotient of the residual: only the reduced forms depend on the factor."""
         step = _DIFFERENCE * max(now.z[-1], _DIFFERENCE)
-        beside = self.whole.with_forms(self._reduced(float(now.z[-1]) + step)).responses(now.z[:-1], states)
+        beside = self.system.with_forms(self._reduced(float(now.z[-1]) + step)).responses(now.z[:-1], states)
         change = sum(now.responses[name].force - response.force for name, response in beside.items()) / step
-        change[self.whole.fixed] = 0.0
+        change[self.system.fixed] = 0.0
         return np.asarray(change)
-
-    def resist(self) -> bool:
-        """Let friction resist further slip in damped tangents; return whether any does."""
-        before, self.whole = self.whole, with_resistance(self.whole)
-        return self.whole is not before
 
     def equilibrium(self, start: Point, factor: float, newton: Newton, elastic: float = 0.0,
                     searches: tuple[Search, ...] = ("energy", "residual")) -> Point:
@@ -142,7 +137,7 @@ def strength_reduction(setup: Setup, load: Any, start: Result | StageResult | No
 
 def _search(branch: _Strength, origin: Point, newton: Newton, tolerance: float, step: float, max_value: float,
             method: str, bar: Any, davis: CollapseResult | None = None) -> CollapseResult:
-    log = SearchLog(branch.whole, bar, origin)
+    log = SearchLog(branch.system, bar, origin)
     if davis is not None:
         branch.safe, branch.above = davis.factor, branch.bound(davis)
     first = _first(branch, origin, newton, log)
@@ -157,7 +152,7 @@ def _search(branch: _Strength, origin: Point, newton: Newton, tolerance: float, 
 def _davis(branch: _Strength, search: Callable[..., CollapseResult], bar: Any) -> CollapseResult | None:
     """Search with the soils of Davis where dilatancy is less than friction: on the safe side, whatever the path."""
     try:
-        return search(_Strength(branch.whole, branch.load, branch.targets, "davis_b"), method="continuation", bar=bar)
+        return search(_Strength(branch.system, branch.load, branch.targets, "davis_b"), method="continuation", bar=bar)
     except (ValueError, NotConverged) as error:  # materials without that flow, or nothing to begin with
         logger.info("no factor after Davis: %s", error)
         return None
@@ -214,7 +209,7 @@ def _approach(branch: _Strength, first: Point, newton: Newton, least: float, ste
               log: SearchLog) -> tuple[list[Point], NotConverged | None]:
     """Take fixed factors until the load does work: as long as the bodies are elastic the factor has no effect."""
     response = _elastic(branch, first)
-    noticeable = max(_NOTICEABLE, _BY_RESIDUAL * newton.tolerance) * branch.whole.work(branch.load, response)
+    noticeable = max(_NOTICEABLE, _BY_RESIDUAL * newton.tolerance) * branch.system.work(branch.load, response)
     last = first
     while last.parameter <= max_value:
         factor = last.parameter + step
