@@ -54,7 +54,8 @@ def test_zero_increment_after_a_random_one(name: str, size: float) -> None:
     stress = -rng.uniform(20, 400, n) * np.array([0.5, 1.0, 0.5, 0.0])[:, None]
     found, told = updated(law, size * rng.standard_normal((4, n)), stress, law.initial_internal(stress))
     drift, pressure = np.concatenate(found, axis=1)
-    worst = (drift / np.maximum(pressure + attraction, 1e-3)).max()
+    size_of = np.abs(pressure) + attraction if name == "NgiAdp" else np.maximum(pressure + attraction, 1e-3)
+    worst = (drift / size_of).max()  # the strength of undrained clay knows no pressure
     print(f"{name} {size:g}: {n} points, drift {worst:.1e}, {told} told")
     assert worst <= 1e-8
     assert told <= 0.05 * n * (size == DECADES[-1])

@@ -187,7 +187,7 @@ def test_what_needs_numbers() -> None:
     """Element tests have no coordinates; bounds know a cohesion that varies, of the body that was given."""
     with pytest.raises(ValueError, match="E and c of Tresca vary with the coordinates"):
         sc.element_test(clay(), -100.0, sc.laboratory.triaxial(-0.01))
-    with pytest.raises(ValueError, match=r"c of Tresca vary with the coordinates: reduce material\.at\(x\)"):
+    with pytest.raises(ValueError, match=r"Tresca varies with the coordinates in c: reduce material\.at\(x\)"):
         clay().reduced(2.0)
     forms, fixed = cut(2, sc.MohrCoulomb(E=1e4, nu=0.3, c=1.0, phi=lambda x: 20.0 - x[1]))
     with pytest.raises(ValueError, match=r"friction or tensile strength of 'ground\.all' vary within elements"):

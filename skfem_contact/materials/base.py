@@ -296,7 +296,7 @@ def check_reduction(factor: float, flow: str, material: Material | None = None) 
     if flow not in FLOWS:
         raise ValueError(f"flow must be one of {', '.join(FLOWS)}, not {flow!r}")
     if material is not None and (names := sorted(set(material.functions) - {"E", "nu"})):
-        raise ValueError(f"{' and '.join(names)} of {material.label} vary with the coordinates: reduce material.at(x)")
+        raise ValueError(f"{material.label} varies with the coordinates in {', '.join(names)}: reduce material.at(x)")
 
 
 def as_parameter(name: str, value: ArrayLike, ndim: int = 1) -> Parameter:

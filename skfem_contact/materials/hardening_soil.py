@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -245,13 +245,14 @@ class HardeningSoil(CohesiveFrictional):
             stress, memory, _ = self._followed(0.5 * increment, stress, memory, halvings)
         return stress, memory
 
-    def _differences(self, increment: Array, *given: Any) -> Array:
-        """Return the tangent of halved increments, (n, ncomp, ncomp), by central differences."""
-        size, columns = _DIFFERENCE * np.abs(increment).max(axis=0), []
-        for unit in np.eye(len(increment)):
-            ahead, behind = (self._by_halves(increment + sign * size * unit[:, None], *given)[0] for sign in (1, -1))
-            columns.append((ahead - behind).T / (2 * size[:, None]))
-        return np.stack(columns, axis=2)
+    def _differences(self, increment: Array, stress: Array, memory: Array, halvings: int) -> Array:
+        """Return the tangent of halved increments, (n, ncomp, ncomp), by central differences, all of them at once."""
+        (ncomp, n), size = increment.shape, _DIFFERENCE * np.abs(increment).max(axis=0)
+        steps = np.concatenate((np.eye(ncomp), -np.eye(ncomp)))[:, :, None] * size
+        ends = np.concatenate(list(increment + steps), axis=1)
+        there = self._by_halves(ends, np.tile(stress, 2 * ncomp), np.tile(memory, 2 * ncomp), halvings)[0]
+        ahead, behind = there.reshape(ncomp, 2, ncomp, n).transpose(1, 3, 0, 2)
+        return (ahead - behind) / (2 * size[:, None, None])
 
     def _return_block(self, increment: Array, stress: Array, memory: Array, at: slice) -> _Block:
         """Update the points of a block in place: stress (ncomp, n) and internal variables (n_internal, n)."""
