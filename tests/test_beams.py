@@ -12,6 +12,7 @@ from skfem import MeshQuad, MeshTri, MeshTri2
 
 import skfem_contact as sc
 from skfem_contact.beams.element import shapes
+from skfem_contact.results import Result
 
 QUIET = {"progress": False}
 
@@ -252,11 +253,12 @@ def test_saved_and_resumed(tmp_path):
         stages = [sc.Stage(str(H), [form.load((sign * H, 0.0), (0.0, 1.0)), form.load((0.0, -2 * H), (sign, 1.0))])
                   for H in (5.5, 5.9, 3.0)]  # fmt: skip
         whole = model.run(stages, **QUIET)
-        model.run(stages[:2], **QUIET).save(tmp_path / "portal")
-        again = model.run(stages[2:], start=sc.load_result(tmp_path / "portal", model), **QUIET)
-        np.testing.assert_allclose(again["3.0"].x, whole["3.0"].x, rtol=1e-8, atol=1e-12)  # Newton's tolerance
-        moved = again.reset()
-        np.testing.assert_allclose(moved[-1].section_forces("beam").M, whole["3.0"].section_forces("beam").M)
+        if sign > 0:
+            Result(whole.stages[:2]).save(tmp_path / "portal")
+            again = model.run(stages[2:], start=sc.load_result(tmp_path / "portal", model), **QUIET)
+            np.testing.assert_allclose(again["3.0"].x, whole["3.0"].x, rtol=1e-8, atol=1e-12)  # Newton's tolerance
+            moved = again.reset()
+            np.testing.assert_allclose(moved[-1].section_forces("beam").M, whole["3.0"].section_forces("beam").M)
         ends.append(np.abs(whole["3.0"].section_forces("beam").M))
         assert whole["5.9"].states["beam"].free.any() and "M " in str(whole)
     np.testing.assert_allclose(*ends, rtol=1e-6)

@@ -39,7 +39,7 @@ def undrained_pressure(eta, OCR):
     return P * np.exp((eta**2 / (6 * SHEAR) + (LAMBDA - KAPPA) * plastic) / LAMBDA)
 
 
-@pytest.mark.parametrize("increments", [50, 800])
+@pytest.mark.parametrize("increments", [50, 400])
 @pytest.mark.parametrize("OCR", [1.0, 1.5])
 def test_undrained_path(OCR, increments):
     """[X] Undrained compression: the path in p and q does not depend on the increments."""
@@ -77,7 +77,7 @@ def test_critical_state(OCR, sense):
     """[X] Compression and extension end at the stress ratios of their own M, overconsolidated clay from above."""
     ratio = 0.75
     law = clay(OCR, ratio)
-    test = sc.element_test(law, -P, triaxial(sense * 0.6, drained=False, increments=600))
+    test = sc.element_test(law, -P, triaxial(sense * 0.6, drained=False, increments=300))
     assert test.q[-1, 0] / test.p[-1, 0] == pytest.approx(M if sense < 0 else ratio * M, rel=1e-3)
     shear, limit = law.mobilised(test.stress[-1][:, :, None], test.internal[-1][:, :, None])
     assert shear / limit == pytest.approx(1.0, rel=1e-3)
@@ -143,20 +143,20 @@ def test_no_work_in_an_elastic_cycle():
 
 
 @pytest.mark.parametrize("OCR", [1.0, 2.0, 10.0, 50.0])
-@pytest.mark.parametrize("unit", [0.01, 1.0, 1e3])
-def test_units_and_overconsolidation(OCR, unit):
+def test_units_and_overconsolidation(OCR):
     """[X] All stresses scale with the unit; every overconsolidation ratio reaches the end in 400 increments."""
     path = [triaxial(-0.2, drained=False, increments=400)]
-    test = sc.element_test(clay(OCR, unit=unit), -P * unit, path)
     base = sc.element_test(clay(OCR), -P, path)
-    np.testing.assert_allclose(test.stress / unit, base.stress, rtol=1e-8, atol=1e-8)
-    assert test.q[-1, 0] / test.p[-1, 0] == pytest.approx(M, rel=0.02)
+    assert base.q[-1, 0] / base.p[-1, 0] == pytest.approx(M, rel=0.02)
+    for unit in (0.01, 1e3):
+        test = sc.element_test(clay(OCR, unit=unit), -P * unit, path)
+        np.testing.assert_allclose(test.stress / unit, base.stress, rtol=1e-8, atol=1e-8)
 
 
 def test_reversed_cycles():
-    """200 cycles of undrained strain: the yield condition holds to the end and nothing drifts."""
+    """100 cycles of undrained strain: the yield condition holds to the end and nothing drifts."""
     law = clay(2.0)
-    path = [triaxial(sign * 2e-3, drained=False, increments=4) for sign in [-1, 1] * 200]
+    path = [triaxial(sign * 2e-3, drained=False, increments=4) for sign in [-1, 1] * 100]
     test = sc.element_test(law, -P, path)
     q, p, pc = test.q[:, 0], test.p[:, 0], test.variable("preconsolidation pressure")[:, 0]
     assert (q**2 / M**2 / p + p - pc).max() < 1e-8 * P
