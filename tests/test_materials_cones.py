@@ -119,9 +119,9 @@ def test_plane_strain_match(psi: float, ncomp: int) -> None:
     specimen = Specimen(
         DruckerPrager.plane_strain(1e4, 0.3, c=5.0, phi=30.0, psi=psi), [-50.0, -50.0, -50.0, 0.0], ncomp
     )
-    for _ in range(400):
-        specimen.step({1: -1e-3}, {0: -50.0})
-    # the stress out of plane approaches its ultimate value exponentially with the strain, 0.4 here
+    for _ in range(150):
+        specimen.step({1: -3e-3}, {0: -50.0})
+    # the stress out of plane approaches its ultimate value exponentially with the strain, 0.45 here
     assert -specimen.stress[1, 0] == pytest.approx(3 * 50.0 + 2 * 5.0 * np.sqrt(3), rel=1e-9)
     before = specimen.strain.copy()
     specimen.step({1: -1e-3}, {0: -50.0})
