@@ -183,6 +183,20 @@ def test_bar_that_yields_is_a_collapse():
     assert found.bracket[1] - found.bracket[0] < 0.005 * 10 / 3
 
 
+def test_flat_piece_before_the_last_bar_yields_is_no_limit():
+    """[X] A guided block on bars of strength 10 and 1; the second one is soft, and adds its tenth 170 times as far."""
+    basis = Basis(MeshQuad().refined(1).with_defaults(), ElementVector(ElementQuad1()), intorder=2)
+    bars = {f"bar {x:g}": sc.Bar(basis, (x, 1.0), (x, 3.0), EA, fixed_end=True, yield_force=most)
+            for x, EA, most in ((0.0, 1e5, 10.0), (1.0, 60.0, 1.0))}  # fmt: skip
+    block = sc.SolidForm(basis, sc.LinearElastic(E=1e7, nu=0.0))
+    load = basis.zeros()
+    load[basis.get_dofs("bottom").all("u^2")[0]] = -1.0
+    found = sc.Model({"block": block, **bars}, basis.get_dofs().all("u^1")).limit_load(load, progress=False)
+    assert found.stop.kind == "collapse"
+    assert found.bracket[0] <= 11.0 * (1 + 1e-9) and found.bracket[1] >= 11.0 * (1 - 1e-9)  # Newton's tolerance
+    assert found.multiplier == pytest.approx(11.0, rel=0.005)
+
+
 @pytest.mark.parametrize("n, ask", [
     (6, lambda model, load: model.strength_reduction(load, method="bracket", progress=False)),
     (20, lambda model, load: model.strength_reduction(load, progress=False)),

@@ -45,6 +45,10 @@ _MOST_STEPS = 100
 _BESIDE_CONTACT = 15
 #: Share of the work at which the curve's last part begins.
 _CHORD = 0.7
+#: Lengths of the last step at which a flat piece of a curve without yielding soil is looked at again, and the share of
+#: its rise that shows a straight one: a block on five bars of which two flow rises by .05 % over twice the work, and by
+#: 1.2 % until the next one flows.
+_BEYOND, _STRAIGHT = (32.0, 8.0, 2.0), 0.5
 
 
 class Branch(ABC):
@@ -209,7 +213,7 @@ def _follow(branch: Branch, control: ndarray, points: list[Point], newton: Newto
         log.accept(point)
         left = remainder(points)
         reached = log.moved(point.x) >= min_displacement
-        if reached and left < margin:
+        if reached and left < margin and not (log.straight and _rises(branch, control, points, newton, margin)):
             best = max(point.parameter for point in points)
             stop = Stop("plateau", f"the curve may rise by {max(left, 0.0):.2g} more")
             return SearchResult(points, stop, best + (left if left > 0.0 else margin))
@@ -218,6 +222,19 @@ def _follow(branch: Branch, control: ndarray, points: list[Point], newton: Newto
         length = length if failures else min(growth * length, max_step)
         failures.clear()
     return SearchResult(points, Stop("steps", f"{_MOST_STEPS} of them without a plateau"))
+
+
+def _rises(branch: Branch, control: ndarray, points: list[Point], newton: Newton, margin: float) -> bool:
+    """Return True if the last piece of a curve is straight and rises by more than a margin in the end."""
+    before, last = points[-2:]
+    length, rise = last.work - before.work, last.parameter - before.parameter
+    for times in _BEYOND if _BEYOND[0] * rise > margin else ():
+        try:
+            far = correct(branch, control, points, last.work + times * length, newton)
+        except NotConverged:
+            continue
+        return far.parameter - last.parameter > _STRAIGHT * times * rise
+    return False
 
 
 def correct(branch: Branch, control: ndarray, points: list[Point], work: float, newton: Newton) -> Point:

@@ -99,6 +99,11 @@ class SearchLog:
         """Return the largest displacement from where counting began; pressures and multipliers do not count."""
         return np.nan if x is None else float(np.abs((x - self._origin)[self._displacements]).max(initial=0.0))
 
+    @property
+    def straight(self) -> bool:
+        """True if no point of a solid has flowed in the last step: bars and joints make curves of straight pieces."""
+        return self.steps[-1].yielding == 0.0
+
     def _yielding(self, states: Mapping[str, Any]) -> float:
         """Return the share of the points of all solids that have flowed since the last equilibrium."""
         flowed, points = np.sum([f.yielding(self._states[k], states[k]) for k, f in self._forms.items()], axis=0)
