@@ -20,9 +20,9 @@ from .search import normals_at_joint
 PENETRATION = 0.01
 #: Displacement that is the penalty's, as a share of the largest one, that is remarked on.
 _COMPLIANCE = 0.01
-#: Gap between nodes that multipliers leave, likewise: with gaps of 1.7 and .5 % on coarse facets that do not match, a
-#: penalty ten times as hard changes the displacements by 4.0 and 1.6 %.
-_BETWEEN = 0.004
+#: Gap between nodes that multipliers leave, likewise: with gaps of 1.7, .5 and .3 % on coarse facets that do not match,
+#: a penalty ten times as hard changes the displacements by 4.0, 1.6 and .5 %.
+_BETWEEN = 0.0025
 #: Round-off of a traction that is the penalty times the gap, as a share of it.
 _ELASTIC = 1e-6
 #: Pressure of overlaps of the mesh from their differences within facets, as a share of that found, likewise.
