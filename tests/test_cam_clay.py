@@ -154,9 +154,9 @@ def test_units_and_overconsolidation(OCR):
 
 
 def test_reversed_cycles():
-    """100 cycles of undrained strain: the yield condition holds to the end and nothing drifts."""
+    """200 cycles of undrained strain: the yield condition holds to the end and nothing drifts."""
     law = clay(2.0)
-    path = [triaxial(sign * 2e-3, drained=False, increments=4) for sign in [-1, 1] * 100]
+    path = [triaxial(sign * 2e-3, drained=False, increments=4) for sign in [-1, 1] * 200]
     test = sc.element_test(law, -P, path)
     q, p, pc = test.q[:, 0], test.p[:, 0], test.variable("preconsolidation pressure")[:, 0]
     assert (q**2 / M**2 / p + p - pc).max() < 1e-8 * P

@@ -117,15 +117,15 @@ def test_names_of_the_reference_become_links():
         assert target(other) is None
 
 
-def test_sources_link_to_places_that_are_there():
+def test_sources_link_to_anchors_that_are_there():
     """A link takes the module from the name of its page; one that is right stays."""
     pytest.importorskip("sphinx")
-    from reference_pages import to_places
+    from reference_pages import to_anchors
 
     folder = "../reference/generated/skfem_contact.results"
     right = f'<a href="{folder}.Result.html#skfem_contact.results.Result.save">'
-    assert to_places(f'<a href="{folder}.Result.html#skfem_contact.Result.save">') == right == to_places(right)
-    assert to_places(f'"{folder}.of.html#skfem_contact.of"') == f'"{folder}.of.html#skfem_contact.results.of"'
+    assert to_anchors(f'<a href="{folder}.Result.html#skfem_contact.Result.save">') == right == to_anchors(right)
+    assert to_anchors(f'"{folder}.of.html#skfem_contact.of"') == f'"{folder}.of.html#skfem_contact.results.of"'
 
 
 SITE = {

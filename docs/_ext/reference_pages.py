@@ -108,7 +108,7 @@ def write_pages(app, config) -> None:
     index.write_text("\n".join(topics), encoding="utf-8")
 
 
-def to_places(body: str) -> str:
+def to_anchors(body: str) -> str:
     """Links from the source of a module back to its reference, each to the module that its page is named by.
 
     Sphinx takes one module for all names of a source, though some are public elsewhere.
@@ -119,7 +119,7 @@ def to_places(body: str) -> str:
 def mend_links(app, pagename: str, templatename: str, context: dict, doctree) -> None:
     """Mend the links of a page that shows a source."""
     if pagename.startswith("_modules/"):
-        context["body"] = to_places(context["body"])
+        context["body"] = to_anchors(context["body"])
 
 
 def setup(app):

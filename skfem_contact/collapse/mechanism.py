@@ -95,8 +95,8 @@ def warn_of_errors(system: System, x: ndarray, states: Mapping[str, Any]) -> Non
 
 def warn_of_motion(what: str, value: float, curve: ndarray, tolerance: float, end: StageResult) -> None:
     """Raise a warning if a value needs displacements that are not small: the curve, (n, 3), still rises there."""
-    places = end.layout.coordinates if end.layout else np.zeros((2, 1))
-    moved, near = np.maximum.accumulate(curve[1:, 2]), _FAR * np.ptp(places, axis=1).max()
+    coordinates = end.layout.coordinates if end.layout else np.zeros((2, 1))
+    moved, near = np.maximum.accumulate(curve[1:, 2]), _FAR * np.ptp(coordinates, axis=1).max()
     if len(moved) and moved[-1] > near > 0.0:
         reached = max(np.interp(near, moved, curve[1:, 1]), curve[curve[:, 2] <= near, 1].max(initial=-np.inf))
         if value - reached > tolerance:

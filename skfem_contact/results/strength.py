@@ -83,9 +83,9 @@ def pore_pressure_at_nodes(form: SolidForm, state: SolidState) -> ndarray:
     if not values.any() or not _has_midside_nodes(form):
         return recovered(form, values[None], limited=True)[0]
     at, vertex, pressure = _projected(form, values)
-    shapes, places = linear_element(form.basis.mesh), form.basis.elem.elem.doflocs.T
+    shapes, locations = linear_element(form.basis.mesh), form.basis.elem.elem.doflocs.T
     found = np.zeros(len(mesh.nodes))  # the same from every element of a node
-    found[mesh.cells] = pressure[vertex] @ np.array([shapes.lbasis(places, j)[0] for j in range(vertex.shape[1])])
+    found[mesh.cells] = pressure[vertex] @ np.array([shapes.lbasis(locations, j)[0] for j in range(vertex.shape[1])])
     return within_points(found[None], (at @ pressure).reshape(1, *values.shape), mesh)[0]
 
 

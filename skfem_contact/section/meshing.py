@@ -77,12 +77,12 @@ def _read(gmsh: Any, pieces: Pieces, order: int) -> tuple[Mesh, list[int], dict[
     x = np.reshape(points, (-1, 3))[kept, :2]
     mesh = from_meshio(meshio.Mesh(x, [("triangle" if order == 1 else "triangle6", new[t])]))
     key = mesh.facets[0] * mesh.nvertices + mesh.facets[1]
-    place = np.argsort(key)
+    rank = np.argsort(key)
 
     def facets(curve: int) -> ndarray:
         nodes = gmsh.model.mesh.getElements(1, curve)[2]
         ends = np.sort(new[number[np.reshape(nodes[0], (-1, order + 1))[:, :2].astype(int)]].T, axis=0)
-        return np.asarray(place[np.searchsorted(key, ends[0] * mesh.nvertices + ends[1], sorter=place)])
+        return np.asarray(rank[np.searchsorted(key, ends[0] * mesh.nvertices + ends[1], sorter=rank)])
 
     curves = {name: np.unique(np.concatenate([facets(curve) for curve in members]))
               for group in (pieces.lines, pieces.holes) for name, members in group.items()}
