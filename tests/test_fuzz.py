@@ -1,4 +1,4 @@
-"""Random scenes: 60 of those that ``python -m tests.fuzz`` tries."""
+"""Random scenes: 36 of those that ``python -m tests.fuzz`` tries."""
 
 from __future__ import annotations
 
@@ -16,6 +16,13 @@ def test_random_scenes(part: int) -> None:
     trials = [trial(seed) for seed in seeds(1, 36)[part::6]]
     assert not details(trials), details(trials)
     assert sum(one.gave_up for one in trials) <= 2  # of six; 1 % of all do
+
+
+@pytest.mark.parametrize("seed", [52000507])
+@pytest.mark.filterwarnings("ignore::skfem_contact.AnalysisWarning")
+def test_scenes_that_failed(seed: int) -> None:
+    """Bars whose limit load rises by 1.3 % over 340 lengths of a step, to displacements that are told."""
+    assert not details([trial(seed)])
 
 
 def test_scenes_differ() -> None:

@@ -47,8 +47,8 @@ _BESIDE_CONTACT = 15
 _CHORD = 0.7
 #: Lengths of the last step at which a flat piece of a curve without yielding soil is looked at again, and the share of
 #: its rise that shows a straight one: a block on five bars of which two flow rises by .05 % over twice the work, and by
-#: 1.2 % until the next one flows.
-_BEYOND, _STRAIGHT = (32.0, 8.0, 2.0), 0.5
+#: 1.2 % until the next one flows, another one by 1.3 % over 340 lengths.
+_BEYOND, _STRAIGHT = (512.0, 128.0, 32.0, 8.0, 2.0), 0.5
 
 
 class Branch(ABC):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import partial
+from itertools import combinations
 
 import numpy as np
 from numpy import ndarray
@@ -17,6 +18,8 @@ import skfem_contact as sc
 from .cases import Case, Check, apart
 
 E, NU = 1e4, 0.3
+#: Least lever of three bars: the square of it, times their stiffness over the block's, is 1e-9, and round-off below.
+_LEVER = 1e-2
 
 
 @dataclass
@@ -119,8 +122,9 @@ def collapse(rng: np.random.Generator) -> Iterator[Check]:
     load = basis.zeros()
     load[basis.nodal_dofs[:, at]] = push
     A = np.column_stack((*columns, _resultant(x[:, at], push)))
-    if np.linalg.matrix_rank(A[:, :-1], tol=1e-2) < 3:
-        return  # a mechanism from the beginning
+    least = [np.linalg.svd(A[:, list(three)], compute_uv=False)[-1] for three in combinations(range(number), 3)]
+    if any(1e-9 < lever < _LEVER for lever in least) or np.linalg.matrix_rank(A[:, :-1], tol=_LEVER) < 3:
+        return  # a mechanism from the beginning, or as soon as the other bars flow
     best = linprog([0.0] * number + [-1.0], A_eq=A, b_eq=np.zeros(3),
                    bounds=[(-s, s) for s in strengths] + [(0.0, None)])  # fmt: skip
     found = sc.Model(forms).limit_load(load, step=0.1 * -best.fun, progress=False)
