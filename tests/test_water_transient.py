@@ -168,6 +168,37 @@ def test_brooks_corey() -> None:
         assert (more - less) / 2e-6 == pytest.approx(slope.mean(), rel=1e-6)
 
 
+LAWS = [sc.water.VanGenuchten(2.0, 1.5, content=(0.05, 0.4)), sc.water.BrooksCorey(0.3, 1.5, content=(0.05, 0.4)),
+        sc.water.Ramp(1.5, content=(0.05, 0.4))]  # fmt: skip
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_a_drain_opens_in_ground_that_does_not_yield(law) -> None:
+    """[X] The head falls at once, and the first water is that of ground which has just been saturated."""
+    mesh = MeshQuad.init_tensor(np.linspace(0, 10, 11), np.linspace(0, 4, 9)).with_defaults()
+    mesh = mesh.with_boundaries({"drain": lambda x: (x[1] == 1.0) & (abs(x[0] - 5) < 1.1)}, boundaries_only=False)
+    water = sc.water.transient_seepage(
+        Basis(mesh, ElementQuad1()), 1e-5, {"left": 3.0}, retention=law, times=[0.0, 1.0, 600.0],
+        start=3.0, unit_weight=WATER, seepage_face="drain", error=0.05,
+    )  # fmt: skip
+    assert water.balance_error < 1e-9  # steps end at 1e-9 of the water that flows
+    assert water[1].discharge("drain") < -1e-5
+    assert water.steps < 30
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_changes_of_newtons_method(law) -> None:
+    """[X] No change leaves the suction, a small one is that of the suction, and all are monotone."""
+    suction = np.array([-2.0, -0.4, -0.01, 0.01, 0.2, 0.31, 0.5, 3.0])
+    for flat in np.array([1e-6, 1e-2, 1.0])[:, None] * np.ones(len(suction)):
+        assert law.moved(suction, 0.0 * suction, np.ones(8), flat) == pytest.approx(suction, abs=1e-12)
+        small = 1e-7 * np.ones(8)
+        assert law.moved(suction, small, np.ones(8), flat) - suction == pytest.approx(small, rel=1e-2)
+        assert law.moved(suction, -small, np.ones(8), flat) - suction == pytest.approx(-small, rel=1e-2)
+        moved = np.array([law.moved(suction, change * np.ones(8), np.ones(8), flat) for change in (-3, -1, 0, 0.3, 2)])
+        assert (np.diff(moved, axis=0) > -1e-12).all()
+
+
 def test_green_ampt() -> None:
     """[X] W. H. Green and G. A. Ampt 1911: infiltration under a thin sheet of water, in the limit of a sharp front."""
     k, end, one, off = 0.1, 1.0, np.ones(1), []

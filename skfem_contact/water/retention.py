@@ -15,6 +15,8 @@ from ..checks import number, positive, vector
 _DRIER = 0.1
 #: Relative permeability of ground that has lost all its water.
 _NONE = 1e-300
+#: Part of its steepest slope from which a ramp is never flat.
+_FLATTEST = 0.99
 #: Van Genuchten's curve has the slope of this relative suction at smaller ones.
 _STEEPEST = 1e-9
 
@@ -36,8 +38,12 @@ class Retention(Protocol):
     def saturation(self, suction: ndarray, size: ndarray) -> tuple[ndarray, ndarray]:
         """Return the effective saturation, from 0 to 1, and its slope over the suction."""
 
-    def moved(self, suction: ndarray, change: ndarray) -> ndarray:
-        """Return the suction after a change by Newton's method, made in a variable in which it converges."""
+    def moved(self, suction: ndarray, change: ndarray, size: ndarray, flat: ndarray) -> ndarray:
+        """Return the suction after a change by Newton's method, made in the saturation where that is not `flat`.
+
+        From that slope of the saturation on, ground stores more water than flows off by a change of suction
+        (K. Brenner and C. Cancès, SIAM J. Numer. Anal. 55 (2017) 1760-1785).
+        """
         return suction + change
 
 
@@ -106,6 +112,17 @@ class Ramp(_Limited):
         return replace(self, least=_NONE).relative(suction, size)
 
     @override
+    def moved(self, suction: ndarray, change: ndarray, size: ndarray, flat: ndarray) -> ndarray:
+        width = self.width * size
+        half = 0.5 * np.sqrt(1.0 - np.minimum(flat * width / 1.5, _FLATTEST))
+        t, most = -suction / width, half * (1.5 - 2.0 * half**2)
+        inner = np.clip(t, -half, half)
+        new = inner * (1.5 - 2.0 * inner**2) + (1.5 - 6.0 * inner**2) * (t - inner - change / width)
+        filled = np.clip(new, -most, most)  # less a half; 3 sin a - 4 sin^3 a = sin 3a
+        moved = -width * (np.sin(np.arcsin(2.0 * filled) / 3.0) + (new - filled) / (1.5 - 6.0 * half**2))
+        return np.where((t - inner) * (new - filled) > 0.0, suction + change, moved)  # for the sake of round-off
+
+    @override
     def softer(self, factor: float) -> Ramp:
         return replace(self, width=self.width * factor)
 
@@ -171,13 +188,15 @@ class VanGenuchten(_Limited):
         return filled, -self.alpha * m * self.n * x / s / (1.0 + x) * filled
 
     @override
-    def moved(self, suction: ndarray, change: ndarray) -> ndarray:
+    def moved(self, suction: ndarray, change: ndarray, size: ndarray, flat: ndarray) -> ndarray:
         m = self._m
+        steepest = m ** (1.0 / self.n) / self.alpha  # at x = m
+        turn = (flat / (self.alpha * m * self.n)) ** (1.0 / (self.n - 1.0)) / self.alpha
 
         def suction_of(filled: ndarray) -> ndarray:
             return np.asarray(np.expm1(-np.log(filled) / m) ** (1.0 / self.n) / self.alpha)
 
-        return _by_saturation(self, m ** (1.0 / self.n) / self.alpha, suction_of, suction, change)  # steepest at x = m
+        return _by_saturation(self, np.clip(turn, _STEEPEST * steepest, steepest), suction_of, suction, change, flat)
 
     @property
     def _m(self) -> float:
@@ -241,25 +260,24 @@ class BrooksCorey(_Limited):
         return filled, np.where(suction >= self.entry, -self.index * filled / s / self.entry, 0.0)
 
     @override
-    def moved(self, suction: ndarray, change: ndarray) -> ndarray:
+    def moved(self, suction: ndarray, change: ndarray, size: ndarray, flat: ndarray) -> ndarray:
         def suction_of(filled: ndarray) -> ndarray:
             return np.asarray(self.entry * filled ** (-1.0 / self.index))
 
-        return _by_saturation(self, self.entry, suction_of, suction, change)
+        return _by_saturation(self, np.full_like(suction, self.entry), suction_of, suction, change, flat)
 
     @override
     def softer(self, factor: float) -> BrooksCorey:
         return replace(self, entry=self.entry * factor)
 
 
-def _by_saturation(law: Retention, turn: float, suction_of: Callable[[ndarray], ndarray], suction: ndarray,
-                   change: ndarray) -> ndarray:
-    """Return the suction after a change in saturation, beyond the suction where its curve is steepest.
-
-    On the wet side of it the variable is the tangent there.
-    """
-    at, size = np.array(turn), np.ones(1)
-    (most, steep), (filled, slope) = law.saturation(at, size), law.saturation(np.maximum(suction, at), size)
-    now = filled + steep * np.minimum(suction - turn, 0.0)
-    new = np.maximum(now + slope * change, _DRIER * now)
-    return np.where(new < most, suction_of(np.minimum(new, most)), turn + (new - most) / steep)
+def _by_saturation(law: Retention, turn: ndarray, suction_of: Callable[[ndarray], ndarray], suction: ndarray,
+                   change: ndarray, flat: ndarray) -> ndarray:
+    """Return the suction after a change in saturation, and in a line of the flat slope up to a suction."""
+    size, wet = np.ones(1), np.minimum(suction - turn, 0.0)
+    (most, steep), (filled, slope) = law.saturation(turn, size), law.saturation(suction - wet, size)
+    steep = np.maximum(steep, -flat)
+    now = filled + steep * wet
+    new = np.maximum(now + np.where(wet < 0.0, steep, slope) * change, _DRIER * now)
+    moved = np.where(new < most, suction_of(np.minimum(new, most)), turn + (new - most) / steep)
+    return np.where((wet < 0.0) & (new > most), suction + change, moved)  # for the sake of round-off

@@ -86,10 +86,14 @@ class StoringFlow(DarcyFlow):
 
     @override
     def moved(self, head: ndarray, change: ndarray) -> ndarray:
-        new, suction = head + change, self.elevation - head
+        new, suction, size = head + change, self.elevation - head, np.zeros(len(head))
+        ranges, pressed = self.span(1.0)
+        flat = (pressed + self._duration * self.saturated.diagonal()) / np.where(ranges > 0.0, ranges, 1.0)
         for part, law in self._laws:
             at = np.unique(self.dofs[part])
-            new[at] = np.where(change[at] == 0.0, head[at], self.elevation[at] - law.moved(suction[at], -change[at]))
+            size[self.dofs[part]] = self._size[part]
+            moved = self.elevation[at] - law.moved(suction[at], -change[at], size[at], flat[at])
+            new[at] = np.where(change[at] == 0.0, head[at], moved)
         return new
 
     @override
