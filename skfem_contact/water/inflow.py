@@ -1,6 +1,7 @@
 """Water that enters or leaves consolidating ground at given rates: rain, wells, leaks."""
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Iterator, Mapping
 from copy import copy
 from typing import Any
@@ -8,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix
-from typing_extensions import override
+from typing_extensions import Self, override
 
 from ..checks import look_up
 from ..errors import Remark
@@ -21,7 +22,35 @@ from .consolidation import PoreWater
 _IDLE, _ALL = 0.2, 1e-9
 
 
-class Inflow(Form):
+class AtNodes(Form):
+    """Water that enters or leaves consolidating ground at nodes."""
+
+    symmetric, second_order = True, True
+    _water: PoreWater
+    _at: ndarray
+    _duration = 0.0
+
+    @override
+    def completed(self, forms: Mapping[str, Form]) -> Self:
+        return self._in(self._water.completed(forms))
+
+    @override
+    def continues(self, old: Form) -> Self:
+        super().continues(old)
+        return self._in(old._water)  # type: ignore[attr-defined]
+
+    @abstractmethod
+    def _in(self, water: PoreWater) -> Self:
+        """Return the form with the properties of its ground."""
+
+    @override
+    def over(self, duration: float) -> Self:
+        new = copy(self)
+        new._duration = duration
+        return new
+
+
+class Inflow(AtNodes):
     r"""Water that enters ground with :class:`PoreWater` at given rates, for as long as the form is active.
 
     Rates are changed by stages, with ``Stage(change=...)`` or ``deactivate``. What the ground does not take leaves it
@@ -55,10 +84,6 @@ class Inflow(Form):
     0.0001
     """
 
-    symmetric, second_order = True, True
-    _at: ndarray
-    _duration = 0.0
-
     def __init__(self, water: PoreWater, flux: Mapping[str, Given] | None = None,
                  sources: Mapping[str, Given] | None = None) -> None:
         if not flux and not sources:
@@ -77,15 +102,7 @@ class Inflow(Form):
                     for name, rate in self._flux.items()), sourced(basis, self._sources, axisymmetric))
 
     @override
-    def completed(self, forms: Mapping[str, Form]) -> Inflow:
-        return self._in(self._water.completed(forms))
-
-    @override
-    def continues(self, old: Form) -> Inflow:
-        super().continues(old)
-        return self._in(old._water)  # type: ignore[attr-defined]
-
-    def _in(self, water: PoreWater) -> Inflow:
+    def _in(self, water: PoreWater) -> Self:
         new = copy(self)
         new._water = water
         new._rates = new._entering(water.coordinates == "axisymmetric")
@@ -109,12 +126,6 @@ class Inflow(Form):
     def numbered(self, numbers: Mapping[Field, ndarray]) -> Inflow:
         new = copy(self)
         new._at, new.size = numbers[self.borrowed[0]], None
-        return new
-
-    @override
-    def over(self, duration: float) -> Inflow:
-        new = copy(self)
-        new._duration = duration
         return new
 
     @override

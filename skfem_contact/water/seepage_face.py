@@ -8,20 +8,21 @@ from typing import Any
 import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix
-from typing_extensions import override
+from typing_extensions import Self, override
 
 from ..checks import names_of
-from ..forms.base import Form, Response
+from ..forms.base import Response
 from ..layout import Field
 from .boundary import Given
 from .consolidation import PoreWater
+from .inflow import AtNodes
 
 #: Conductance of the face over that of the ground beside it: pressures exceed zero by a hundredth of the drop in an
 #: element. By 1e4, and steps of 1e4 h² / c_v, SuperLU has been seen to pass LAPACK illegal sizes.
 _OPEN = 1e2
 
 
-class SeepageFace(Form):
+class SeepageFace(AtNodes):
     r"""Boundary that water leaves if its pressure would be positive, and does not enter.
 
     The condition is that of contact, with the pressure for the gap: the outflow at the nodes is
@@ -57,10 +58,8 @@ class SeepageFace(Form):
     [-0.01, -0.01]
     """
 
-    symmetric, second_order, unilateral = True, True, True
-    _at: ndarray
+    unilateral = True
     _conductance: ndarray
-    _duration = 0.0
 
     def __init__(self, water: PoreWater, boundaries: str | Collection[str], pressure: Given = 0.0) -> None:
         self._water, names = water, names_of(boundaries)
@@ -72,16 +71,7 @@ class SeepageFace(Form):
         return f"<SeepageFace {len(self._vertices)} nodes>"
 
     @override
-    def completed(self, forms: Mapping[str, Form]) -> SeepageFace:
-        return self._in(self._water.completed(forms))
-
-    @override
-    def continues(self, old: Form) -> SeepageFace:
-        super().continues(old)
-        return self._in(old._water)  # type: ignore[attr-defined]
-
-    def _in(self, water: PoreWater) -> SeepageFace:
-        """Return the face with the conductance of its ground."""
+    def _in(self, water: PoreWater) -> Self:
         new = copy(self)
         new._water, new._conductance = water, _OPEN * water.porous.conductance[self._vertices]
         return new
@@ -91,12 +81,6 @@ class SeepageFace(Form):
         new = copy(self)
         new.joins = new._at = numbers[self.borrowed[0]][self._vertices]
         new.size = None
-        return new
-
-    @override
-    def over(self, duration: float) -> SeepageFace:
-        new = copy(self)
-        new._duration = duration
         return new
 
     @override
