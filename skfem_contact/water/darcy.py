@@ -73,9 +73,9 @@ def _tensor(value: object, dim: int) -> ndarray:
     return tensor
 
 
-def head_basis(basis: CellBasis) -> CellBasis:
+def head_basis(basis: CellBasis, order: int = 2) -> CellBasis:
     """Return the linear basis of heads on the elements of any basis: one dof at each vertex of the mesh."""
-    return Basis(basis.mesh, linear_element(basis.mesh), intorder=2, elements=elements_of(basis))
+    return Basis(basis.mesh, linear_element(basis.mesh), intorder=order, elements=elements_of(basis))
 
 
 def radius(basis: CellBasis | FacetBasis, axisymmetric: bool) -> ndarray | float:
@@ -139,9 +139,10 @@ class DarcyFlow:
         """Return the integral around each node of values at the corners, (N,)."""
         return np.bincount(self.dofs.ravel(), (self._volume * corners).ravel(), minlength=len(self.elevation))
 
-    def moved(self, head: ndarray, change: ndarray) -> ndarray:
-        """Return the heads after a change by Newton's method."""
-        return head + change
+    def moved(self, head: ndarray, change: ndarray, laws: Sequence[tuple[ndarray, Retention]]) -> ndarray:
+        """Return the heads after a change by Newton's method; nodes stop at the free surface before they cross it."""
+        new, z = head + change, self.elevation
+        return np.where((head - z) * (new - z) < 0.0, z, new) if laws else new
 
     def scale(self, head: ndarray, inflow: ndarray) -> float:
         """Return the amount of water against which the water out of balance is small."""

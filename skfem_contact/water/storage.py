@@ -85,11 +85,11 @@ class StoringFlow(DarcyFlow):
         return (super().tangent(head, relative, slope) + diags(self.gathered(capacity) / self._duration)).tocsr()
 
     @override
-    def moved(self, head: ndarray, change: ndarray) -> ndarray:
+    def moved(self, head: ndarray, change: ndarray, laws: Sequence[tuple[ndarray, Retention]]) -> ndarray:
         new, suction, size = head + change, self.elevation - head, np.zeros(len(head))
         ranges, pressed = self.span(1.0)
         flat = (pressed + self._duration * self.saturated.diagonal()) / np.where(ranges > 0.0, ranges, 1.0)
-        for part, law in self._laws:
+        for part, law in laws:
             at = np.unique(self.dofs[part])
             size[self.dofs[part]] = self._size[part]
             moved = self.elevation[at] - law.moved(suction[at], -change[at], size[at], flat[at])
