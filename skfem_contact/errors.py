@@ -36,14 +36,16 @@ class NotConverged(RuntimeError):
         History of the residual.
     dof
         Dof of the largest unbalanced force, or the first one that can move freely.
+    cycle
+        Displacements between which the iterations went back and forth, if they did.
     """
 
     result: Any = None
 
     def __init__(self, message: str, x: ndarray | None = None, residuals: Sequence[float] = (),
-                 dof: int | None = None) -> None:
+                 dof: int | None = None, cycle: Sequence[ndarray] = ()) -> None:
         super().__init__(message)
-        self.x, self.residuals, self.dof = x, tuple(residuals), dof
+        self.x, self.residuals, self.dof, self.cycle = x, tuple(residuals), dof, tuple(cycle)
 
 
 class NoEquilibrium(NotConverged):

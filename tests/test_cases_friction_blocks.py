@@ -9,6 +9,7 @@ from helpers import dofs_at, grid, vector_basis
 import skfem_contact as sc
 from skfem_contact.contact.laws import Status
 from skfem_contact.contact.penalty import choose_penalties
+from skfem_contact.nonlinear.system import System
 from skfem_contact.results import StageResult
 from skfem_contact.results.tractions import tractions
 
@@ -89,13 +90,18 @@ def test_adhesion_where_it_touches(quadrature, height: float) -> None:
     assert height == 0 or joint.weight[bonded].sum() < 4
 
 
-def test_broken_bond_is_warned_of() -> None:
-    """C6: without equilibrium with the adhesion of a point or without the point, it loses its bond, and is named."""
+def test_broken_bond_is_warned_of(monkeypatch) -> None:
+    """C6: without equilibrium with the adhesion of a point or without the point, it loses its bond, and is named.
+
+    That is seen from the active sets, which return: 15 systems are solved; 98 were when all searches had to fail first.
+    """
+    solved, factor = [], System.factor
+    monkeypatch.setattr(System, "factor", lambda self, K: solved.append(1) or factor(self, K))
     with pytest.warns(sc.AnalysisWarning, match=r"points \[12\] of 'bottom' opened with their bond and closed without"):
         _, stages = pushed("nodal", sc.Coulomb(PHI, adhesion=2.5), 1.0)
     state = stages[-1].states["floor"]
     broken = (state.internal[0] > 0) & (state.status != Status.OPEN)
-    assert broken.nonzero()[0].tolist() == [12]
+    assert broken.nonzero()[0].tolist() == [12] and len(solved) <= 20
     assert state.status[12] == Status.SLIP
     assert state.traction[1][12] == pytest.approx(-PHI * state.traction[0][12], rel=1e-9)  # no adhesion
 

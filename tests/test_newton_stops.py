@@ -3,9 +3,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.sparse import csr_matrix
 
+from skfem_contact import Response
 from skfem_contact.errors import NotConverged
-from skfem_contact.nonlinear.newton import Evaluation, Newton, iterate
+from skfem_contact.nonlinear.newton import Evaluation, Newton, backtrack, iterate, shorten
 
 
 def scalar(residual):
@@ -16,7 +18,7 @@ def scalar(residual):
     return evaluate
 
 
-@pytest.mark.parametrize("search", ["residual", "energy", "step"])
+@pytest.mark.parametrize("search", ["residual", "energy", "step", "either"])
 def test_no_trial_is_a_number(search):
     """[X] Beyond z = 2 there is no answer, and every step leads there: the last answer is what is warned of."""
     evaluate = scalar(lambda z: np.where(z < 2.0, 1.0, np.nan))
@@ -25,7 +27,7 @@ def test_no_trial_is_a_number(search):
     assert np.isfinite(failed.value.x).all() and np.isfinite(failed.value.residuals).all()
 
 
-@pytest.mark.parametrize("search", ["residual", "energy", "step"])
+@pytest.mark.parametrize("search", ["residual", "energy", "step", "either"])
 def test_a_shorter_step_has_an_answer(search):
     """[X] A step of which only the first part leads to an answer is shortened: z = 1, from 0 by steps of 8."""
     evaluate = scalar(lambda z: np.where(z < 2.0, 1.0 - z, np.nan))
@@ -75,3 +77,42 @@ def test_where_no_trial_may_go_the_step_is_shortened():
 
     found, _ = iterate(evaluate(np.zeros(1)), evaluate, lambda now, damped: 8.0 * now.residual, Newton())
     assert found.z == 1.0
+
+
+def test_a_step_along_a_mechanism_is_shortened_by_work_or_norm():
+    """[X] Soft until z = .01 and 100 times as stiff behind: z = 2/101. The norm alone halves the step four times."""
+    def residual(z):
+        return 1.0 - z - 100.0 * np.maximum(z - 0.01, 0.0)
+
+    lengths = []
+
+    def evaluate(z):
+        lengths.append(float(z[0]))
+        return scalar(residual)(z)
+
+    start = scalar(residual)(np.zeros(1))
+    new = shorten(start, np.ones(1), [1.0], evaluate)
+    assert abs(new.residual[0]) < 1.0 and len(lengths) <= 4  # interpolated: 1/50 would be the sixth half
+    assert abs(backtrack(start, np.ones(1), [1.0], scalar(residual)).residual[0]) > 1.0
+
+
+def test_near_equilibrium_the_norm_admits_the_longest_step():
+    """[X] No length does half of the work, as where points yield in turn: the norm decides."""
+    evaluate = scalar(lambda z: np.where(z > 0.0, -0.9, 1.0))
+    assert shorten(evaluate(np.zeros(1)), np.ones(1), [1.0], evaluate).z[0] == 1.0
+
+
+@pytest.mark.parametrize("search, known, most", [("residual", True, 4), ("either", True, 4), ("residual", False, 25)])
+def test_contact_that_goes_back_and_forth(search, known, most):
+    """[X] A brittle bond opens with it and closes without it: the iterations end where forms know a way out."""
+    def evaluate(z):
+        force, active = (np.zeros(1), b"closed") if z < 0.5 else (np.full(1, 2.0), b"open")
+        response = Response(force, lambda: None, lambda: csr_matrix(np.eye(1)), active=active)
+        return Evaluation(z, {"bond": response}, 1.0 - force, 1.0)
+
+    seen = []
+    with pytest.raises(NotConverged) as failed:
+        iterate(evaluate(np.zeros(1)), evaluate, lambda now, damped: now.residual, Newton(), search,
+                leave=lambda places: seen.append(places) or known)
+    assert len(failed.value.residuals) - 1 <= most and bool(failed.value.cycle) == known
+    assert {float(z[0]) for z in seen[0]} == {0.0, 1.0}

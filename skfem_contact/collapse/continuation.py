@@ -161,7 +161,7 @@ def follow(branch: Branch, control: ndarray, points: list[Point], newton: Newton
 
     With resistance from the start blocks that slide away end in a plateau, up to .3 % too high.
     """
-    if branch.search == "residual":
+    if branch.search == "either":
         newton = replace(newton, max_iterations=min(newton.max_iterations, _BESIDE_CONTACT))
     found = _follow(branch, control, points, newton, tolerance, log, **settings)
     if found.stop.kind == "stall" and branch.resist():

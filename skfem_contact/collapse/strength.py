@@ -54,7 +54,7 @@ class _Strength(Branch):
         self.safe, self.above = 0.0, np.inf
         # where contact opens, closes and slips on the way, the residual may rise now and then
         unilateral = any(form.unilateral for form in system.forms.values())
-        self.search: Search = "residual" if unilateral else "step"
+        self.search: Search = "either" if unilateral else "step"
 
     @property
     def names(self) -> tuple[str, ...]:

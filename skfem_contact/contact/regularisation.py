@@ -241,4 +241,4 @@ def _start_debonding(pair: ContactBase, accepted: ContactState, failure: Failure
 
 #: In the order in which they are tried.
 FAMILIES = (Family(_start_interference, _resolve_interference), Family(_start_springs, _soften_springs),
-            Family(_start_soft_stick, _harden_stick), Family(_start_debonding, lambda pair, accepted, found: None))
+            Family(_start_debonding, lambda pair, accepted, found: None), Family(_start_soft_stick, _harden_stick))

@@ -47,14 +47,17 @@ def solve_increment(system: System, x: ndarray, states: Mapping[str, Any], load:
     and regularised forms follow; these take several times as long as the rest.
     """
     minimum = not any(form.saddle for form in system.forms.values())
-    searches: tuple[Search, ...] = ("residual", "energy") if try_recovery and minimum else ("residual",)
+    first: Search = "either" if minimum and system.yields_beside_contact else "residual"
+    searches: tuple[Search, ...] = (first, "energy") if try_recovery and minimum else (first,)
     given = system
     system = given.with_forms({name: form.begin(states[name]) for name, form in given.forms.items()})
     if start is not None:
         try:
-            return _solve(given, system, x, states, load, prescribed, newton, searches, start)
+            return _solve(given, system, x, states, load, prescribed, newton, searches[:1], start)
         except NotConverged as error:
             logger.info("from the extrapolated start: %s", error)
+            if try_recovery:
+                system = system.out_of(error.cycle, states, load)
     if not try_recovery:
         return _solve(given, system, x, states, load, prescribed, newton, searches)
     for _ in range(_RECOVERIES):
@@ -111,27 +114,20 @@ def _regularised(system: System, states: Mapping[str, Any], load: ndarray, error
     if not loose:
         if error.x is None:  # every equilibrium was found, but a form changed each time
             return system
-        seen = _candidates(system, error.x, states, load)
-        again = _begin(system, states, {name: Failure(False, tuple(candidates[name] for candidates in seen))
-                                        for name in system.forms})
+        again = system.out_of(error.cycle or _candidates(system, error.x, states, load), states, load)
         if again is not system or isinstance(error.__cause__, IncrementTooLarge):
             return again
-    return _begin(system, states, {name: Failure(loose=True) for name in system.forms})
+    return system.after(states, {name: Failure(loose=True) for name in system.forms})
 
 
-def _begin(system: System, states: Mapping[str, Any], failures: Mapping[str, Failure]) -> System:
-    """Return the system with the forms that begin an increment after failures."""
-    return system.with_forms({name: form.begin(states[name], failures[name]) for name, form in system.forms.items()})
-
-
-def _candidates(system: System, x: ndarray, states: Mapping[str, Any], load: ndarray) -> list[dict[str, Any]]:
-    """Return candidate states at displacements where the method stopped, and at several lengths of its next step."""
+def _candidates(system: System, x: ndarray, states: Mapping[str, Any], load: ndarray) -> list[ndarray]:
+    """Return displacements where the method stopped, and those at several lengths of its next step."""
     now = system.evaluate(x, states, load)
     try:
         step = system.factor(system.tangent(now))(now.residual)
     except SingularSystem:
-        return [now.states]
-    return [now.states, *(system.evaluate(x + length * step, states, load).states for length in _LENGTHS)]
+        return [x]
+    return [x, *(x + length * step for length in _LENGTHS)]
 
 
 def solve_step(system: System, x: ndarray, states: Mapping[str, Any], path: Path, span: tuple[float, float],

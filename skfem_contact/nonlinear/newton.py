@@ -22,6 +22,9 @@ _ASTRAY, _TIMES = 10, 2.0
 #: With contact, so many without a smaller residual do, or so many with so many times the smallest one: a strut
 #: prestressed against a wall in sand takes 15 to 24 iterations for 22 to 32. Soil alone comes back from there.
 _CYCLE, _AWAY, _MANY = 8, 2, 10.0
+#: Active sets of contact that return so many times, with a residual of more than this share of the one that they had
+#: before, may do so for ever: points of a brittle bond open with it, and close without it.
+_RETURNS, _NO_LESS = 2, 0.9
 #: Along the energy, so many residuals that differ by so little and are so many times the smallest one.
 _STUCK, _SAME, _WORSE = 6, 0.8, 5.0
 #: Round-off of the forces, as a share of the residual, that is mentioned where the iterations fail.
@@ -38,10 +41,12 @@ _SHORTEST = 1.0 / 16.0
 #: The search along the energy accepts a step that leaves at most this share of the slope.
 _SLOPE = 0.5
 _PROBES = 8
+#: Share of the remaining lengths that interpolation of the work goes up, at least and at most.
+_SHARES = 0.1, 0.5
 
 #: Measure of a line search: the norm of the residual, or its work along the step. Along the energy a search may go
-#: beyond the step, by its work alone ("step") no further.
-Search = Literal["residual", "energy", "step"]
+#: beyond the step, by its work alone ("step") no further. "either" takes what the work or the norm admits.
+Search = Literal["residual", "energy", "step", "either"]
 
 
 @dataclass(frozen=True)
@@ -177,10 +182,52 @@ def backtrack(now: Evaluation, step: ndarray, sizes: list[float], evaluate: Call
     return best
 
 
+def shorten(now: Evaluation, step: ndarray, sizes: list[float], evaluate: Callable[[ndarray], Evaluation]
+            ) -> Evaluation:
+    """Shorten the step until the residual has lost half of its work along the step, or of its norm.
+
+    The lengths are interpolated. Instead of short steps that do neither, the longest one whose residual is no worse
+    than all of the last few is taken: where soil yields beside contact, the norm alone admits steps far along a
+    mechanism, and the work alone no progress near equilibrium. Ten times the last residuals are too far.
+    """
+    along, bound = step[:len(now.residual)], np.inf if now.lag else max(sizes[-_MEMORY:])
+    slope = abs(now.residual @ along)
+    least, best, longer = np.inf, now, None
+    length, shortest, longest, above, below = 1.0, 0.0, 1.0, slope, -np.inf
+    for _ in range(_PROBES):
+        new = evaluate(now.z + length * step)
+        near = np.isfinite(new.norm) and unbalanced(new) <= _MANY * bound
+        work = float(new.residual @ along) if near else -np.inf
+        if abs(work) <= _SLOPE * slope or new.norm <= _SLOPE * now.norm or (work > 0.0 and length == 1.0):
+            return new
+        if longer is None and near and unbalanced(new) <= bound:
+            longer = new
+        if longer is not None and length <= _SHORTEST:
+            return longer
+        if abs(work) < least:
+            least, best = abs(work), new
+        if work > 0.0:
+            shortest, above = length, work
+        else:
+            longest, below = length, work
+        length = shortest + float(np.clip(above / (above - below), *_SHARES)) * (longest - shortest)
+    return longer or best
+
+
+def _along(search: Search, now: Evaluation, step: ndarray, sizes: list[float],
+           evaluate: Callable[[ndarray], Evaluation]) -> Evaluation:
+    if search == "residual":
+        return backtrack(now, step, sizes, evaluate)
+    if search == "either":
+        return shorten(now, step, sizes, evaluate)
+    return bisect_work(now, step, evaluate, 1.0 if search == "step" else np.inf)
+
+
 def iterate(now: Evaluation, evaluate: Callable[[ndarray], Evaluation],
             direction: Callable[[Evaluation, bool], ndarray],
             settings: Newton, search: Search = "residual", far: Callable[[Evaluation], bool] = lambda now: False,
-            at_least: int = 0, damp: bool = False) -> tuple[Evaluation, tuple[float, ...]]:
+            at_least: int = 0, damp: bool = False,
+            leave: Callable[[list[ndarray]], bool] = lambda seen: False) -> tuple[Evaluation, tuple[float, ...]]:
     """Iterate from an evaluation to equilibrium; return its evaluation and the history of the residual.
 
     The last figure of the history is the whole residual, round-off included.
@@ -195,18 +242,25 @@ def iterate(now: Evaluation, evaluate: Callable[[ndarray], Evaluation],
         Number of iterations even if the residual is small from the start.
     damp
         Damp the tangent from the start, not only where the iterations make no progress.
+    leave
+        Function that returns True if forms know a way out of displacements between which contact goes back and forth:
+        then the iterations end.
     """
     norms, sizes, damped = [now.norm], [unbalanced(now)], damp
-    met, counted = {now.active}, 0
+    sets, visited, counted, times, first = [now.active], [now.z], 0, 0, 0
     while len(norms) <= at_least or not (now.norm <= settings.tolerance and now.lag == 0.0):
         if max(counted, (len(norms) - 1) / _MOVING) >= settings.max_iterations or not now.norm < 1e8 \
                 or (_stuck(norms) if search == "energy" else _hopeless(norms, any(now.active))):
             raise NotConverged(f"no equilibrium after {len(norms) - 1} iterations; {_why(now, norms)}",
                                now.z, norms, now.worst)
+        if (back := _came_back(sets, norms)) and search != "energy":
+            times, first = times + 1, min(first, back) if times else back
+            if times >= _RETURNS and leave(visited[first:]):
+                raise NotConverged(f"the active sets of contact return without progress; {_why(now, norms)}", now.z,
+                                   norms, now.worst, visited[first:])
         try:
             step = direction(now, damped)
-            new = backtrack(now, step, sizes, evaluate) if search == "residual" else \
-                bisect_work(now, step, evaluate, 1.0 if search == "step" else np.inf)
+            new = _along(search, now, step, sizes, evaluate)
         except SingularSystem as error:
             raise NotConverged(str(error), now.z, norms,
                                int(error.dofs[0])) from error
@@ -216,8 +270,9 @@ def iterate(now: Evaluation, evaluate: Callable[[ndarray], Evaluation],
             raise NotConverged(f"the iterations run away; {_why(now, norms)}", now.z, norms, now.worst)
         now = new
         norms.append(now.norm)
-        counted += search != "energy" or now.active in met
-        met.add(now.active)
+        counted += search != "energy" or now.active in sets
+        sets.append(now.active)
+        visited.append(now.z)
         sizes.append(unbalanced(now))
         logger.debug("iteration %d: residual %.3e", len(norms) - 1, now.norm)
         if search == "energy" and now.norm > settings.tolerance and far(now):
@@ -226,6 +281,12 @@ def iterate(now: Evaluation, evaluate: Callable[[ndarray], Evaluation],
         stagnates = len(norms) > _PATIENCE and now.norm > 0.5 * norms[-1 - _PATIENCE]
         damped = damp or stagnates
     return now, (*norms[:-1], now.norm + now.hidden)
+
+
+def _came_back(sets: list[tuple[bytes, ...]], norms: list[float]) -> int:
+    """Return the last iteration with the present active sets, others after it and a residual no larger, or 0."""
+    return next((k for k in range(len(sets) - 3, 0, -1)
+                 if sets[k] == sets[-1] != sets[k + 1] and norms[-1] > _NO_LESS * norms[k]), 0)
 
 
 def _hopeless(norms: list[float], contact: bool) -> bool:

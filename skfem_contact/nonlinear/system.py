@@ -12,7 +12,7 @@ import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix
 
-from ..errors import IncrementTooLarge, NoEquilibrium, NotConverged
+from ..errors import Failure, IncrementTooLarge, NoEquilibrium, NotConverged
 from ..forms.base import Form, Response, responses_of
 from ..layout import Layout
 from ..solvers.direct import LinearSolver, SingularSystem, Solve
@@ -59,7 +59,8 @@ class System:
             return self
         new = copy(self)
         new.forms = dict(forms)
-        vars(new).pop("symmetric", None)
+        for known in ("symmetric", "yields_beside_contact"):
+            vars(new).pop(known, None)
         return new
 
     def over(self, duration: float) -> System:
@@ -70,6 +71,12 @@ class System:
     def symmetric(self) -> bool:
         """True if the tangents of all forms are symmetric."""
         return all(form.symmetric for form in self.forms.values())
+
+    @cached_property
+    def yields_beside_contact(self) -> bool:
+        """True if some material yields, and contact or other forms act in one direction only."""
+        forms = self.forms.values()
+        return any(form.unilateral for form in forms) and any(form.materials and form.strengths for form in forms)
 
     @property
     def size(self) -> int:
@@ -177,15 +184,24 @@ class System:
             try:
                 # no name for the first new: its tangent would stay in memory
                 now, norms = iterate(evaluate(x if start is None else start), evaluate, direction, settings, search,
-                                     far, at_least, damp)
+                                     far, at_least, damp, lambda seen: self.out_of(seen, states, load) is not self)
             except NotConverged as error:
                 error.residuals = spent = spent + error.residuals[1 if spent else 0:]
-                if isinstance(error, NoEquilibrium) or search == searches[-1]:
+                if isinstance(error, NoEquilibrium) or search == searches[-1] or error.cycle:
                     raise
                 logger.info("no equilibrium by the %s: %s", search, error)
             else:
                 return Equilibrium(now.z, now.states, spent + norms[1 if spent else 0:])
         raise ValueError("there is no line search to try")
+
+    def after(self, states: Mapping[str, Any], failures: Mapping[str, Failure]) -> System:
+        """Return the system with the forms that begin an increment after failures."""
+        return self.with_forms({name: form.begin(states[name], failures[name]) for name, form in self.forms.items()})
+
+    def out_of(self, cycle: Sequence[ndarray], states: Mapping[str, Any], load: ndarray) -> System:
+        """Return the system with forms that do not go back and forth between some displacements; itself without any."""
+        seen = [self.evaluate(x, states, load).states for x in cycle]
+        return self.after(states, {name: Failure(False, tuple(one[name] for one in seen)) for name in self.forms})
 
     def _direction(self, now: Evaluation, lag: ndarray, damped: bool, regular: list[csr_matrix]) -> ndarray:
         """Return the Newton step; where the tangent is singular, far out on a mechanism, with the last regular one."""
