@@ -60,22 +60,23 @@ def solve_increment(system: System, x: ndarray, states: Mapping[str, Any], load:
                 system = system.out_of(error.cycle, states, load)
     if not try_recovery:
         return _solve(given, system, x, states, load, prescribed, newton, searches)
-    for _ in range(_RECOVERIES):
+    for recovery in range(_RECOVERIES):
         try:
-            return _solve(given, system, x, states, load, prescribed, newton, searches)
+            return _solve(given, system, x, states, load, prescribed, newton, searches, leaves=recovery == 0)
         except NotConverged as error:
             regularised = _regularised(system, states, load, error)
             if regularised is system:
                 raise
             system = regularised
-    return _solve(given, system, x, states, load, prescribed, newton, searches)
+    return _solve(given, system, x, states, load, prescribed, newton, searches, leaves=False)
 
 
 def _solve(given: System, system: System, x: ndarray, states: Mapping[str, Any], load: ndarray, prescribed: ndarray,
-           newton: Newton, searches: Sequence[Search], start: ndarray | None = None) -> Equilibrium:
+           newton: Newton, searches: Sequence[Search], start: ndarray | None = None, leaves: bool = True) -> Equilibrium:
     residuals: tuple[float, ...] = ()
     for count in range(1, _MOST + 1):
-        new = system.equilibrium(x, states, load, prescribed, newton, searches, start=start)
+        new = system.equilibrium(x, states, load, prescribed, newton, searches, start=start,
+                                 leaves=leaves)
         residuals += new.residuals if not residuals else new.residuals[1:]
         try:
             again = {name: form.outer(new.x, states[name], new.states[name]) for name, form in system.forms.items()}

@@ -136,7 +136,7 @@ class System:
     def equilibrium(self, x: ndarray, states: Mapping[str, Any], load: ndarray, prescribed: ndarray,
                     settings: Newton, searches: Sequence[Search] = ("residual", "energy"),
                     elastic: float = 0.0, at_least: int = 0, damp: bool = False,
-                    start: ndarray | None = None) -> Equilibrium:
+                    start: ndarray | None = None, leaves: bool = True) -> Equilibrium:
         """Find the displacements at which load and internal forces balance.
 
         Parameters
@@ -154,6 +154,8 @@ class System:
             As for :func:`~skfem_contact.nonlinear.newton.iterate`.
         start
             Displacements to start from; by default `x`.
+        leaves
+            End the iterations where contact goes back and forth and other forms help.
 
         Raises
         ------
@@ -184,7 +186,8 @@ class System:
             try:
                 # no name for the first new: its tangent would stay in memory
                 now, norms = iterate(evaluate(x if start is None else start), evaluate, direction, settings, search,
-                                     far, at_least, damp, lambda seen: self.out_of(seen, states, load) is not self)
+                                     far, at_least, damp,
+                                     lambda seen: leaves and self.out_of(seen, states, load) is not self)
             except NotConverged as error:
                 error.residuals = spent = spent + error.residuals[1 if spent else 0:]
                 if isinstance(error, NoEquilibrium) or search == searches[-1] or error.cycle:
