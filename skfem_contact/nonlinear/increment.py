@@ -72,7 +72,8 @@ def solve_increment(system: System, x: ndarray, states: Mapping[str, Any], load:
 
 
 def _solve(given: System, system: System, x: ndarray, states: Mapping[str, Any], load: ndarray, prescribed: ndarray,
-           newton: Newton, searches: Sequence[Search], start: ndarray | None = None, leaves: bool = True) -> Equilibrium:
+           newton: Newton, searches: Sequence[Search], start: ndarray | None = None,
+           leaves: bool = True) -> Equilibrium:
     residuals: tuple[float, ...] = ()
     for count in range(1, _MOST + 1):
         new = system.equilibrium(x, states, load, prescribed, newton, searches, start=start,
