@@ -113,6 +113,6 @@ def test_contact_that_goes_back_and_forth(search, known, most):
     seen = []
     with pytest.raises(NotConverged) as failed:
         iterate(evaluate(np.zeros(1)), evaluate, lambda now, damped: now.residual, Newton(), search,
-                leave=lambda places: seen.append(places) or known)
+                leave=lambda visited: seen.append(visited) or known)
     assert len(failed.value.residuals) - 1 <= most and bool(failed.value.cycle) == known
     assert {float(z[0]) for z in seen[0]} == {0.0, 1.0}

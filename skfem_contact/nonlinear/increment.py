@@ -76,8 +76,7 @@ def _solve(given: System, system: System, x: ndarray, states: Mapping[str, Any],
            leaves: bool = True) -> Equilibrium:
     residuals: tuple[float, ...] = ()
     for count in range(1, _MOST + 1):
-        new = system.equilibrium(x, states, load, prescribed, newton, searches, start=start,
-                                 leaves=leaves)
+        new = system.equilibrium(x, states, load, prescribed, newton, searches, start=start, leaves=leaves)
         residuals += new.residuals if not residuals else new.residuals[1:]
         try:
             again = {name: form.outer(new.x, states[name], new.states[name]) for name, form in system.forms.items()}
