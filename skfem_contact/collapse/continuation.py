@@ -60,7 +60,10 @@ class Branch(ABC):
     system: System
     #: Line search: along the energy where the forms do not depend on the parameter. Where they do, the step is not
     #: exceeded; by the norm of the residual, to which single points that yield and unload add much, more searches fail.
+    #: Beside contact that depends on it the work or the norm counts.
     search: Search
+    #: Contact depends on the parameter.
+    beside_contact: bool = False
 
     @abstractmethod
     def at(self, parameter: float) -> tuple[System, ndarray]:
@@ -161,7 +164,7 @@ def follow(branch: Branch, control: ndarray, points: list[Point], newton: Newton
 
     With resistance from the start blocks that slide away end in a plateau, up to .3 % too high.
     """
-    if branch.search == "either":
+    if branch.beside_contact:
         newton = replace(newton, max_iterations=min(newton.max_iterations, _BESIDE_CONTACT))
     found = _follow(branch, control, points, newton, tolerance, log, **settings)
     if found.stop.kind == "stall" and branch.resist():

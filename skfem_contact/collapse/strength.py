@@ -52,9 +52,8 @@ class _Strength(Branch):
     def __init__(self, system: System, load: ndarray, targets: dict[str, tuple[str, ...]], flow: Flow) -> None:
         self.system, self.load, self.targets, self.flow = system, load, targets, flow
         self.safe, self.above = 0.0, np.inf
-        # where contact opens, closes and slips on the way, the residual may rise now and then
-        unilateral = any(form.unilateral for form in system.forms.values())
-        self.search: Search = "either" if unilateral else "step"
+        self.beside_contact = any(form.unilateral for form in system.forms.values())
+        self.search: Search = "either" if self.beside_contact else "step"
 
     @property
     def names(self) -> tuple[str, ...]:

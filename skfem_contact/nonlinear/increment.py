@@ -56,7 +56,7 @@ def solve_increment(system: System, x: ndarray, states: Mapping[str, Any], load:
             return _solve(given, system, x, states, load, prescribed, newton, searches[:1], start)
         except NotConverged as error:
             logger.info("from the extrapolated start: %s", error)
-            if try_recovery:
+            if try_recovery and error.cycle:
                 system = system.out_of(error.cycle, states, load)
     if not try_recovery:
         return _solve(given, system, x, states, load, prescribed, newton, searches)
