@@ -1,5 +1,9 @@
 """PARDISO: reuse of the analysis, memory."""
 
+import os
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 from scipy.sparse import csr_matrix, diags
@@ -89,3 +93,15 @@ def test_errors_are_raised():
         call(pardiso.OUT_OF_MEMORY)
     with pytest.raises(RuntimeError, match="error -4"):
         call(-4)
+
+
+def test_library_is_found_without_a_search_of_all_directories():
+    """The installed package says where its library lies; a path of the user's own is kept."""
+    script = "import glob, os; glob.glob = None; from skfem_contact.solvers.pardiso import Pardiso; Pardiso(); " \
+             "print(os.environ['PYPARDISO_MKL_RT'])"
+    given = dict(os.environ)
+    given.pop("PYPARDISO_MKL_RT", None)
+    path = subprocess.run([sys.executable, "-c", script], env=given, capture_output=True, text=True, check=True).stdout
+    assert "mkl_rt" in path
+    given["PYPARDISO_MKL_RT"] = os.path.join(path.strip(), "of", "another")
+    assert subprocess.run([sys.executable, "-c", script], env=given, capture_output=True).returncode != 0

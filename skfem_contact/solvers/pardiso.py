@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import weakref
 from collections.abc import Callable
+from contextlib import suppress
 from ctypes import c_int
+from importlib.metadata import PackageNotFoundError, files
 
 import numpy as np
 from numpy import ndarray
@@ -161,6 +164,10 @@ class _Library:
     """Entry points of MKL."""
 
     def __init__(self) -> None:
+        with suppress(PackageNotFoundError):  # without the path pypardiso looks through all directories, for 1.5 s
+            for path in files("mkl") or ():
+                if "mkl_rt" in path.name:
+                    os.environ.setdefault("PYPARDISO_MKL_RT", str(path.locate()))
         from pypardiso import ps
 
         self.pardiso = ps.libmkl["pardiso"]  # the subscript leaves pypardiso's own prototype alone
