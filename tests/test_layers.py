@@ -169,8 +169,8 @@ def test_package_does_not_grow() -> None:
     # views of stages apart, below titles that fit, 17; searches that try again with resistance to slip 30; flat pieces
     # of curves of bars that are looked at from farther away 20; steps of the heads that converge with rain and with
     # drains that open at once 42
-    # steps of yielding soil beside contact that are shortened by work or norm, and bonds that open and close, 80; the path
-    # of MKL 10
+    # steps of yielding soil beside contact that are shortened by work or norm, and bonds that open and close, 80;
+    # the path of MKL 10
     water, searches = 480 + 160 + 110 + 10 + 42, 30 + 20 + 80 + 10
     assert total <= 22_400 + 30 + 180 + 330 + water + 310 + 100 + 800 + 60 + 50 + 150 + 360 + 67 + searches, total
     assert len(TREES) - len(apart) - len({"materials.curved"}) <= 123 + 1 + 1 + 2 + 1 + 4 + 1 + 1, len(TREES)
