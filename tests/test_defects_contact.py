@@ -425,6 +425,23 @@ def test_a_pressure_at_the_start_is_no_overlap() -> None:
     assert "overlap" not in "; ".join(str(warning.message) for warning in caught)
 
 
+@pytest.mark.parametrize(("factor", "told"), [(1.0 + 1e-5, False), (2.0, True)])
+def test_share_of_the_penalty_in_ground_at_rest(factor: float, told: bool) -> None:
+    """[X] Where nothing moves the penalty has a share of nothing: no remark, as there is of the load's double."""
+    levels = np.linspace(0, 1, 4)
+    bodies = {name: grid("Q1", levels, levels + y) for name, y in (("low", -1), ("up", 0))}
+    basis = vector_basis(sc.join_bodies(bodies), "Q1", intorder=2)
+    joint = sc.ContactPair(basis, "up:bottom", "low:top", sc.Coulomb())
+    forms = {"ground": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3)), "joint": joint}
+    guided = basis.get_dofs({"low:left", "up:left", "low:right", "up:right"}).all("u^1")
+    model, load = sc.Model(forms, [basis.get_dofs("low:bottom").all(), guided]), sc.weight(basis, 20.0)
+    start = model.k0_state(load, unit_weights=20.0, K0=0.5)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        model.run([sc.Stage("more", factor * load)], start=start, progress=False)
+    assert ("penalty compliance" in "; ".join(str(warning.message) for warning in caught)) == told
+
+
 @pytest.mark.parametrize("n", [40, 128])
 def test_nodes_at_joints_are_warned_of(n: int) -> None:
     """[X] Nodes that face joints belong to the facet before: a torque without friction, of sin(pi/n): a warning."""

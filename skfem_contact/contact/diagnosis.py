@@ -20,8 +20,10 @@ from .search import normals_at_joint
 PENETRATION = 0.01
 #: Displacement that is the penalty's, as a share of the largest one, that is remarked on.
 _COMPLIANCE = 0.01
-#: Gap between nodes that multipliers leave, likewise: with gaps of 1.7, .5 and .3 % on coarse facets that do not match,
-#: a penalty ten times as hard changes the displacements by 4.0, 1.6 and .5 %.
+#: Displacements below this share of the compression of the elements beside contact by the largest traction are none.
+_AT_REST = 0.01
+#: Gap between nodes that multipliers leave, likewise a share of the largest one: with gaps of 1.7, .5 and .3 % on
+#: coarse facets that do not match, a penalty ten times as hard changes the displacements by 4.0, 1.6 and .5 %.
 _BETWEEN = 0.0025
 #: Round-off of a traction that is the penalty times the gap, as a share of it.
 _ELASTIC = 1e-6
@@ -128,7 +130,8 @@ def _compliance(pair: ContactBase, x: ndarray, state: ContactState) -> ndarray:
     closed = np.flatnonzero(state.status != Status.OPEN)
     largest, penalties, weight = float(np.abs(x).max(initial=0.0)), pair.penalties(state), pair.points(state).weight
     depth, slip = (state.clearance - state.gap)[closed], np.linalg.norm(state.slip[:, closed], axis=0)
-    if largest == 0.0 or not (depth.any() or slip.any()):
+    compressed = float(np.abs(state.traction).max(initial=0.0)) / (pair.stiffness or penalties[0])
+    if largest <= _AT_REST * compressed or not (depth.any() or slip.any()):
         return np.zeros(2)
     tractions = np.abs(state.traction[0, closed]), np.linalg.norm(state.traction[1:, closed], axis=0)
 
