@@ -89,14 +89,13 @@ def test_random_increments(size: float, ncomp: int, c: float, n: int, smooth: fl
     assert (work >= -1e-10 * np.abs(new.stress).max() * np.abs(strain).max()).all()
 
     tangent, h, largest = new.tangent(), 1e-5 * size, elastic.max(axis=(1, 2))
-    error, kink = np.zeros(n), np.zeros(n)
-    for j in range(ncomp):
-        step = np.zeros_like(strain)
-        step[j] = h
-        ahead, behind = (sign / h * (law.update(strain + sign * step, stress, internal).stress - new.stress)[:, :, 0].T
-                         for sign in (1, -1))
-        error = np.maximum(error, np.abs(tangent[:, :, j] - (ahead + behind) / 2).max(axis=1) / largest)
-        kink = np.maximum(kink, np.abs(ahead - behind).max(axis=1) / largest)
+    steps = np.concatenate((h * np.eye(ncomp), -h * np.eye(ncomp)))[:, :, None, None]  # all of them in one update
+    ends = law.update(np.concatenate(strain + steps, axis=1), *(np.tile(given, (1, len(steps), 1)) for given in
+                                                                (stress, internal))).stress  # fmt: skip
+    change = ends.reshape(ncomp, 2, ncomp, n).transpose(1, 3, 0, 2) - new.stress[:, :, 0].T[:, :, None]
+    ahead, behind = change[0] / h, -change[1] / h
+    error = np.abs(tangent - (ahead + behind) / 2).max(axis=(1, 2)) / largest
+    kink = np.abs(ahead - behind).max(axis=(1, 2)) / largest
     away = kink < 1e-3  # the step crosses no kink, nor bends by more
     assert away.mean() >= smooth
     assert error[away].max() < 1e-6
@@ -113,14 +112,16 @@ def test_units(scale: float) -> None:
 
 
 @pytest.mark.parametrize("m", [0.0, 0.5, 1.0])
-@pytest.mark.parametrize(("component", "size"), [(3, 2e-4), (1, -1e-4)])
-def test_reversed_cycles_do_not_drift(component: int, size: float, m: float) -> None:
-    """After the first cycle 200 more between the same strains, in three increments each, are elastic."""
+def test_reversed_cycles_do_not_drift(m: float) -> None:
+    """After the first cycle 200 more between the same strains, in three increments each, are elastic.
+
+    One point is sheared, the other is compressed.
+    """
     law = sand(m=m, K0nc=None)
-    stress = np.array([-60.0, -100.0, -60.0, 0.0])[:, None, None]
+    stress = np.repeat(np.array([-60.0, -100.0, -60.0, 0.0])[:, None, None], 2, axis=1)
     internal = law.initial_internal(stress)
-    step, ends = np.zeros((4, 1, 1)), []
-    step[component] = size / 3
+    step, ends = np.zeros((4, 2, 1)), []
+    step[3, 0], step[1, 1] = 2e-4 / 3, -1e-4 / 3
     for _ in range(201):
         for sign in (1, 1, 1, -1, -1, -1):
             new = law.update(sign * step, stress, internal)
@@ -138,7 +139,7 @@ def test_triaxial_test_ends_on_the_failure_surface(ocr: float) -> None:
 
 
 def test_extension_and_unloading_towards_zero() -> None:
-    extension = sc.element_test(sand(), -100.0, triaxial(0.05))
+    extension = sc.element_test(sand(), -100.0, triaxial(0.05, increments=40))
     assert extension.stress[-1, 1, 0] == pytest.approx(-100 / 4.814951, rel=1e-6)  # the active pressure
     unloaded = sc.element_test(sand(c=1.0), -np.array([[34.0], [100.0], [34.0], [0.0]]), oedometer(-0.5))
     assert unloaded.stress[-1, 1, 0] == pytest.approx(-0.5, abs=1e-9)
