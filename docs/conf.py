@@ -93,5 +93,6 @@ def skip_tuple_fields(app, what, name, obj, skip, options):
 
 
 def setup(app):
-    """Connect our handlers."""
+    """Connect our handlers; formulas without a network only name a file, so pages are read by several processes."""
     app.connect("autodoc-skip-member", skip_tuple_fields)
+    app.extensions["sphinx-mathjax-offline"].parallel_read_safe = True

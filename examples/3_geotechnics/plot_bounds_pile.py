@@ -105,7 +105,7 @@ def model(mesh, share=None, stiffness=2.8e7):
 # A factor of strength reduction above its bracket is the mesh's, one below would be an error. A weaker interface never
 # raises a factor.
 
-gap, elements = (0.05, 3000) if FULL else (0.1, 1200)
+gap, elements = (0.05, 3000) if FULL else (0.1, 700)
 cases = {"without pile": None, "interface 1": 1.0, "interface 2/3": 2 / 3, "smooth": 0.0}
 if not FULL:
     cases = {name: cases[name] for name in ("without pile", "interface 1")}

@@ -32,7 +32,7 @@ rows, histories = [], {}
 names = list(CASES) if FULL else ["Griffiths and Lane 1", "vertical cut", "N_c, 20 degrees", "sliding block"]
 for name in names:
     problem, (low, high) = CASES[name]
-    gap = SMALL.get(name, 0.01) if FULL else max(0.03, SMALL.get(name, 0.0))
+    gap = SMALL.get(name, 0.01) if FULL else 0.04
     begin = process_time()
     found = bracket(**problem, gap=gap, progress=False)
     seconds = process_time() - begin
