@@ -102,7 +102,7 @@ def random_footing(seed: int) -> tuple[dict, Ground]:
     basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
     fixed = np.hstack([basis.get_dofs("base").all(), basis.get_dofs("sides").all("u^1")])
     given = {"forms": {"soil": sc.SolidForm(basis, soils)}, "fixed": fixed, "weight": gamma, "tractions": tractions,
-             "live": "foot", "gap": 0.1, "elements": 250}  # fmt: skip
+             "live": "foot", "gap": 0.1, "elements": 250 if seed < 8 else 150}  # fmt: skip
     return given, Ground(soils, {"ground": (0.0, -gamma)}, {"base": (0, 1), "sides": (0,)}, tractions)
 
 
