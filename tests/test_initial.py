@@ -46,6 +46,19 @@ def test_k0_procedure(element):
     assert start[0].summary == {"ground": ""}
 
 
+def test_k0_state_of_a_body_without_one_of_the_weights():
+    """[X] Two bodies share a table of weights by subdomain, of which one body holds a single one."""
+    basis, _, fixed = layered()
+    mesh = basis.mesh.with_subdomains({"left": lambda x: x[0] < 3, "above": lambda x: (x[0] > 3) & (x[1] > 4),
+                                       "below": lambda x: (x[0] > 3) & (x[1] < 4)})  # fmt: skip
+    basis, weights = vector_basis(mesh, "Q1", intorder=2), {"lower": 20.0, "upper": 16.0}
+    forms = {name: sc.SolidForm(basis.with_elements(name), SOIL, unit_weight=weights)
+             for name in ("left", "above", "below")}
+    start = sc.Model(forms, fixed).k0_state(K0=0.5)
+    y = np.asarray(forms["below"].basis.global_coordinates())[1]
+    np.testing.assert_allclose(start[0].states["below"].stress[1], -32 - 20 * (4 - y), rtol=1e-12)  # round-off
+
+
 def test_inconsistent_k0_returns_to_the_yield_surface():
     """[X] Case K2: K0 below the active ratio cannot be borne; the points are reported as yielded."""
     soil = sc.MohrCoulomb(E=1e4, nu=0.3, c=0.0, phi=30.0)

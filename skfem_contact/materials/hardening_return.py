@@ -105,7 +105,7 @@ def _state(z: Array, t: _Trial, mode: _Mode, k: Constants, wanted: tuple[int, ..
 
     def by_trial(dc: Array, dq: Array, dp: Array) -> _Slope:
         dq, dp = dq / alpha, dp * open_
-        return _Slope(np.stack([dc[n] - C * (N * w[n] * dq + 2 * K * dp) for n in wanted]), dq, dp)
+        return _Slope(np.array([dc[n] - C * (N * w[n] * dq + 2 * K * dp) for n in wanted]), dq, dp)
 
     slopes = tuple(_Slope(d, *pair) for d, pair in zip(dc, pairs))
     return _State(c, q, p, slopes, by_trial)  # type: ignore[arg-type]
@@ -133,7 +133,7 @@ def _residual(z: Array, t: Points, trial: _Trial, k: Constants, at: _State, with
     total = np.where(c1 + c3 > 0, c1 + c3, 1.0)
     mob = np.where(c1 + c3 > 0, np.clip((c1 - c3) / total, -0.5, 1.0), 1.0)
     rowe = np.where(to_gamma == 0, k.sin_psi, (mob - k.sin_cv) / (1 - mob * k.sin_cv))  # all of it at failure
-    values = np.stack((c1 - c3 - strength, np.log(radius / bound), s - np.clip(rowe, 0.0, k.sin_psi),
+    values = np.array((c1 - c3 - strength, np.log(radius / bound), s - np.clip(rowe, 0.0, k.sin_psi),
                        scale - 0.5 * t.factor * (t.scale + reached)))
     on = (values[:2] > 0) | (z[:2] > 0)
     on[1] &= with_cap
@@ -143,7 +143,7 @@ def _residual(z: Array, t: Points, trial: _Trial, k: Constants, at: _State, with
     moving = (rowe > 0) & (rowe < k.sin_psi) & (c1 + c3 > 0)
     slope = np.where(moving, (1 - k.sin_cv**2) / ((1 - mob * k.sin_cv) ** 2 * total), 0.0)
     squares, harder = radius * radius, 2 * harder / bound * rate
-    to_memory = np.stack((np.where(on[0], to_gamma * L * rate, 0.0), np.where(on[1], harder * p * C, 0.0)))
+    to_memory = np.array((np.where(on[0], to_gamma * L * rate, 0.0), np.where(on[1], harder * p * C, 0.0)))
     return _Residual(values, on, error,
                      (1 + to_least, to_gamma * rate, q / (k.cap_slope * squares), p / squares - harder * C, harder * p,
                       slope * (1 - mob), slope * (1 + mob)), to_memory, -0.5 * t.factor * k.scale_slope(c3, reached))
@@ -187,7 +187,7 @@ def _step(z: Array, trial: _Trial, at: _State, of: _Residual) -> Array:
     pull = [of.to_scale * slope.c[1] for slope in at.slopes]
     own = 1 + of.to_scale * by_scale.c[1] - sum(a * b for a, b in zip(pull, second))
     change = (scale - sum(a * b for a, b in zip(pull, first))) / np.where(own == 0, np.nan, own)
-    return -np.stack([*(a - b * change for a, b in zip(first, second)), change])
+    return -np.array([*(a - b * change for a, b in zip(first, second)), change])
 
 
 def _newton(t: Points, mode: _Mode, k: Constants, with_cap: bool, start: Array
@@ -226,13 +226,15 @@ def _newton(t: Points, mode: _Mode, k: Constants, with_cap: bool, start: Array
     return result, open_
 
 
-def _followed(t: Points, mode: _Mode, k: Constants, with_cap: bool, steps: int) -> Array:
+def _followed(t: Points, mode: _Mode, k: Constants, with_cap: bool, steps: int, sheared: Array) -> Array:
     """Return the variables of Newton's method at the end of growing shares of the increment, from each to the next.
 
-    Points without a solution on the way keep the variables of no increment.
+    The whole increment begins at the multipliers of one step of shear (`sheared`): from none of it the cap would be
+    crushed by stresses that the shear relieves. Points without a solution on the way keep those of no increment.
     """
-    none = np.stack((*np.zeros((3, t.gamma.size)), t.factor * t.scale))
+    none = np.array((*np.zeros((3, t.gamma.size)), t.factor * t.scale))
     z, open_, end = none.copy(), np.arange(t.gamma.size), t.push
+    z[0] = sheared if steps == 1 else 0.0
     for step in range(steps):
         t = t._replace(push=end[:, open_] * ((step + 1) / steps))
         z[:, open_], lost = _newton(t, mode, k, with_cap, z[:, open_])
@@ -273,14 +275,14 @@ def hardening_return(t: Points, k: Constants) -> Returned:
     c, gamma, cap = np.zeros((3, n)), t.gamma.copy(), t.cap.copy()
     scale = 0.5 * t.factor * (t.scale + k.scale(np.zeros(n)))
     left, parts = ~beyond_apex(t, scale, k), []
-    likely = likely_modes(t, scale, k)
+    likely, sheared = likely_modes(t, scale, k)
     for steps, with_cap, first, (number, mode) in product(_STEPS, (True, False), (True, False),
                                                           enumerate(modes(k.lode))):
         open_ = np.flatnonzero(left & ((likely == number) == first))
         if not open_.size:
             continue
         points = t.take(open_)
-        z = _followed(points, mode, k, with_cap, steps)
+        z = _followed(points, mode, k, with_cap, steps, sheared[open_])
         values, memory, holds, known = _checked(z, points, mode, k)
         kept = np.flatnonzero(holds)
         done = open_[kept]
@@ -311,8 +313,8 @@ def _checked(z: Array, t: Points, mode: _Mode, k: Constants
         c2 = c1
         holds &= c[0] - c[1] <= (1 - s) * faces + (2 - k.lode) * caps + round_off
     rate = t.faster / scale
-    memory = np.stack((t.gamma + L * rate, k.hardened(t.cap, 2 * state.p * C * rate)[0]))
-    return np.stack((c1, c2, c3)), memory, holds, (state, residual)
+    memory = np.array((t.gamma + L * rate, k.hardened(t.cap, 2 * state.p * C * rate)[0]))
+    return np.array((c1, c2, c3)), memory, holds, (state, residual)
 
 
 def _slopes(parts: list[_Part], n: int, k: Constants) -> tuple[Array, Array]:

@@ -135,22 +135,23 @@ def elastic_scale(t: Points, k: Constants) -> Array:
     return result
 
 
-def likely_modes(t: Points, scale: Array, k: Constants) -> NDArray[np.intp]:
-    """Return the modes in which points return by one step of shear and cap, each alone, without dilatancy.
+def likely_modes(t: Points, scale: Array, k: Constants) -> tuple[NDArray[np.intp], Array]:
+    """Return the modes in which points return by one step of shear and then of the cap, without dilatancy, and L.
 
     0 is the face, 1 the edge c2 = c3 and 2 the edge c1 = c2: there the step exceeds the distance of the trial stresses.
+    L is the shear multiplier of the step, times the scale.
     """
     c = k.shift - t.trial(scale).values[::-1]
     strength, to_least, to_gamma = k.shear_strength(c[2], t.gamma, k.scale(c[2]))
     shear = np.maximum(c[0] - c[2] - strength, 0.0) / (2 + to_least + to_gamma * t.faster / (k.mu * scale))
     w, p = np.array([1, k.lode - 1, -k.lode]), np.maximum(c.mean(axis=0), 0.0)
-    q, N, K = w @ c, 4 * k.mu / k.cap_slope, k.lam + 2 * k.mu / 3
+    q, N, K = w @ c - (1 + k.lode) * shear, 4 * k.mu / k.cap_slope, k.lam + 2 * k.mu / 3
     squares = q * q / k.cap_slope
     softer = (N * (w @ w) * squares + 2 * K * p * p) / (squares + p * p)
     harder = 2 * p * k.hardened(t.cap, 0.0 * p)[1] * t.faster / (scale * t.cap)
     cap = N * q * np.maximum(0.5 * np.log((squares + p * p) / t.cap**2), 0.0) / (softer + harder)
     return np.where(c[1] - c[2] <= shear + (2 * k.lode - 1) * cap, 1,
-                    np.where(c[0] - c[1] <= shear + (2 - k.lode) * cap, 2, 0))
+                    np.where(c[0] - c[1] <= shear + (2 - k.lode) * cap, 2, 0)), shear / k.mu
 
 
 def beyond_apex(t: Points, scale: Array, k: Constants) -> NDArray[np.bool_]:

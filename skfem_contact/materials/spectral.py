@@ -104,7 +104,7 @@ class _PlaneFrame(NamedTuple):
         centre, radius = (major + minor) / 2, (major - minor) / 2
         normal, tangential = radius * self.cos, radius * self.sin
         zz = np.where(self.rank == 1, values[1], np.where(self.rank == 0, values[0], values[2]))
-        return np.stack((centre + normal, centre - normal, zz, tangential))
+        return np.array((centre + normal, centre - normal, zz, tangential))
 
     def along(self, tensor: Array) -> Array:
         """Return the normal components (3, n) of a symmetric tensor (ncomp, n) in these directions."""
@@ -112,7 +112,7 @@ class _PlaneFrame(NamedTuple):
         radial = (tensor[0] - tensor[1]) / 2 * self.cos + tensor[3] * self.sin
         major, minor, zz = centre + radial, centre - radial, tensor[2]
         middle = np.where(self.rank == 1, zz, np.where(self.rank == 0, major, minor))
-        return np.stack((np.where(self.rank == 0, zz, major), middle, np.where(self.rank == 2, zz, minor)))
+        return np.array((np.where(self.rank == 0, zz, major), middle, np.where(self.rank == 2, zz, minor)))
 
     def tangent(self, moduli: Array, values: Array, shear: Parameter) -> Array:
         """Return the Cartesian tangent, (n, ncomp, ncomp), of a return mapping from this trial frame.
@@ -136,7 +136,7 @@ def _plane_frame(stress: Array) -> _PlaneFrame:
     centre, half, radius = _mohr_circle(stress)
     major, minor, zz = centre + radius, centre - radius, stress[2]
     middle = np.maximum(minor, np.minimum(major, zz))
-    values = np.stack((np.maximum(major, zz), middle, np.minimum(minor, zz)))
+    values = np.array((np.maximum(major, zz), middle, np.minimum(minor, zz)))
     rank = (zz <= major).astype(np.int8) + (zz < minor)
     round_ = radius == 0
     radius[round_], half[round_] = 1, 1

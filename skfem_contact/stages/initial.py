@@ -230,7 +230,7 @@ def _layers(setup: Setup, elements: ndarray, unit_weights: float | Mapping[str, 
             inside = form.elements if part == name and not isinstance(form.unit_weight, Mapping) else \
                 np.intersect1d(mesh.subdomains[part], form.elements)
             layers.append((part, inside, float(gamma)))
-    return layers
+    return [layer for layer in layers if len(layer[1])]  # a subdomain may lie in other bodies
 
 
 def _overburden(mesh: Any, layers: list[tuple[str, ndarray, float]]) -> Callable[[ndarray], ndarray]:
