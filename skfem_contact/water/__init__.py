@@ -7,6 +7,7 @@ from .retention import BrooksCorey, Ramp, Retention, VanGenuchten
 from .seepage import Seepage, seepage
 from .seepage_face import SeepageFace
 from .transient import TransientSeepage, transient_seepage
+from .unsaturated import UnsaturatedPoreWater
 
 __all__ = ["BrooksCorey", "Inflow", "PoreState", "PoreWater", "Ramp", "Retention", "Seepage", "SeepageFace",
-           "TransientSeepage", "VanGenuchten", "seepage", "transient_seepage"]
+           "TransientSeepage", "UnsaturatedPoreWater", "VanGenuchten", "seepage", "transient_seepage"]

@@ -20,11 +20,7 @@ from ..layout import Field, FieldDofs, elements_of, linear_element, nodes
 from ..sparse import constant, with_data
 from .boundary import Given, exchange, nodes_on, values_at
 from .darcy import Permeability, permeability_tensors, regions
-from .porous import PRESSURE, PoreState, Porous, Surroundings, check_units, pulled
-
-#: Water out of balance is measured by what nodes store in a step, or by this share of what flows in and out of them: at
-#: the usual tolerance that is 1e-14, its round-off in ground a small part of which is 1e8 times as permeable.
-_FLOWING = 1e-6
+from .porous import FLOWING, PRESSURE, PoreState, Porous, Surroundings, check_units, pulled
 
 
 class PoreWater(Form):
@@ -114,9 +110,8 @@ class PoreWater(Form):
                 raise ValueError(f"the storage must be finite and not negative, not {value!r}")
             self.storage[part] = value
         self.ground, self.pressures = basis, basis.with_element(linear_element(basis.mesh))
-        self._exchange = exchange(self.pressures, connected)
         self.nodes, self.joins = (np.arange(basis.N), basis.doflocs), np.zeros(0, int)
-        self._vertices = np.unique(self.pressures.element_dofs)
+        self._exchange, self._vertices = exchange(self.pressures, connected), np.unique(self.pressures.element_dofs)
         coordinates = np.asarray(basis.mesh.p)[:, :self.pressures.N]
         self.size, self.fields = int(basis.N), (Field(PRESSURE, coordinates, "pressure", shared=PRESSURE),)
 
@@ -204,7 +199,9 @@ class PoreWater(Form):
 
     @override
     def continues(self, old: Form) -> PoreWater:
-        if not isinstance(old, PoreWater) or not np.array_equal(old._vertices, self._vertices):
+        super().continues(old)
+        assert isinstance(old, PoreWater)
+        if not np.array_equal(old._vertices, self._vertices):
             raise ValueError("its elements are others")
         return self if old.around is None else self._in(old.around)
 
@@ -225,12 +222,12 @@ class PoreWater(Form):
         kept = self.storage[:, None, None] * parts.mass
         if parts.linear:
             kept = kept + parts.spread / (2.0 * self.around.shear)[:, None, None]
-        return parts.symmetric(self.first, -parts.coupling, -kept)
+        return parts.matrix(self.first, -parts.coupling, -kept)
 
     @cached_property
     def _passing(self) -> csr_matrix:
         """Negative flow, on the same pattern."""
-        return self.porous.symmetric(self.first, 0.0 * self.porous.coupling, -self.porous.flow, -1.0)
+        return self.porous.matrix(self.first, 0.0 * self.porous.coupling, -self.porous.flow, -1.0)
 
     @cached_property
     def _flow(self) -> tuple[csr_matrix, csr_matrix]:
@@ -301,8 +298,11 @@ class PoreWater(Form):
         zero = np.zeros(self.fields[0].n)
         if x is None:
             return PoreState(zero, zero, zero, zero)
-        stored = -(self._kept @ x)[self.first:]
+        stored = self._stored(x)
         return PoreState(stored, stored, zero, x[self.first:].copy())
+
+    def _stored(self, x: ndarray) -> ndarray:
+        return np.asarray(-(self._kept @ x)[self.first:])
 
     def assemble(self, x: ndarray, state: PoreState) -> Response:
         """Return forces on the ground and the water that leaves the nodes; without time pressures stay."""
@@ -313,7 +313,7 @@ class PoreWater(Form):
         kept = self._kept @ x
         gained, force, measure = kept[first:] + state.stored, kept.copy(), kept.copy()
         force[first:] = gained + self._duration * (flow @ pressure)
-        measure[first:] = np.abs(gained) + _FLOWING * self._duration * (gross @ np.abs(pressure))
+        measure[first:] = np.abs(gained) + FLOWING * self._duration * (gross @ np.abs(pressure))
         return Response(force, lambda: PoreState(-kept[first:], state.first, state.entered - force[first:], pressure),
                         lambda: self._step, measure=measure)
 
@@ -321,7 +321,7 @@ class PoreWater(Form):
         held = np.append(np.zeros(self.first), state.pressure)
         force = self._kept @ held
         force[self.first:] = self.capacity * (x - held)[self.first:]
-        return Response(force, lambda: replace(state, stored=-(self._kept @ x)[self.first:]),
+        return Response(force, lambda: replace(state, stored=self._stored(x)),
                         lambda: csr_matrix(diags_array(np.append(np.zeros(self.first), self.capacity))))
 
     @override

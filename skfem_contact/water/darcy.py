@@ -109,7 +109,7 @@ class DarcyFlow:
         self._size = np.ptp(self.elevation[self.dofs], axis=1)[:, None]
         corners = self.dofs.shape[1]
         #: (n_elements, n_corners): volume of ground that belongs to each corner
-        self._volume = self._weight @ self._shape
+        self.corners = self._weight @ self._shape
         self._rows, self._columns = np.repeat(self.dofs, corners, axis=1).ravel(), np.tile(self.dofs, corners).ravel()
 
     @cached_property
@@ -137,7 +137,7 @@ class DarcyFlow:
 
     def gathered(self, corners: ndarray) -> ndarray:
         """Return the integral around each node of values at the corners, (N,)."""
-        return np.bincount(self.dofs.ravel(), (self._volume * corners).ravel(), minlength=len(self.elevation))
+        return np.bincount(self.dofs.ravel(), (self.corners * corners).ravel(), minlength=len(self.elevation))
 
     def moved(self, head: ndarray, change: ndarray, laws: Sequence[tuple[ndarray, Retention]]) -> ndarray:
         """Return the heads after a change by Newton's method; nodes stop at the free surface before they cross it."""
@@ -161,13 +161,17 @@ class DarcyFlow:
         element = np.einsum("eq,eqaa->ea", relative, self._conductance) * np.abs(head[self.dofs]).max(axis=1)[:, None]
         return _ROUND_OFF * np.bincount(self.dofs.ravel(), element.ravel(), minlength=len(head))
 
-    def tangent(self, head: ndarray, relative: ndarray, slope: ndarray) -> csr_matrix:
-        """Return the derivative of the inflow over the heads, (N, N)."""
+    def by_corner(self, relative: ndarray, slope: ndarray, head: ndarray) -> ndarray:
+        """Return the derivative of the inflow of every element over the heads, (n_elements, n_corners, n_corners)."""
         element = np.einsum("eq,eqab->eab", relative, self._conductance)
         if slope.any():
             through = np.einsum("eqab,eb->eqa", self._conductance, head[self.dofs])
             element += np.einsum("eqa,eqb->eab", through, slope)
-        n = len(head)
+        return np.asarray(element)
+
+    def tangent(self, head: ndarray, relative: ndarray, slope: ndarray) -> csr_matrix:
+        """Return the derivative of the inflow over the heads, (N, N)."""
+        element, n = self.by_corner(relative, slope, head), len(head)
         return coo_matrix((element.ravel(), (self._rows, self._columns)), shape=(n, n)).tocsr()
 
     def velocity(self, head: ndarray, relative: ndarray) -> ndarray:

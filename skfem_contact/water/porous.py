@@ -33,6 +33,9 @@ _DRAINS, _DRAINED = 100.0, 0.1
 _PULLED = 0.05
 #: Degrees of consolidation, T = c_v t / H², that no stage of an analysis has in any sensible units.
 _LEAST, _MOST = 1e-10, 1e8
+#: Water out of balance is measured by what nodes store in a step, or by this share of what flows in and out of them: at
+#: the usual tolerance that is 1e-14, its round-off in ground a small part of which is 1e8 times as permeable.
+FLOWING = 1e-6
 #: From here on round-off of the pressures moves as much water as the ground holds.
 _LOST = 1e12
 
@@ -95,13 +98,16 @@ class Porous:
         """True if displacements and pressures have the same nodes: such pairs are not stable by themselves."""
         return self.basis.Nbfun == self.basis.mesh.dim() * self.pressures.Nbfun
 
-    def symmetric(self, first: int, coupling: ndarray, water: ndarray, across: float = 0.0) -> csr_matrix:
+    def matrix(self, first: int, coupling: ndarray, water: ndarray, across: float = 0.0,
+               squeezed: ndarray | None = None) -> csr_matrix:
         """Return the matrix of all dofs, of which the pressures begin at `first`, with one pattern for all values.
 
-        The matrix contains `across` times the flow through connected boundaries.
+        The matrix contains `across` times the flow through connected boundaries. The water that displacements squeeze
+        out is that of the coupling, or of another one.
         """
         u, p = self.basis.element_dofs.T, first + self.pressures.element_dofs.T
-        blocks = ((u, p, coupling), (p, u, coupling.transpose(0, 2, 1)), (p, p, water))
+        squeezed = coupling if squeezed is None else squeezed
+        blocks = ((u, p, coupling), (p, u, squeezed.transpose(0, 2, 1)), (p, p, water))
         rows = [np.broadcast_to(r[:, :, None], values.shape).ravel() for r, _, values in blocks]
         columns = [np.broadcast_to(c[:, None], values.shape).ravel() for _, c, values in blocks]
         data = np.concatenate([*(values.ravel() for *_, values in blocks), across * self.across.data])

@@ -58,7 +58,7 @@ class StoringFlow(DarcyFlow):
 
     def room(self, head: ndarray) -> float:
         """Return the volume of water that makes the ground saturated; infinite with storage."""
-        free = self._volume * self._range * (1.0 - self.filled(head, self._laws)[0])
+        free = self.corners * self._range * (1.0 - self.filled(head, self._laws)[0])
         return float(np.inf if (self._storage > 0.0).any() else free.sum())
 
     @override
