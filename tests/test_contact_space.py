@@ -57,7 +57,7 @@ def test_tangent(element, quadrature, law, rng):
     """The tangent is the derivative of the force, at facets and edges; force and moment balance to round-off."""
     if (element, quadrature) == ("S2", "nodal"):
         pytest.skip("corners of facets of eight nodes have negative areas")
-    for _ in range(2):
+    for _ in range(1 if quadrature == "segments" else 2):
         basis, pair, x, state = rough(element, quadrature, LAWS[law], rng)
         out = pair.assemble(x, state)
         assert (out.state.status != Status.OPEN).sum() >= 4

@@ -97,11 +97,11 @@ for psi in (0.0, 5.0, PHI) if FULL else (0.0, PHI):
                  "cpu_s": round(time.process_time() - began, 2),
                  "iterations": sum(sum(stage.iterations) for stage in result)})
     assert lost < 1e-8  # all water that the clay has lost has left through its surface
-    searched = result.stages[1:] if FULL or psi == 0.0 else result.stages[-1:]
+    searched = result.stages[1 if FULL else 3 if psi == 0.0 else -1:]
     for stage in searched:
         factor(forms, stage, key)
     print(f"{key:<9}", ", ".join(f"{stage.name} {factors[key, stage.name]:.2f}" for stage in searched))
-    for i in (1, 2, 3) if len(searched) > 1 else ():  # every rest makes it safer
+    for i in range(4 - len(searched) // 2, 4):  # every rest makes it safer
         assert factors[key, f"rest {i}"] > factors[key, f"lift {i}"] + 0.1
     if psi == 0.0:
         kept = forms, result
