@@ -207,3 +207,39 @@ def test_no_water_passes_through_an_axis(given):
         sc.water.seepage(heads(strip()), K, **given, unit_weight=WATER, coordinates="axisymmetric")
     hollow = strip().translated((0.5, 0.0))
     assert sc.water.seepage(heads(hollow), K, **given, unit_weight=WATER, coordinates="axisymmetric").head.size
+
+
+@pytest.mark.parametrize("axis", ["plane", "axisymmetric", "space"])
+def test_uplift(axis) -> None:
+    """[X] A slab under water at rest, and a plug of clay above a confined aquifer: weight over pressure, per area."""
+    lines = [np.linspace(0, 4, 5), np.linspace(0, 3, 4), np.array([0, 1, 2, 3, 4.5, 5])]
+    mesh = MeshHex.init_tensor(*lines) if axis == "space" else MeshQuad.init_tensor(*lines[::2])
+    mesh = mesh.with_defaults().with_subdomains({
+        "sand": lambda x: x[-1] < 2, "clay": lambda x: (x[-1] > 2) & (x[-1] < 4.5) & (x[0] < 3),
+        "slab": lambda x: (x[-1] > 4.5) & (x[0] < 3), "plug": lambda x: (x[-1] > 2) & (x[0] < 3),
+        "bank": lambda x: (x[-1] > 2) & (x[0] > 3)})  # fmt: skip
+    mesh = mesh.with_boundaries({"base": lambda x: (x[-1] == 2) & (x[0] < 3), "sole": lambda x: (x[-1] == 4.5)
+                                 & (x[0] < 3), "outline": lambda x: (x[0] < 3) & (abs(x[-1] - 3.25) > 1.2)
+                                 & (x[-1] > 1.9) & (x[-1] < 4.6), "roof": lambda x: (x[-1] == 5) & (x[0] < 3)},
+                                boundaries_only=False)  # fmt: skip
+    basis, rule = heads(mesh), {"unit_weight": WATER, "coordinates": None if axis == "space" else axis}
+    area = {"plane": 3.0, "axisymmetric": 4.5, "space": 9.0}[axis]  # of the slab, per radian
+    ground = sc.water.seepage(basis.with_elements(["sand", "clay", "bank"]), K, {"right": 7.0}, **rule)
+    assert ground.uplift_factor("sole", {"slab": 24.0}) == pytest.approx(0.5 * 24.0 / (2.5 * WATER), rel=1e-9)
+    held = ground.uplift_factor("sole", {"slab": 24.0}, load=30.0 * area)
+    assert held == pytest.approx((0.5 * 24.0 + 30.0) / (2.5 * WATER), rel=1e-9)
+    plug = {"clay": 20.0, "slab": 24.0}
+    aquifer = sc.water.seepage(basis.with_elements("sand"), K, {"right": 6.0}, **rule)
+    for flow, head in ((aquifer, 6.0), (ground, 7.0)):  # the clay tight, or porous ground as well
+        exact = (2.5 * 20.0 + 0.5 * 24.0) / ((head - 2.0) * WATER)
+        assert flow.uplift_factor("base", plug) == pytest.approx(exact, rel=1e-9)
+    buried = sc.water.seepage(basis.with_elements(["sand", "slab", "bank"]), K, {"right": 9.0}, **rule)
+    assert buried.uplift_factor("outline", {"clay": 20.0}) == pytest.approx(20.0 / WATER, rel=1e-9)
+    for bottom, weights, told in (
+            ("roof", plug, "facets without porous ground"), ("floor", plug, "there is no boundary 'floor'"),
+            ("base", {}, "what lies above, not {}"), ("base", {"loam": 20.0}, "there is no subdomain 'loam'"),
+            ("base", {"clay": 20.0, "plug": 24.0}, "have more than one unit weight")):
+        with pytest.raises(ValueError, match=told):
+            aquifer.uplift_factor(bottom, weights)
+    with pytest.raises(ValueError, match="no water presses upwards on boundary 'roof'"):
+        sc.water.seepage(basis, K, {"right": 1.0}, **rule).uplift_factor("roof", plug)

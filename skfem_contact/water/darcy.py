@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike
 from scipy.sparse import coo_matrix, csr_matrix
 from skfem import Basis, CellBasis, FacetBasis
 
-from ..checks import look_up
+from ..checks import format_point, look_up
+from ..errors import warn
 from ..layout import elements_of, linear_element
 from .retention import Retention
 
@@ -23,6 +24,10 @@ Permeability = ArrayLike
 _MOST = 1e10
 #: Error of a sum of some ten products of heads and conductances, relative to the largest.
 _ROUND_OFF = 16 * np.finfo(float).eps
+#: Ground is dry below the first relative permeability and wet above the second one.
+_DRY, _WET = 0.01, 0.5
+#: Share of the flow through dry ground from which a warning is given.
+_SHARE = 0.05
 
 
 def regions(basis: CellBasis, values: T | Mapping[str, T], what: str) -> list[tuple[ndarray, T]]:
@@ -179,3 +184,20 @@ class DarcyFlow:
         gradient = np.einsum("aieq,ea->ieq", self._gradients, head[self.dofs])
         weight = self._weight * relative / self._weight.sum(axis=1, keepdims=True)
         return -np.einsum("eij,jeq,eq->ie", self._tensors, gradient, weight)
+
+
+def warn_of_dry_ground(basis: CellBasis, tensors: ndarray, relative: ndarray, velocity: ndarray) -> None:
+    """Report water that flows off through dry ground that conducts better than wet ground elsewhere."""
+    # A dam whose core is 1e-2, 1e-3, 1e-4 and 1e-6 times as permeable as its shell leaks .6, .7, -5 and -7 % too much
+    # with 20 elements over the height if dry ground keeps 1e-3 of its permeability. In the last two cases .26 of the
+    # flow is of this kind; where the discharge is right to 1 % less than .005 is.
+    k = np.trace(tensors, axis1=1, axis2=2) / basis.mesh.dim()
+    wet, left = (relative >= _WET).any(axis=1), relative.min(axis=1) * k
+    draining = (relative < _DRY).all(axis=1) & (left > 1.5 * k[wet].min(initial=np.inf))
+    flow = np.linalg.norm(velocity, axis=0) * basis.dx.sum(axis=1)
+    if flow[draining].sum() > _SHARE * flow.sum():
+        x = np.asarray(basis.global_coordinates())[:, np.where(draining, flow, 0.0).argmax()].mean(axis=1)
+        warn(f"water flows off through dry ground at {format_point(x)}, which conducts better than the wet ground "
+             "from which it comes: the free surface there is several per cent off; leave drained ground out "
+             "of the basis and name the boundary towards it in seepage_face=, or give a smaller `least` in "
+             "retention=")

@@ -9,23 +9,19 @@ import numpy as np
 from numpy import ndarray
 from skfem import CellBasis, FacetBasis, LinearForm
 
-from ..checks import format_point, look_up, number, positive
+from ..checks import facets_of, look_up, number, positive
 from ..errors import NotConverged, warn
 from ..forms.assembly import strain_of
 from ..forms.base import Coordinates
 from ..layout import elements_of
 from .balance import Balance, WaterBalance
 from .boundary import Conditions, Given, check_heads, conditions, nodes_on, pumped, screens_and_ties, sourced, through
-from .darcy import DarcyFlow, Permeability, head_basis, permeability_tensors, radius, regions
+from .darcy import DarcyFlow, Permeability, head_basis, permeability_tensors, radius, regions, warn_of_dry_ground
 from .points import interpolated, zero_lines
 from .retention import Ramp, Retention
 
 _RAMP = Ramp()
 _NOTHING: Mapping[str, float] = MappingProxyType({})
-#: Ground is dry below the first relative permeability and wet above the second one.
-_DRY, _WET = 0.01, 0.5
-#: Share of the flow through dry ground from which a warning is given.
-_SHARE = 0.05
 #: Order of the integration: of 100 flows with rain, wells and drains through two layers all balance with 10, 15 only
 #: with a wider transition with 2. In space it is the one with points enough for a transition in few elements.
 _ORDER = {2: 10, 3: 4}
@@ -139,6 +135,49 @@ class Seepage:
         upward = -self._unit_weight * float((rise * volume).sum())
         weight = (unit_weight - self._unit_weight) * float(volume.sum())
         return weight / upward if upward > 0.0 else np.inf
+
+    def uplift_factor(self, bottom: str, unit_weight: Mapping[str, float], load: float = 0.0) -> float:
+        """Return the factor of safety of a tight layer or slab against uplift: the weight above over the water force.
+
+        The water presses on the boundary `bottom` of the porous ground with its full head. Facets with ground above
+        them count negative: the force on the whole outline of a tunnel is its buoyancy. `unit_weight` is by subdomain,
+        of all that lies above the bottom: saturated ground, also elements outside of the porous ground. `load` is a
+        further downward force, of anchors or water above: per unit of thickness, per radian in axial symmetry.
+
+        Examples
+        --------
+        Two metres of clay above sand, in which the water would rise 4.2 m above the base of the clay:
+
+        >>> import skfem_contact as sc
+        >>> from skfem import Basis, ElementQuad1, MeshQuad
+        >>> mesh = MeshQuad.init_tensor([0., 1., 2.], [0., 1., 2., 3., 4.]).with_defaults()
+        >>> mesh = mesh.with_subdomains({"sand": lambda x: x[1] < 2, "clay": lambda x: x[1] > 2})
+        >>> mesh = mesh.with_boundaries({"base": lambda x: x[1] == 2}, boundaries_only=False)
+        >>> sand = Basis(mesh, ElementQuad1()).with_elements("sand")
+        >>> water = sc.water.seepage(sand, permeability=1e-5, head={"left": 6.2}, unit_weight=10.)
+        >>> round(water.uplift_factor("base", unit_weight={"clay": 20.}), 6)  # 2 * 20 / (4.2 * 10)
+        0.952381
+        """
+        mesh, facets = self.basis.mesh, facets_of(self.basis.mesh, bottom)
+        below, above = np.isin(mesh.f2t[:, facets], elements_of(self.basis))
+        if not (below | above).all():
+            raise ValueError(f"boundary '{bottom}' has facets without porous ground, where no pressure is known; of "
+                             "bodies that share no nodes name the side of the ground")
+        around = FacetBasis(mesh, self.basis.elem, facets=facets)
+        force = around.interpolate(np.nan_to_num(np.maximum(self.pressure, 0.0))) * around.dx \
+            * radius(around, self._axisymmetric)
+        up = around.normals[-1] * np.where(below, 1.0, -1.0)[:, None]
+        upward = float((force * np.where((below & above)[:, None], np.abs(up), up)).sum())
+        if not upward > _DRIP * float(force.sum()):
+            raise ValueError(f"no water presses upwards on boundary '{bottom}'")
+        if not isinstance(unit_weight, Mapping) or not unit_weight:
+            raise ValueError(f"unit_weight is {{subdomain: unit weight}} of what lies above, not {unit_weight!r}")
+        weights = {name: positive(each, "unit_weight") for name, each in unit_weight.items()}
+        parts = [look_up(name, mesh.subdomains or {}, "subdomain") for name in weights]
+        body = CellBasis(mesh, self.basis.elem, elements=np.unique(np.concatenate(parts)))
+        volume = body.dx * radius(body, self._axisymmetric)
+        regional: list[tuple[ndarray, float]] = regions(body, weights, "unit weight")
+        return (number(load, "load") + sum(each * float(volume[part].sum()) for part, each in regional)) / upward
 
     def head_at(self, x: ndarray, outside: ndarray | None = None) -> ndarray:
         """Return the head at coordinates (dim, ...), linear in triangles and tetrahedra.
@@ -284,7 +323,7 @@ def seepage(basis: CellBasis, permeability: Permeability | Mapping[str, Permeabi
         raise
     from_sources = tie.T @ sourced(porous, sources, axisymmetric)
     result = described(balance.flow, found, given, laws, flux, from_sources, unit_weight)
-    _warn_of_dry_ground(porous, tensors, found.relative, result.velocity)
+    warn_of_dry_ground(porous, tensors, found.relative, result.velocity)
     warn_of_dry_wells(porous, wells, result.head)
     return result
 
@@ -309,20 +348,3 @@ def warn_of_dry_wells(basis: CellBasis, wells: Mapping[str, float], head: ndarra
         if head[at[0]] < (top := basis.mesh.p[-1, at].max()):
             warn(f"well '{name}' falls dry: its level, {head[at[0]]:.4g}, lies below the top of its screen, {top:.4g}, "
                  "where water would flow freely; pump less, or give the level as its head with seepage_face=")
-
-
-def _warn_of_dry_ground(basis: CellBasis, tensors: ndarray, relative: ndarray, velocity: ndarray) -> None:
-    """Report water that flows off through dry ground that conducts better than wet ground elsewhere."""
-    # A dam whose core is 1e-2, 1e-3, 1e-4 and 1e-6 times as permeable as its shell leaks .6, .7, -5 and -7 % too much
-    # with 20 elements over the height if dry ground keeps 1e-3 of its permeability. In the last two cases .26 of the
-    # flow is of this kind; where the discharge is right to 1 % less than .005 is.
-    k = np.trace(tensors, axis1=1, axis2=2) / basis.mesh.dim()
-    wet, left = (relative >= _WET).any(axis=1), relative.min(axis=1) * k
-    draining = (relative < _DRY).all(axis=1) & (left > 1.5 * k[wet].min(initial=np.inf))
-    flow = np.linalg.norm(velocity, axis=0) * basis.dx.sum(axis=1)
-    if flow[draining].sum() > _SHARE * flow.sum():
-        x = np.asarray(basis.global_coordinates())[:, np.where(draining, flow, 0.0).argmax()].mean(axis=1)
-        warn(f"water flows off through dry ground at {format_point(x)}, which conducts better than the wet ground "
-             "from which it comes: the free surface there is several per cent off; leave drained ground out "
-             "of the basis and name the boundary towards it in seepage_face=, or give a smaller `least` in "
-             "retention=")
