@@ -127,7 +127,7 @@ def test_order_in_time(start) -> None:
 
 
 def test_vauclins_recharge() -> None:
-    """[P] M. Vauclin, D. Khanji and G. Vachaud 1979: measured water tables under a strip that is sprinkled.
+    """[P] M. Vauclin, D. Khanji, G. Vachaud 1979: computed and measured water tables under a strip that is sprinkled.
 
     Half of the box of 6 m by 2 m; retention by T. P. Clement and others 1994.
     """
@@ -137,13 +137,20 @@ def test_vauclins_recharge() -> None:
     water = sc.water.transient_seepage(Basis(mesh, ElementQuad1()), 0.35, {"right": 0.65}, retention=sand,
                                        times=[0.0, 2.0, 3.0, 4.0, 8.0], start=0.65, flux={"sprinkled": 0.148},
                                        seepage_face="right", unit_weight=WATER, error=0.04)  # fmt: skip
+    # depths read from figure 10 of the paper to .005 m and .01 m
+    computed = {1: [(0.02, 1.215), (0.57, 1.265), (0.91, 1.31), (1.35, 1.335), (1.75, 1.34)],
+                2: [(0.02, 1.015), (0.57, 1.085), (1.02, 1.17), (1.55, 1.24), (2.29, 1.30)],
+                3: [(0.02, 0.91), (0.60, 0.985), (0.99, 1.075), (1.47, 1.16), (2.08, 1.235), (2.62, 1.295)],
+                4: [(0.02, 0.785), (0.56, 0.85), (0.99, 0.955), (1.49, 1.055), (2.1, 1.165), (2.6, 1.26)]}  # fmt: skip
     measured = {1: [(0.28, 1.22), (1.00, 1.28)], 2: [(0.02, 0.98), (0.70, 1.07), (1.60, 1.25)],
                 3: [(0.02, 0.88), (0.70, 0.97), (1.30, 1.10), (1.61, 1.18)],
                 4: [(0.02, 0.79), (0.11, 0.81), (0.36, 0.80), (0.70, 0.86), (1.30, 0.98), (1.61, 1.05)]}  # fmt: skip
-    off = [np.interp(x, *water[i].free_surface[0].T) - (2.0 - depth)
-           for i, points in measured.items() for x, depth in points]  # fmt: skip
-    # read from the plot of the paper to .01 m; most of the difference is there with four times the elements too
-    assert np.abs(off).max() < 0.05 and np.abs(off).mean() < 0.03
+    apart, off = (np.abs([np.interp(x, *water[i].free_surface[0].T) - (2.0 - depth)
+                          for i, points in tables.items() for x, depth in points])
+                  for tables in (computed, measured))  # fmt: skip
+    # 1 % of the head: .014 m, as with four times the elements; the grid of the paper is .1 m
+    assert apart.max() < 0.02 and apart.mean() < 0.01
+    assert off.max() < 0.055 and off.mean() < 0.03  # the computed tables of the paper: up to .052 m, .026 m in the mean
     assert water.balance_error < 1e-8
 
 
