@@ -91,6 +91,34 @@ def test_well_that_falls_dry_is_told():
         sc.water.seepage(heads(mesh), K, {"right": 1.5}, unit_weight=WATER, wells={"screen": 3e-6})
 
 
+@pytest.mark.parametrize("coordinates", ["plane", "axisymmetric"])
+def test_drain_with_a_resistance(coordinates):
+    """[X] The resistances of ground and filter add up, and rain raises the head above the level by its flux."""
+    mesh = MeshQuad.init_tensor(np.linspace(0, 1, 3), np.linspace(0, 4, 9)).with_defaults()
+    basis, area = Basis(mesh, ElementQuad1()), {"plane": 1.0, "axisymmetric": 0.5}[coordinates]
+    options = {"drains": {"bottom": (5.0, 50.0)}, "unit_weight": 10.0, "coordinates": coordinates}
+    water = sc.water.seepage(basis, 1e-2, {"top": 9.0}, **options)
+    assert water.discharge("bottom") == pytest.approx(-area * 4.0 / (4.0 / 1e-2 + 50.0), rel=1e-9)
+    still = sc.water.seepage(basis, 1e-2, {"top": 4.5}, **options)
+    assert abs(still.discharge("bottom")) < 1e-12  # its level is higher, and no water enters
+    options["drains"] = {"bottom": (1.0, 50.0)}
+    rain = sc.water.seepage(basis, 1e-2, {}, flux={"top": 1e-3}, **options)
+    at = mesh.p[1] == 0.0
+    np.testing.assert_allclose(rain.head[at], 1.0 + 1e-3 * 50.0, rtol=1e-9)
+    assert rain.discharge("bottom") == pytest.approx(-area * 1e-3, rel=1e-9)
+
+
+@pytest.mark.parametrize(("drain", "message"), [
+    ({"bottom": (1.0, 0.0)}, "resistance of drain 'bottom' must be a finite number above 0"),
+    ({"left": (1.0, 5.0)}, "drain 'left' shares the node at .* with a head or another drain"),
+    ({"nowhere": (1.0, 5.0)}, "boundary 'nowhere'"),
+])  # fmt: skip
+def test_wrong_drains(drain, message):
+    mesh = MeshQuad.init_tensor(np.linspace(0, 1, 3), np.linspace(0, 4, 9)).with_defaults()
+    with pytest.raises(ValueError, match=message):
+        sc.water.seepage(Basis(mesh, ElementQuad1()), 1e-2, {"top": 9.0}, drains=drain, unit_weight=10.0)
+
+
 def test_sources():
     """[X] A source w in a strip with both ends at zero: k h'' = -w, exact at the nodes."""
     mesh = strip(4.0, 1.0).with_subdomains({"all": lambda x: x[0] > -1.0})

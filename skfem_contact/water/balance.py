@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
 from typing import NamedTuple
@@ -10,10 +10,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix, diags
+from skfem import CellBasis
 
 from ..errors import NotConverged, warn
 from ..solvers.direct import DirectSolver
-from .boundary import Conditions
+from .boundary import Conditions, nodes_on
 from .darcy import DarcyFlow
 from .retention import Retention
 
@@ -67,7 +68,7 @@ class WaterBalance:
     """
 
     def __init__(self, flow: DarcyFlow, given: Conditions, tie: csr_matrix, coordinates: ndarray) -> None:
-        self.flow, self.given, self.tie, self._supply = flow, given, tie, tie.T @ given.supply
+        self.flow, self.given, self.tie = flow, given, tie
         diagonal = (tie.T @ flow.saturated @ tie).diagonal()
         self._idle = diagonal == 0.0  # tied nodes, and those of no porous element
         self._diagonal = np.where(self._idle, diagonal.max(), diagonal)
@@ -81,7 +82,7 @@ class WaterBalance:
         Where the water does not balance at the first attempts, the flow may become the finer one.
         """
         given = self.given
-        now = self._newton(_State(np.where(given.held, given.head, np.nanmax(given.head)), self._face), (), _BALANCED)
+        now = self._newton(_State(np.where(given.held, given.head, np.nanmax(given.known)), self._face), (), _BALANCED)
         if (now.head >= self.flow.elevation - self._tolerance)[self.flow.dofs].all():
             laws = ()
         else:
@@ -98,7 +99,7 @@ class WaterBalance:
              laws: Laws) -> tuple[Balance, ndarray]:
         """Return the balance of another flow that is near to heads, and where it leaks; or raise Unbalanced."""
         new = copy(self)
-        new.flow, new.given, new._supply = flow, given, self.tie.T @ given.supply
+        new.flow, new.given = flow, given
         new._face = given.face & ~self._idle
         begin = self.tie @ np.where(given.held, given.head, head)
         now = new._newton(_State(begin, leaking & new._face), laws, _IN_STEP)
@@ -107,6 +108,10 @@ class WaterBalance:
     def _balance(self, now: _State, laws: Laws) -> Balance:
         relative = self.flow.relative(now.head, laws)[0]
         return Balance(now.head, self.tie.T @ self.flow.inflow(now.head, relative), relative, now.iterations)
+
+    def _supply(self, head: ndarray) -> ndarray:
+        """Return the water that enters the nodes that are not tied, less that of drains."""
+        return np.asarray(self.tie.T @ (self.given.supply - self.given.taken(head)))
 
     def _narrowed(self, now: _State, laws: Laws, reached: float, least: float) -> tuple[float, _State]:
         """Return the narrowest transition that is reached, over the requested one, and heads near its balance.
@@ -154,7 +159,7 @@ class WaterBalance:
             head = self._step(self.tie @ np.where(leaking, flow.elevation, head), fixed, laws, residuals)
             relative = flow.relative(head, laws)[0]
             inflow, round_off = self.tie.T @ flow.inflow(head, relative), flow.round_off(head, relative)
-            beyond = inflow - self._supply
+            beyond = inflow - self._supply(head)
             unbalanced = float(np.linalg.norm(beyond[~fixed]))
             leaks = np.where(leaking, beyond <= round_off, self._face & (head > flow.elevation + self._tolerance))
             steady = bool((leaks == leaking).all())
@@ -173,11 +178,12 @@ class WaterBalance:
 
         def unbalanced(head: ndarray) -> ndarray:
             inflow = self.tie.T @ flow.inflow(head, flow.relative(head, laws)[0])
-            return np.where(fixed, 0.0, inflow - self._supply)
+            return np.where(fixed, 0.0, inflow - self._supply(head))
 
         before = unbalanced(head)
         residuals.append(float(np.linalg.norm(before)))
-        tangent = self.tie.T @ flow.tangent(head, *flow.relative(head, laws)) @ self.tie
+        taking = diags(self.given.taking(head))
+        tangent = self.tie.T @ (flow.tangent(head, *flow.relative(head, laws)) + taking) @ self.tie
         matrix = diags(np.where(fixed, 0.0, 1.0)) @ tangent + diags(np.where(fixed, self._diagonal, 0.0))
         change = self.tie @ self._solver.factor(matrix.tocsr())(-before)
         share, worst = 1.0, max(residuals[-_MEMORY:])
@@ -190,3 +196,12 @@ class WaterBalance:
 
 def _softer(laws: Laws, factor: float) -> Laws:
     return [(part, law.softer(factor)) for part, law in laws]
+
+
+def warn_of_dry_wells(basis: CellBasis, wells: Mapping[str, float], head: ndarray) -> None:
+    """Report wells whose level lies below the top of their screen."""
+    for name in wells:
+        at = nodes_on(basis, name)
+        if head[at[0]] < (top := basis.mesh.p[-1, at].max()):
+            warn(f"well '{name}' falls dry: its level, {head[at[0]]:.4g}, lies below the top of its screen, {top:.4g}, "
+                 "where water would flow freely; pump less, or give the level as its head with seepage_face=")

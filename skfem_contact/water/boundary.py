@@ -1,4 +1,4 @@
-"""Boundary conditions of water: heads, seepage faces, fluxes, wells, and connected boundaries."""
+"""Boundary conditions of water: heads, seepage faces, fluxes, wells, drains, and connected boundaries."""
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
@@ -10,7 +10,7 @@ from scipy.sparse import csr_matrix, eye, lil_matrix
 from scipy.sparse.csgraph import connected_components
 from skfem import Basis, CellBasis, FacetBasis, LinearForm, Mesh
 
-from ..checks import finite, format_point, look_up, names_of
+from ..checks import finite, format_point, look_up, names_of, positive
 from ..layout import elements_of
 from .darcy import radius
 
@@ -29,7 +29,7 @@ class Conditions:
     """Conditions at the nodes: held heads, their values (NaN elsewhere), seepage faces and supply, (N,) each.
 
     The supply is the water that enters per time as given. Facets of the boundaries through which water passes are
-    `passing`, by name.
+    `passing`, by name. Drains take the conductance times the head above their level.
     """
 
     held: ndarray
@@ -37,6 +37,21 @@ class Conditions:
     face: ndarray
     supply: ndarray
     passing: Mapping[str, ndarray]
+    conductance: ndarray | float = 0.0
+    level: ndarray | float = 0.0
+
+    @property
+    def known(self) -> ndarray:
+        """Held heads and levels of drains, NaN elsewhere."""
+        return np.where(np.asarray(self.conductance) > 0.0, self.level, self.head)
+
+    def taken(self, head: ndarray) -> ndarray:
+        """Return the water that drains take at heads, (N,)."""
+        return np.asarray(self.conductance * np.maximum(head - self.level, 0.0))
+
+    def taking(self, head: ndarray) -> ndarray:
+        """Return its slope over the heads, (N,)."""
+        return np.asarray(self.conductance * (head >= self.level))
 
 
 def nodes_on(basis: CellBasis, boundary: str) -> ndarray:
@@ -135,6 +150,23 @@ def pumped(basis: CellBasis, wells: Mapping[str, float], given: Conditions) -> t
         supply[at[0]] -= float(finite(discharge, f"discharge of well '{name}'"))
         passing[name] = np.asarray(basis.mesh.boundaries[name])
     return replace(given, face=face, supply=supply, passing=passing), first
+
+
+def drained(basis: CellBasis, drains: Mapping[str, tuple[Given, float]], given: Conditions,
+            axisymmetric: bool) -> Conditions:
+    """Return the conditions with drains: boundaries with a level and a resistance."""
+    conductance, level, passing = np.zeros(basis.N), np.full(basis.N, np.nan), dict(given.passing)
+    for name, (value, resistance) in drains.items():
+        at, x = nodes_on(basis, name), basis.mesh.p
+        taken = at[given.held[at] | (conductance[at] > 0.0)]
+        if len(taken):
+            raise ValueError(f"drain '{name}' shares the node at {format_point(x[:, taken[0]])} with a head or another "
+                             "drain")
+        passing[name] = np.asarray(basis.mesh.boundaries[name])
+        conductance += through(basis, passing[name], 1.0 / positive(resistance, f"resistance of drain '{name}'"),
+                               axisymmetric)
+        level[at] = np.maximum(values_at(value, x[:, at], f"level of drain '{name}'"), x[-1, at])
+    return replace(given, passing=passing, conductance=conductance, level=np.where(conductance > 0.0, level, 0.0))
 
 
 def screens_and_ties(basis: CellBasis, connected: Sequence[tuple[str, str]], held: ndarray,

@@ -10,12 +10,12 @@ from numpy import ndarray
 from skfem import CellBasis, FacetBasis, LinearForm
 
 from ..checks import facets_of, look_up, number, positive
-from ..errors import NotConverged, warn
+from ..errors import NotConverged
 from ..forms.assembly import strain_of
 from ..forms.base import Coordinates
 from ..layout import elements_of
-from .balance import Balance, WaterBalance
-from .boundary import Conditions, Given, check_heads, conditions, nodes_on, pumped, screens_and_ties, sourced, through
+from .balance import Balance, WaterBalance, warn_of_dry_wells
+from .boundary import Conditions, Given, check_heads, conditions, drained, pumped, screens_and_ties, sourced, through
 from .darcy import DarcyFlow, Permeability, head_basis, permeability_tensors, radius, regions, warn_of_dry_ground
 from .points import interpolated, zero_lines
 from .retention import Ramp, Retention
@@ -223,7 +223,8 @@ class Seepage:
 def seepage(basis: CellBasis, permeability: Permeability | Mapping[str, Permeability], head: Mapping[str, Given], *,
             unit_weight: float, seepage_face: str | Sequence[str] = (),
             flux: Mapping[str, Given] = _NOTHING, wells: Mapping[str, float] = _NOTHING,
-            sources: Mapping[str, Given] = _NOTHING, connected: Sequence[tuple[str, str]] = (),
+            sources: Mapping[str, Given] = _NOTHING, drains: Mapping[str, tuple[Given, float]] = MappingProxyType({}),
+            connected: Sequence[tuple[str, str]] = (),
             retention: Retention | Mapping[str, Retention] = _RAMP, coordinates: Coordinates | None = None) -> Seepage:
     """Solve the steady flow of water through the ground, confined or with a free surface.
 
@@ -257,6 +258,9 @@ def seepage(basis: CellBasis, permeability: Permeability | Mapping[str, Permeabi
         water, with one unknown head.
     sources
         Water that enters by subdomain, per time and volume: a number or a function of coordinates (dim, ...).
+    drains
+        Level and resistance, a time, by boundary: per area leaves the head above the level over the resistance. No
+        water enters. A filter of thickness d and permeability k has the resistance d / k.
     connected
         Pairs of boundaries of bodies that share no nodes, ``("core|shell", "shell|core")``, between which water passes
         freely: the nodes of the side with the smaller facets take the heads of the other. Other joints are tight.
@@ -304,16 +308,18 @@ def seepage(basis: CellBasis, permeability: Permeability | Mapping[str, Permeabi
     positive(unit_weight, "unit_weight")
     axisymmetric = strain_of(basis, None, coordinates, False)[1] == "axisymmetric"
     porous = head_basis(basis)
-    if not isinstance(head, Mapping) or not head:
+    if not isinstance(head, Mapping) or not (head or drains):
         raise ValueError("there is no head: give {boundary: head} for the boundaries that are under water")
     given, first = pumped(porous, wells, conditions(porous, head, seepage_face, flux, sources, axisymmetric))
+    given = drained(porous, drains, given, axisymmetric)
     tensors = permeability_tensors(porous, permeability)
     laws = regions(porous, retention, "retention")
-    datum = float(np.nanmean(given.head))
+    datum = float(np.nanmean(given.known))
     flow = DarcyFlow(porous, tensors, axisymmetric, datum)
     tie = screens_and_ties(porous, connected, given.held, first)
-    check_heads(porous, given.held, tie)
-    balance = WaterBalance(flow, replace(given, head=given.head - datum), tie, porous.mesh.p[:, :porous.N])
+    check_heads(porous, ~np.isnan(given.known), tie)
+    from_datum = replace(given, head=given.head - datum, level=given.level - datum)
+    balance = WaterBalance(flow, from_datum, tie, porous.mesh.p[:, :porous.N])
     try:
         found = balance.solve(laws, lambda: DarcyFlow(head_basis(basis, _ORDER[basis.mesh.dim()]), tensors,
                                                       axisymmetric, datum))
@@ -339,12 +345,3 @@ def described(flow: DarcyFlow, found: Balance, given: Conditions, laws: Sequence
     return Seepage(porous, heads, pressure, found.inflow, flow.velocity(found.head, found.relative), found.iterations,
                    given.passing, flux, from_sources, flow.by_element(found.head, found.relative),
                    filled / np.where(full > 0.0, full, 1.0), unit_weight, flow.axisymmetric)
-
-
-def warn_of_dry_wells(basis: CellBasis, wells: Mapping[str, float], head: ndarray) -> None:
-    """Report wells whose level lies below the top of their screen."""
-    for name in wells:
-        at = nodes_on(basis, name)
-        if head[at[0]] < (top := basis.mesh.p[-1, at].max()):
-            warn(f"well '{name}' falls dry: its level, {head[at[0]]:.4g}, lies below the top of its screen, {top:.4g}, "
-                 "where water would flow freely; pump less, or give the level as its head with seepage_face=")

@@ -16,11 +16,11 @@ from ..forms.assembly import strain_of
 from ..forms.base import Coordinates
 from ..nonlinear.increment import PART
 from ..solvers.direct import SingularSystem
-from .balance import Balance, Unbalanced, WaterBalance
+from .balance import Balance, Unbalanced, WaterBalance, warn_of_dry_wells
 from .boundary import Conditions, Given, conditions, nodes_on, pumped, screens_and_ties, sourced, values_at
 from .darcy import Permeability, head_basis, permeability_tensors, regions
 from .retention import Retention
-from .seepage import Seepage, described, warn_of_dry_wells
+from .seepage import Seepage, described
 from .storage import StoringFlow
 
 _NOTHING: Mapping[str, float] = MappingProxyType({})
