@@ -140,7 +140,7 @@ def test_bad_input(changes: dict, message: str) -> None:
 
 
 def test_water_of_another_kind() -> None:
-    """Water whose void ratio changes with a stage, and ordinary water in its place."""
+    """Water whose void ratio changes with a stage, and ordinary water instead."""
     basis = column(n=2)
     model, load = clay(basis, compacting(basis))
     for other, reason in ((compacting(basis, 0.6), "its void ratio or the change is another"),

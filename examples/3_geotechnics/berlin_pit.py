@@ -112,7 +112,7 @@ def dug(laws):
 
 
 def profiles(stage):
-    """Return places (m) and displacements (mm) of wall into the pit, street downwards and bottom upwards."""
+    """Return coordinates (m) and displacements (mm) of wall into the pit, street downwards and bottom upwards."""
     x, y = mesh.p
     moved = 1e3 * stage.x[basis.nodal_dofs]
     wall = np.unique(mesh.facets[:, mesh.boundaries["wall|right"]])

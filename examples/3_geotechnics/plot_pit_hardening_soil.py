@@ -150,9 +150,9 @@ if FULL:
                      "top_mm": round(float(found["wall"][1][found["wall"][0].argmin()]), 2),
                      "settlement_mm": round(float(street), 2), "heave_mm": round(float(bottom), 2)})  # fmt: skip
         print(rows[-1])
-        for ax, (place, moved) in zip(axes, found.values(), strict=True):
-            curve = (moved, place) if ax is axes[0] else (place, moved)
-            ax.plot(*(values[np.argsort(place)] for values in curve), label=name)
+        for ax, (along, moved) in zip(axes, found.values(), strict=True):
+            curve = (moved, along) if ax is axes[0] else (along, moved)
+            ax.plot(*(values[np.argsort(along)] for values in curve), label=name)
     for ax, axis, what in zip(axes, ("x", "y", "y"), ("wall into the pit", "street, downwards", "bottom"), strict=True):
         ax.set(**{f"{axis}label": f"{what}, mm"})
     axes[1].axhline(berlin.SETTLEMENT, color="black", linestyle=":")

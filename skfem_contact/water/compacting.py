@@ -2,8 +2,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from copy import copy
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy import ndarray
@@ -100,7 +100,7 @@ class CompactingPoreWater(PoreWater):
         strain = np.zeros(self.ground.nelems) if x is None else self._grown(x)
         return CompactedState(**vars(super().initial_state(x)), strain=0.0 * strain, before=-strain)
 
-    @property
+    @cached_property
     def _growth(self) -> ndarray:
         """Mean volume strain of the elements by their dofs, (n_elements, n_u)."""
         parts = self.porous
@@ -116,12 +116,6 @@ class CompactingPoreWater(PoreWater):
 
     def _at_nodes(self, corners: ndarray) -> ndarray:
         return np.bincount(self.pressures.element_dofs.T.ravel(), corners.ravel(), minlength=self.fields[0].n)
-
-    @override
-    def _over(self, duration: float) -> CompactingPoreWater:
-        new = copy(self)
-        new._duration = duration
-        return new
 
     @override
     def assemble(self, x: ndarray, state: PoreState) -> Response:

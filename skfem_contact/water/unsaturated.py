@@ -2,7 +2,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from copy import copy
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -192,12 +191,6 @@ class UnsaturatedPoreWater(PoreWater):
         """Return the water that leaves the nodes in a unit of time, (n_vertices,)."""
         flow, head = self._flow_of, self._head(pressure)
         return DarcyFlow.inflow(flow, head, flow.relative(head, self._laws)[0]) + self.porous.across @ pressure
-
-    @override
-    def _over(self, duration: float) -> UnsaturatedPoreWater:
-        new = copy(self)
-        new._duration = duration
-        return new
 
     @override
     def assemble(self, x: ndarray, state: PoreState) -> Response:
