@@ -271,9 +271,11 @@ for stage in (gravity, failure):
 # ------------------
 # The same pile as a :class:`skfem_contact.Beam`, whose sides touch the faces of the slot: no thin elements, and hinges
 # that flow at exactly 150 kNm/m. Its tip bears nothing, so it is compared with a solid pile whose tip touches nothing
-# either; what the tip bears decides on which side of the pile the firm ground slips. Run with ``--full``: factors and
-# moments in the hinges differ by less than 3 %, the friction on both sides by 3.4 %. Lengths of slip count nodes, up to
-# 1.3 m of some 21 m: those that nearly slip, or nearly open, are a matter of the last step of the search.
+# either; what the tip bears decides on which side of the pile the firm ground slips. Run with ``--full``: factors,
+# moments in the hinges, the friction on both sides and the length along which the soil slips differ by less than 3 %.
+# The soil slips where it is pressed against the pile and has moved along it by more than a millimetre since gravity.
+# Both are interpolated between the nodes. The status of the points is no measure: below the interface many bear 98 to
+# 100 % of their friction, and which of them have just reached the limit is a matter of the last step of the search.
 
 
 def with_beam(size):
@@ -287,41 +289,48 @@ def with_beam(size):
     pile = sc.Beam(basis, np.column_stack((0 * levels, levels)), EI=plate * width**3 / 12, EA=plate * width,
                    GA=5 / 6 * concrete.E / 2 / (1 + concrete.nu) * width, Mp=moment, unit_weight=25.0 * width,
                    thickness=width)  # fmt: skip
-    forms, stiff = {"ground": ground, "pile": pile}, {"upper": (1.25e6, 1.25e5), "lower": (2.5e6, 2.5e5)}
+    forms = {"ground": ground, "pile": pile}
     for layer in soils:
         forms |= pile.contact(basis, law[layer], [f"{side} {layer}" for side in ("left", "right")],
-                              quadrature="nodal", penalty=stiff[layer])  # fmt: skip
+                              quadrature="nodal", penalty=(6e5, 6e4))
     model = sc.Model(forms, [basis.get_dofs("bottom").all(), basis.get_dofs("sides").all("u^1")])
     gravity = model.run([sc.Stage("gravity", sc.weight(ground, unit_weights))])
     safety = model.strength_reduction(start=gravity, reduce=set(forms) - {"pile"}, certify=False)
-    return safety, replace(gravity["gravity"], x=safety.x, states=safety.states)
+    return safety, gravity["gravity"]
 
 
-def slips(stage):
-    """Length along which the sides of the pile slip, and the friction on them."""
-    parts = [stage.tractions(f"{side} {layer}") for side in ("left", "right") for layer in soils]
-    return (sum(part.weight[part.status == Status.SLIP].sum() for part in parts),
-            sum((part.weight * abs(part.shear)).sum() for part in parts))
+def slips(gravity, failure):
+    """Length along which the sides of the pile have slipped since gravity, and the friction on them."""
+    length = friction = 0.0
+    for pair in (f"{side} {layer}" for side in ("left", "right") for layer in soils):
+        before, after = gravity.tractions(pair), failure.tractions(pair)
+        order = np.argsort(after.y)
+        y = np.linspace(after.y.min(), after.y.max(), 10_000)
+        slip, gap = (np.interp(y, after.y[order], of[order]) for of in (abs(after.slip - before.slip), after.gap))
+        length += np.ptp(y) * ((slip > 1e-3) & (gap < 0.0)).mean()
+        friction += (after.weight * abs(after.shear)).sum()
+    return length, friction
 
 
 if FULL:
     begin = process_time()
-    beam_safety, beam_failure = with_beam(size)
+    beam_safety, beam_gravity = with_beam(size)
     beam_cpu = process_time() - begin
-    _, bearing, solid_safety, _ = analyse(size, concrete, False)
-    solid_failure = replace(bearing, x=solid_safety.x, states=solid_safety.states)
+    _, solid_gravity, solid_safety, _ = analyse(size, concrete, False)
+    beam_failure, solid_failure = (replace(of, x=end.x, states=end.states) for of, end in
+                                   ((beam_gravity, beam_safety), (solid_gravity, solid_safety)))
     safeties = {"solid": solid_safety, "beam": beam_safety}
     bent = {"solid": solid_failure.section_forces("pile", cuts), "beam": beam_failure.section_forces("pile")}
     factors = [(np.interp(width, of.curve[:, 2], of.curve[:, 1]), of.factor) for of in safeties.values()]
     moments = [(forces.M.min(), forces.M.max()) for forces in bent.values()]
-    lengths, friction = zip(slips(solid_failure), slips(beam_failure))
+    lengths, friction = zip(slips(solid_gravity, solid_failure), slips(beam_gravity, beam_failure))
     for k, (name, forces) in enumerate(bent.items()):
         print(f"{name}: factor {factors[k][0]:.3f} at {width:g} m and {factors[k][1]:.3f}, moments {moments[k][0]:.1f} "
               f"and {moments[k][1]:.1f} kNm/m, thrust {-forces.N.min():.1f} kN/m, slip along {lengths[k]:.1f} m, "
               f"friction {friction[k]:.1f} kN/m")
     assert np.allclose(*factors, rtol=0.03)
     assert np.allclose(*moments, rtol=0.03) and abs(abs(bent["beam"].M).max() / moment - 1) < 1e-6
-    assert abs(friction[1] / friction[0] - 1) < 0.04 and abs(lengths[1] - lengths[0]) < 3.0  # two or three nodes
+    assert np.allclose(*friction, rtol=0.03) and np.allclose(*lengths, rtol=0.03)
 
 # %%
 # What the paper says
