@@ -14,6 +14,8 @@ import skfem_contact as sc
 from skfem_contact.errors import IncrementTooLarge
 from skfem_contact.laboratory import oedometer, triaxial
 from skfem_contact.materials import hardening_return
+from skfem_contact.materials.hardening_stiffness import Points, elastic_scale, likely_modes
+from skfem_contact.materials.spectral import principal_stresses
 
 #: Dense Hostun sand.
 HOSTUN: dict[str, Any] = {"E50_ref": 37e3, "Eoed_ref": 29.6e3, "Eur_ref": 90e3, "m": 0.5, "phi": 41.0, "nu_ur": 0.2,
@@ -260,3 +262,29 @@ def test_increment_without_an_answer_is_refused(monkeypatch: pytest.MonkeyPatch)
     law, stress = replace(sand(), OCR=1.0), stresses(20, 4)
     with pytest.raises(IncrementTooLarge, match="have no admissible stress"):
         law.update(increments(1e-2, stress.shape), stress, law.initial_internal(stress))
+
+
+def points(law: sc.HardeningSoil, stress: list[float], change: list[float]) -> Points:
+    """Return a normally consolidated point with a change of its stress at the accepted stiffness."""
+    k, column = law.constants, np.array(stress)[:, None]
+    scale = k.scale(k.shift - principal_stresses(column)[0])
+    return Points(column, np.array(change)[:, None] / scale, np.full(1, 1e-3), np.full(1, 50.0), scale, np.ones(1),
+                  np.ones(1))
+
+
+@pytest.mark.parametrize("change", [[34.7049645, -32.09585327, 0.52182225, -15.9498705], [30.0, 40.0, 30.0, 0.0]])
+def test_stiffness_of_elastic_unloading_to_the_free_surface(change: list[float]) -> None:
+    """[X] It is the mean of both ends to round-off, where Newton's steps alone go to and fro across the least one."""
+    law = sc.HardeningSoil(45e3, 45e3, 180e3, m=0.5, c=1.0, phi=35.0, psi=5.0, K0nc=0.4264)
+    at, k = points(law, [-20.99127941, -50.87700597, -22.46477771, -4.78686413], change), law.constants
+    scale = elastic_scale(at, k)
+    reached = k.scale(k.shift - at.trial(scale).values[0])
+    np.testing.assert_allclose(scale, 0.5 * (at.scale + reached), rtol=1e-13)  # bisection ends at 1e-13
+
+
+def test_mode_of_a_point_without_stress() -> None:
+    """[X] The first guess of a return has a number everywhere, and no multiplier inside of the yield surface."""
+    law = sand()
+    with np.errstate(all="raise"):
+        _, shear, cap = likely_modes(points(law, [0.0] * 4, [0.0] * 4), law.constants)
+    assert shear == cap == 0

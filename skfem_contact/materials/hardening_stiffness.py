@@ -13,12 +13,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .base import Array
+from .plastic import ROUND_OFF
 from .spectral import Frame, principal
 
 #: Share of the reference stress below which the stiffness does not fall any more.
 LEAST = 1e-3
-# Iterations of an elastic increment, 3 to 6 are needed; growth of the stiffness beyond which it has no solution.
+# Iterations of an elastic increment, 2 to 6 are needed; growth of the stiffness beyond which it has no solution.
 _ITERATIONS, _LARGEST = 60, 1e3
+# Slope from which Newton's method is taken for it, and relative change that is its last one, by quadratic convergence.
+_GOOD, _LAST_STEP = 0.3, 1e-8
 
 
 class Constants(NamedTuple):
@@ -113,45 +116,52 @@ def elastic_scale(t: Points, k: Constants) -> Array:
     """Return the scales of elastic increments.
 
     The scale at the end is a concave function of that of the increment: repeated insertion converges, and so does
-    Newton's method from where its slope is good. Beyond the limit, without a solution, a point lies outside the cap.
+    Newton's method from where its slope is good. Near the least stiffness steps that overshoot are bisected. Beyond the
+    limit, without a solution, a point lies outside the cap.
     """
     result = t.factor * t.scale
     if k.m == 0.0:
         return result
     open_, here = np.arange(result.size), result.copy()
+    low, high = 0.5 * here, _LARGEST * here
     for _ in range(_ITERATIONS):
         frame = t.trial(here)
         least, change = k.shift - frame.values[0], -frame.along(t.push)[0]
         reached = k.scale(least)
         excess = here - 0.5 * t.factor * (t.scale + reached)
         slope = 1 - 0.5 * t.factor * k.scale_slope(least, reached) * change
-        new = here - excess / np.where(slope > 0.3, slope, 1.0)
-        new = np.clip(new, 0.5 * t.factor * t.scale, _LARGEST * t.factor * t.scale)
+        low, high = np.where(excess <= 0, here, low), np.where(excess >= 0, here, high)
+        new = here - excess / np.where(slope > _GOOD, slope, 1.0)
+        new = np.where((new > low) & (new < high), new, 0.5 * (low + high))
         result[open_] = new
-        left = np.flatnonzero(np.abs(new - here) > 4e-16 * new)
+        left = np.flatnonzero(np.abs(new - here) > np.where(slope > _GOOD, _LAST_STEP, ROUND_OFF) * new)
         if not left.size:
             break
-        open_, t, here = open_[left], t.take(left), new[left]
+        open_, t, here, low, high = open_[left], t.take(left), new[left], low[left], high[left]
     return result
 
 
-def likely_modes(t: Points, scale: Array, k: Constants) -> tuple[NDArray[np.intp], Array]:
-    """Return the modes in which points return by one step of shear and then of the cap, without dilatancy, and L.
+def likely_modes(t: Points, k: Constants) -> tuple[NDArray[np.intp], Array, Array]:
+    """Return the modes in which points return by one step of shear and then of the cap, and both multipliers.
 
     0 is the face, 1 the edge c2 = c3 and 2 the edge c1 = c2: there the step exceeds the distance of the trial stresses.
-    L is the shear multiplier of the step, times the scale.
+    The step has no dilatancy and the scale of the accepted stresses, by which the multipliers are multiplied.
     """
+    scale = t.factor * t.scale
     c = k.shift - t.trial(scale).values[::-1]
     strength, to_least, to_gamma = k.shear_strength(c[2], t.gamma, k.scale(c[2]))
     shear = np.maximum(c[0] - c[2] - strength, 0.0) / (2 + to_least + to_gamma * t.faster / (k.mu * scale))
     w, p = np.array([1, k.lode - 1, -k.lode]), np.maximum(c.mean(axis=0), 0.0)
     q, N, K = w @ c - (1 + k.lode) * shear, 4 * k.mu / k.cap_slope, k.lam + 2 * k.mu / 3
     squares = q * q / k.cap_slope
-    softer = (N * (w @ w) * squares + 2 * K * p * p) / (squares + p * p)
+    radius = np.maximum(squares + p * p, (LEAST * t.cap) ** 2)  # the cap is far where it is less
+    softer = (N * (w @ w) * squares + 2 * K * p * p) / radius
     harder = 2 * p * k.hardened(t.cap, 0.0 * p)[1] * t.faster / (scale * t.cap)
-    cap = N * q * np.maximum(0.5 * np.log((squares + p * p) / t.cap**2), 0.0) / (softer + harder)
-    return np.where(c[1] - c[2] <= shear + (2 * k.lode - 1) * cap, 1,
-                    np.where(c[0] - c[1] <= shear + (2 - k.lode) * cap, 2, 0)), shear / k.mu
+    multiplier = np.maximum(np.log(radius / t.cap**2), 0.0) / (2 * np.maximum(softer + harder, K * LEAST))
+    cap = N * q * multiplier
+    mode = np.where(c[1] - c[2] <= shear + (2 * k.lode - 1) * cap, 1,
+                    np.where(c[0] - c[1] <= shear + (2 - k.lode) * cap, 2, 0))
+    return mode, shear / k.mu, multiplier
 
 
 def beyond_apex(t: Points, scale: Array, k: Constants) -> NDArray[np.bool_]:
