@@ -39,7 +39,11 @@ class Tangent(NamedTuple):
 
 def tangent(t: Any, k: Any) -> Tangent:
     """Return the tangent of the reduced strength that belongs to t of the whole one: analytic, t may be complex."""
-    slope, radius = k.a * k.m_b * t ** (k.a - 1), 0.5 * k.ci * t**k.a
+    power = t**k.a
+    slope, radius = k.a * k.m_b * power / t, 0.5 * k.ci * power
+    if np.all(np.equal(k.factor, 1.0)):
+        s1 = (k.s - t) * k.ci / k.m_b
+        return Tangent(s1, s1 - 2 * radius, slope / (2 + slope))
     root = np.sqrt(1 + slope)
     shear, friction = 2 * radius * root / (2 + slope) / k.factor, slope / (2 * root) / k.factor
     centre = (t - k.s) * k.ci / k.m_b + radius - radius * slope / (2 + slope) + shear * friction

@@ -16,7 +16,7 @@ from typing_extensions import override
 
 from ..errors import IncrementTooLarge
 from .base import Array, Flow, Given, Parameter, along_elements, check_reduction, require, warn_of_radians
-from .curved import APEX, IMAGINARY, falling_root, lines_of, tangent
+from .curved import APEX, IMAGINARY, Tangent, falling_root, lines_of, tangent
 from .plastic import ROUND_OFF, IsotropicPlasticity, Return, chosen
 from .pyramid import PyramidConstants, pyramid_return
 from .spectral import extremes, principal_stresses
@@ -214,8 +214,8 @@ def _directions(line: _Line, sine: Array, k: _Constants) -> tuple[Array, Array]:
     return volume + 2 * k.mu * (1 + sine) * line.w1, volume - 2 * k.mu * (1 - sine) * line.w3
 
 
-def _touch(line: _Line, k: _Constants) -> tuple[Array, Array]:
-    """Return t and the sine of the dilatancy where the return along a line ends."""
+def _touch(line: _Line, k: _Constants) -> tuple[Array, Array, Tangent]:
+    """Return t, the sine of the dilatancy and the tangent where the return along a line ends."""
     sine = np.broadcast_to(k.sin_psi, line.s1.shape)
     d1, d3 = _directions(line, sine, k)
     t0, b = k.s - k.m_b * line.s1 / k.ci, (d1 - d3) / (k.m_b * d1)
@@ -228,12 +228,13 @@ def _touch(line: _Line, k: _Constants) -> tuple[Array, Array]:
         if np.all(np.abs(step) <= _LAST * u):
             break
     t = u ** (1 / k.a)
-    reduced = np.not_equal(k.factor, 1.0)
-    other = np.flatnonzero(np.broadcast_to(reduced | (sine > tangent(np.maximum(t, APEX), k).sine), t.shape))
+    touching = tangent(np.maximum(t, APEX), k)
+    other = np.flatnonzero(np.not_equal(k.factor, 1.0) | (sine > touching.sine))
     if other.size:
         t, sine = t.copy(), sine.copy()
         t[other], sine[other] = _touch_other(_Line(*chosen(line, other)), t[other], chosen(k, other))
-    return t, sine
+        touching = tangent(np.maximum(t, APEX), k)
+    return t, sine, touching
 
 
 def _touch_other(line: _Line, start: Array, k: _Constants) -> tuple[Array, Array]:
@@ -256,9 +257,9 @@ def _tangent_cone(trial: Array, k: _Constants) -> tuple[PyramidConstants, tuple[
     """Return the tangent at the returned stresses as constants of a pyramid, weights of faces and edges, and t."""
     one = np.ones(trial.shape[1])
     line = _Line(trial[0], trial[2], one, one)
-    t, sine = _touch(line, k)
+    t, sine, (first, last, sin_phi) = _touch(line, k)
     d1, d3 = _directions(line, sine, k)
-    length = (trial[0] - tangent(np.maximum(t, APEX), k).s1) / d1
+    length = (trial[0] - first) / d1
     s1, s2, s3 = trial[0] - length * d1, trial[1] - length * 2 * k.lam * sine, trial[2] - length * d3
     w1, w3 = one.copy(), one.copy()
     edge = np.flatnonzero((s1 <= s2) | (s2 <= s3))
@@ -268,11 +269,9 @@ def _tangent_cone(trial: Array, k: _Constants) -> tuple[PyramidConstants, tuple[
         w1[edge], w3[edge] = np.where(minor, 1.0, 0.5), np.where(minor, 0.5, 1.0)
         a, c = w1[edge], w3[edge]
         averaged = _Line(a * at[0] + (1 - a) * at[1], c * at[2] + (1 - c) * at[1], a, c)
-        t[edge], psi = _touch(averaged, some)
         sine = np.array(sine)
-        sine[edge] = psi
-    s1, s3, sin_phi = tangent(np.maximum(t, APEX), k)
-    strength = (1 + sin_phi) * s1 - (1 - sin_phi) * s3
+        t[edge], sine[edge], (first[edge], last[edge], sin_phi[edge]) = _touch(averaged, some)
+    strength = (1 + sin_phi) * first - (1 - sin_phi) * last
     return PyramidConstants(k.lam, k.mu, sin_phi, sine, strength), (w1, w3), t
 
 
