@@ -159,22 +159,22 @@ def test_friction_on_a_circle(element):
     np.testing.assert_allclose(state.slip.T, state.slip[:, :1].T + 0 * state.slip.T, atol=1e-12)
 
 
-def patch(element: str, quadrature, swapped: bool = False, **options):
+def patch(element: str, quadrature, swapped: bool = False, apart: float = 0.0, **options):
     """Skewed facets on straight ones under a uniform pressure of one; returns the vertical stresses."""
     n, m = {"Q2": (2, 3), "S2": (2, 3), "P1": (3, 4), "P2": (2, 3)}.get(element, (4, 6))
     lower, upper = (np.linspace(0, 1, k + 1) for k in (n, m))
     skew = lambda p: 0.12 * np.sin(np.pi * p[0]) * np.sin(np.pi * p[1]) * np.array([[1.0], [-0.7], [0.0]])  # noqa: E731
     mesh = sc.join_bodies({"lower": space.block(element, lower, lower, lower),
-                           "upper": space.moved(space.block(element, upper, upper, 1 + upper), skew)})
+                           "upper": space.moved(space.block(element, upper, upper, 1 + apart + upper), skew)})
     basis = vector_basis(mesh, element, intorder=2 if element in ("P1", "Q1") else 4)
     names = ("lower:top", "upper:bottom") if swapped else ("upper:bottom", "lower:top")
     forms = {"blocks": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3), "full"),
              "joint": sc.ContactPair(basis, *names, sc.Coulomb(), quadrature, penalty=5e4, **options)}
     axis, at = np.arange(basis.N) % 3, basis.doflocs
-    top = (axis == 2) & np.isclose(at[2], 2.0)
+    top = (axis == 2) & np.isclose(at[2], 2.0 + apart)
     fixed = np.any([(axis == c) & np.isclose(at[c], 0.0) for c in range(3)], axis=0) | top
     result = sc.Model(forms, np.flatnonzero(fixed)).run(
-        [sc.Stage("press", basis.zeros(), np.where(top, -2e-3, 0.0))], progress=False
+        [sc.Stage("press", basis.zeros(), np.where(top, -2e-3 - apart, 0.0))], progress=False
     )
     return result[-1].states["blocks"].stress[2]
 
@@ -189,6 +189,13 @@ def test_patch(element, quadrature, bound, swapped):
     stress = patch(element, quadrature, swapped)
     assert np.abs(stress / stress.mean() - 1).max() < (2 * bound if swapped and quadrature in (2, 3) else bound)
     assert stress.mean() == pytest.approx(-1 / (1 + 1e3 / 5e4 / 2), rel=1e-4)  # two blocks and the penalty in series
+
+
+@pytest.mark.parametrize("apart", [0.01, 0.3])
+def test_patch_of_blocks_that_start_apart(apart):
+    """Facets become pieces where the master is near, .2 of their size; .3 are beyond it, 1.8 facets of the slave."""
+    stress = patch("P1", "segments", apart=apart)
+    assert np.abs(stress / stress.mean() - 1).max() < 1e-5  # cuts follow to 1e-3 of a facet; without pieces .02
 
 
 def box_in_pit(element: str, quadrature, law) -> tuple[Basis, sc.ContactPair]:

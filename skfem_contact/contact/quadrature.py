@@ -15,7 +15,7 @@ from scipy.spatial import cKDTree
 from skfem.quadrature import get_quadrature
 from skfem.refdom import RefTri
 
-from ..surfaces.shape import Shape, gauss_points, rule
+from ..surfaces.shape import divided_rule, gauss_points, rule
 from ..surfaces.surface import FacetMapping, Surface
 from ..surfaces.vectors import across, determinant, dot, products, solve, unit
 from .neighbours import NeighbourList
@@ -29,6 +29,9 @@ _SLIVER = 1e-9
 _ON_EDGE = 1e-9
 #: Corners that lie deeper than a facet's size behind the plane, or as far before it, do not face it.
 _FACING = 1.0
+#: Pieces that are farther away than this share of the facet's size are not cut out: there contact is not near.
+#: A paraboloid on a block has 11,504 points with 1, 5,600 with .2, in the same number of iterations.
+_NEAR = 0.2
 #: ... nor do facets whose normals are less opposed than this: the walls of a corner, which strains tilt a little.
 _OPPOSED = 0.2
 #: Distance of a further cut from the edges of a joint, as a share of the facet. A joint that opens turns about its
@@ -138,7 +141,7 @@ def gauss(slave: Surface, master: Surface, n: int) -> SlavePoints:
     than the slave's facets are long, the facets are divided.
     """
     pieces = max(1, int(np.ceil(slave.spacing / _node_distance(master) - _EQUAL)))
-    xi, w = _divided(slave.shape, n, pieces)
+    xi, w = divided_rule(slave.shape, n, pieces)
     m = len(slave.facets)
     return SlavePoints.on(slave, np.repeat(np.arange(m), len(w)), np.tile(xi, (m, 1)), np.tile(w, m))
 
@@ -150,19 +153,6 @@ def _node_distance(master: Surface) -> float:
     if master.dim == 3:
         intervals = len(master.facets) * int(master.shape.exponents.max()) ** 2
     return float(master.spacing * (len(master.facets) / intervals) ** (1 / (master.dim - 1)))
-
-
-def _divided(shape: Shape, n: int, pieces: int) -> tuple[ndarray, ndarray]:
-    xi, w = rule(shape, n)
-    low, share = shape.corners.min(axis=0), 1.0 / pieces
-    shift = np.ptp(shape.corners, axis=0) * share
-    steps = np.stack(np.meshgrid(*[np.arange(pieces)] * shape.dim, indexing="ij"), axis=-1).reshape(-1, shape.dim)
-    upright = low + steps[:, None] * shift + (xi - low) * share
-    if not shape.triangular:
-        return upright.reshape(-1, shape.dim), np.tile(w * share**shape.dim, len(steps))
-    turned = low + (steps[:, None] + 1) * shift - (xi - low) * share
-    inside = np.concatenate((upright[steps.sum(axis=1) < pieces], turned[steps.sum(axis=1) < pieces - 1]))
-    return inside.reshape(-1, shape.dim), np.tile(w * share**2, len(inside))
 
 
 def between(surface: Surface, cuts: ndarray, n: int) -> SlavePoints:
@@ -211,12 +201,12 @@ def piecewise(slave: Surface, slave_nodes: ndarray, master: Surface, master_node
     other = _in_plane(_corners(master, master_nodes)[facing][:, ::-1], centre[own], axes[own])
     reach = _FACING * slave.size[own]
     near = (np.abs(other[:, :, 2]).min(axis=1) < reach) & (dot(axes[own, 2], behind[facing]) < -_OPPOSED)
-    own, facing, flat, other = own[near], facing[near], flat[near, :, :2], other[near, :, :2]
-    polygon, corners = _clipped(other, flat)
+    own, facing, flat, other = own[near], facing[near], flat[near], other[near]
+    polygon, corners = _clipped(other[:, :, :2], flat[:, :, :2])
     piece, triangles = _fans(polygon, corners)
-    size = _area(triangles)
-    large = size > _SLIVER * slave.area[own[piece]]
-    piece, triangles, size = piece[large], triangles[large], size[large]
+    size, near = _area(triangles), _heights(other[piece], triangles).min(axis=1) < _NEAR * slave.size[own[piece]]
+    kept = near & (size > _SLIVER * slave.area[own[piece]])
+    piece, triangles, size = piece[kept], triangles[kept], size[kept]
 
     order = int(slave.shape.exponents.max())
     xi, w = get_quadrature(RefTri, 2 * order if slave.shape.triangular else 4 + 2 * order)
@@ -263,6 +253,13 @@ def _mean_planes(corners: ndarray) -> tuple[ndarray, ndarray]:
 
 def _in_plane(points: ndarray, centre: ndarray, axes: ndarray) -> ndarray:
     return np.asarray((points - centre[:, None]) @ axes.transpose(0, 2, 1))
+
+
+def _heights(polygons: ndarray, points: ndarray) -> ndarray:
+    """Return heights of the mean planes of polygons, shape (n, corners, 3), at points, shape (n, m, 2)."""
+    centre, axes = _mean_planes(polygons)
+    along = (points - centre[:, None, :2]) @ axes[:, 2, :2, None]
+    return np.asarray(centre[:, None, 2] - along[:, :, 0] / axes[:, None, 2, 2])
 
 
 def _area(polygons: ndarray) -> ndarray:

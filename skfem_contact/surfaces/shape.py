@@ -204,3 +204,17 @@ def rule(shape: Shape, n: int) -> tuple[ndarray, ndarray]:
         points, weights = get_quadrature(RefTri, max(1, 2 * n - 2))
         return points.T, weights
     return np.stack(np.meshgrid(t, t, indexing="ij"), axis=-1).reshape(-1, 2), np.outer(w, w).ravel()
+
+
+def divided_rule(shape: Shape, n: int, pieces: int) -> tuple[ndarray, ndarray]:
+    """Return points and weights of the rule on so many pieces a direction."""
+    xi, w = rule(shape, n)
+    low, share = shape.corners.min(axis=0), 1.0 / pieces
+    shift = np.ptp(shape.corners, axis=0) * share
+    steps = np.stack(np.meshgrid(*[np.arange(pieces)] * shape.dim, indexing="ij"), axis=-1).reshape(-1, shape.dim)
+    upright = low + steps[:, None] * shift + (xi - low) * share
+    if not shape.triangular:
+        return upright.reshape(-1, shape.dim), np.tile(w * share**shape.dim, len(steps))
+    turned = low + (steps[:, None] + 1) * shift - (xi - low) * share
+    inside = np.concatenate((upright[steps.sum(axis=1) < pieces], turned[steps.sum(axis=1) < pieces - 1]))
+    return inside.reshape(-1, shape.dim), np.tile(w * share**2, len(inside))

@@ -308,8 +308,20 @@ class Surface:
         """Return points given by facet, shape (n,), and local coordinates, shape (n, dim - 1), at present nodes."""
         shapes = self.shape.at(facet, xi, derivatives)
         coordinates = nodes[self.facets[facet]]
-        return FacetMapping(shapes, [np.einsum("n...k,nkc->n...c", M, coordinates) for M in shapes])
+        return FacetMapping(shapes, [_combined(M, coordinates) for M in shapes])
 
     def density(self, facet: ndarray, xi: ndarray) -> ndarray:
         """Return the area of a unit of the local coordinates in the reference configuration, shape (n,)."""
         return np.asarray(np.linalg.norm(across(self.at(facet, xi, self.nodes).x[1]), axis=1))
+
+
+def _combined(factors: ndarray, coordinates: ndarray) -> ndarray:
+    """Return combinations of the nodes' coordinates, (n, k, dim), with factors (n, ..., k).
+
+    For derivatives in space matrix products take a quarter of the time of `einsum`, for all others three times as long.
+    """
+    if factors.ndim == 2 or coordinates.shape[2] == 2:
+        return np.asarray(np.einsum("n...k,nkc->n...c", factors, coordinates))
+    n, *among, k = factors.shape
+    rows = factors.reshape(n, int(np.prod(among)), k)
+    return np.asarray((rows @ coordinates).reshape(n, *among, coordinates.shape[2]))
