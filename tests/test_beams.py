@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from itertools import pairwise
 
 import numpy as np
@@ -582,6 +583,20 @@ def test_flow_presses_on_both_sides_of_a_beam():
         net += sign * (0.5 * (p0 + p1) * abs(y1 - y0)).sum()
     load = model.water_on(dug, water)[wall._dofs[:2 * len(wall.points):2]]
     assert load.sum() == pytest.approx(net, rel=1e-12) and net < -100.0
+
+
+@pytest.mark.parametrize("water", [{"left": -3.0, "right": 0.0}, "flow"], ids=["levels", "flow"])
+def test_water_that_differs_on_both_sides_of_a_slit_is_told(water):
+    """The net pressure is that of a beam; in a slit without one it would be lost. Equal levels need none."""
+    model, dug, basis = pit_beside_a_sheet_pile()
+    solids = {name: form for name, form in dug.items() if name in ("left", "right")}
+    water = pumped(basis) if water == "flow" else water
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        model.water_on(dug, water)
+        model.water_on(solids, {"left": -1.0, "right": -1.0})
+    with pytest.warns(sc.AnalysisWarning, match=r"presses with .* on one side of the slit at .* no beam lies there"):
+        model.water_on(solids, water)
 
 
 def test_pressures_at_vertices_on_both_sides_of_a_beam():

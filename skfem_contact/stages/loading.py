@@ -6,14 +6,20 @@ from typing import Any
 
 import numpy as np
 from numpy import ndarray
+from scipy.spatial import cKDTree
 from skfem import FacetBasis, Mesh
 from skfem.generic_utils import OrientedBoundary
 
 from ..beams.sides import facing, pressure_beside, surroundings
-from ..checks import look_up
+from ..checks import format_point, look_up
+from ..errors import warn
 from ..forms.base import Form
 from ..layout import elements_of
 from ..loads import at_points, face_load, hydrostatic, pore_load
+
+#: Water differs on both sides of a slit where its pressures do by more than this share of the largest one.
+_DIFFERS = 0.05
+_SAME = 1e-6  # distance of facets that coincide, over their size
 
 
 def as_pressure(water: Any, mesh: Mesh, unit_weight: float | None) -> Any:
@@ -52,12 +58,31 @@ def water_at_rest(solids: Mapping[str, Any], others: Iterable[Form], water: Any,
     if isinstance(pressure, Mapping) or hasattr(pressure, "pressure_at"):
         faced = facing(surroundings(outside), porous)
         owner = owner[faced]
-    yield face_load(outside, _in_elements(outside, pressure, owner, faced), axisymmetric)
+    pressing, beams = _in_elements(outside, pressure, owner, faced), [np.zeros((0, mesh.dim()))]
+    yield face_load(outside, pressing, axisymmetric)
 
     def beside(*sides: ndarray) -> ndarray:
+        beams.append(sides[0])
         return pressure_beside(outside, porous, pressure, sides)
 
     yield from (load for form in others if (load := form.water_load(beside)) is not None)
+    if not callable(pressure):
+        _check_slits(outside, porous, pressing.mean(axis=1), np.concatenate(beams))
+
+
+def _check_slits(outside: FacetBasis, porous: ndarray, pressure: ndarray, beams: ndarray) -> None:
+    """Warn where water presses differently on both sides of a slit without a beam: nothing takes up the difference."""
+    middle, normal, size = (of[porous] for of in surroundings(outside))
+    pairs = cKDTree(middle).query_pairs(_SAME * size.min(initial=np.inf), output_type="ndarray")
+    one, other = pairs.T
+    own, opposite = pressure[porous][one], pressure[porous][other]
+    apart = cKDTree(beams).query(middle[one])[0] if len(beams) else np.full(len(one), np.inf)
+    lost = np.abs(own - opposite) * ((np.einsum("nc,nc->n", normal[one], normal[other]) < 0.0) & (apart > size[one]))
+    if len(lost) and lost.max() > _DIFFERS * pressure.max():
+        k = lost.argmax()
+        warn(f"water presses with {own[k]:.3g} on one side of the slit at {format_point(middle[one[k]])} and with "
+             f"{opposite[k]:.3g} on the other; no beam lies there to resist the difference, which is lost: put a "
+             "Beam into the slit, or let the water be the same on both sides")
 
 
 def _bounding(mesh: Mesh, solids: Mapping[str, Any]) -> OrientedBoundary:
