@@ -86,7 +86,8 @@ class ContactBase(Form):
             self.penalty = self.with_penalty(*both).penalty
 
     def _connect(self) -> None:
-        self.interface = Interface(self.slave, self.master, self.quadrature)
+        adjusted = _adjusted(self.initial, self.law.bonds)
+        self.interface = Interface(self.slave, self.master, self.quadrature, adjusted)
         size = max(self.mesh_dofs, self.slave.end, self.master.end, int(self.multipliers.max(initial=-1)) + 1)
         self.size: int = size or None  # type: ignore[assignment]  # unknown before fields are numbered
         self.gathering = Gathering(size)
@@ -316,6 +317,10 @@ def initial_clearance(gap: ndarray, meshed: ndarray, size: ndarray, fit: Fit, bo
     ramped = fit == "ramped" or not isinstance(fit, str)
     if ramped:
         moved = np.zeros_like(gap)
-    nothing = (_ADJUSTED if bonded or fit == "adjusted" or not isinstance(fit, str) else TOUCHING) * size
-    clearance = np.where(np.abs(gap - moved) <= nothing, gap, moved)
+    clearance = np.where(np.abs(gap - moved) <= _adjusted(fit, bonded) * size, gap, moved)
     return np.minimum(gap, clearance) if ramped else clearance
+
+
+def _adjusted(fit: Fit, bonded: bool) -> float:
+    """Return the share of a facet's size up to which gaps of the mesh are those of one surface meshed twice."""
+    return _ADJUSTED if bonded or fit == "adjusted" or not isinstance(fit, str) else TOUCHING

@@ -111,11 +111,12 @@ class ContactState:
 
 @dataclass(frozen=True, eq=False)
 class Interface:
-    """Slave and master with the quadrature rule of a contact pair, see there."""
+    """Slave and master with the quadrature rule of a contact pair, and the share of a facet that its gaps may have."""
 
     slave: Surface
     master: Surface
     rule: Literal["nodal", "segments"] | int
+    adjusted: float = 0.0
 
     @cached_property
     def neighbours(self) -> NeighbourList:
@@ -146,7 +147,7 @@ class Interface:
             return np.zeros(0)
         slave, master = self.positions(x)
         if self.slave.dim == 3:
-            return piecewise(self.slave, slave, self.master, master)
+            return piecewise(self.slave, slave, self.master, master, self.adjusted)
         return common_cuts(self.slave, slave, self.master, master, self._facing)
 
     def fits(self, cuts: ndarray) -> bool:

@@ -188,11 +188,12 @@ def common_cuts(slave: Surface, slave_nodes: ndarray, master: Surface, master_no
     return np.delete(cuts, drop)
 
 
-def piecewise(slave: Surface, slave_nodes: ndarray, master: Surface, master_nodes: ndarray) -> ndarray:
+def piecewise(slave: Surface, slave_nodes: ndarray, master: Surface, master_nodes: ndarray, adjusted: float = 0.0
+              ) -> ndarray:
     """Return points on all pieces of the slave's facets at present coordinates, a row each, shape (n, 5).
 
     A row holds the slave's facet, two local coordinates, the weight in their measure, and the facet of the master that
-    the piece faces, -1 on facets that face none.
+    the piece faces, -1 on facets that are not near any. Gaps up to the share `adjusted` of a facet count as none.
     """
     own, facing = _pairs(slave, slave_nodes, master, master_nodes)
     centre, axes = _mean_planes(_corners(slave, slave_nodes))
@@ -204,8 +205,8 @@ def piecewise(slave: Surface, slave_nodes: ndarray, master: Surface, master_node
     own, facing, flat, other = own[near], facing[near], flat[near], other[near]
     polygon, corners = _clipped(other[:, :, :2], flat[:, :, :2])
     piece, triangles = _fans(polygon, corners)
-    size, near = _area(triangles), _heights(other[piece], triangles).min(axis=1) < _NEAR * slave.size[own[piece]]
-    kept = near & (size > _SLIVER * slave.area[own[piece]])
+    size, height = _area(triangles), _heights(other[piece], triangles).min(axis=1)
+    kept = (size > _SLIVER * slave.area[own[piece]]) & (height < (adjusted + _NEAR) * slave.size[own[piece]])
     piece, triangles, size = piece[kept], triangles[kept], size[kept]
 
     order = int(slave.shape.exponents.max())
