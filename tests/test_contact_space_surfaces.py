@@ -173,8 +173,8 @@ def test_pieces_of_bodies_apart():
         np.testing.assert_allclose(np.bincount(facet, weight * slave.density(facet, xi)), slave.area, rtol=1e-14)
     *_, facing = pieces(slave, master, (0.5, 0, 0))
     assert (facing == -1).any() and (facing >= 0).any()
-    for adjusted, cut in ((0.0, False), (0.5, True)):  # a gap of .3 of the size: contact is not near unless it is adjusted
-        rows = piecewise(slave, slave.nodes + [0, 0, 0.1], master, master.nodes, adjusted)
+    for adjusted, cut in ((0.0, False), (0.5, True)):  # a gap of .3 of the size
+        rows = piecewise(slave, slave.nodes + np.array([0, 0, 0.1]), master, master.nodes, adjusted)
         assert (rows[:, 4] >= 0).all() if cut else (rows[:, 4] == -1).all()
 
 
