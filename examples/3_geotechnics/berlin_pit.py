@@ -6,6 +6,8 @@ with their program (2026, example Berlin Sand of ZSoil-FEM/zsoil-output-examples
 from its figures to about .3 mm.
 """
 
+from dataclasses import replace
+
 import numpy as np
 from skfem import Basis, ElementQuad2, ElementVector, MeshQuad
 
@@ -16,10 +18,14 @@ FLOORS, DRAINED = (-4.8, -9.3, -14.35, -16.8), (-4.8, -9.3, -14.35, -17.9)
 #: Height of the head, end of the free length, spacing and force of the jack of each row.
 ANCHORS = ((-4.3, (40.51, -9.66), 2.3, 768.0), (-8.8, (43.63, -15.75), 1.35, 945.0),
            (-13.85, (44.08, -21.02), 1.35, 980.0))  # fmt: skip
-#: Laws by layer, without the stiffness at small strains, which was published as well (E0 = 405 and 675 MPa).
+#: Laws by layer. The published one has the stiffness at small strains, E0 = 405 and 675 MPa.
+SAND = {"upper": sc.HardeningSoil(45e3, 45e3, 180e3, m=0.5, c=1.0, phi=35.0, psi=5.0, K0nc=0.4264),
+        "lower": sc.HardeningSoil(75e3, 67.5e3, 300e3, m=0.5, c=1.0, phi=38.0, psi=6.0, K0nc=0.3843)}  # fmt: skip
+G0 = {"upper": 405e3 / 2.4, "lower": 675e3 / 2.4}
 LAWS = {
-    "Hardening Soil": {"upper": sc.HardeningSoil(45e3, 45e3, 180e3, m=0.5, c=1.0, phi=35.0, psi=5.0, K0nc=0.4264),
-                       "lower": sc.HardeningSoil(75e3, 67.5e3, 300e3, m=0.5, c=1.0, phi=38.0, psi=6.0, K0nc=0.3843)},
+    "Hardening Soil": SAND,
+    "Hardening Soil, small strains": {layer: replace(sand, G0_ref=G0[layer], gamma_07=2e-4)
+                                      for layer, sand in SAND.items()},
     "Mohr-Coulomb": {"upper": sc.MohrCoulomb(E=45e3 * 0.6**0.5, nu=0.3, c=1.0, phi=35.0, psi=5.0),
                      "lower": sc.MohrCoulomb(E=75e3 * 2.0**0.5, nu=0.3, c=1.0, phi=38.0, psi=6.0)},
 }
@@ -98,7 +104,7 @@ def dug(laws):
     rows = [[f"grouted {k}", f"grout {k}", f"anchor {k}"] for k in (1, 2, 3)]
     later = [name for row in rows for name in row]
     stages = [sc.Stage("wall", deactivate=later, water=TABLE), sc.Stage("drained", **drained(DRAINED[0]))]
-    for k, increments in enumerate((3, 3, 5, 5)):
+    for k, increments in enumerate((8, 8, 12, 6)):
         locked = {f"anchor {k}": forms[f"anchor {k}"]} if k else {}
         stages.append(sc.Stage(f"lift {k + 1}", deactivate=[f"lift {k + 1}", f"lift {k + 1}|wall"], change=locked,
                                increments=increments, **drained(DRAINED[k])))

@@ -11,7 +11,7 @@ Dense Hostun sand, of which the parameters are published, around a pit of 8 m wi
 pile wall of 12 m. The same pit follows with Mohr-Coulomb of the same strength, whose modulus is :math:`E_{50}` at the
 stress in the middle of the wall.
 
-``--full`` digs a published pit as well: 16.8 m deep, with three rows of anchors, in 50 s.
+``--full`` digs a published pit as well: 16.8 m deep, with three rows of anchors, in two minutes for three laws.
 """
 
 import json
@@ -127,12 +127,15 @@ plt.show()
 # analysis                            wall, most  its top  street, down  bottom, up
 # ==================================  ==========  =======  ============  =============
 # published, small strains included   33.7        26.9     19.5          34.8
-# Hardening Soil                      38.9        31.8     21.6          40.3
-# Mohr-Coulomb                        42.0        30.1     4.5           144.0
+# Hardening Soil, small strains       33.5        28.5     19.2          34.9
+# Hardening Soil                      38.6        31.5     21.5          40.3
+# Mohr-Coulomb                        42.0        30.0     4.5           144.0
 # ==================================  ==========  =======  ============  =============
 #
-# The published analysis has the stiffness at small strains as well: Hardening Soil alone moves by 11 to 18 % more. With
-# Mohr-Coulomb the bottom heaves four times as much, and the street hardly settles.
+# With the stiffness at small strains wall, street and bottom move within 2 % of the published figures, the wall's top
+# 6 % more; without it all of them move by 10 to 17 % more. With Mohr-Coulomb the bottom heaves four times as much, and
+# the street hardly settles. Without small strains 28 of 34 increments of digging take at most five iterations, one
+# takes eight: the wall begins to slip node after node. With them the last lift takes 19 to 51 iterations an increment.
 if FULL:
     import berlin_pit as berlin  # beside this file
 
@@ -161,10 +164,11 @@ if FULL:
     axes[0].invert_yaxis()
     axes[1].invert_yaxis()
     axes[0].legend(frameon=False, fontsize="small")
-    hardening, constant = rows[2:]
-    assert abs(hardening["wall_mm"] / max(berlin.WALL) - 1) < 0.2  # without the published stiffness at small strains
-    assert abs(hardening["settlement_mm"] / berlin.SETTLEMENT - 1) < 0.2
-    assert abs(hardening["heave_mm"] / berlin.HEAVE - 1) < 0.2
+    hardening, small, constant = rows[2:]
+    for row, most in ((small, 0.03), (hardening, 0.2)):  # the published law, and without its stiffness at small strains
+        assert abs(row["wall_mm"] / max(berlin.WALL) - 1) < most
+        assert abs(row["settlement_mm"] / berlin.SETTLEMENT - 1) < most
+        assert abs(row["heave_mm"] / berlin.HEAVE - 1) < most
     assert constant["heave_mm"] > 3 * berlin.HEAVE and constant["settlement_mm"] < 0.5 * berlin.SETTLEMENT
     plt.show()
 
