@@ -34,9 +34,9 @@ def pytest_configure(config: pytest.Config) -> None:
 
     factor = System.factor
 
-    def factor_with_noise(self: System, K: Any) -> Callable[[np.ndarray], np.ndarray]:
+    def factor_with_noise(self: System, K: Any) -> Callable[..., np.ndarray]:
         solve = factor(self, K)
-        return lambda b: solve(b * (1.0 + SIZE * noise(b, seed)))
+        return lambda b, *rtol: solve(b * (1.0 + SIZE * noise(b, seed)), *rtol)
 
     System.factor = factor_with_noise  # type: ignore[method-assign]
 

@@ -15,8 +15,9 @@ from scipy.sparse import csr_matrix
 from ..errors import Failure, IncrementTooLarge, NoEquilibrium, NotConverged
 from ..forms.base import Form, Response, responses_of
 from ..layout import Layout
-from ..solvers.direct import LinearSolver, SingularSystem, Solve
+from ..solvers.direct import REFINE, LinearSolver, SingularSystem, Solve
 from ..sparse import Total
+from .forcing import Forcing
 from .newton import FAR, Evaluation, Newton, Search, iterate
 
 logger = logging.getLogger("skfem_contact")
@@ -59,7 +60,7 @@ class System:
             return self
         new = copy(self)
         new.forms = dict(forms)
-        for known in ("symmetric", "yields_beside_contact"):
+        for known in ("symmetric", "yields", "yields_beside_contact"):
             vars(new).pop(known, None)
         return new
 
@@ -78,6 +79,11 @@ class System:
         forms = self.forms.values()
         return any(form.unilateral for form in forms) and any(form.materials and form.strengths for form in forms)
 
+    @cached_property
+    def yields(self) -> bool:
+        """True if the tangent changes inside of bodies, not only in contact."""
+        return any(form.changing is None for form in self.forms.values())
+
     @property
     def size(self) -> int:
         """Number of dofs."""
@@ -89,7 +95,11 @@ class System:
             return self._solver.factor(K, self.symmetric)
         scale = self._scale
         solve = self._solver.factor(self._total.scaled(K, scale), self.symmetric)
-        return lambda b: scale * solve(scale * b)
+
+        def scaled(b: ndarray, rtol: float = REFINE) -> ndarray:
+            return scale * solve(scale * b, rtol)
+
+        return scaled
 
     def work(self, load: ndarray, displacements: ndarray) -> float:
         """Return the work of a load on the free dofs."""
@@ -171,7 +181,8 @@ class System:
             return replace(new, lag=float(np.abs(prescribed - z[self.fixed]).max(initial=0.0)))
 
         def direction(now: Evaluation, damped: bool) -> ndarray:
-            step = self._direction(now, prescribed - now.z[self.fixed], damped, regular)
+            rtol = REFINE if damped or not inexact else forcing.at(now)
+            step = self._direction(now, prescribed - now.z[self.fixed], damped, regular, rtol)
             if not first:
                 first.append(max(float(np.linalg.norm((now.z + step - x)[moves])), float(np.linalg.norm(x[moves]))))
             return step
@@ -183,6 +194,7 @@ class System:
 
         spent: tuple[float, ...] = ()
         for search in searches:
+            forcing, inexact = Forcing(settings.tolerance), self.yields and search in ("residual", "either")
             try:
                 # no name for the first new: its tangent would stay in memory
                 now, norms = iterate(evaluate(x if start is None else start), evaluate, direction, settings, search,
@@ -206,7 +218,8 @@ class System:
         seen = [self.evaluate(x, states, load).states for x in cycle]
         return self.after(states, {name: Failure(False, tuple(one[name] for one in seen)) for name in self.forms})
 
-    def _direction(self, now: Evaluation, lag: ndarray, damped: bool, regular: list[csr_matrix]) -> ndarray:
+    def _direction(self, now: Evaluation, lag: ndarray, damped: bool, regular: list[csr_matrix],
+                   rtol: float) -> ndarray:
         """Return the Newton step; where the tangent is singular, far out on a mechanism, with the last regular one."""
         K = self.tangent(now, damped)
         right = now.residual
@@ -221,4 +234,4 @@ class System:
             if not regular:
                 raise
             solve = self.factor(regular[0])
-        return step + solve(right)
+        return step + solve(right, rtol)

@@ -13,7 +13,7 @@ from scipy.sparse import csr_matrix
 from ..errors import NotConverged
 from ..forms.base import Form
 from ..sparse import FreeBlock
-from .direct import ENGINES, DirectSolver, LinearSolver, Solve, fastest_engine
+from .direct import ENGINES, REFINE, DirectSolver, LinearSolver, Solve, fastest_engine
 from .multigrid import AmgOrDirect, iterations_that_pay
 from .schur import SchurSolver
 
@@ -37,7 +37,7 @@ class FunctionSolver:
         """Keep the free block of K for the function."""
         A = self._block.gather(K)
 
-        def solve(b: ndarray) -> ndarray:
+        def solve(b: ndarray, rtol: float = REFINE) -> ndarray:
             x = np.zeros(K.shape[0])
             x[self._block.order] = self._function(A, b[self._block.order])
             if not np.all(np.isfinite(x)):
@@ -74,7 +74,7 @@ def linear_solver(forms: Mapping[str, Form], solver: Any, locations: ndarray, fr
     interface = np.unique(np.concatenate(changing or [np.zeros(0, int)]))
     engine = fastest_engine() if solver is None else ""
     displacements_only = not any(form.fields for form in forms.values())
-    most = iterations_that_pay(locations, free, engine) if solver is None and displacements_only else 0
+    most = iterations_that_pay(locations, free, engine, anywhere) if solver is None and displacements_only else 0
     inner = AmgOrDirect(locations, free, interface, engine, most) if most else \
         as_solver(solver, locations, free, interface)
     given = callable(solver) or (isinstance(solver, str) and solver == "amg")

