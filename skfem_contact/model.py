@@ -238,7 +238,7 @@ class Model(Setup):
             Flow rule: ``"given"``, ``"associated"``, ``"davis_a"``, ``"davis_b"``, ``"davis_c"`` or ``"lagged"``, see
             :doc:`theory </theory/plasticity>`.
         tolerance
-            Width of the bracket; the curve is followed until a quarter of it is left, see :doc:`/guide/collapse`.
+            Width of the bracket; the curve is followed until a quarter of it is left.
         step
             First step of the factor, at least `tolerance`: over less a curve looks like its plateau.
         max_value

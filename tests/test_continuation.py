@@ -21,7 +21,7 @@ from skfem import (
 
 import skfem_contact as sc
 from skfem_contact.collapse import continuation
-from skfem_contact.collapse.result import Point, SearchResult, Stop
+from skfem_contact.collapse.result import SearchResult, Stop
 
 
 def column(phi=0.0, psi=0.0, n=2):
@@ -141,39 +141,9 @@ def test_no_load():
                                                          (False, "plateau", "stall")])  # fmt: skip
 def test_a_search_that_stalls_tries_again_with_resistance(monkeypatch, slides, second, ends):
     """Once, where anything slides; an end that shows no limit does not replace the first one."""
-    tried = [SearchResult([Point(np.zeros(1), {}, 1.0)], Stop(kind, "")) for kind in ("stall", second)]
+    tried = [SearchResult([], Stop(kind, "")) for kind in ("stall", second)]
     monkeypatch.setattr(continuation, "_follow", lambda *given, **settings: tried.pop(0))
     branch = SimpleNamespace(search="step", beside_contact=False, resist=lambda: slides)
     found = continuation.follow(branch, np.zeros(1), [], sc.Newton(), 0.01, None)
     assert found.stop.kind == ends
     assert len(tried) == (0 if slides else 1)
-
-
-def along(curve, *works):
-    """Points of a curve over the work."""
-    return [Point(np.zeros(1), {}, curve(work), work) for work in works]
-
-
-def test_rise_that_is_left():
-    """[X] A hyperbola knows its limit, whatever the steps; its last slope leaves twice as much where they double."""
-
-    def curve(work):
-        return 1.4 - 3.0 / (work + 0.7)
-
-    for works in ((0.0, 20.0, 50.0, 51.0), (0.0, 8.0, 16.0, 32.0), (0.0, 100.0, 130.0, 900.0)):
-        points = along(curve, *works)
-        assert continuation.hyperbola(points) == pytest.approx(1.4 - points[-1].parameter, rel=1e-9)
-        assert continuation.remainder(points) > continuation.hyperbola(points)
-    far = along(curve, 0.0, 1e4, 2e4, 4e4)
-    assert continuation.remainder(far) == pytest.approx(2.0 * continuation.hyperbola(far), rel=1e-3)
-    assert continuation.hyperbola(along(lambda work: work, 0.0, 1.0, 2.0)) == np.inf
-    assert continuation.hyperbola(along(lambda work: -work, 0.0, 1.0, 2.0)) == 0.0
-
-
-def test_curve_ends_by_two_estimates():
-    """[X] Along the last slope alone it ends later; a straight line has no end, however little it rises."""
-    points = along(lambda work: 1.0 - 1.0 / work, 1.0, 25.0, 50.0, 100.0)  # 0.01 is left, and 0.02 along the slope
-    assert continuation._level(points, 0.011, 2.4)
-    assert not continuation._level(points, 0.011, 1.0) and not continuation._level(points, 0.009, 2.4)
-    assert continuation._level(points, 0.021, 1.0)
-    assert not continuation._level(along(lambda work: 2e-4 * work, 1.0, 25.0, 50.0, 100.0), 0.011, 2.4)

@@ -56,7 +56,7 @@ def test_bracket_without_dilatancy():
     low, high = free.bracket
     assert high - low > 1e-6
     assert free.davis.factor < low and fixed_factors.factor <= high
-    # one soil: the bound is the associated factor; each curve may rise by 0.6 of 0.005, a quarter is likely
+    # one soil: the bound is the associated factor; each curve may rise by a quarter of 0.005, 1.3 times that is left
     assert high == pytest.approx(associated.bracket[1], abs=0.005)
     assert f"{free.davis.value:.4g} after Davis" in str(free)
 

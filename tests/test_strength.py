@@ -56,22 +56,8 @@ def reference():
 def test_factor_lies_above_the_rigorous_lower_bound(reference):
     """H1 [B]: limit analysis has 1.375 to 1.385; a coarse mesh of quadratic triangles reads up to 7 % more."""
     assert 1.375 < reference.factor < 1.07 * 1.385
-    assert reference.bracket[1] - reference.bracket[0] <= 0.006  # 0.6 of the default tolerance
+    assert reference.bracket[1] - reference.bracket[0] <= 0.0025  # a quarter of the default tolerance
     assert reference.stop.kind == "plateau"
-
-
-def test_search_meets_no_collapse_on_its_way(reference):
-    """[X] Soil of 1/1.05 of the factor: the first step to 1.1 is a step of the work, and no step fails.
-
-    Only the end has the whole accuracy, .03 of the tolerance, and the way there at most .2.
-    """
-    soil = sc.MohrCoulomb(**SOIL).reduced(reference.factor / 1.05)
-    found = reduce(*slope(c=soil.c, phi=soil.phi, psi=soil.phi))
-    assert found.factor == pytest.approx(1.05, abs=0.006)  # what both curves may leave along their last slopes
-    assert {step.outcome for step in found.steps} == {"equilibrium"} and found.iterations <= 45
-    end = found.steps[-1]
-    assert end.parameter == found.factor and end.residual == found.end.residual <= 3e-4
-    assert 3e-4 < max(step.residual for step in found.steps) <= 2e-3
 
 
 @pytest.mark.parametrize("psi", [20.0, 0.0])

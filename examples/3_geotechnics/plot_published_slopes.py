@@ -110,23 +110,13 @@ def problem(slope, dilatant, finer=1.0):
 # %%
 # Factors of safety
 # -----------------
-# The error is the distance from the published range. Iterations stand beside those of searches that take every step at
-# full accuracy, find the second equilibrium at a fixed factor, and end by the last slope of the curve alone.
+# The error is the distance from the published range.
 
-before = {  # psi = phi, psi = 0, Davis, on the coarser and the finer mesh
-    "ACADS 1(a)": ((75, 84, 54), (86, 229, 60)),
-    "ACADS 1(c)": ((58, 143, 50), (77, 298, 60)),
-    "ACADS 3(a)": ((72, 119, 56), (77, 252, 61)),
-    "Fredlund-Krahn": ((87, 169, 67), (92, 287, 76)),
-    "Fredlund-Krahn, r_u = 0.25": ((79, 375, 148), (89, 428, 155)),
-    "Arai-Tagyo 1": ((41, 48, 39), (50, 66, 44)),
-    "Arai-Tagyo 2": ((104, 91, 74), (72, 108, 84)),
-}
 finer, chosen = 0.8, ("Fredlund-Krahn", "Arai-Tagyo 1")
 if "--full" in sys.argv:
     finer, chosen = 1.5, tuple(slopes)
 rows, found = [], {}
-print(f"{'':27}unknowns  published     psi = phi           psi = 0, bracket                      Davis")
+print(f"{'':27}unknowns  published     psi = phi         psi = 0, bracket                Davis")
 for name in chosen:
     slope, factors = slopes[name], []
     for dilatant in (True, False):
@@ -138,15 +128,14 @@ for name in chosen:
         error = max(low / result.factor - 1.0, result.factor / high - 1.0, 0.0)
         rows.append({"method": f"{name}, psi = {'phi' if dilatant else '0'}", "n": sum(slope.rows),
                      "unknowns": len(result.x), "error": round(error, 4), "factor": round(result.factor, 4),
-                     "cpu_s": seconds, "iterations": result.iterations,
-                     "before": before[name][finer > 1.0][not dilatant], "stopped": result.stop.kind,
+                     "cpu_s": seconds, "iterations": result.iterations, "stopped": result.stop.kind,
                      "davis": None if result.davis is None else round(result.davis.factor, 4)})
         factors.append(result)
     found[name] = associated, free = factors
-    counts = [f"({r.iterations:3d} of {n:3d})" for r, n in zip((*factors, free.davis), before[name][finer > 1.0])]
-    print(f"{name:27}{len(free.x):8d}  {low:5.3f}-{high:5.3f}  {associated.factor:.3f} {counts[0]}  "
-          f"{free.factor:.3f} {counts[1]} [{free.bracket[0]:.3f}, {free.bracket[1]:.3f}]  "
-          f"{free.davis.factor:.3f} {counts[2]}")
+    print(f"{name:27}{len(free.x):8d}  {low:5.3f}-{high:5.3f}  "
+          f"{associated.factor:.3f} ({associated.iterations:3d} it.)  "
+          f"{free.factor:.3f} ({free.iterations:3d} it.) [{free.bracket[0]:.3f}, {free.bracket[1]:.3f}]  "
+          f"{free.davis.factor:.3f} ({free.davis.iterations:3d} it.)")
 
 # %%
 # Two mechanisms
@@ -176,7 +165,7 @@ for name, (associated, free) in found.items():
     assert free.factor < 1.002 * associated.factor  # both ends of curves
     assert free.davis.factor < free.factor <= free.bracket[1]
     assert associated.factor < 1.002 * free.bracket[1]
-    assert associated.iterations <= (0.9 if finer < 1.0 else 1.0) * before[name][finer > 1.0][0]
+    assert associated.iterations <= 150
     assert free.iterations <= 150 or not name.startswith("ACADS")  # rows above the toes of the others are slivers
 
 plt.show()

@@ -5,16 +5,13 @@ load multiplier) hardly changes, and beyond collapse there is no equilibrium. Th
 steadily all the time. So the work is prescribed, the parameter is sought together with the displacements, and the curve
 of the parameter over the work levels off at the limit.
 
-A search ends when the curve can rise by little more: it continues along its last slope, which is too much for a curve
-that bends, or along a hyperbola through its last three points.
-
 S. Sysala, E. Hrubesova, Z. Michalec, F. Tschuchnigg, Int. J. Numer. Anal. Methods Geomech. 45 (2021) 2388-2414.
 """
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -146,7 +143,7 @@ def loaded_start(setup: Setup, load: Any, start: Result | StageResult | None, wa
     return SearchStart(dict(active), system.with_forms(fixed_forms), Point(x, states, 0.0), weight, on_top)
 
 
-def remainder(points: Sequence[Point]) -> float:
+def remainder(points: list[Point] | tuple[Point, ...]) -> float:
     """Estimate how far the parameter may still rise, by the slope of the curve's last part.
 
     That part begins where at most :data:`_CHORD` of the present work had been done: the slope of shorter parts may be
@@ -157,83 +154,38 @@ def remainder(points: Sequence[Point]) -> float:
     earlier = [point for point in points[:-1] if point.work - first.work <= _CHORD * done]
     if len(points) < 3 or not earlier or not done > 0.0:
         return np.inf
-    return _slope(earlier[-1], last) * done
-
-
-def hyperbola(points: Sequence[Point]) -> float:
-    """Estimate how far the parameter may still rise, by a hyperbola over the work through the last three points."""
-    if len(points) < 3:
-        return np.inf
-    first, middle, last = points[-3:]
-    before, after = _slope(first, middle), _slope(middle, last)
-    if not before > after > 0.0:
-        return np.inf if after > 0.0 else 0.0
-    return after * (middle.work - first.work + (last.work - first.work) / (before / after - 1.0))
-
-
-def _slope(one: Point, other: Point) -> float:
-    return (other.parameter - one.parameter) / (other.work - one.work)
-
-
-def _level(points: Sequence[Point], margin: float, steep: float) -> bool:
-    """Return True if the curve has levelled off: along its last slope, or less so but along a hyperbola."""
-    left = remainder(points)
-    return left < margin or (left < steep * margin and hyperbola(points) < margin)
-
-
-def _may_end(points: Sequence[Point], margin: float, steep: float) -> bool:
-    """Return True if the curve has levelled off or falls."""
-    return points[-1].parameter < points[-2].parameter - margin or _level(points, margin, steep)
+    start = earlier[-1]
+    return (last.parameter - start.parameter) / (last.work - start.work) * done
 
 
 def follow(branch: Branch, control: ndarray, points: list[Point], newton: Newton, tolerance: float,
-           log: SearchLog, rough: float = 0.0, **settings: Any) -> SearchResult:
+           log: SearchLog, **settings: Any) -> SearchResult:
     """Follow the curve until it has levelled off, a second time with resistance to slip where it stalls.
 
     With resistance from the start blocks that slide away end in a plateau, up to .3 % too high.
     """
     if branch.beside_contact:
         newton = replace(newton, max_iterations=min(newton.max_iterations, _BESIDE_CONTACT))
-    on_the_way = replace(newton, tolerance=rough) if rough > newton.tolerance else newton
-    found = _follow(branch, control, points, newton, on_the_way, tolerance, log, **settings)
+    found = _follow(branch, control, points, newton, tolerance, log, **settings)
     if found.stop.kind == "stall" and branch.resist():
-        again = _follow(branch, control, points, newton, on_the_way, tolerance, log, **settings)
-        found = again if again.stop.shows_limit else found
-    if on_the_way is newton:
-        return found
-    points = list(found.points)
-    best = max(range(len(points)), key=lambda i: points[i].parameter)
-    _refine(points, best, branch, control, newton, log)
-    return replace(found, points=points, above=max(found.above, points[best].parameter))
+        again = _follow(branch, control, points, newton, tolerance, log, **settings)
+        return again if again.stop.shows_limit else found
+    return found
 
 
-def _refine(points: list[Point], i: int, branch: Branch, control: ndarray, newton: Newton, log: SearchLog) -> Point:
-    """Replace an equilibrium by the one of full accuracy, if there is one that near, and return it."""
-    try:
-        point = refine(branch, control, points[i - 1], points[i], newton) if i else points[i]
-    except NotConverged as error:
-        log.reject(points[i].parameter, error, points[i].work)
-        return points[i]
-    log.refine(points[i], point)
-    points[i] = point
-    return point
-
-
-def _follow(branch: Branch, control: ndarray, points: list[Point], newton: Newton, on_the_way: Newton,
-            tolerance: float, log: SearchLog, relative: bool = False, steep: float = 1.0, max_value: float = np.inf,
-            growth: float = GROWTH, max_step: float = np.inf, min_displacement: float = 0.0) -> SearchResult:
+def _follow(branch: Branch, control: ndarray, points: list[Point], newton: Newton, tolerance: float,
+            log: SearchLog, relative: bool = False, max_value: float = np.inf, growth: float = GROWTH,
+            max_step: float = np.inf, min_displacement: float = 0.0) -> SearchResult:
     """Follow the curve once.
 
     Parameters
     ----------
     branch, control, points
         The problem, the load whose work is prescribed, and two points to start from.
-    newton, on_the_way
-        Settings, and those on the way, until a step fails or the curve may end.
-    tolerance, relative, steep, max_value, min_displacement
+    tolerance, relative, max_value, min_displacement
         The curve ends when its last slope lets the parameter rise by no more than the tolerance, a share of the
-        parameter if `relative`, or by no more than `steep` times as much and a hyperbola by no more than the tolerance,
-        and a displacement is as large as `min_displacement`; or when the parameter exceeds `max_value`.
+        parameter if `relative`, and a displacement is as large as `min_displacement`; or when the parameter exceeds
+        `max_value`.
     growth, max_step
         Ratio of a step to the one before, and work of the longest step; after a failed step they grow less.
     """
@@ -242,14 +194,10 @@ def _follow(branch: Branch, control: ndarray, points: list[Point], newton: Newto
         last = points[-1]
         margin = tolerance * (abs(last.parameter) if relative else 1.0)
         try:
-            point = correct(branch, control, points, last.work + length, on_the_way)
-            if on_the_way is not newton and _may_end([*points, point], margin, steep):
-                point = refine(branch, control, last, point, newton)
+            point = correct(branch, control, points, last.work + length, newton)
             if min_displacement == 0.0 and point.parameter < last.parameter - margin:
                 raise PeakPassed("the curve falls", point.x, point.residuals)
         except NotConverged as error:
-            if on_the_way is not newton:
-                last, on_the_way = _refine(points, len(points) - 1, branch, control, newton, log), newton
             rise = length * (last.parameter - points[-2].parameter) / (last.work - points[-2].work)
             if is_singular(error):
                 beyond, forces = branch.at(last.parameter + max(rise, margin))
@@ -266,21 +214,17 @@ def _follow(branch: Branch, control: ndarray, points: list[Point], newton: Newto
             continue
         points.append(point)
         log.accept(point)
-        if log.moved(point.x) >= min_displacement and _level(points, margin, steep) \
-                and not (log.straight and _rises(branch, control, points, newton, margin)):
-            return _plateau(points, margin)
+        left = remainder(points)
+        reached = log.moved(point.x) >= min_displacement
+        if reached and left < margin and not (log.straight and _rises(branch, control, points, newton, margin)):
+            best = max(point.parameter for point in points)
+            stop = Stop("plateau", f"the curve may rise by {max(left, 0.0):.2g} more")
+            return SearchResult(points, stop, best + (left if left > 0.0 else margin))
         if point.parameter > max_value:
             return SearchResult(points, no_collapse_below(max_value))
         length = length if failures else min(growth * length, max_step)
         failures.clear()
     return SearchResult(points, Stop("steps", f"{_MOST_STEPS} of them without a plateau"))
-
-
-def _plateau(points: list[Point], margin: float) -> SearchResult:
-    """Return the end of a curve that has levelled off."""
-    left, best = remainder(points), max(point.parameter for point in points)
-    stop = Stop("plateau", f"the curve may rise by {max(left, 0.0):.2g} more")
-    return SearchResult(points, stop, best + (left if left > 0.0 else margin))
 
 
 def _rises(branch: Branch, control: ndarray, points: list[Point], newton: Newton, margin: float) -> bool:
@@ -302,25 +246,8 @@ def correct(branch: Branch, control: ndarray, points: list[Point], work: float, 
     share = (work - last.work) / (last.work - before.work)
     # the curve bends: the parameter's extrapolation is a cautious one
     guess = np.append(last.x + share * (last.x - before.x), last.parameter + 0.5 * (last.parameter - before.parameter))
-    return prescribe_work(branch, control, last, guess, work, newton)
-
-
-def refine(branch: Branch, control: ndarray, last: Point, point: Point, newton: Newton) -> Point:
-    """Return an equilibrium at full accuracy, itself where it has that; `last` is the one before."""
-    if point.residuals[-1] <= newton.tolerance:
-        return point
-    try:
-        fine = prescribe_work(branch, control, last, np.append(point.x, point.parameter), point.work, newton)
-    except NotConverged as error:
-        error.residuals = (*point.residuals, *error.residuals[1:])
-        raise
-    return replace(fine, residuals=(*point.residuals, *fine.residuals[1:]))
-
-
-def prescribe_work(branch: Branch, control: ndarray, last: Point, guess: ndarray, work: float, newton: Newton) -> Point:
-    """Return the equilibrium at which the reference load has done some work, starting from a guess, (N + 1,)."""
     system = branch.at(last.parameter)[0]
-    target = system.work(control, last.x) + work - last.work
+    target = system.work(control, points[0].x) + work
 
     def evaluate(z: ndarray) -> Evaluation:
         if not z[-1] > branch.lowest:

@@ -90,13 +90,6 @@ class SearchLog:
                        self.moved(point.x), self._yielding(point.states), point.work))
         self._states = point.states
 
-    def refine(self, rough: Point, fine: Point) -> None:
-        """Replace an equilibrium by itself at full accuracy."""
-        for i, step in enumerate(self.steps):
-            if (step.work, step.parameter, step.outcome) == (rough.work, rough.parameter, "equilibrium"):
-                self.steps[i] = replace(step, parameter=fine.parameter, iterations=fine.iterations,
-                                        residual=fine.residuals[-1], displacement=self.moved(fine.x))
-
     def reject(self, parameter: float, error: NotConverged, work: float) -> None:
         """Add a step without equilibrium."""
         self._add(Step(parameter, kind_of(error), max(len(error.residuals) - 1, 0),
@@ -337,9 +330,10 @@ def conclude(what: str, found: SearchResult, last: Point, system: System, load: 
     bands = {name: band for name, form in system.forms.items() if (band := form.shear_strain(mechanism)) is not None}
     less = any(material.dilates_less for form in system.forms.values() for material in form.materials.values())
     iterations = sum(step.iterations for step in steps)
+    residual = next(step.residual for step in reversed(steps) if step.outcome == "equilibrium")
     released = {name: form.released(last.x, last.states[name]) for name, form in system.forms.items()}
     forms, states = ({name: pair[i] for name, pair in released.items()} for i in (0, 1))
-    end = StageResult(what, last.x, load, states, (iterations,), last.residuals[-1], forms=forms, layout=system.layout)
+    end = StageResult(what, last.x, load, states, (iterations,), residual, forms=forms, layout=system.layout)
     value = found.best.parameter
     return CollapseResult(what, value, (value, found.above), found.stop, method, flow, reduced,
                           describe_mesh(system.forms), tuple(steps), end, mechanism, bands,

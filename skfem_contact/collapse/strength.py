@@ -5,7 +5,6 @@ import logging
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 from functools import partial
-from itertools import product
 from typing import Any, Literal
 
 import numpy as np
@@ -21,9 +20,8 @@ from ..nonlinear.system import System
 from ..results.result import Result
 from ..results.stage import StageResult
 from ..solvers import single_threaded
-from ..solvers.direct import SingularSystem
 from ..stages.setup import Setup
-from .continuation import Branch, follow, loaded_start, prescribe_work
+from .continuation import Branch, follow, loaded_start
 from .mechanism import as_collapse, is_singular
 from .result import FACTOR, CollapseResult, Point, SearchLog, SearchResult, Stop, conclude, no_collapse_below
 
@@ -33,19 +31,11 @@ logger = logging.getLogger("skfem_contact")
 _FIRST = (1.0, 0.7, 0.5, 0.35, 0.25)
 #: Relative step of the difference quotient by the factor.
 _DIFFERENCE = 1e-6
-#: Residual over the tolerance of the factor, and with psi < phi: there 0.03 costs 145 iterations for 91, 181 for 120
-#: and 367 for 208 (ACADS 1(a), 1(c), 3(a)), and the factors differ by at most 0.002. With 0.2 a peak is .4 % too high.
+#: Residual over the tolerance of the factor, and with psi < phi: there 0.03 costs 145 iterations for 91,
+#: 181 for 120 and 367 for 208 (ACADS 1(a), 1(c), 3(a)), and the factors differ by at most 0.002.
 _BALANCE, _LOOSE = 0.03, 0.1
-#: The same on the way, where the curve does not end: 354 iterations on seven slopes, associated, for 405 with 0.06.
-#: Curves that break off end as a collapse only from an equilibrium of full accuracy.
-_ROUGH = 0.2
-#: Share of the tolerance that the curve's end may leave open along a hyperbola, and times as much along its last slope:
-#: steps that double leave half as much along a hyperbola. Without the second one a slope takes about 6 iterations more.
-#: Curves of soil with psi < phi are irregular, and take neither this nor rough steps:
-#: by another path their factor is .4 % higher.
-_OPEN, _STEEP = 0.25, 2.4
-#: First steps by their work, each half the one before, that may fail before fixed factors are taken.
-_TRIES = 3
+#: Share of the tolerance that the curve's end may leave open.
+_OPEN = 0.25
 #: Work, as a share of the elastic work of the whole load and of what the residual's tolerance leaves, from which it can
 #: be prescribed: a block that sticks does .6 times its residual, 1.1e-4, without any motion.
 _NOTICEABLE, _BY_RESIDUAL = 1e-4, 3.0
@@ -75,11 +65,6 @@ class _Strength(Branch):
         """Materials of the reduced parts."""
         forms = self.system.forms
         return [forms[name].materials[part] for name, parts in self.targets.items() for part in parts if part]
-
-    @property
-    def regular(self) -> bool:
-        """True if the curve rises smoothly to its limit: all flow is associated, and no friction acts."""
-        return not self.beside_contact and self.at(1.0)[0].symmetric
 
     def bound(self, davis: CollapseResult) -> float:
         """Return a factor that is not reached with any dilatancy, where Radenkovic's theorem holds."""
@@ -175,10 +160,9 @@ def _davis(branch: _Strength, search: Callable[..., CollapseResult], bar: Any) -
 def _first(branch: _Strength, origin: Point, newton: Newton, log: SearchLog) -> Point:
     """Return the first equilibrium: at factor 1, or below where there is none."""
     error: NotConverged | None = None
-    searches: list[tuple[Search, ...]] = [("energy",), ("residual",)] if branch.regular else [("energy", "residual")]
-    for tried, factor in product(searches, [factor for factor in _FIRST if factor < branch.above]):
+    for factor in (factor for factor in _FIRST if factor < branch.above):
         try:
-            point = branch.equilibrium(origin, factor, newton, searches=tried)
+            point = branch.equilibrium(origin, factor, newton)
         except NotConverged as reason:
             error = reason
             log.reject(factor, reason, 0.0)
@@ -202,12 +186,10 @@ def _elastic(branch: _Strength, first: Point) -> ndarray:
 
 def _continuation(branch: _Strength, first: Point, newton: Newton, tolerance: float, step: float, max_value: float,
                   log: SearchLog) -> SearchResult:
-    points, failed = _approach(branch, first, newton, tolerance, step, max_value, log)
+    points, failed = _approach(branch, first, newton, _OPEN * tolerance, step, max_value, log)
     last = points[-1]
     if len(points) > 1:
-        margin, regular = _OPEN * tolerance * min(1.0, last.parameter), branch.regular
-        return follow(branch, branch.load, points, newton, margin, log, rough=_ROUGH * tolerance * regular,
-                      steep=_STEEP if regular else 1.0, max_value=max_value)
+        return follow(branch, branch.load, points, newton, _OPEN * tolerance, log, max_value=max_value)
     if failed is None:
         return SearchResult(points, no_collapse_below(max_value), motion=0 * last.x)
     flowed = any(step.yielding > 0.0 for step in log.steps)
@@ -222,48 +204,28 @@ def _motion(last: Point, failed: NotConverged | None) -> ndarray:
     return np.zeros_like(last.x) if failed is None or failed.x is None else failed.x - last.x
 
 
-def _approach(branch: _Strength, first: Point, newton: Newton, tolerance: float, step: float, max_value: float,
+def _approach(branch: _Strength, first: Point, newton: Newton, least: float, step: float, max_value: float,
               log: SearchLog) -> tuple[list[Point], NotConverged | None]:
-    """Take steps until the load does work: as long as the bodies are elastic the factor has no effect.
-
-    Where the first Newton step to a factor does work, that work is prescribed instead of the factor: beyond collapse
-    there is an equilibrium of that work, too.
-    """
+    """Take fixed factors until the load does work: as long as the bodies are elastic the factor has no effect."""
     response = _elastic(branch, first)
     noticeable = max(_NOTICEABLE, _BY_RESIDUAL * newton.tolerance) * branch.system.work(branch.load, response)
-    last, tries = first, _TRIES if branch.regular else 0
-    on_the_way = replace(newton, tolerance=max(_ROUGH * tolerance * branch.regular, newton.tolerance))
+    last = first
     while last.parameter <= max_value:
         factor = last.parameter + step
-        guess, work = _first_step(branch, last, factor) if tries else (last.x, 0.0)
-        by_work = last.work + work - first.work > noticeable
         try:
-            if by_work:
-                point = prescribe_work(branch, branch.load, last, guess, last.work + work, on_the_way)
-            else:  # the collapse is still far: the search that leads to it is tried last
-                point = branch.equilibrium(last, factor, newton, float(np.linalg.norm(response)), ("step", "energy"))
+            # the collapse is still far: the search that leads to it is tried last
+            point = branch.equilibrium(last, factor, newton, float(np.linalg.norm(response)), ("step", "energy"))
         except NotConverged as error:
-            log.reject(factor, error, last.work + work)
-            if step < _OPEN * tolerance:
+            log.reject(factor, error, last.work)
+            if step < least:
                 return [last], error
-            step, tries = 0.5 * step, tries - by_work
+            step *= 0.5
             continue
         log.accept(point)
         if point.work - first.work > noticeable:
             return [last, point], None
         last, step = point, 1.5 * step
     return [last], None
-
-
-def _first_step(branch: _Strength, last: Point, factor: float) -> tuple[ndarray, float]:
-    """Return what the first Newton step to a factor leads to, (N + 1,), and its work; none where it is singular."""
-    system, load = branch.at(factor)
-    now = system.evaluate(last.x, last.states, load)
-    try:
-        change = system.factor(system.tangent(now, damped=True))(now.residual)
-    except SingularSystem:
-        change = np.zeros_like(now.z)
-    return np.append(last.x + change, factor), system.work(load, change)
 
 
 def _bracket(branch: _Strength, first: Point, newton: Newton, tolerance: float, step: float, max_value: float,
