@@ -24,7 +24,8 @@ from typing_extensions import override
 
 from ..errors import InadmissibleStress, IncrementTooLarge
 from .base import PLASTIC_STRAIN, Array, Internal, Material, Parameter, Update, along_elements, as_parameters, require
-from .plastic import chosen
+from .plastic import BLOCK, chosen
+from .spectral import deviator, square
 
 #: Excess of the yield condition in ln(p) that is round-off: its terms are some tens with errors of 1e-15.
 _ROUND_OFF = 1e-13
@@ -170,25 +171,37 @@ class CamClay(Material):
     def update(self, strain_increment: Array, stress: Array, internal: Array) -> Update:
         return self._update(strain_increment, stress, internal, _plastic)
 
-    def _update(self, strain_increment: Array, stress: Array, internal: Array,
-                rate: Callable[[Array, Array, CamClayConstants], Rate]) -> Update:
-        """Update points whose plastic strain follows from the yield condition without it."""
-        shape, n, c = stress.shape, len(stress), self._constants(stress.shape)
-        flat, pc = stress.reshape(n, -1), internal[1].ravel()
-        p0, e0, E0 = _elastic_strain(flat, c)
-        strain = -strain_increment.reshape(n, -1)
+    def _update(self, strain_increment: Array, stress: Array, internal: Array, rate: Callable[..., Rate]) -> Update:
+        """Update points whose plastic strain follows from the yield condition without it, in blocks."""
+        c = self._constants(stress.shape)
+        strain, flat, known = (values.reshape(len(values), -1) for values in (strain_increment, stress, internal))
+        points = np.arange(flat.shape[1])
+
+        def block(at: slice) -> tuple[Array, Array, Callable[[], Array]]:
+            own = strain[:, at], flat[:, at], known[:, at], chosen(c, points[at])
+            return self._updated(*own, lambda *trial: rate(*trial, at))
+
+        starts = range(0, max(points.size, 1), BLOCK)
+        new, memory, tangents = zip(*[block(slice(start, start + BLOCK)) for start in starts], strict=True)
+        return Update(np.concatenate(new, axis=1).reshape(stress.shape),
+                      np.concatenate(memory, axis=1).reshape(2, *stress.shape[1:]), points,
+                      lambda: np.concatenate([tangent() for tangent in tangents]))
+
+    def _updated(self, increment: Array, stress: Array, internal: Array, c: CamClayConstants,
+                 rate: Callable[..., Rate]) -> tuple[Array, Array, Callable[[], Array]]:
+        """Return stresses (ncomp, n), internal variables (2, n) and the tangent of a block of points."""
+        p0, e0, E0 = _elastic_strain(stress, c)
+        strain, pc = -increment, internal[1]
         if (none := p0 <= 0).any():
             self._check_pressure(p0, none & strain.any(axis=0))
             p0, pc = np.where(none, 1.0, p0), np.where(none, 1.0, pc)
-        volume = strain[:3].sum(axis=0)
-        e = e0 + 0.5 * strain
+        volume, e = strain[:3].sum(axis=0), e0 + 0.5 * strain
         e[:3] += 0.5 * strain[:3] - volume / 3
-        E = _square(e)
+        E = square(e)
         M, dM = _critical(e, E, c)
         c, growth = c._replace(M=M), c.k * (volume - c.g * E0)
         flow = rate(np.log(p0 / pc) + growth, E, c)
-        y, x = flow.y, 1 / (1 + flow.y)
-        D = volume_strain(y, E, c)[0]
+        y, x, D = flow.y, 1 / (1 + flow.y), volume_strain(flow.y, E, c)[0]
         change = growth - c.k * D + c.k * c.g * E * x * x
         p = p0 * np.exp(np.clip(change, -_LARGEST, _LARGEST))
         lost = (np.abs(change) > _LARGEST) | (p < _LEAST * c.attraction)
@@ -197,20 +210,15 @@ class CamClay(Material):
                                     f"or further ({lost.sum()} of {p.size} points)")
         new = -2 * c.g * p * x * e
         new[:3] += c.attraction - p
-        new[:, none] = flat[:, none]
-        strained = internal[0].ravel() + np.hypot(y * x * np.sqrt(2 * E / 3), D)
-        memory = np.stack((strained, np.where(none, internal[1].ravel(), pc * np.exp(c.hardening * D))))
+        new[:, none] = stress[:, none]
+        strained = internal[0] + np.hypot(y * x * np.sqrt(2 * E / 3), D)
+        memory = np.stack((strained, np.where(none, internal[1], pc * np.exp(c.hardening * D))))
 
         def tangent() -> Array:
             self._check_pressure(np.where(none, 0.0, p0), none)
             return _tangent(flow, e, p, E, dM, c)
 
-        return Update(new.reshape(shape), memory.reshape(2, *shape[1:]), np.arange(p.size), tangent)
-
-
-def _square(e: Array) -> Array:
-    """Return e:e of a deviator with tensor shears."""
-    return np.square(e[:3]).sum(axis=0) + 2 * np.square(e[3:]).sum(axis=0)
+        return new, memory, tangent
 
 
 def _elastic_strain(stress: Array, c: CamClayConstants) -> tuple[Array, Array, Array]:
@@ -219,7 +227,7 @@ def _elastic_strain(stress: Array, c: CamClayConstants) -> tuple[Array, Array, A
     p = c.attraction - mean
     e = -stress / (2 * c.g * np.where(p > 0, p, 1.0))
     e[:3] -= e[:3].mean(axis=0)
-    return p, e, _square(e)
+    return p, e, square(e)
 
 
 def _elastic(p: Array, e: Array, k: Parameter, g: Parameter) -> Array:
@@ -229,14 +237,7 @@ def _elastic(p: Array, e: Array, k: Parameter, g: Parameter) -> Array:
     ratio = np.moveaxis(ratio, 0, -1)
     stiff, shear = np.broadcast_arrays(p * k, p * g)
     return stiff[..., None, None] * ratio[..., :, None] * ratio[..., None, :] \
-        + 2 * shear[..., None, None] * _deviator(len(e))
-
-
-def _deviator(ncomp: int) -> Array:
-    """Return the matrix from engineering strains to their deviator with tensor shears."""
-    unit = np.diag(np.r_[1.0, 1.0, 1.0, np.full(ncomp - 3, 0.5)])
-    unit[:3, :3] -= 1 / 3
-    return unit
+        + 2 * shear[..., None, None] * deviator(len(e))
 
 
 def _critical(e: Array, E: Array, c: CamClayConstants) -> tuple[Array, Array | None]:
@@ -291,7 +292,7 @@ def condition(y: Array, base: Array, E: Array, c: CamClayConstants) -> tuple[Arr
     return value, -B * rate - 2 * c.k * c.g * square * x - 2 * h * x / (m2 + h)
 
 
-def _plastic(base: Array, E: Array, c: CamClayConstants) -> Rate:
+def _plastic(base: Array, E: Array, c: CamClayConstants, at: slice) -> Rate:
     """Return the plastic strain that fulfils the yield condition."""
     return Rate(_returned(base, E, c))
 
@@ -346,4 +347,4 @@ def _tangent(flow: Rate, e: Array, p: Array, E: Array, dM: Array | None, c: CamC
     change = k * (one - dD - D_y * dy + 2 * g * x * x * e + 2 * g * E * x * dx)
     result = (p * (one + 2 * g * x * e)).T[:, :, None] * change.T[:, None, :]
     result += (2 * g * p * e).T[:, :, None] * dx.T[:, None, :]
-    return result + (2 * g * p * x)[:, None, None] * _deviator(ncomp)
+    return result + (2 * g * p * x)[:, None, None] * deviator(ncomp)

@@ -75,10 +75,11 @@ class SoftSoilCreep(CamClay):
 
     @override
     def update(self, strain_increment: Array, stress: Array, internal: Array, dt: float = 0.0) -> Update:
-        mu, tau = (np.ravel(along_elements(value, stress.shape)) for value in (self.mu, self.tau))
+        mu, tau = (np.broadcast_to(along_elements(value, stress.shape), stress.shape[1:]).ravel()
+                   for value in (self.mu, self.tau))
 
-        def creep(base: Array, E: Array, c: CamClayConstants) -> Rate:
-            return _creep(base, E, c, mu, dt / tau)
+        def creep(base: Array, E: Array, c: CamClayConstants, at: slice) -> Rate:
+            return _creep(base, E, c, mu[at], dt / tau[at])
 
         return self._update(strain_increment, stress, internal, creep)
 

@@ -214,3 +214,15 @@ def largest_shear(strain: Array) -> Array:
         return np.hypot(strain[0] - strain[1], strain[3])
     largest, smallest = extremes(np.concatenate((strain[:3], 0.5 * strain[3:])))
     return largest - smallest
+
+
+def square(e: Array) -> Array:
+    """Return e:e of a deviator with tensor shears."""
+    return np.square(e[:3]).sum(axis=0) + 2 * np.square(e[3:]).sum(axis=0)
+
+
+def deviator(ncomp: int) -> Array:
+    """Return the matrix from engineering strains to their deviator with tensor shears."""
+    unit = np.diag(np.r_[1.0, 1.0, 1.0, np.full(ncomp - 3, 0.5)])
+    unit[:3, :3] -= 1 / 3
+    return unit
