@@ -80,7 +80,8 @@ def wall_and_anchors():
     The anchors are bars up to their grout of 8 m.
     """
     wall = sc.Beam(basis, "wall|right", EI=30e6 * 0.8**3 / 12, EA=24e6, unit_weight=19.2, bonded=False)
-    forms = {"wall": wall, **wall.contact(basis, RUBBING, ["wall|right", *(f"{name}|wall" for name in inner)]),
+    forms = {"wall": wall, **wall.contact(basis, RUBBING, ["wall|right", *(f"{name}|wall" for name in inner)],
+                                            quadrature="nodal"),
              "cut-off": sc.ContactPair(basis, "cut-off|above", "cut-off|below", RUBBING)}
     for k, (level, free, row, _) in enumerate(ANCHORS, 1):
         way = np.subtract(free, (EDGE, level))
