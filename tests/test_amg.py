@@ -102,6 +102,30 @@ def test_same_as_direct(element, kind, iterations, rng):
 
 
 @needs_pyamg
+def test_body_that_moves_in_one_direction(rng):
+    """[N] One of two bodies may only settle: some rigid motions of its aggregates are held, and have no stiffness."""
+    box = MeshHex.init_tensor(*(np.linspace(0, side, 4 * side + 1) for side in (2, 1, 1))).with_defaults()
+    basis = Basis(sc.join_bodies({"one": box, "up": box.translated((0.0, 0.0, 2.0))}), ElementVector(ElementHex1()))
+    K = sc.SolidForm(basis, ELASTIC, "full").elastic_stiffness
+    fixed = np.concatenate([basis.get_dofs({"one:left", "up:left"}).all(), basis.get_dofs(elements="up").all(
+        ["u^1", "u^2"])])  # fmt: skip
+    free, b = free_of(basis, fixed), rng.standard_normal(basis.N)
+    x = as_solver("amg", basis.doflocs, free).factor(K, symmetric=True)(b)
+    expected = DirectSolver(basis.doflocs, free, "superlu").factor(K)(b)
+    np.testing.assert_allclose(x, expected, atol=SAME * np.abs(expected).max())
+
+
+@needs_pyamg
+def test_direct_solver_takes_over_from_a_singular_coarse_matrix(caplog):
+    """A body without supports: the direct solver finds its free motions."""
+    basis, forms, _ = cantilever()
+    solver = multigrid.AmgOrDirect(basis.doflocs, np.arange(basis.N), most=50)
+    with caplog.at_level(logging.INFO, "skfem_contact"), pytest.raises(SingularSystem):
+        solver.factor(forms["beam"].elastic_stiffness, symmetric=True)(np.ones(basis.N))
+    assert "a direct solver takes over" in caplog.text
+
+
+@needs_pyamg
 def test_iterations_do_not_grow_with_the_mesh(iterations):
     """[N] From 1,100 to 15,000 unknowns of a beam with rollers: not half as many again."""
     for n in (5, 12):

@@ -11,6 +11,7 @@ from numpy import ndarray
 from scipy.sparse import bsr_matrix, csr_matrix
 from scipy.sparse.linalg import splu
 
+from ..errors import NotConverged
 from ..sparse import same_pattern
 
 logger = logging.getLogger("skfem_contact")
@@ -68,7 +69,7 @@ class Levels:
     def _set(self, matrices: list[bsr_matrix]) -> None:
         self._smoothers = [Smoother(A.tocsr(), A) for A in matrices[:-1]]
         self._transfers = [(P.tocsr(), P.T.tocsr()) for P in self._prolongators]
-        self._coarsest = splu(matrices[-1].tocsc()).solve if matrices else None
+        self._coarsest = _solution(matrices[-1]) if matrices else None
 
     def _descend(self, level: int, smoother: Smoother, r: ndarray) -> ndarray:
         """Return the correction by a level and those below it."""
@@ -123,6 +124,24 @@ class Smoother:
             self.largest = vector / np.linalg.norm(vector)
             vector = self._scaled(self.A @ self.largest)
         return _MISSED * float(np.linalg.norm(vector))
+
+
+def _solution(coarsest: bsr_matrix) -> Callable[[ndarray], ndarray]:
+    """Factor a coarse matrix and return its solution; modes of aggregates that are held have no stiffness and stay."""
+    A = coarsest.tocsc()
+    A.eliminate_zeros()
+    moves = np.flatnonzero(np.diff(A.indptr))
+    try:
+        solve = splu(A[moves][:, moves]).solve
+    except RuntimeError as error:  # an exact zero among the pivots
+        raise NotConverged("the coarsest matrix of algebraic multigrid is singular: bodies may be loose") from error
+
+    def solution(b: ndarray) -> ndarray:
+        x = np.zeros_like(b)
+        x[moves] = solve(b[moves])
+        return x
+
+    return solution
 
 
 def smoothed_aggregation() -> Callable[..., Any]:

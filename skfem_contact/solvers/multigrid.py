@@ -239,18 +239,25 @@ class AmgOrDirect:
 
     def factor(self, K: csr_matrix, symmetric: bool = False) -> Solve:
         """Prepare the solution of K[free, free] x[free] = b[free]; see :meth:`DirectSolver.factor`."""
-        first = self._solver.factor(K, symmetric)
+        try:
+            first = self._solver.factor(K, symmetric)
+        except NotConverged as error:
+            return self._direct(error).factor(K, symmetric)
 
         def solve(b: ndarray, rtol: float = REFINE) -> ndarray:
             try:
                 return first(b, rtol)
             except NotConverged as error:
-                logger.info("%s; a direct solver takes over", error)
-                if isinstance(self._solver, AmgSolver):
-                    self._solver = DirectSolver(self._locations, self._free, self._engine)
-                return self._solver.factor(K, symmetric)(b)
+                return self._direct(error).factor(K, symmetric)(b)
 
         return solve
+
+    def _direct(self, error: NotConverged) -> LinearSolver:
+        """Return the direct solver, which takes over from now on."""
+        logger.info("%s; a direct solver takes over", error)
+        if isinstance(self._solver, AmgSolver):
+            self._solver = DirectSolver(self._locations, self._free, self._engine)
+        return self._solver
 
 
 def iterations_that_pay(locations: ndarray, free: ndarray, engine: str, yielding: bool) -> int:
