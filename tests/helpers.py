@@ -243,3 +243,26 @@ class PlainLaw:
 
     def update(self, strain_increment, stress, internal):
         return self._law.update(strain_increment, stress, internal)
+
+
+def two_soils(element: str) -> Basis:
+    """A square of two subdomains, a to the left of b."""
+    kind = MeshTri if element[0] == "P" else MeshQuad
+    mesh = kind.init_tensor(np.linspace(0, 1, 4), np.linspace(0, 1, 4)).with_defaults().with_subdomains(
+        {"a": lambda x: x[0] < 0.5, "b": lambda x: x[0] >= 0.5})  # fmt: skip
+    return vector_basis(mesh, element, intorder=4)
+
+
+def check_tangent_of_water(water, E: float, coordinates: str) -> tuple[sc.Form, ndarray]:
+    """Compare the tangent of water in elastic soil with central differences; return its form and the displacements."""
+    basis, rng = water.ground, np.random.default_rng(0)
+    solid = sc.SolidForm(basis, sc.LinearElastic(E=E, nu=0.2), coordinates=coordinates)
+    form = sc.Model({"soil": solid, "water": water}, basis.get_dofs("bottom").all()).forms["water"].over(0.7)
+    scale = np.append(np.full(form.first, 1e-2), np.full(form.size - form.first, 3.0))
+    x, along = scale * rng.standard_normal((2, form.size))
+    state, step = form.initial_state(0.3 * x), 1e-6
+    ahead, behind = (form.assemble(x + sign * step * along, state).force for sign in (1, -1))
+    expected, found = (ahead - behind) / (2 * step), form.assemble(x, state).stiffness @ along
+    for part in (slice(0, form.first), slice(form.first, None)):
+        np.testing.assert_allclose(found[part], expected[part], atol=1e-7 * np.abs(expected[part]).max())
+    return form, x

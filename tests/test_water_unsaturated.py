@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 import pytest
-from helpers import vector_basis
+from helpers import check_tangent_of_water, two_soils, vector_basis
 from scipy.integrate import quad
 from skfem import Basis, ElementQuad1, ElementTriP1, ElementTriP2, ElementVector, MeshQuad, MeshTri
 
@@ -165,21 +165,10 @@ def test_suction_is_strength() -> None:
 @pytest.mark.parametrize(("element", "coordinates"), [("P2", "plane"), ("P1", "axisymmetric"), ("Q1", "plane")])
 def test_tangent(element: str, coordinates: str) -> None:
     """[N] Central differences of forces and water, in part saturated, with layers, storage and stabilisation."""
-    kind = MeshTri if element[0] == "P" else MeshQuad
-    mesh = kind.init_tensor(np.linspace(0, 1, 4), np.linspace(0, 1, 4)).with_defaults().with_subdomains(
-        {"a": lambda x: x[0] < 0.5, "b": lambda x: x[0] >= 0.5})  # fmt: skip
-    basis, rng = vector_basis(mesh, element, intorder=4), np.random.default_rng(0)
-    water = sc.water.UnsaturatedPoreWater(basis, {"a": 1e-2, "b": (3e-2, 1e-2)}, retention={"a": LOAM, "b": SAND},
-                                          start=0.5, unit_weight=WATER, storage=1e-5)  # fmt: skip
-    solid = sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.2), coordinates=coordinates)
-    form = sc.Model({"soil": solid, "water": water}, basis.get_dofs("bottom").all()).forms["water"].over(0.7)
-    scale = np.append(np.full(form.first, 1e-2), np.full(form.size - form.first, 3.0))
-    x, along = scale * rng.standard_normal((2, form.size))
-    state, step = form.initial_state(0.3 * x), 1e-6
-    ahead, behind = (form.assemble(x + sign * step * along, state).force for sign in (1, -1))
-    expected, found = (ahead - behind) / (2 * step), form.assemble(x, state).stiffness @ along
-    for part in (slice(0, form.first), slice(form.first, None)):
-        np.testing.assert_allclose(found[part], expected[part], atol=1e-7 * np.abs(expected[part]).max())
+    soils = {"retention": {"a": LOAM, "b": SAND}, "start": 0.5, "unit_weight": WATER, "storage": 1e-5}
+    water = sc.water.UnsaturatedPoreWater(two_soils(element), {"a": 1e-2, "b": (3e-2, 1e-2)}, **soils)
+    form, x = check_tangent_of_water(water, 1e3, coordinates)
+    state = form.initial_state(0.3 * x)
     assert form.assemble(x, state).state.stored == pytest.approx(form.initial_state(x).stored, rel=1e-12)
 
 

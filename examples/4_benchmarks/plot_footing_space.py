@@ -22,12 +22,12 @@ Run with ``--full`` for 10,000 to 300,000 unknowns.
 import json
 import logging
 import os
-import resource
 import sys
 from time import process_time
 
 import matplotlib.pyplot as plt
 import numpy as np
+from own_process import apart, peak
 from skfem import Basis, ElementHex1, ElementVector, MeshHex
 
 import skfem_contact as sc
@@ -77,26 +77,9 @@ def analyse(n, solver, stages):
     ground = model.forms["ground"]
     found = [result[stage.name] for stage in path]
     loads = [float(-ground.assemble(stage.x, stage.states["ground"]).force[foot].sum()) for stage in found]
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024 / (1024 if sys.platform == "darwin" else 1)
     return {"method": f"{solver}, {stages} stages", "solver": solver, "n": n, "unknowns": model.layout.size,
             "stages": stages, "cpu_s": cost, "iterations": sum(sum(stage.iterations) for stage in found),
-            "linear_iterations": sum(counter.counts), "peak_MB": peak, "loads": loads}  # fmt: skip
-
-
-def apart(function, *args):
-    """Answer of a function in a process of its own, whose peak memory is its own too."""
-    sys.stdout.flush()
-    reading, writing = os.pipe()
-    if os.fork() == 0:
-        try:
-            os.write(writing, json.dumps(function(*args)).encode())
-        finally:
-            os._exit(0)
-    os.close(writing)
-    with os.fdopen(reading) as answer:
-        text = answer.read()
-    os.wait()
-    return json.loads(text)
+            "linear_iterations": sum(counter.counts), "peak_MB": peak(), "loads": loads}  # fmt: skip
 
 
 # %%

@@ -18,14 +18,13 @@ A two-dimensional mesh of :math:`N` unknowns has factors of :math:`O(N \log N)` 
 # slope is that of Griffiths and Lane, 1:2, on triangles of second order.
 
 import json
-import os
-import resource
 import sys
 from importlib.resources import files
 from time import process_time
 
 import matplotlib.pyplot as plt
 import numpy as np
+from own_process import apart, peak
 from skfem import Basis, ElementQuad1, ElementTriP2, ElementVector, FacetBasis, LinearForm, MeshTri
 
 import skfem_contact as sc
@@ -73,11 +72,6 @@ def slope(n):
 # memory is taken, less what it holds at the start.
 
 
-def peak():
-    """Peak memory of the process, MB."""
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024 / (1024 if sys.platform == "darwin" else 1)
-
-
 def factorisation(basis, forms, result, fixed):
     """Processor time of one factorisation of the last tangent."""
     forms, last = choose_penalties(forms), result[-1]
@@ -100,21 +94,6 @@ def analyse(name, scene, n):
     return {"method": name, "n": n, "unknowns": int(basis.N), "error": max(stage.residual for stage in result),
             "cpu_s": cost, "set_up_s": set_up, "iterations": sum(sum(stage.iterations) for stage in result),
             "factorisations": cost / one, "peak_MB": memory, "KB_per_unknown": 1024 * memory / basis.N}  # fmt: skip
-
-
-def apart(function, *args):
-    """Answer of a function in a process of its own."""
-    sys.stdout.flush()
-    reading, writing = os.pipe()
-    if os.fork() == 0:
-        try:
-            os.write(writing, json.dumps(function(*args)).encode())
-        finally:
-            os._exit(0)
-    os.close(writing)
-    os.wait()
-    with os.fdopen(reading) as answer:
-        return json.load(answer)
 
 
 full = "--full" in sys.argv

@@ -82,7 +82,7 @@ def _check_slits(outside: FacetBasis, porous: ndarray, pressure: ndarray, beams:
         k = lost.argmax()
         warn(f"water presses with {own[k]:.3g} on one side of the slit at {format_point(middle[one[k]])} and with "
              f"{opposite[k]:.3g} on the other; no beam lies there to resist the difference: it is lost unless a "
-             "Beam in the slit or a traction takes its place")
+             "Beam in the slit or a traction represents it")
 
 
 def _bounding(mesh: Mesh, solids: Mapping[str, Any]) -> OrientedBoundary:
