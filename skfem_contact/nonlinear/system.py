@@ -14,7 +14,7 @@ from scipy.sparse import csr_matrix
 
 from ..errors import Failure, IncrementTooLarge, NoEquilibrium, NotConverged
 from ..forms.base import Form, Response, responses_of
-from ..layout import Layout
+from ..layout import Layout, others
 from ..solvers.direct import REFINE, LinearSolver, SingularSystem, Solve
 from ..sparse import Total
 from .forcing import Forcing
@@ -50,7 +50,7 @@ class System:
 
     def __init__(self, forms: Mapping[str, Form], layout: Layout, fixed: ndarray, solver: LinearSolver) -> None:
         self.forms, self.layout, self.fixed = dict(forms), layout, fixed
-        self.free = np.setdiff1d(np.arange(layout.size), fixed)
+        self.free = others(layout.size, fixed)
         self._solver, self._total = solver, Total()
         self._scale = layout.scale
 

@@ -15,6 +15,7 @@ from ..checks import look_up
 from ..contact.prestress import prestressed
 from ..errors import warn
 from ..forms.base import Form, internal_force, pairs_of
+from ..layout import others
 from ..loads import by_element
 from ..materials import LinearElastic, Material
 from ..nonlinear.newton import Evaluation
@@ -161,7 +162,7 @@ def _among_all(setup: Setup, kept: ndarray, result: Result) -> Result:
 def _check_inactive(setup: Setup, load: ndarray) -> ndarray:
     """Return the dofs of inactive bodies, on which neither load nor contact may act."""
     solids = setup.solids
-    away = np.setdiff1d(np.arange(setup.layout.size), dofs_of(setup.forms, setup.layout))
+    away = others(setup.layout.size, dofs_of(setup.forms, setup.layout))
     check_contacts(setup.forms, away)
     if acts_on(load, away):
         raise ValueError(f"a part of the load acts on inactive bodies; the solids are {list(solids)}")

@@ -15,7 +15,7 @@ from .. import loads
 from ..checks import is_number
 from ..errors import warn
 from ..forms.base import Form, as_forms, solids_of
-from ..layout import Field, FieldDofs, Layout
+from ..layout import Field, FieldDofs, Layout, different, others
 from ..mesh import check_mesh
 from ..nonlinear.newton import Newton
 from ..nonlinear.system import System
@@ -167,11 +167,14 @@ class Setup:
     def inactive(self, active: Mapping[str, Form]) -> ndarray:
         """Return the dofs that forms or fields have, but no active form."""
         brought = np.arange(self.layout.n_displacements, self.layout.size)
-        return np.setdiff1d(np.union1d(dofs_of(self.forms, self.layout), brought), dofs_of(active, self.layout))
+        there = np.zeros(self.layout.size, bool)
+        there[dofs_of(self.forms, self.layout)] = there[brought] = True
+        there[dofs_of(active, self.layout)] = False
+        return np.flatnonzero(there)
 
     def system(self, forms: Mapping[str, Form], fixed: ndarray) -> System:
         """Return the system of some forms whose supports have been checked."""
-        free = np.setdiff1d(np.arange(self.layout.size), fixed)
+        free = others(self.layout.size, fixed)
         return System(forms, self.layout, fixed, linear_solver(forms, self.solver, self.layout.coordinates, free))
 
     def checked_system(self, forms: Mapping[str, Form], fixed: ndarray) -> System:
@@ -182,10 +185,10 @@ class Setup:
 
 def dofs_of(forms: Mapping[str, Form], layout: Layout) -> ndarray:
     """Return the dofs of the solids, and those that other forms bring."""
-    found = [np.unique(form.basis.element_dofs) for form in solids_of(forms).values()]
+    found = [form.basis.element_dofs for form in solids_of(forms).values()]
     for form in forms.values():
         found += layout.numbers(form.fields).values() if form.carries is None else [form.carries]
-    return np.unique(np.concatenate(found)) if found else np.zeros(0, int)
+    return different(layout.size, *found)
 
 
 def _completed(name: str, form: Form, forms: Mapping[str, Form]) -> Form:

@@ -9,7 +9,7 @@ from skfem import CellBasis
 
 from ..checks import format_point
 from ..forms.base import Form, solids_of
-from ..layout import rigid_modes
+from ..layout import different, others, rigid_modes
 from ..mesh import bodies
 
 
@@ -28,15 +28,15 @@ def check_supports(forms: Mapping[str, Form], fixed: ndarray) -> None:
     count = np.bincount(np.concatenate([form.elements for form in solids.values()]))
     if count.max() > 1:
         raise ValueError(f"{(count > 1).sum()} elements belong to more than one of the solids {list(solids)}")
-    others = [form for form in forms.values() if form.joins is None]
-    linked = [form.acts_on for form in others if form.acts_on is not None]
-    carried = np.unique(np.concatenate([form.basis.element_dofs.ravel() for form in solids.values()]))
-    loose = np.setdiff1d(np.arange(basis.N), np.concatenate((carried, fixed, *linked)))
-    if len(loose) and len(linked) == len(others):
+    free = [form for form in forms.values() if form.joins is None]
+    linked = [form.acts_on for form in free if form.acts_on is not None]
+    loose = others(basis.N, *(form.basis.element_dofs for form in solids.values()),
+                   *(dofs[dofs < basis.N] for dofs in (fixed, *linked)))
+    if len(loose) and len(linked) == len(free):
         raise ValueError(f"{len(loose)} dofs belong to no solid among the forms and are not fixed; the "
                          f"first is at {format_point(basis.doflocs[:, loose[0]])}{_without(basis, count)}. Give "
                          "every body a form, also one that is activated later, or leave it out of the mesh")
-    if not others:
+    if not free:
         elements = np.sort(np.concatenate([form.elements for form in solids.values()]))
         axial = all(form.coordinates == "axisymmetric" for form in solids.values())
         _check_bodies(basis, elements, [form.joins for form in forms.values() if form.joins is not None], fixed, axial)
@@ -58,7 +58,8 @@ def _check_bodies(basis: CellBasis, elements: ndarray, joined: list[ndarray], fi
     mesh = basis.mesh
     if len(elements) < mesh.nelements:
         mesh = mesh.restrict(elements, skip_boundaries=True)
-    dofs = {name: np.unique(basis.dofs.element_dofs[:, elements[part]]) for name, part in bodies(mesh).items()}
+    dofs = {name: different(basis.N, basis.dofs.element_dofs[:, elements[part]])
+            for name, part in bodies(mesh).items()}
     groups = [{name} for name in dofs]
     obstacles = set()
     for surfaces in filter(len, joined):
