@@ -13,12 +13,6 @@ def rng() -> np.random.Generator:
 
 
 @pytest.fixture(autouse=True)
-def no_orders(monkeypatch) -> None:
-    """Forget the orders of elimination that other tests left, so that a test counts the same in any company."""
-    monkeypatch.setattr("skfem_contact.solvers.superlu._orders", {})
-
-
-@pytest.fixture(autouse=True)
 def bounds_beside(monkeypatch) -> None:
     """Leave out the bounds that searches compute unasked, in up to four times their own time.
 

@@ -267,6 +267,7 @@ def test_a_line_search_pays_for_no_tangent(monkeypatch: pytest.MonkeyPatch) -> N
 def test_an_order_of_elimination_serves_for_the_whole_analysis(monkeypatch: pytest.MonkeyPatch) -> None:
     """Bodies that yield are ordered once; ordered anew for every tangent they give the same."""
     monkeypatch.setattr(superlu, "KEPT", 0)
+    monkeypatch.setattr(superlu, "_orders", {})
     orders = counted(monkeypatch, superlu, "nested_dissection")
     once = run_stages(*pressed(soil), newton=NEWTON, solver="superlu")
     assert len(orders) == 1

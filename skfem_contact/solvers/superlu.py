@@ -57,10 +57,11 @@ class SuperLU:
         Where the entries that are not zero leave a row without a pivot, whatever their values, SuperLU reads beyond its
         arrays: it prints errors of BLAS, or ends the process.
         """
-        entries = A.copy()
-        entries.eliminate_zeros()
-        if structural_rank(entries) < A.shape[0]:
-            raise RuntimeError("the matrix is singular by its pattern")
+        if not A.diagonal().all():
+            entries = A.copy()
+            entries.eliminate_zeros()
+            if structural_rank(entries) < A.shape[0]:
+                raise RuntimeError("the matrix is singular by its pattern")
         transposed = csc_matrix((A.data, A.indices, A.indptr), shape=A.shape)
         transposed.has_canonical_format = True
         threshold, options = (1.0, {}) if careful else (0.01, {"SymmetricMode": True})
