@@ -171,7 +171,7 @@ def test_package_does_not_grow() -> None:
     # drains that open at once 42
     # steps of yielding soil beside contact that are shortened by work or norm, and bonds that open and close, 80;
     # the path of MKL 10; pieces in space that are near the master alone, and faster mappings, 25;
-    # squares of deviators, of Cam Clay, 15; sets of numbers by masks 20; checks of arguments in two thirds of the time 20
+    # squares of deviators, of Cam Clay, 15; sets of numbers by masks 20; checks of arguments 20
     # consolidation of partly saturated ground 285 in a file; uplift of slabs and tight layers 42; permeability by void
     # ratio 160 in a file; drains with a resistance 40; slits between different waters 27
     # multigrid where soil yields 275 in three files: Krylov methods, levels and forcing terms
