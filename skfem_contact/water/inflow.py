@@ -1,7 +1,6 @@
 """Water that enters or leaves consolidating ground at given rates: rain, wells, leaks."""
 from __future__ import annotations
 
-from abc import abstractmethod
 from collections.abc import Iterator, Mapping
 from copy import copy
 from typing import Any
@@ -13,41 +12,14 @@ from typing_extensions import Self, override
 
 from ..checks import look_up
 from ..errors import Remark
-from ..forms.base import Form, Response
+from ..forms.base import Response
 from ..layout import Field
+from .at_nodes import AtNodes
 from .boundary import Given, sourced, through
 from .consolidation import PoreWater
 
 #: Share of a rate where the pressure is held that is remarked on, and what is less than all of it.
 _IDLE, _ALL = 0.2, 1e-9
-
-
-class AtNodes(Form):
-    """Water that enters or leaves consolidating ground at nodes."""
-
-    symmetric, second_order = True, True
-    _water: PoreWater
-    _at: ndarray
-    _duration = 0.0
-
-    @override
-    def completed(self, forms: Mapping[str, Form]) -> Self:
-        return self._in(self._water.completed(forms))
-
-    @override
-    def continues(self, old: Form) -> Self:
-        super().continues(old)
-        return self._in(old._water)  # type: ignore[attr-defined]
-
-    @abstractmethod
-    def _in(self, water: PoreWater) -> Self:
-        """Return the form with the properties of its ground."""
-
-    @override
-    def over(self, duration: float) -> Self:
-        new = copy(self)
-        new._duration = duration
-        return new
 
 
 class Inflow(AtNodes):

@@ -13,9 +13,9 @@ from typing_extensions import Self, override
 from ..checks import names_of
 from ..forms.base import Response
 from ..layout import Field
+from .at_nodes import AtNodes
 from .boundary import Given
 from .consolidation import PoreWater
-from .inflow import AtNodes
 
 #: Conductance of the face over that of the ground beside it: pressures exceed zero by a hundredth of the drop in an
 #: element. By 1e4, and steps of 1e4 h² / c_v, SuperLU has been seen to pass LAPACK illegal sizes.

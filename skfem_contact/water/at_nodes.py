@@ -1,0 +1,40 @@
+"""Forms of water that enters or leaves consolidating ground at nodes, for as long as they are active."""
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Mapping
+from copy import copy
+
+from numpy import ndarray
+from typing_extensions import Self, override
+
+from ..forms.base import Form
+from .consolidation import PoreWater
+
+
+class AtNodes(Form):
+    """Water that enters or leaves consolidating ground at nodes."""
+
+    symmetric, second_order = True, True
+    _water: PoreWater
+    _at: ndarray
+    _duration = 0.0
+
+    @override
+    def completed(self, forms: Mapping[str, Form]) -> Self:
+        return self._in(self._water.completed(forms))
+
+    @override
+    def continues(self, old: Form) -> Self:
+        super().continues(old)
+        return self._in(old._water)  # type: ignore[attr-defined]
+
+    @abstractmethod
+    def _in(self, water: PoreWater) -> Self:
+        """Return the form with the properties of its ground."""
+
+    @override
+    def over(self, duration: float) -> Self:
+        new = copy(self)
+        new._duration = duration
+        return new
