@@ -85,6 +85,7 @@ class _Analysis:
     def __init__(self, library: _Library, pattern: csr_matrix, A: csr_matrix, symmetric: bool) -> None:
         self.pattern, self.symmetric = _ones(pattern), symmetric
         self._last: csr_matrix | None = None
+        self._positions: ndarray | slice
         n, indptr, indices = pattern.shape[0], pattern.indptr, pattern.indices
         row = np.repeat(np.arange(n), np.diff(indptr))
         self._stored = np.flatnonzero(indices >= row) if symmetric else slice(None)
@@ -98,6 +99,9 @@ class _Analysis:
     def admits(self, A: csr_matrix) -> bool:
         """Return True if the pattern of `A` lies within the analysed one, so that `A` can be factored."""
         if self._last is not None and same_pattern(A, self._last):
+            return True
+        if same_pattern(A, self.pattern):
+            self._last, self._positions = A, slice(None)
             return True
         numbers = csr_matrix(
             (np.arange(1.0, self.pattern.nnz + 1), self.pattern.indices, self.pattern.indptr), shape=A.shape
