@@ -101,7 +101,7 @@ class FreeBlock:
         changes = K.indices.flags.writeable or K.indptr.flags.writeable  # scipy changes a pattern in place
         self._pattern = pattern.copy() if changes else pattern
         numbers = csr_matrix((np.arange(K.nnz), K.indices, K.indptr), shape=K.shape)
-        self._entries = numbers[self.order][:, self.order].astype(np.int32)
+        self._entries = numbers[self.order][:, self.order]  # numpy copies indices of 32 bits in every call
         self._entries.sort_indices()
         self._entries.has_canonical_format = True
 
