@@ -52,13 +52,20 @@ class Gathering:
         """Sum the points' matrices, (n_points, m, m)."""
         if self._dofs is None or not np.array_equal(dofs, self._dofs):
             self._find(dofs)
+        if len(self._first) < len(dofs):
+            matrices = np.add.reduceat(matrices, self._first, axis=0)
         data = np.bincount(self._slots, matrices[self._moving], minlength=len(self._pattern.indices))
         return with_data(self._pattern, data)
 
     def _find(self, dofs: ndarray) -> None:
-        """Find the slots of the entries, once for all points on the same dofs, such as those of one facet."""
-        self._dofs = dofs
-        alike, number = _unique_rows(dofs)
+        """Find the slots of the entries, once for all points on the same dofs, such as those of one facet.
+
+        Points on the same dofs that follow each other, such as those of a piece, are added first.
+        """
+        self._dofs, changes = dofs, np.ones(len(dofs), bool)
+        changes[1:] = (dofs[1:] != dofs[:-1]).any(axis=1)
+        self._first = np.flatnonzero(changes)
+        alike, number = _unique_rows(dofs[self._first])
         alike = alike.astype(np.int64)  # scikit-fem counts in 32 bits, too few for the product
         moving = (alike >= 0)[:, :, None] & (alike >= 0)[:, None]
         entries, found = np.unique((alike[:, :, None] * self._n + alike[:, None])[moving], return_inverse=True)

@@ -9,7 +9,7 @@ from helpers import IN_SPACE, vector_basis
 from skfem import Basis, ElementTetP1, ElementVector, ElementWedge1, MeshHex, MeshTet, MeshWedge1
 
 import skfem_contact as sc
-from skfem_contact.contact.neighbours import NeighbourList
+from skfem_contact.contact.neighbours import NeighbourList, Neighbours
 from skfem_contact.contact.quadrature import gauss, nodal, piecewise
 from skfem_contact.contact.search import project
 from skfem_contact.surfaces.smoothing import smoothed
@@ -92,6 +92,36 @@ def test_kept_neighbours_serve_as_new_ones(element, rng):
         np.testing.assert_allclose(one.gap, other.gap, rtol=0, atol=1e-11)
         assert (near.clearance <= np.abs(other.gap)).all()
     assert searches < 12
+
+
+@pytest.mark.parametrize("element", IN_SPACE)
+def test_points_of_pieces_stay_on_their_facets_without_a_search(element, rng):
+    """[N] Their projections are those among all facets, also beyond their sides, while points and surface move."""
+    line = np.linspace(0, 1, 6) ** 1.2
+    mesh = space.moved(space.block(element, line, line, [-0.3, 0.0]), lambda p: 0.01 * np.sin(5 * p[[1, 2, 0]]))
+    surface = Surface.from_boundary(vector_basis(mesh, element), "top")
+    nodes, own = surface.nodes, rng.integers(0, len(surface.facets), 300)
+    corners, centre = surface.shape.corners, surface.shape.centre
+    xi = centre + 2.0 * (rng.dirichlet(np.ones(len(corners)), 300) @ corners - centre)
+    mapping = surface.at(own, xi, nodes)
+    points = mapping.x[0] + mapping.normal * (surface.size[own] * rng.uniform(-0.2, 0.3, 300))[:, None]
+    own[:30] = -1
+    around, searches, last, m = NeighbourList(surface), 0, None, len(surface.facets)
+    everything = Neighbours(np.repeat(np.arange(300), m), np.tile(np.arange(m), 300), np.zeros(300), own < 0)
+    for _ in range(12):
+        nodes = nodes + 1e-3 * rng.standard_normal(nodes.shape)
+        points = points + 1e-3 * rng.standard_normal(points.shape)
+        near = around.at(nodes, points, own)
+        searches, last = searches + (near.point is not last), near.point
+        one, other = (project(surface, nodes, points, np.full(300, np.inf), own, own >= 0, among)
+                      for among in (near, everything))  # fmt: skip
+        np.testing.assert_array_equal(one.found, other.found)
+        np.testing.assert_allclose(one.gap, other.gap, rtol=0, atol=1e-13)
+        np.testing.assert_array_equal(one.facet[other.found], other.facet[other.found])
+        assert (near.clearance <= np.abs(other.gap) + 1e-15).all()  # that of flat facets is the gap
+    assert 1 < searches < 12
+    assert np.mean(np.bincount(near.point)[30:] == 1) > 0.1  # the others are beyond
+    assert around.at(nodes, points, np.roll(own, 1)).point is not last  # other pieces, other neighbours
 
 
 def test_the_rim_reaches_a_little_farther():

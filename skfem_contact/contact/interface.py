@@ -1,7 +1,7 @@
 """Interface of a contact pair: the slave's points, their state, and their closest points on the master."""
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Literal
@@ -204,7 +204,7 @@ class Interface:
         """
         points = self.points(state.cuts)
         positions = points.positions(slave)
-        around = self.neighbours.at(nodes, positions)
+        around = self.neighbours.at(nodes, positions, points.facing)
         near = (state.status != Status.OPEN) | around.within(reach, depth)  # the others need not be projected
 
         def projected(chosen: ndarray) -> Projection:
@@ -219,8 +219,8 @@ class Interface:
         slave, nodes = self.positions(x)
         points = self.points(cuts)
         positions = points.positions(slave)
-        around = self._meshed if x is None else self.neighbours
-        return self.project(points, nodes, positions, self.depth(points), previous, around.at(nodes, positions))
+        around = (self._meshed if x is None else self.neighbours).at(nodes, positions, points.facing)
+        return self.project(points, nodes, positions, self.depth(points), previous, around)
 
     def variations(self, x: ndarray, state: ContactState, found: Projection, at: ndarray) -> Kinematics:
         """Return the kinematics of the points `at` of a state at their closest points."""
@@ -277,7 +277,7 @@ class Interface:
         """
         old, new, (slave, master) = self.points(state.cuts), self.points(cuts), self.positions(x)
         at, elastic = self.nearest(old, new), self.elastic_slip(state)
-        slip, closing_slip, traction, clearance, elastic = (self.interpolated(old, new, values) for values in (
+        slip, closing_slip, traction, clearance, elastic = self.interpolated(old, new, (
             state.slip, state.closing_slip, state.traction, state.clearance, elastic))
         motion = new.positions(slave) - old.positions(slave)[at]
         closest = moved_along(self.master, master, state.closest.take(at), motion)
@@ -298,10 +298,11 @@ class Interface:
         normal = self.slave.at(points.facet, points.xi, self.slave.nodes).normal
         return np.hstack((points.positions(self.slave.nodes), self.slave.spacing * normal))
 
-    def interpolated(self, old: SlavePoints, new: SlavePoints, values: ndarray) -> ndarray:
+    def interpolated(self, old: SlavePoints, new: SlavePoints, fields: Iterable[ndarray]) -> list[ndarray]:
         """Interpolate fields, shape (..., n), along the slave in the plane; take the nearest old point in space."""
         if self.slave.dim == 3:
-            return np.asarray(values[..., self.nearest(old, new)])
+            at = self.nearest(old, new)
+            return [values[..., at] for values in fields]
         before, after = (along_chain(self.slave, points.facet, points.xi) for points in (old, new))
-        rows = [np.interp(after, before, row) for row in values.reshape(-1, values.shape[-1])]
-        return np.array(rows).reshape(*values.shape[:-1], len(after))
+        return [np.array([np.interp(after, before, row) for row in values.reshape(-1, len(before))])
+                .reshape(*values.shape[:-1], len(after)) for values in fields]

@@ -14,6 +14,8 @@ from ..surfaces.vectors import across, dot, inverse, products, unit
 
 #: Motion, as a share of the spacing of the samples, for which a list of neighbours lasts.
 _SLACK = 0.25
+#: ... and, as a share of the spacing of the facets, for points on pieces, whose lists are short.
+_SLACK_OF_PIECES = 0.0625
 #: Samples a side of a typical facet, in the plane and in space: half as many would make 3 times as many candidates.
 _SAMPLES = {2: 1, 3: 2}
 _AT_ONCE = 10_000  # points whose samples are in memory, some hundred each
@@ -50,16 +52,21 @@ class NeighbourList:
     def __init__(self, surface: Surface) -> None:
         self._surface, self._moved = surface, 0.0
         self._list: tuple[Neighbours, float, ndarray, ndarray] | None = None
+        self._own: ndarray | None = None
 
-    def at(self, nodes: ndarray, points: ndarray) -> Neighbours:
-        """Return neighbours at present coordinates of the surface's nodes and of the points."""
-        if self._list is not None and len(points) == len(self._list[3]):
+    def at(self, nodes: ndarray, points: ndarray, own: ndarray | None = None) -> Neighbours:
+        """Return neighbours at present coordinates of the surface's nodes and of the points.
+
+        `own` : ndarray, shape (n,), are the facets on which pieces in space lie, -1 for none.
+        """
+        if self._list is not None and len(points) == len(self._list[3]) and own is self._own:
             found, lasts, *before = self._list
             self._moved = _relative_motion(nodes - before[0], points - before[1])
             if self._moved <= lasts:
                 return found._replace(clearance=found.clearance - self._moved)
-        found, lasts = neighbours(self._surface, nodes, points, _SLACK)
-        self._list, self._moved = (found, lasts, nodes, points), 0.0
+        found, lasts = neighbours(self._surface, nodes, points, _SLACK) if own is None or (own < 0).all() else \
+            _neighbours_of_pieces(self._surface, nodes, points, own)
+        self._list, self._moved, self._own = (found, lasts, nodes, points), 0.0, own
         return found
 
     def learn(self, chosen: ndarray, distance: ndarray, gap: ndarray) -> None:
@@ -108,6 +115,22 @@ def neighbours(surface: Surface, nodes: ndarray, points: ndarray, slack: float =
     return Neighbours(point, neighbour, distance - margin.max() - beyond, np.zeros(len(points), bool)), motion
 
 
+def _neighbours_of_pieces(surface: Surface, nodes: ndarray, points: ndarray, own: ndarray) -> tuple[Neighbours, float]:
+    """Return neighbours of points of which many stay on their own facets, which alone are those of these."""
+    flat, motion = Flat.of(surface, nodes), _SLACK_OF_PIECES * surface.spacing
+    at = np.flatnonzero(own >= 0)
+    foot, limit = flat.foot(surface.shape, own[at], points[at]), np.where(surface.at_rim, surface.reach, 2.0 * FROZEN)
+    aside, height, bulge = flat.apart(surface, nodes, own[at], points[at], foot, limit)
+    stays = (aside <= -2.0 * bulge - motion) & (np.abs(height) <= FROZEN * surface.size[own[at]] - 2.0 * bulge)
+    at, height = at[stays], (np.abs(height) - 2.0 * bulge)[stays]
+    others = np.delete(np.arange(len(points)), at)
+    found, _ = neighbours(surface, nodes, points[others], _SLACK)
+    clearance = np.zeros(len(points))
+    clearance[at], clearance[others] = height, found.clearance
+    point, facet = np.concatenate((at, others[found.point])), np.concatenate((own[at], found.facet))
+    return Neighbours(point, facet, clearance, np.zeros(len(points), bool)), motion
+
+
 class Flat(NamedTuple):
     """Facets linearised at their centres: coordinates, tangents and their inverse metric."""
 
@@ -127,6 +150,17 @@ class Flat(NamedTuple):
         along = (self.tangents[facet] @ (points - self.centre[facet])[:, :, None])
         return np.asarray(shape.centre + (self.inverse[facet] @ along)[:, :, 0])
 
+    def apart(self, surface: Surface, nodes: ndarray, facet: ndarray, points: ndarray, foot: ndarray, reach: ndarray
+              ) -> tuple[ndarray, ndarray, ndarray]:
+        """Return distances beyond a reach at the sides of facets, heights, and the facets' bulges from flat ones."""
+        shape = surface.shape
+        corners = self.centre[:, None] + (shape.nodes - shape.centre) @ self.tangents
+        bulge = np.sqrt(((corners - nodes[surface.facets]) ** 2).sum(axis=2).max(axis=1))
+        slope = np.sqrt(np.einsum("sa,nab,sb->ns", shape.outward, self.inverse, shape.outward, optimize=True))
+        aside = ((shape.beyond(foot) - reach[facet]) / slope[facet]).max(axis=1)
+        height = dot(points - self.centre[facet], unit(across(self.tangents))[facet])
+        return aside, height, bulge[facet]
+
 
 def promising(surface: Surface, nodes: ndarray, flat: Flat, points: ndarray, row: ndarray, facet: ndarray,
               foot: ndarray, slack: ndarray | float = 0.0) -> ndarray:
@@ -135,13 +169,14 @@ def promising(surface: Surface, nodes: ndarray, flat: Flat, points: ndarray, row
     A facet is excluded if the distance of its flat image, less the largest distance between the two and a slack,
     exceeds that of some point on another facet.
     """
-    shape = surface.shape
-    coordinates = flat.centre[:, None] + (shape.nodes - shape.centre) @ flat.tangents
-    bulge = np.sqrt(((coordinates - nodes[surface.facets]) ** 2).sum(axis=2).max(axis=1))
-    slope = np.sqrt(np.einsum("sa,nab,sb->ns", shape.outward, flat.inverse, shape.outward, optimize=True))
-    aside = ((shape.beyond(foot) - surface.reach[facet]) / slope[facet]).max(axis=1)
-    height = dot(points - flat.centre[facet], unit(across(flat.tangents))[facet])
-    least = np.sqrt(height**2 + np.maximum(aside, 0.0) ** 2) - 2.0 * bulge[facet] - slack
+    shape, rivals = surface.shape, np.flatnonzero(np.bincount(row)[row] > 1)
+    if len(rivals) < len(row):
+        kept = np.ones(len(row), bool)
+        few = slack[rivals] if isinstance(slack, ndarray) else slack
+        kept[rivals] = promising(surface, nodes, flat, points[rivals], row[rivals], facet[rivals], foot[rivals], few)
+        return kept
+    aside, height, bulge = flat.apart(surface, nodes, facet, points, foot, surface.reach)
+    least = np.sqrt(height**2 + np.maximum(aside, 0.0) ** 2) - 2.0 * bulge - slack
     inside = np.clip(foot, shape.corners.min(axis=0), shape.corners.max(axis=0))
     if shape.triangular:
         inside /= np.maximum(inside.sum(axis=1), 1.0)[:, None]

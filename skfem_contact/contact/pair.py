@@ -186,7 +186,7 @@ class ContactPair(ContactBase):
                         active=at.tobytes() + update.status.tobytes())
 
     def _stiffness(self, kinematics: Kinematics, update: LawUpdate, weight: ndarray) -> csr_matrix:
-        K = tangents(kinematics, update.traction, update.tangent, self.tangent == "exact") * weight[:, None, None]
+        K = tangents(kinematics, weight * update.traction, weight * update.tangent, self.tangent == "exact")
         return self.gathering.matrix(kinematics.dofs, K)
 
     @property
@@ -284,8 +284,8 @@ class ContactPair(ContactBase):
         old, new = self.points(state), self.points(home)
         elastic = face.elastic_slip(state)
         if self.quadrature == "segments":
-            excess = face.interpolated(old, new, np.where(np.isfinite(state.gap), state.gap - state.clearance, 0.0))
-            elastic = face.interpolated(old, new, elastic)
+            excess = np.where(np.isfinite(state.gap), state.gap - state.clearance, 0.0)
+            excess, elastic = face.interpolated(old, new, (excess, elastic))
             state = replace(face.transferred(state, home.cuts, None), clearance=np.zeros(len(excess)), gap=excess)
         near = np.isfinite(home.gap) & np.isfinite(state.gap)
         clearance = np.where(near, home.gap - (state.gap - state.clearance), 0.0)

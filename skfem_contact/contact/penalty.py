@@ -234,8 +234,7 @@ class AugmentedLagrangian:
         largest = pressure.max(initial=0.0)  # a mean of tractions is no larger; zero where nothing pulls
         none = largest - _ROUND_OFF * np.abs(pressure).max(initial=0.0)
         closed = before[0] + _excess(points, pressure, before[0]) < none
-        after = np.stack([_improved(points, traction, multiplier, closed & moving)
-                          for traction, multiplier, moving in zip(found.traction, before, moves, strict=True)])
+        after = _improved(points, found.traction, before, closed & moves)
         after[0] = np.minimum(after[0], largest)
         after[:, _nodal_mean(points, np.abs(pressure)) == 0.0] = 0.0  # means of multipliers would vanish by halves
         correction = (after - before) / np.array([penalties[0], *penalties[1:] * (len(before) - 1)])[:, None]
@@ -246,11 +245,15 @@ class AugmentedLagrangian:
 
 
 def _improved(points: SlavePoints, traction: ndarray, multiplier: ndarray, closed: ndarray) -> ndarray:
-    excess = _excess(points, traction, multiplier)
-    at, mass = np.flatnonzero(closed), _mass(points)
+    excess = np.stack([_excess(points, *rows) for rows in zip(traction, multiplier, strict=True)])
+    forces = np.stack([_integral(points, one - points.at(other), points.values)
+                       for one, other in zip(traction, multiplier, strict=True)])
+    mass = _mass(points)
     mass = csc_matrix(mass + diags_array(np.full(mass.shape[0], _INDIFFERENT * mass.diagonal().max())))
-    forces = _integral(points, traction - points.at(multiplier), points.values)
-    excess[at] = spsolve(mass[at][:, at].tocsc(), forces[at])
+    for nodes in np.unique(closed, axis=0):  # one factor for all directions with the same nodes, mostly all of them
+        rows, at = np.flatnonzero((closed == nodes).all(axis=1)), np.flatnonzero(nodes)
+        solution = spsolve(mass[at][:, at].tocsc(), forces[rows][:, at].T)
+        excess[rows[:, None], at] = solution.reshape(len(at), len(rows)).T
     return multiplier + excess
 
 

@@ -17,7 +17,7 @@ from skfem.refdom import RefTri
 
 from ..surfaces.shape import divided_rule, gauss_points, rule
 from ..surfaces.surface import FacetMapping, Surface
-from ..surfaces.vectors import across, determinant, dot, products, solve, unit
+from ..surfaces.vectors import across, cross, determinant, dot, products, solve, unit
 from .neighbours import NeighbourList
 from .search import NEWTON_STEPS, project
 
@@ -200,15 +200,16 @@ def piecewise(slave: Surface, slave_nodes: ndarray, master: Surface, master_node
     behind = _mean_planes(_corners(master, master_nodes))[1][:, 2]
     flat = _in_plane(_corners(slave, slave_nodes)[own], centre[own], axes[own])
     other = _in_plane(_corners(master, master_nodes)[facing][:, ::-1], centre[own], axes[own])
-    reach = _FACING * slave.size[own]
-    near = (np.abs(other[:, :, 2]).min(axis=1) < reach) & (dot(axes[own, 2], behind[facing]) < -_OPPOSED)
+    near = np.flatnonzero((np.abs(other[:, :, 2]).min(axis=1) < _FACING * slave.size[own]) & _overlap(other, flat)
+                          & (dot(axes[own, 2], behind[facing]) < -_OPPOSED))
+    limit = (adjusted + _NEAR) * slave.size
+    near = near[_heights(other[near], other[near, :, :2]).min(axis=1) < limit[own[near]]]
     own, facing, flat, other = own[near], facing[near], flat[near], other[near]
     polygon, corners = _clipped(other[:, :, :2], flat[:, :, :2])
     piece, triangles = _fans(polygon, corners)
     size, height = _area(triangles), _heights(other[piece], triangles).min(axis=1)
-    kept = (size > _SLIVER * slave.area[own[piece]]) & (height < (adjusted + _NEAR) * slave.size[own[piece]])
+    kept = (size > _SLIVER * slave.area[own[piece]]) & (height < limit[own[piece]])
     piece, triangles, size = piece[kept], triangles[kept], size[kept]
-
     order = int(slave.shape.exponents.max())
     xi, w = get_quadrature(RefTri, 2 * order if slave.shape.triangular else 4 + 2 * order)
     shapes = np.stack((1.0 - xi.sum(axis=0), *xi), axis=1)
@@ -249,7 +250,7 @@ def _mean_planes(corners: ndarray) -> tuple[ndarray, ndarray]:
         diagonals = corners[:, 1:] - corners[:, :1]
     normal, first = unit(across(diagonals)), unit(corners[:, 1] - corners[:, 0])
     first = unit(first - dot(first, normal)[:, None] * normal)
-    return corners.mean(axis=1), np.stack((first, np.cross(normal, first), normal), axis=1)
+    return corners.mean(axis=1), np.stack((first, cross(normal, first), normal), axis=1)
 
 
 def _in_plane(points: ndarray, centre: ndarray, axes: ndarray) -> ndarray:
@@ -261,6 +262,12 @@ def _heights(polygons: ndarray, points: ndarray) -> ndarray:
     centre, axes = _mean_planes(polygons)
     along = (points - centre[:, None, :2]) @ axes[:, 2, :2, None]
     return np.asarray(centre[:, None, 2] - along[:, :, 0] / axes[:, None, 2, 2])
+
+
+def _overlap(polygons: ndarray, others: ndarray) -> ndarray:
+    """Return a mask of pairs of polygons, shape (n, corners, 3), whose boxes in the plane overlap."""
+    here, there = polygons[:, :, :2], others[:, :, :2]
+    return np.asarray(((here.min(axis=1) < there.max(axis=1)) & (there.min(axis=1) < here.max(axis=1))).all(axis=1))
 
 
 def _area(polygons: ndarray) -> ndarray:
@@ -313,8 +320,7 @@ def _back(slave: Surface, nodes: ndarray, facet: ndarray, centre: ndarray, axes:
     return xi, np.abs(determinant(jacobian))
 
 
-def _with_the_others(slave: Surface, facet: ndarray, xi: ndarray, weight: ndarray, facing: ndarray
-                     ) -> ndarray:
+def _with_the_others(slave: Surface, facet: ndarray, xi: ndarray, weight: ndarray, facing: ndarray) -> ndarray:
     alone = np.setdiff1d(np.arange(len(slave.facets)), facet)
     inner, w = rule(slave.shape, int(slave.shape.exponents.max()) + 1)
     facets = np.concatenate((facet, np.repeat(alone, len(w))))
@@ -337,7 +343,8 @@ def changed(old: ndarray, new: ndarray) -> float:
 
 
 def _area_changed(old: ndarray, new: ndarray) -> float:
-    pairs, number = np.unique(np.concatenate((old, new))[:, [0, 4]], axis=0, return_inverse=True)
+    pairs = np.concatenate((old, new))[:, [0, 4]].astype(int)
+    pairs, number = np.unique(pairs[:, 0] * (pairs[:, 1].max() + 2) + pairs[:, 1], return_inverse=True)
     before, after = (np.bincount(rows, cuts[:, 3], minlength=len(pairs)) for rows, cuts in (
-        (number.ravel()[:len(old)], old), (number.ravel()[len(old):], new)))
+        (number[:len(old)], old), (number[len(old):], new)))
     return float(np.abs(after - before).max() / before.max())

@@ -21,6 +21,7 @@ _SMOOTH = 1e-12  # sine of the angle at a joint without one
 NEWTON_STEPS = 25
 _ROUND_OFF = 16 * np.finfo(float).eps  # ... of xi where the coordinates are as large as the facet
 _BEYOND = 0.3  # share of its width by which a curved facet is followed beyond its sides: farther than locked points go
+_LAST_STEP = 1e-9  # of Newton's method on a facet: the error is its square
 _ON_SIDE = 1e-10  # last step along a side, that of Newton's method: the error is its square
 _ALONG_STEPS = 25  # of Newton's method, at most
 
@@ -127,23 +128,25 @@ def _foot(surface: Surface, nodes: ndarray, points: ndarray, facet: ndarray, xi:
     exact = _ROUND_OFF * float(np.abs(nodes).max() / surface.size.min())
     left = np.arange(len(facet))
     for _ in range(NEWTON_STEPS):
-        step = _newton_step(surface.at(facet[left], xi[left], nodes, 2).x, points[left])
+        step, quadratic = _newton_step(surface.at(facet[left], xi[left], nodes, 2).x, points[left])
         xi[left] = np.clip(xi[left] + np.clip(step, -width / 4, width / 4), low, high)
-        moves = (np.abs(step) >= exact) & (xi[left] > low) & (xi[left] < high)
+        last = np.where(quadratic, max(exact, _LAST_STEP), exact)[:, None]
+        moves = (np.abs(step) >= last) & (xi[left] > low) & (xi[left] < high)
         left = left[moves.any(axis=1)]
         if len(left) == 0:
             break
     return xi
 
 
-def _newton_step(x: list[ndarray], points: ndarray) -> ndarray:
+def _newton_step(x: list[ndarray], points: ndarray) -> tuple[ndarray, ndarray]:
+    """Return steps, and True for those of Newton's method, which converge quadratically."""
     offset, metric = points - x[0], products(x[1], x[1])
     matrix = metric - np.einsum("nabc,nc->nab", x[2], offset)
     # beyond the centre of curvature the full Newton step runs away: fall back to the safe Gauss-Newton step
     share = 0.5 ** metric.shape[1]
     runs_away = (determinant(matrix) < share * determinant(metric)) | (matrix[:, 0, 0] <= 0.0)
     matrix[runs_away] = metric[runs_away] * (0.5 if metric.shape[1] == 1 else 1.0)
-    return solve(matrix, np.einsum("nac,nc->na", x[1], offset))
+    return solve(matrix, np.einsum("nac,nc->na", x[1], offset)), ~runs_away
 
 
 def _on_facets(surface: Surface, nodes: ndarray, points: ndarray, facet: ndarray, foot: ndarray, beyond: ndarray,
@@ -170,12 +173,14 @@ def _stays(surface: Surface, nodes: ndarray, facet: ndarray, beyond: ndarray, ac
     """Return the share of the facet's size by which a point's accepted facet is preferred, by side."""
     share = np.where(frozen, FROZEN, HYSTERESIS)[:, None]
     stays = np.zeros(beyond.shape)
-    pair, side = np.nonzero(accepted[:, None] & (np.abs(beyond) <= 2.0 * share) & ~surface.at_rim[facet])
+    near = accepted[:, None] & (np.abs(beyond) <= 2.0 * share) & ~surface.at_rim[facet]
+    stays[near & frozen[:, None]] = FROZEN
+    pair, side = np.nonzero(near & ~frozen[:, None])
     if len(pair):
         here, there = normals_at_joint(surface, nodes, facet[pair], side)
         turn = np.sqrt(((here - there) ** 2).sum(axis=1))
         bends = (dot(here, there) > _STRAIGHT) & (turn > _SMOOTH)
-        stays[pair, side] = np.where(bends | frozen[pair], share[pair, 0], 0.0)
+        stays[pair, side] = np.where(bends, HYSTERESIS, 0.0)
     return stays
 
 

@@ -307,7 +307,7 @@ class Surface:
     def at(self, facet: ndarray, xi: ndarray, nodes: ndarray, derivatives: int = 1) -> FacetMapping:
         """Return points given by facet, shape (n,), and local coordinates, shape (n, dim - 1), at present nodes."""
         shapes = self.shape.at(facet, xi, derivatives)
-        coordinates = nodes[self.facets[facet]]
+        coordinates = nodes.take(self.facets.take(facet, axis=0), axis=0)  # a fourth of the time of indexing
         return FacetMapping(shapes, [_combined(M, coordinates) for M in shapes])
 
     def density(self, facet: ndarray, xi: ndarray) -> ndarray:

@@ -27,7 +27,15 @@ def across(tangents: ndarray) -> ndarray:
     """Return normals of tangents: one turned by +90 degrees, or the cross product of two."""
     if tangents.shape[1] == 1:
         return np.asarray(tangents[:, 0, ::-1] * (-1.0, 1.0))
-    return np.cross(tangents[:, 0], tangents[:, 1])
+    return cross(tangents[:, 0], tangents[:, 1])
+
+
+def cross(u: ndarray, v: ndarray) -> ndarray:
+    """Return cross products of vectors, shape (n, 3): `numpy.cross` takes three times as long."""
+    result = np.empty(u.shape, np.result_type(u, v))
+    for i, (j, k) in enumerate(((1, 2), (2, 0), (0, 1))):
+        result[:, i] = u[:, j] * v[:, k] - u[:, k] * v[:, j]
+    return result
 
 
 def askew(direction: ndarray, normal: ndarray) -> ndarray:
@@ -45,12 +53,13 @@ def frame(normal: ndarray, direction: ndarray) -> ndarray:
         return np.asarray((normal[:, ::-1] * (1.0, -1.0))[:, None])
     direction = askew(direction, normal)
     first = unit(direction - dot(direction, normal)[:, None] * normal)
-    return np.stack((first, np.cross(normal, first)), axis=1)
+    return np.stack((first, cross(normal, first)), axis=1)
 
 
 def products(a: ndarray, b: ndarray) -> ndarray:
-    """Return products of vectors, shape (n, i, j), of (n, i, dim) and (n, j, dim)."""
-    return np.asarray(a @ b.transpose(0, 2, 1))
+    """Return products of vectors, shape (n, i, j), of (n, i, dim) and (n, j, dim); `matmul` takes twice as long."""
+    rows = [[dot(a[:, i], b[:, j]) for j in range(b.shape[1])] for i in range(a.shape[1])]
+    return np.array(rows).transpose(2, 0, 1)
 
 
 def determinant(A: ndarray) -> ndarray:
@@ -70,16 +79,10 @@ def inverse(A: ndarray) -> ndarray:
 
 def solve(A: ndarray, b: ndarray) -> ndarray:
     """Return solutions, shape (n, i), of systems of one or two equations."""
-    return np.asarray((inverse(A) @ b[:, :, None])[:, :, 0])
+    return np.asarray(np.einsum("nij,nj->ni", inverse(A), b))
 
 
 def lift(factors: ndarray, vectors: ndarray) -> ndarray:
     """Return ``A^T v`` for operators (n, i, nodes) or (n, 1, nodes) that act node by node, v likewise."""
     product = factors[:, :, :, None] * vectors[:, :, None, :]
     return np.asarray(product.reshape(*product.shape[:2], product.shape[2] * product.shape[3]))
-
-
-def spread(factors: ndarray, operator: ndarray) -> ndarray:
-    """Return ``A^T B`` for A that acts node by node: (n, nodes) and (n, dim, m) give (n, dim nodes, m)."""
-    product = factors[:, :, None, None] * operator[:, None]
-    return np.asarray(product.reshape(len(factors), factors.shape[1] * operator.shape[1], operator.shape[2]))
