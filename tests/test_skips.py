@@ -27,7 +27,7 @@ SAME = 1e-9
 NEWTON = sc.Newton(tolerance=1e-12)
 
 
-def pressed(material: sc.MohrCoulomb | sc.LinearElastic, load: float = 40.0, above: float = 0.0):
+def pressed(material: sc.MohrCoulomb | sc.LinearElastic, load: float = 40.0, above: float = 0.0, enforcement=None):
     """A rigid-like block pressed and pushed onto a layer from some way above, analysed in three increments."""
     layer = grid("Q1", np.linspace(-3, 3, 25), np.linspace(-2, 0, 9))
     block = grid("Q1", np.linspace(-1, 1, 10), np.linspace(above, above + 1, 5))
@@ -35,8 +35,9 @@ def pressed(material: sc.MohrCoulomb | sc.LinearElastic, load: float = 40.0, abo
     forms = {
         "layer": sc.SolidForm(basis.with_elements("layer"), material),
         "block": sc.SolidForm(basis.with_elements("block"), sc.LinearElastic(E=1e6, nu=0.2)),
-        "joint": sc.ContactPair(basis, "layer:top", "block:bottom", sc.Coulomb(mu=0.3), quadrature=2),
-    }
+        "joint": sc.ContactPair(basis, "layer:top", "block:bottom", sc.Coulomb(mu=0.3), quadrature=2,
+                                enforcement=enforcement),
+    }  # fmt: skip
     fixed = np.concatenate((basis.get_dofs("layer:bottom").all(), basis.get_dofs("block:top").all()))
     x = basis.zeros()
     x[basis.get_dofs("block:top").all("u^2")] = -1e-4 * load - above
@@ -121,10 +122,11 @@ def test_only_elements_that_yield_are_assembled(monkeypatch: pytest.MonkeyPatch)
     assert_same(part, analysed(*pressed(Everywhere(E=1e4, nu=0.3, c=10.0, phi=25.0, psi=5.0))))
 
 
-def test_factors_are_kept_while_only_the_interface_changes(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("enforcement", [None, sc.DualMultipliers()])
+def test_factors_are_kept_while_only_the_interface_changes(monkeypatch: pytest.MonkeyPatch, enforcement) -> None:
     """Elastic bodies in contact: two factorisations, one of them with the interface last, instead of one each."""
     kept, each = counted(monkeypatch, schur, "splu"), counted(monkeypatch, superlu, "splu")
-    scene = pressed(rock)
+    scene = pressed(rock, enforcement=enforcement)
     result = run_stages(*scene, newton=NEWTON, solver="superlu")
     assert (len(kept), len(each)) == (1, 1)
     monkeypatch.setattr(setup, "linear_solver", lambda forms, *args: as_solver(*args))

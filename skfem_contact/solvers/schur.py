@@ -81,15 +81,23 @@ class SchurSolver:
 
 
 class _Base:
-    """Factors of one tangent with the interface eliminated last."""
+    """Factors of one tangent with the interface eliminated last.
 
-    def __init__(self, K: csr_matrix, order: ndarray, m: int, lu: SuperLU, schur: ndarray) -> None:
+    Multipliers, which no element gives stiffness to, are left to the dense system: `apart`.
+    """
+
+    def __init__(self, K: csr_matrix, order: ndarray, apart: ndarray, m: int, lu: SuperLU, schur: ndarray) -> None:
         self.K, self._order, self._m, self._lu, self._schur = K, order, m, lu, schur
+        self._all, ends = np.concatenate((order, apart)), np.concatenate((order[-m:], apart))
+        self._ends, self._added = ends, K[ends][:, ends].toarray()
+        self._added[:m, :m] = 0.0
 
     @classmethod
     def of(cls, K: csr_matrix, locations: ndarray, free: ndarray, on_interface: ndarray) -> _Base | None:
         """Factor K; None where the interface is too large or pivots are too small."""
         inner, last = free[~on_interface[free]], free[on_interface[free]]
+        beside = np.diff(K[last][:, inner].indptr) > 0
+        last, apart = last[beside], last[~beside]
         m = len(last)
         if m == 0 or len(inner) == 0:
             return None
@@ -107,28 +115,37 @@ class _Base:
             return None
         schur = (lu.L.tocsc()[-m:, -m:] @ lu.U.tocsc()[-m:, -m:]).toarray()
         logger.info("elastic bodies in contact: factored once, %d dofs on the interface", m)
-        return cls(K, order, m, lu, schur)
+        return cls(K, order, apart, m, lu, schur)
 
     def updated(self, K: csr_matrix, change: csr_matrix, other: Callable[[], Solve]) -> Solve:
         """Prepare solutions with the factored tangent plus `change`; `other` solves where their residual is large."""
-        order, m = self._order, self._m
-        delta = change[order[-m:]][:, order[-m:]].toarray()
-        dense = lu_factor(self._schur + delta, overwrite_a=True, check_finite=False)
+        order, m, ends = self._order, self._m, self._ends
+        delta = self._added + change[ends][:, ends].toarray()
+        single = (np.count_nonzero(delta, axis=0) == 1) & (np.count_nonzero(delta, axis=1) == 1)
+        single &= (np.diagonal(delta) != 0.0) & (np.arange(len(ends)) >= m)  # multipliers of open nodes
+        live, alone = np.flatnonzero(~single), np.flatnonzero(single)
+        total = delta[np.ix_(live, live)]
+        total[:m, :m] += self._schur
+        dense = lu_factor(total, overwrite_a=True, check_finite=False)
 
         def once(b: ndarray, inside: bool = True) -> ndarray:
-            rhs, x = b[order], np.zeros_like(b)
-            x_interface = lu_solve(dense, self._schur @ self._lu.solve(rhs)[-m:] if inside else rhs[-m:])
-            rhs[-m:] -= delta @ x_interface
+            rhs, x, right = b[order], np.zeros_like(b), b[ends]
+            if inside:
+                right[:m] = self._schur @ self._lu.solve(rhs)[-m:]
+            right[live] = lu_solve(dense, right[live])
+            right[alone] /= delta[alone, alone]
+            rhs[-m:] -= delta[:m] @ right
+            x[ends] = right
             x[order] = self._lu.solve(rhs)
             return x
 
         def unbalanced(x: ndarray, b: ndarray) -> tuple[ndarray, float]:
             residual = np.zeros_like(b)
-            residual[order] = (b - K @ x)[order]
-            return residual, float(np.linalg.norm(residual)) / max(float(np.linalg.norm(b[order])), 1e-300)
+            residual[self._all] = (b - K @ x)[self._all]
+            return residual, float(np.linalg.norm(residual)) / max(float(np.linalg.norm(b[self._all])), 1e-300)
 
         def solve(b: ndarray, rtol: float = REFINE) -> ndarray:
-            inside = bool(np.linalg.norm(b[order[:-m]]) > _NOTHING * np.linalg.norm(b[order[-m:]]))
+            inside = bool(np.linalg.norm(b[order[:-m]]) > _NOTHING * np.linalg.norm(b[ends]))
             x = once(b, inside)
             residual, error = unbalanced(x, b)
             if error > (REFINE if inside else 10.0 * _NOTHING):
