@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -47,8 +48,36 @@ def test_patch_in_space(element: str, bound: float) -> None:
         assert stress.mean() == pytest.approx(-1.0, abs=2e-6)  # nothing penetrates in the mean
 
 
+def test_hertz() -> None:
+    """[X] A quarter of the augmented method's iterations, and smaller errors: 11 and 49; .83 and .90 %."""
+    problem, found = hertz(5), []
+    for method in (DUAL, sc.AugmentedLagrangian()):
+        result = problem.run(problem.pair(0.0, "segments", enforcement=method), [problem.stage("press", increments=4)])
+        found.append((iterations(result), Contact.of(problem, result[-1].x).pressure_error))
+    dual, augmented = found
+    assert dual[0] <= 0.25 * augmented[0]
+    assert dual[1] <= augmented[1]
+
+
+def test_start_has_the_contact_of_the_equilibrium() -> None:
+    """[N] The nodes that are closed after each increment are those at its start, or two more; linearly up to 4."""
+    problem = hertz(10)
+    stage = replace(problem.stage("press", increments=4), keep="all")
+    model = sc.Model({"bodies": problem.solid, "contact": problem.pair(0.0, "segments", enforcement=DUAL)},
+                     problem.fixed)  # fmt: skip
+    steps, form = model.run([stage], progress=False)[-1].increments, model.forms["contact"]
+    begin = [np.zeros_like(steps[0].x), *(step.x for step in steps)]
+    excess = []
+    for before, step, found in zip(begin[:-2], steps[:-1], steps[1:], strict=True):
+        linear, state = 2.0 * step.x - before, step.states["contact"]
+        starts = linear, form.foreseen(linear, step.x, before, state)
+        active = [np.count_nonzero(np.frombuffer(form.assemble(start, state).active, int)) for start in starts]
+        excess.append(active - found.states["contact"].closed.sum())
+    np.testing.assert_array_equal(excess, [[4, 2], [2, 0], [2, 0]])
+
+
 def test_cattaneo_and_mindlin() -> None:
-    """[X] 45 % of the augmented method's iterations, whose errors are the mesh's too: 21 and 55; 14.9 and 14.5 %."""
+    """[X] A third of the augmented method's iterations, whose errors are the mesh's too: 14.9 and 14.5 %."""
     problem, found = hertz(5), {}
     stages = [problem.stage("press", increments=2), problem.stage("shift", tangential=1.0, increments=3)]
     for method in (DUAL, sc.AugmentedLagrangian()):
@@ -56,7 +85,7 @@ def test_cattaneo_and_mindlin() -> None:
         contact = Contact.of(problem, result[-1].x[:problem.basis.N])
         found[method] = iterations(result), contact.pressure_error, contact.shear_error(MU)
     dual, augmented = found.values()
-    assert dual[0] <= 0.45 * augmented[0]
+    assert dual[0] <= 0.33 * augmented[0]
     assert dual[1] <= augmented[1] and dual[2] <= 1.05 * augmented[2]
 
 

@@ -264,6 +264,9 @@ for n in SIZES:
     assert 0.02 <= table["nodal", n]["error"] <= 0.06  # the method's, at any refinement
     assert table["segments, augmented", n]["error"] <= 0.02
     assert abs(table["segments, augmented", n]["peak_error"]) <= 0.01
+    inside, after = (table[f"segments, {method}", n] for method in ("multipliers", "augmented"))
+    assert inside["iterations"] <= 0.33 * after["iterations"]
+    assert inside["error"] <= after["error"]
 assert best[10] <= 0.006
 assert rms(augmented[1]) <= 1.1 * rms(augmented[2])  # as good as can be measured
 assert rms(soft_to_hard[6][3]) <= 0.7 * rms(augmented[3])

@@ -170,6 +170,12 @@ class ContactBase(Form):
 
     @property
     @override
+    def follows(self) -> bool:  # type: ignore[override]
+        """True if cuts follow the bodies, and no multipliers are improved in further equilibria."""
+        return self.quadrature == "segments" and not isinstance(self.enforcement, AugmentedLagrangian)
+
+    @property
+    @override
     def joins(self) -> ndarray:  # type: ignore[override]
         """Dofs of the two surfaces; -1 among them for a rigid obstacle."""
         return np.union1d(self.slave.all_dofs, self.facets.all_dofs)

@@ -148,12 +148,8 @@ def _closed(pair: Any, x: ndarray, state: ContactState, found: Projection, multi
             ) -> _Closed:
     """Evaluate the law at the nodes that it may close, at means of gap and slip where they face the master."""
     points, around, n = pair.points(state), pair.nodes_at(state), multiplied.shape[1]
-    at = np.flatnonzero(found.found)
-    facing = points.take(at)
-    weights = pair.share * facing.weight[:, None] * duals(facing, around.values[at], len(pair.slave.facets))
-    area, opened = (np.bincount(facing.nodes.ravel(), (weights * part[:, None]).ravel(), minlength=n)
-                    for part in (np.ones(len(at)), (found.gap - state.clearance)[at]))
-    some = np.flatnonzero(area > _NOTHING * area.max(initial=0.0))
+    at, weights, area, opened = _integrals(pair, state, found)
+    facing, some = points.take(at), np.flatnonzero(area > _NOTHING * area.max(initial=0.0))
 
     def nearly(values: ndarray) -> ndarray:
         return np.where(np.abs(values) <= exact, 0.0, values)
@@ -175,6 +171,46 @@ def _closed(pair: Any, x: ndarray, state: ContactState, found: Projection, multi
                                                       pair.penalties(state))
     area[area <= _NOTHING * area.max(initial=0.0)] = pair.slave.area.mean()
     return _Closed(on, at[act], weights, sums, area, kinematics, update)
+
+
+def _integrals(pair: Any, state: ContactState, found: Projection) -> tuple[ndarray, ndarray, ndarray, ndarray]:
+    """Return points that face the master, their weights, and the nodes' integrals of the dual functions and gaps."""
+    around, at = pair.nodes_at(state), np.flatnonzero(found.found)
+    facing = pair.points(state).take(at)
+    weights = pair.share * facing.weight[:, None] * duals(facing, around.values[at], len(pair.slave.facets))
+    area, opened = (np.bincount(facing.nodes.ravel(), (weights * part[:, None]).ravel(), len(pair.slave.nodes))
+                    for part in (np.ones(len(at)), (found.gap - state.clearance)[at]))
+    return at, weights, area, opened
+
+
+def foreseen(pair: Any, start: ndarray, x: ndarray, before: ndarray, accepted: ContactState) -> ndarray:
+    """Return an extrapolated start with tension at nodes that stay open while the edge of the contact moves evenly.
+
+    Beside the edge of contact of smooth bodies the gap grows like the power 3/2 of the distance, so that its power 2/3
+    is in proportion to the motion of the edge.  The extrapolated gap itself makes the contact too wide.
+    """
+    last, moved = x - before, start - x
+    if not (accepted.closed.any() and last.any()):
+        return start
+    state, n = pair.effective(accepted), pair.multipliers[0]
+    ratio = float(last @ moved) / float(last @ last)
+    earlier, now, then = (_gaps(pair, displaced, state) for displaced in (before, x, start))
+    with np.errstate(invalid="ignore"):  # inf - inf where nothing is near
+        power = (1.0 + ratio) * np.cbrt(np.maximum(now, 0.0))**2 - ratio * np.cbrt(np.maximum(earlier, 0.0))**2
+    opens = ~accepted.closed & (power > 0.0) & (then < 0.0)
+    start = start.copy()
+    start[n[opens]] = -2.0 * pair.penalties(state)[0] * then[opens]
+    return start
+
+
+def _gaps(pair: Any, x: ndarray, state: ContactState) -> ndarray:
+    """Return the nodes' means of the gap, inf where they face nothing near."""
+    slave, nodes = pair.interface.positions(x)
+    depth = pair.interface.depth(pair.points(state))
+    found, _ = pair.interface.near(slave, nodes, state, state.clearance + depth, depth)
+    _, _, area, opened = _integrals(pair, state, found)
+    some = area > _NOTHING * area.max(initial=0.0)
+    return np.where(some, opened / np.where(some, area, 1.0), np.inf)
 
 
 def _law_at(pair: Any, points: SlavePoints, around: Nodes, numbers: ndarray) -> Any:

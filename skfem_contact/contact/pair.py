@@ -21,7 +21,7 @@ from .diagnosis import remarks
 from .interface import RECUTS, ROUND_OFF, ContactState
 from .kinematics import Kinematics, dragged, tangents, variations
 from .laws import InterfaceLaw, LawUpdate, Status, resisting
-from .multipliers import Nodes, respond
+from .multipliers import Nodes, foreseen, respond
 from .penalty import AugmentedLagrangian, Progress
 from .prestress import LinearisedContact, TractionOperator
 
@@ -238,6 +238,10 @@ class ContactPair(ContactBase):
     @override
     def begin(self, accepted: ContactState, failure: Failure | None = None) -> ContactPair:
         return regularisation.begin(self, accepted, failure)
+
+    @override
+    def foreseen(self, start: ndarray, x: ndarray, before: ndarray, accepted: ContactState) -> ndarray:
+        return foreseen(self, start, x, before, accepted) if self.dual else start
 
     @override
     def continues(self, old: Form) -> ContactPair:

@@ -208,10 +208,13 @@ class Regularised:
         Dofs at which the tangent may change while Newton's method iterates; None: anywhere.
     saddle: bool
         True if multipliers change with the displacements: equilibrium then is no minimum of the energy along a step.
+    follows: bool
+        True if :meth:`outer` only follows the displacements, for which those near equilibrium are good enough.
     """
 
     unilateral: bool = False
     saddle: bool = False
+    follows: bool = False
     changing: ndarray | None = None
 
     def begin(self: Self, accepted: Any, failure: Failure | None = None) -> Self:
@@ -223,6 +226,18 @@ class Regularised:
             The accepted state; the failure of Newton's method, None before the first attempt.
         """
         return self
+
+    def foreseen(self, start: ndarray, x: ndarray, before: ndarray, accepted: Any) -> ndarray:
+        """Return extrapolated displacements to start from, with better values where the form knows some.
+
+        Parameters
+        ----------
+        start, x, before : ndarray, shape (N,)
+            Extrapolated displacements, the accepted ones, and those before.
+        accepted
+            The accepted state.
+        """
+        return start
 
     def outer(self, x: ndarray, accepted: Any, found: Any) -> tuple[Any, Any] | None:
         """Return form and accepted state with which the increment must be solved once more, or None.

@@ -20,6 +20,9 @@ logger = logging.getLogger("skfem_contact")
 _LENGTHS = (1.0, 0.5, 0.25, 0.0625)
 #: Equilibria of an increment, and recoveries that are tried one after the other.
 _MOST, _RECOVERIES = 30, 3
+#: Tolerance of the first equilibrium where forms follow the displacements. Pressed, unloaded and sheared in 20 steps,
+#: a cylinder on a block takes 52 iterations with this, 58 with 1e-4, and 69 if each equilibrium is accurate.
+_ROUGH = 1e-3
 #: Residual of an equilibrium of regularised forms in the forms as given, over the tolerance: round-off of states that
 #: were returned to their bounds.
 _AGAIN = 10.0
@@ -39,9 +42,9 @@ def solve_increment(system: System, x: ndarray, states: Mapping[str, Any], load:
     """Solve an increment until no form changes any more.
 
     After each equilibrium, :meth:`~skfem_contact.Form.outer` of a form may demand another solution, by another form
-    or from other multipliers; the last displacements are its start. Where Newton's method fails,
-    :meth:`~skfem_contact.Form.begin` may return regularised forms. Their equilibrium is accepted only if the forms as
-    given balance in it, too.
+    or from other multipliers; the last displacements are its start. Forms that only follow the displacements do so
+    before the residual is small. Where Newton's method fails, :meth:`~skfem_contact.Form.begin` may return regularised
+    forms. Their equilibrium is accepted only if the forms as given balance in it, too.
 
     Newton's method begins at `start` and, where that fails, at `x`. With `try_recovery` the search along the energy
     and regularised forms follow; these take several times as long as the rest.
@@ -75,20 +78,23 @@ def _solve(given: System, system: System, x: ndarray, states: Mapping[str, Any],
            newton: Newton, searches: Sequence[Search], start: ndarray | None = None,
            leaves: bool = True) -> Equilibrium:
     residuals: tuple[float, ...] = ()
-    for count in range(1, _MOST + 1):
-        new = system.equilibrium(x, states, load, prescribed, newton, searches, start=start, leaves=leaves)
+    settings, equilibria = newton, 1
+    if system is given and any(form.follows for form in system.forms.values()):
+        settings = replace(newton, tolerance=max(newton.tolerance, _ROUGH))
+    for _ in range(_MOST):
+        new = system.equilibrium(x, states, load, prescribed, settings, searches, start=start, leaves=leaves)
         residuals += new.residuals if not residuals else new.residuals[1:]
         try:
             again = {name: form.outer(new.x, states[name], new.states[name]) for name, form in system.forms.items()}
         except IncrementTooLarge as error:
             raise NotConverged(f"the increment is too large: {error}", new.x, residuals) from error
         changed = {name: pair for name, pair in again.items() if pair is not None}
-        if not changed:
+        if not changed and settings is newton:
             check(given, system, new, states, load, newton)
-            return replace(new, residuals=residuals, equilibria=count)
+            return replace(new, residuals=residuals, equilibria=equilibria)
         states = {**states, **{name: state for name, (_, state) in changed.items()}}
         system = system.with_forms({**system.forms, **{name: form for name, (form, _) in changed.items()}})
-        x, start = new.x, None
+        x, start, settings, equilibria = new.x, None, newton, equilibria + bool(changed)
     raise NotConverged(f"the increment was solved {_MOST} times and {list(changed)} still changes")
 
 

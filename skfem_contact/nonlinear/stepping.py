@@ -165,6 +165,11 @@ class Predictor:
         """Time of the last accepted increment."""
         return self._accepted[-1][2] if self._accepted else 0.0
 
+    @property
+    def before(self) -> ndarray:
+        """Displacements before the last accepted ones."""
+        return self._accepted[0][0]
+
     def accept(self, x: ndarray, load: ndarray, time: float = 0.0) -> None:
         """Record displacements, load and time of an accepted increment."""
         self._accepted = (*self._accepted[-1:], (x, load, time))

@@ -209,6 +209,12 @@ class System:
                 return Equilibrium(now.z, now.states, spent + norms[1 if spent else 0:])
         raise ValueError("there is no line search to try")
 
+    def foreseen(self, start: ndarray, x: ndarray, before: ndarray, states: Mapping[str, Any]) -> ndarray:
+        """Return a start that is extrapolated from two accepted displacements, with what forms know better."""
+        for name, form in self.forms.items():
+            start = form.foreseen(start, x, before, states[name])
+        return start
+
     def after(self, states: Mapping[str, Any], failures: Mapping[str, Failure]) -> System:
         """Return the system with the forms that begin an increment after failures."""
         return self.with_forms({name: form.begin(states[name], failures[name]) for name, form in self.forms.items()})

@@ -141,6 +141,8 @@ def _increments(system: System, predictor: Predictor, stage: Stage, path: Path, 
         fraction = stepping.fraction
         time = began + fraction * duration
         start = None if stepping.cut else predictor.start(*path(fraction), time)
+        if start is not None:
+            start = system.foreseen(start, last.x, predictor.before, last.states)
         try:
             new, errors = solve_step(system, last.x, last.states, path, (last.fraction, fraction), duration, newton,
                                      start, stepping.try_recovery)
