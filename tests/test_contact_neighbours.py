@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from helpers import body_along, vector_basis
+from helpers import body_along, rough_pair, vector_basis
 
 import skfem_contact as sc
+from skfem_contact.contact.interface import Interface
 from skfem_contact.contact.neighbours import NeighbourList, Neighbours
 from skfem_contact.contact.search import project
 from skfem_contact.surfaces.smoothing import smoothed
@@ -95,3 +98,20 @@ def test_points_known_to_lie_outside() -> None:
     down = points - np.array([[0.04 * y] for y in (1.0, 0.0, 0.0)]) * (0.0, 1.0)
     assert not around.at(line.nodes, down).within(gap, depth)[0]
     assert around.at(line.nodes, points - [0.0, 0.06]).within(gap, depth).all()
+
+
+@pytest.mark.parametrize("quadrature", ["nodal", 2, "segments"])
+def test_other_multipliers_move_no_points(quadrature: str | int, rng, monkeypatch) -> None:
+    """[N] At the same displacements points are not projected again; the response is that of a new pair."""
+    basis, pair, x, state = rough_pair("Q1", quadrature, sc.Coulomb(0.3), rng)
+    gap, searched, project = pair.assemble(x, state).state.gap, [], Interface.project
+    monkeypatch.setattr(Interface, "project", lambda *given: searched.append(given) or project(*given))
+    state = replace(state, multiplier=state.multiplier - np.array([[30.0], [2.0]]))
+    here, new = (one.assemble(x, state) for one in (pair, pair.with_surfaces(pair.slave, pair.facets, pair.master)))
+    assert len(searched) == 1
+    np.testing.assert_array_equal(here.force, new.force)
+    np.testing.assert_array_equal(here.stiffness.toarray(), new.stiffness.toarray())
+    np.testing.assert_array_equal(here.state.gap, gap)
+    searched.clear()
+    pair.assemble(x + 1e-3 * np.arange(basis.N) / basis.N, state)
+    assert len(searched) == 1

@@ -210,9 +210,21 @@ class Interface:
         def projected(chosen: ndarray) -> Projection:
             return self.project(points, nodes, positions, depth, state.facet, around.of(chosen))
 
+        given, last = (state.facet, slave, nodes, depth), self._found
+        if last and last[0] is points and all(map(np.array_equal, last[1], given)):  # only multipliers are others
+            return last[2], lambda: last[2]
         found = projected(near)
         self.neighbours.learn(near, found.distance, found.gap)
-        return found, lambda: merged(near, found, projected)
+
+        def everywhere() -> Projection:
+            last[:] = points, given, merged(near, found, projected)
+            return last[2]
+
+        return found, everywhere
+
+    @cached_property
+    def _found(self) -> list[Any]:
+        return []  # the last projection of all points, and what for
 
     def closest(self, x: ndarray | None, cuts: ndarray, previous: ndarray | None = None) -> Projection:
         """Project all points between cuts at displacements x."""

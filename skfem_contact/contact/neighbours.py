@@ -14,8 +14,8 @@ from ..surfaces.vectors import across, dot, inverse, products, unit
 
 #: Motion, as a share of the spacing of the samples, for which a list of neighbours lasts.
 _SLACK = 0.25
-#: ... and, as a share of the spacing of the facets, for points on pieces, whose lists are short.
-_SLACK_OF_PIECES = 0.0625
+#: ... and for points on pieces, whose lists are made anew with the pieces.
+_SLACK_OF_PIECES = 0.125
 #: Samples a side of a typical facet, in the plane and in space: half as many would make 3 times as many candidates.
 _SAMPLES = {2: 1, 3: 2}
 _AT_ONCE = 10_000  # points whose samples are in memory, some hundred each
@@ -117,14 +117,14 @@ def neighbours(surface: Surface, nodes: ndarray, points: ndarray, slack: float =
 
 def _neighbours_of_pieces(surface: Surface, nodes: ndarray, points: ndarray, own: ndarray) -> tuple[Neighbours, float]:
     """Return neighbours of points of which many stay on their own facets, which alone are those of these."""
-    flat, motion = Flat.of(surface, nodes), _SLACK_OF_PIECES * surface.spacing
+    flat, motion = Flat.of(surface, nodes), _SLACK_OF_PIECES * surface.spacing / _SAMPLES[3]
     at = np.flatnonzero(own >= 0)
     foot, limit = flat.foot(surface.shape, own[at], points[at]), np.where(surface.at_rim, surface.reach, 2.0 * FROZEN)
     aside, height, bulge = flat.apart(surface, nodes, own[at], points[at], foot, limit)
     stays = (aside <= -2.0 * bulge - motion) & (np.abs(height) <= FROZEN * surface.size[own[at]] - 2.0 * bulge)
     at, height = at[stays], (np.abs(height) - 2.0 * bulge)[stays]
     others = np.delete(np.arange(len(points)), at)
-    found, _ = neighbours(surface, nodes, points[others], _SLACK)
+    found, _ = neighbours(surface, nodes, points[others], _SLACK_OF_PIECES)
     clearance = np.zeros(len(points))
     clearance[at], clearance[others] = height, found.clearance
     point, facet = np.concatenate((at, others[found.point])), np.concatenate((own[at], found.facet))
@@ -156,7 +156,7 @@ class Flat(NamedTuple):
         shape = surface.shape
         corners = self.centre[:, None] + (shape.nodes - shape.centre) @ self.tangents
         bulge = np.sqrt(((corners - nodes[surface.facets]) ** 2).sum(axis=2).max(axis=1))
-        slope = np.sqrt(np.einsum("sa,nab,sb->ns", shape.outward, self.inverse, shape.outward, optimize=True))
+        slope = np.sqrt(((self.inverse @ shape.outward.T) * shape.outward.T).sum(axis=1))
         aside = ((shape.beyond(foot) - reach[facet]) / slope[facet]).max(axis=1)
         height = dot(points - self.centre[facet], unit(across(self.tangents))[facet])
         return aside, height, bulge[facet]

@@ -85,7 +85,7 @@ class SlavePoints:
 
     def positions(self, nodes: ndarray) -> ndarray:
         """Return coordinates of the points, shape (n, dim), from those of the slave nodes."""
-        return np.asarray(np.einsum("nk,nkc->nc", self.values, nodes[self.nodes]))
+        return np.asarray(np.einsum("nk,nkc->nc", self.values, nodes.take(self.nodes, axis=0)))
 
     def direction(self, slave: Surface, nodes: ndarray) -> ndarray:
         """Return the slave's direction, which moves with its material, shape (n, dim); zero in the plane."""
