@@ -15,6 +15,7 @@ import skfem_contact as sc
 
 sys.path.append(str(Path(__file__).parents[1] / "examples" / "4_benchmarks"))
 from contact_problems import LOWER, MU, UPPER, Contact, hertz, patch, patch_errors
+from space_problems import MASTER, SLAVE, sheared_paraboloid
 from test_contact_space import patch as patch_in_space
 
 DUAL = sc.DualMultipliers()
@@ -87,6 +88,23 @@ def test_cattaneo_and_mindlin() -> None:
     dual, augmented = found.values()
     assert dual[0] <= 0.33 * augmented[0]
     assert dual[1] <= augmented[1] and dual[2] <= 1.05 * augmented[2]
+
+
+def test_friction_beside_a_plane_of_symmetry() -> None:
+    """[N] Half of a paraboloid, pressed and sheared: 15 iterations, and the forces of the penalty method to 3 %."""
+    problem, found = sheared_paraboloid(3), []
+    top = np.flatnonzero(problem.pressed != 0.0)
+    stages = [sc.Stage("press", prescribed=problem.pressed, increments=3),
+              sc.Stage("shear", prescribed=problem.pressed + 1e-3 * problem.shifted, increments=2)]  # fmt: skip
+    for options in ({"enforcement": DUAL}, {"penalty": 2e4}):
+        pair = sc.ContactPair(problem.basis, SLAVE, MASTER, sc.Coulomb(0.4), 2, **options)
+        model = sc.Model({"bodies": problem.solid, "joint": pair}, problem.fixed)
+        result = model.run(stages, progress=False)
+        reactions = result[-1].reactions()
+        found.append((iterations(result), [reactions[top - i].sum() for i in (0, 2)]))
+    (dual, forces), (_, reference) = found
+    assert dual <= 18
+    np.testing.assert_allclose(forces, reference, rtol=0.03)  # compliance of the penalty
 
 
 def test_no_penalty_changes_the_result() -> None:

@@ -19,10 +19,12 @@ from typing import Any
 import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix, diags_array, vstack
+from scipy.spatial import cKDTree
 
 from ..forms.base import Response
 from ..surfaces.shape import Shape
 from ..surfaces.surface import Surface
+from ..surfaces.vectors import frame
 from .interface import ROUND_OFF, ContactState
 from .kinematics import Kinematics, geometric_tangent, slip_gradient
 from .laws import LawUpdate, Status
@@ -35,6 +37,8 @@ _NOTHING, _SINGULAR = 1e-9, 1e-10
 #: Compliance of the multipliers in the tangent, over that of the penalty: supports may hold both sides of a node, whose
 #: multiplier then has no effect.
 _HELD = 1e-10
+#: Square of the cosine between a direction of slip and supports that hold it.
+_ALONG = 0.99
 
 
 def hats(shape: Shape, xi: ndarray) -> ndarray:
@@ -181,6 +185,22 @@ def _integrals(pair: Any, state: ContactState, found: Projection) -> tuple[ndarr
     area, opened = (np.bincount(facing.nodes.ravel(), (weights * part[:, None]).ravel(), len(pair.slave.nodes))
                     for part in (np.ones(len(at)), (found.gap - state.clearance)[at]))
     return at, weights, area, opened
+
+
+def idle(pair: Any, fixed: ndarray) -> ndarray:
+    """Return the tangential multipliers at nodes that supports hold along the surface, with the master beside them.
+
+    Nothing slips across a plane of symmetry.  A multiplier there would act on the master's inside alone, and its
+    equations would nearly be those of its neighbours.
+    """
+    slave, master = pair.slave, pair.facets
+    directions = frame(slave.normals, np.broadcast_to(slave.directions[0], slave.nodes.shape))
+    both, held = np.isin(slave.dofs, fixed), np.isin(master.dofs, fixed)
+    for i in range(slave.dim):
+        near = cKDTree(master.nodes[held[:, i]]).query(slave.nodes)[0] if held[:, i].any() else np.inf
+        both[:, i] &= near < max(slave.spacing, master.spacing)
+    along = (directions**2 * both[:, None]).sum(axis=2) > _ALONG
+    return np.asarray(pair.multipliers[1:][along.T])
 
 
 def foreseen(pair: Any, start: ndarray, x: ndarray, before: ndarray, accepted: ContactState) -> ndarray:

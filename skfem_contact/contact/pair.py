@@ -21,7 +21,7 @@ from .diagnosis import remarks
 from .interface import RECUTS, ROUND_OFF, ContactState
 from .kinematics import Kinematics, dragged, tangents, variations
 from .laws import InterfaceLaw, LawUpdate, Status, resisting
-from .multipliers import Nodes, foreseen, respond
+from .multipliers import Nodes, foreseen, idle, respond
 from .penalty import AugmentedLagrangian, Progress
 from .prestress import LinearisedContact, TractionOperator
 
@@ -238,6 +238,10 @@ class ContactPair(ContactBase):
     @override
     def begin(self, accepted: ContactState, failure: Failure | None = None) -> ContactPair:
         return regularisation.begin(self, accepted, failure)
+
+    @override
+    def idle(self, fixed: ndarray) -> ndarray:
+        return idle(self, fixed) if self.dual else super().idle(fixed)
 
     @override
     def foreseen(self, start: ndarray, x: ndarray, before: ndarray, accepted: ContactState) -> ndarray:

@@ -113,6 +113,10 @@ class Staged:
         """Return remarks on supports, inactive dofs, and the time since the last change to the end of a stage."""
         return ()
 
+    def idle(self, fixed: ndarray) -> ndarray:
+        """Return dofs of the form's own fields that do nothing between supports, and are held as well."""
+        return np.zeros(0, int)
+
     def remarks_on(self, x: ndarray, states: Mapping[str, Any]) -> Iterable[Remark]:
         """Return remarks on the accepted states of other forms."""
         return ()

@@ -174,6 +174,7 @@ class Setup:
 
     def system(self, forms: Mapping[str, Form], fixed: ndarray) -> System:
         """Return the system of some forms whose supports have been checked."""
+        fixed = np.unique(np.concatenate((fixed, *(form.idle(fixed) for form in forms.values()))))
         free = others(self.layout.size, fixed)
         return System(forms, self.layout, fixed, linear_solver(forms, self.solver, self.layout.coordinates, free))
 
