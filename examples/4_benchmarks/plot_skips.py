@@ -102,9 +102,9 @@ def eager(self, *args, init=sc.Response.__init__, **kwargs):
     self.stiffness
 
 
-def nothing_is_far(self, nodes, points, at=neighbours.NeighbourList.at):
+def nothing_is_far(self, nodes, points, own, at=neighbours.NeighbourList.at):
     """Neighbours that may be anywhere."""
-    return at(self, nodes, points)._replace(clearance=np.full(len(points), -np.inf))
+    return at(self, nodes, points, own)._replace(clearance=np.full(len(points), -np.inf))
 
 
 class Afresh(Total):
