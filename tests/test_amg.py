@@ -14,6 +14,7 @@ from scipy.sparse.linalg import eigsh
 from skfem import Basis, ElementHex1, ElementQuad1, ElementTetP2, ElementVector, MeshHex, MeshQuad, MeshTet
 
 import skfem_contact as sc
+from skfem_contact.errors import NotConverged
 from skfem_contact.layout import rigid_modes
 from skfem_contact.solvers import choice, multigrid
 from skfem_contact.solvers import levels as levels_of
@@ -305,6 +306,23 @@ def test_direct_solver_takes_over_where_multigrid_was_asked_for(monkeypatch, cap
         x = sc.Model(forms, fixed, solver="amg").run(stages)[-1].x
     np.testing.assert_array_equal(x, expected)
     assert sum(r.getMessage().endswith("a direct solver takes over") for r in caplog.records) == 1
+
+
+@needs_pyamg
+def test_rough_solutions_end(monkeypatch, rng):
+    """[X] A rough solution ends after some iterations with a residual below a tenth, an accurate one does not."""
+    basis, forms, fixed = cantilever(3)
+    K, free, b = forms["beam"].elastic_stiffness, free_of(basis, fixed), rng.standard_normal(basis.N)
+    monkeypatch.setattr(multigrid, "RESTART", 3)
+    solver = multigrid.AmgSolver(basis.doflocs, free)
+    x = solver.factor(K)(b, 1e-3)
+    assert solver.iterations == 3
+    assert 1e-3 < np.linalg.norm((b - K @ x)[free]) / np.linalg.norm(b[free]) < 0.1
+    solver.factor(K)(b, 1e-4)
+    assert solver.iterations > 3
+    monkeypatch.setattr(multigrid, "_ENOUGH", 1e-3)
+    with pytest.raises(NotConverged, match="after 3 iterations"):
+        multigrid.AmgSolver(basis.doflocs, free).factor(K)(b, 1e-3)
 
 
 @needs_pyamg

@@ -17,7 +17,7 @@ from ..errors import NotConverged
 from ..layout import rigid_modes
 from ..sparse import FreeBlock, with_data
 from .direct import REFINE, WRONG, DirectSolver, LinearSolver, SingularSystem, Solve, nothing_free
-from .krylov import Preconditioner, conjugate_gradients, fgmres
+from .krylov import RESTART, Preconditioner, conjugate_gradients, fgmres
 from .levels import Levels, smoothed_aggregation
 
 logger = logging.getLogger("skfem_contact")
@@ -36,6 +36,10 @@ PER_ITERATION = {"pardiso": 2000, "superlu": 500}
 # PARDISO factors one in 50 iterations' time.  SuperLU takes three times as long, but the other figure is large enough.
 PER_ITERATION_YIELDING = {"pardiso": 700, "superlu": 500}
 FEWEST = 20
+#: A rough solution ends after :data:`RESTART` iterations, with any residual up to the second number. At an extrapolated
+#: start of a footing with 300,000 dofs 354 iterations lead to .016 where .01 is asked for.  With rough residuals of .1
+#: a footing of 10,000 dofs takes 29 iterations of Newton's method for 28.
+_ROUGH, _ENOUGH = 1e-3, 0.1
 
 
 class AmgSolver:
@@ -98,19 +102,21 @@ class AmgSolver:
         def solve(b: ndarray, rtol: float = REFINE) -> ndarray:
             nonlocal cycle, fresh
             right, x = np.where(self._held, 0.0, b[self._dofs]), np.zeros(len(b))
-            most = self._most if fresh else min(self._most, self._patience(rtol))
-            found = _iterated(A, cycle, balanced, right, symmetric, most, rtol)
+            most = self._most if rtol < _ROUGH else min(self._most, RESTART)
+            found = _iterated(A, cycle, balanced, right, symmetric, most if fresh else min(most, self._patience(rtol)),
+                              rtol)
             self.iterations = found.count
             if not found.close and not fresh:
                 cycle, fresh = self._renewed(A, blocks).cycle(A, blocks), True
-                found = _iterated(A, cycle, balanced, right, symmetric, self._most, rtol, found.x)
+                found = _iterated(A, cycle, balanced, right, symmetric, most, rtol, found.x)
                 self.iterations += found.count
             logger.debug("multigrid: %d iterations to a residual of %.1e", self.iterations, found.error)
-            if not found.close:
+            if not found.close and not (rtol >= _ROUGH and found.error <= _ENOUGH):
                 raise NotConverged(f"algebraic multigrid does not converge, its relative residual is {found.error:.1e} "
                                    f"after {self.iterations} iterations: bodies may be loose, very thin or nearly "
                                    "incompressible")
-            self._count(found, fresh)
+            if found.close:
+                self._count(found, fresh)
             x[self._dofs] = found.x
             x[self._dofs[self._held]] = 0.0  # not the round-off of the blocks of nodes
             return x
