@@ -152,8 +152,8 @@ def _closed(pair: Any, x: ndarray, state: ContactState, found: Projection, multi
             ) -> _Closed:
     """Evaluate the law at the nodes that it may close, at means of gap and slip where they face the master."""
     points, around, n = pair.points(state), pair.nodes_at(state), multiplied.shape[1]
-    at, weights, area, opened = _integrals(pair, state, found)
-    facing, some = points.take(at), np.flatnonzero(area > _NOTHING * area.max(initial=0.0))
+    at, facing, weights, area, opened = _integrals(pair, state, found)
+    some = np.flatnonzero(area > _NOTHING * area.max(initial=0.0))
 
     def nearly(values: ndarray) -> ndarray:
         return np.where(np.abs(values) <= exact, 0.0, values)
@@ -177,14 +177,18 @@ def _closed(pair: Any, x: ndarray, state: ContactState, found: Projection, multi
     return _Closed(on, at[act], weights, sums, area, kinematics, update)
 
 
-def _integrals(pair: Any, state: ContactState, found: Projection) -> tuple[ndarray, ndarray, ndarray, ndarray]:
-    """Return points that face the master, their weights, and the nodes' integrals of the dual functions and gaps."""
+def _integrals(pair: Any, state: ContactState, found: Projection
+               ) -> tuple[ndarray, SlavePoints, ndarray, ndarray, ndarray]:
+    """Return points that face the master, their weights, and the nodes' integrals of the dual functions and gaps.
+
+    The points come as their numbers and as points.
+    """
     around, at = pair.nodes_at(state), np.flatnonzero(found.found)
     facing = pair.points(state).take(at)
     weights = pair.share * facing.weight[:, None] * duals(facing, around.values[at], len(pair.slave.facets))
     area, opened = (np.bincount(facing.nodes.ravel(), (weights * part[:, None]).ravel(), len(pair.slave.nodes))
                     for part in (np.ones(len(at)), (found.gap - state.clearance)[at]))
-    return at, weights, area, opened
+    return at, facing, weights, area, opened
 
 
 def idle(pair: Any, fixed: ndarray) -> ndarray:
@@ -228,7 +232,7 @@ def _gaps(pair: Any, x: ndarray, state: ContactState) -> ndarray:
     slave, nodes = pair.interface.positions(x)
     depth = pair.interface.depth(pair.points(state))
     found, _ = pair.interface.near(slave, nodes, state, state.clearance + depth, depth)
-    _, _, area, opened = _integrals(pair, state, found)
+    *_, area, opened = _integrals(pair, state, found)
     some = area > _NOTHING * area.max(initial=0.0)
     return np.where(some, opened / np.where(some, area, 1.0), np.inf)
 

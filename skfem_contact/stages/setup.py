@@ -167,14 +167,12 @@ class Setup:
     def inactive(self, active: Mapping[str, Form]) -> ndarray:
         """Return the dofs that forms or fields have, but no active form."""
         brought = np.arange(self.layout.n_displacements, self.layout.size)
-        there = np.zeros(self.layout.size, bool)
-        there[dofs_of(self.forms, self.layout)] = there[brought] = True
-        there[dofs_of(active, self.layout)] = False
-        return np.flatnonzero(there)
+        of_none = others(self.layout.size, dofs_of(self.forms, self.layout), brought)
+        return others(self.layout.size, of_none, dofs_of(active, self.layout))
 
     def system(self, forms: Mapping[str, Form], fixed: ndarray) -> System:
         """Return the system of some forms whose supports have been checked."""
-        fixed = np.unique(np.concatenate((fixed, *(form.idle(fixed) for form in forms.values()))))
+        fixed = different(self.layout.size, fixed, *(form.idle(fixed) for form in forms.values()))
         free = others(self.layout.size, fixed)
         return System(forms, self.layout, fixed, linear_solver(forms, self.solver, self.layout.coordinates, free))
 
