@@ -84,7 +84,7 @@ def random_slope(seed: int) -> tuple[dict, Ground]:
     basis = Basis(mesh, ElementVector(random.choice([ElementTriP1(), ElementTriP2()])), intorder=2)
     fixed = np.hstack([basis.get_dofs("base").all(), basis.get_dofs("sides").all("u^1")])
     given = {"forms": {"soil": sc.SolidForm(basis, soils)}, "fixed": fixed, "weight": weights, "seismic": seismic,
-             "tractions": tractions, "gap": 0.1, "elements": 100}  # fmt: skip
+             "tractions": tractions, "gap": 0.1, "elements": 150}  # fmt: skip
     body = {name: (seismic * weight, -weight) for name, weight in weights.items()}
     return given, Ground(soils, body, {"base": (0, 1), "sides": (0,)}, tractions)
 

@@ -84,7 +84,7 @@ def valley(element: str) -> Basis:
 def test_tangent_at_edges_and_vertices(element, law, rng):
     """Where the facets of a valley shadow each other, its edge or vertex is closest: exact there, without a couple."""
     features = set()
-    for _ in range(2):
+    for _ in range(4):
         basis = valley(element)
         pair = sc.ContactPair(basis, "upper:bottom", "lower:top", LAWS[law], 2, penalty=(1e3, 7e2), initial="as meshed")
         x = 0.004 * rng.standard_normal(basis.N)
