@@ -151,8 +151,8 @@ def moved_rigidly(
 ) -> ndarray:
     """Displacements that turn everything, displaced by x already, about the origin and shift it."""
     x = basis.zeros() if x is None else x
-    places = basis.doflocs[:, ::2].T + x.reshape(-1, 2)
-    return (places @ rotation(degrees).T + shift - basis.doflocs[:, ::2].T).ravel()
+    present = basis.doflocs[:, ::2].T + x.reshape(-1, 2)
+    return (present @ rotation(degrees).T + shift - basis.doflocs[:, ::2].T).ravel()
 
 
 def rough_pair(
@@ -210,8 +210,8 @@ def directional_error(
 def resultant(basis: Basis, x: ndarray, force: ndarray) -> ndarray:
     """Sum of nodal forces and their moment about the origin in the current configuration, (3,), or (6,) in space."""
     dim = basis.mesh.dim()
-    f, place = force.reshape(-1, dim), basis.doflocs[:, ::dim].T + x.reshape(-1, dim)
-    moment = place[:, 0] * f[:, 1] - place[:, 1] * f[:, 0] if dim == 2 else np.cross(place, f)
+    f, present = force.reshape(-1, dim), basis.doflocs[:, ::dim].T + x.reshape(-1, dim)
+    moment = present[:, 0] * f[:, 1] - present[:, 1] * f[:, 0] if dim == 2 else np.cross(present, f)
     return np.append(f.sum(axis=0), moment.sum(axis=0))
 
 

@@ -165,7 +165,7 @@ def test_package_does_not_grow() -> None:
     # demonstration shows 60; heave and rates that do nothing 50
     # shares of the mesh in factors of safety and lost weights 150
     # multipliers inside Newton's method 360, a file and a name; threads of large factors 30 in a file;
-    # places of initial stresses that are refused 20; wells that fall dry without a balance 10;
+    # initial stresses that are refused 20; wells that fall dry without a balance 10;
     # views of stages apart, below titles that fit, 17; searches that try again with resistance to slip 30; flat pieces
     # of curves of bars that are looked at from farther away 20; steps of the heads that converge with rain and with
     # drains that open at once 42

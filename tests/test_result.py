@@ -188,10 +188,10 @@ def test_save_and_load_after_sliding(tmp_path):
     fixed = np.concatenate((fixed, basis.get_dofs("upper:top").all()))
     stages = []
     for k in range(1, 5):
-        place = basis.zeros()
-        place[basis.get_dofs("upper:top").all("u^1")] = 0.07 * k
-        place[basis.get_dofs("upper:top").all("u^2")] = -1e-2
-        stages.append(sc.Stage(f"{k}", basis.zeros(), place))
+        moved = basis.zeros()
+        moved[basis.get_dofs("upper:top").all("u^1")] = 0.07 * k
+        moved[basis.get_dofs("upper:top").all("u^2")] = -1e-2
+        stages.append(sc.Stage(f"{k}", basis.zeros(), moved))
     whole = sc.Model(forms, fixed).run(stages, progress=False)
     numbers = [len(s.states["joint"].gap) for s in whole]
     assert len(set(numbers)) > 1
