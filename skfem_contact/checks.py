@@ -63,6 +63,14 @@ def vector(value: Any, size: int, name: str) -> ndarray:
     return numbers
 
 
+def unit_vector(value: Any, size: int, name: str) -> ndarray:
+    """Return a direction, (size,); a ``ValueError`` for vectors of another length than 1."""
+    found = np.asarray(value, dtype=float)
+    if found.shape != (size,) or not np.isclose(np.linalg.norm(found), 1.0, rtol=0.0, atol=1e-6):
+        raise ValueError(f"{name} must be a unit vector with {size} components, not {value!r}")
+    return found
+
+
 def dofs(value: Any, size: int, name: str) -> ndarray:
     """Return numbers of dofs, each once, in ascending order: whole numbers from 0 to size - 1."""
     numbers = np.atleast_1d(np.asarray(value))

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from skfem import CellBasis, FacetBasis, LinearForm, Mesh
 from typing_extensions import override
 
-from .checks import check_basis, facets_of, finite, format_point, look_up, names_of
+from .checks import check_basis, facets_of, finite, format_point, look_up, names_of, unit_vector
 from .errors import warn
 from .layout import elements_of, linear_element
 
@@ -62,9 +62,8 @@ def weight(body: Body, unit_weights: float | Mapping[str, float], direction: Seq
     basis, axisymmetric = _basis_of(body)
     gamma = by_element(basis.mesh, unit_weights)[elements_of(basis)]
     field = np.broadcast_to(gamma[:, None], basis.dx.shape).copy()
-    down = -np.eye(basis.mesh.dim())[-1] if direction is None else np.asarray(direction, dtype=float)
-    if down.shape != (basis.mesh.dim(),) or not np.isclose(np.linalg.norm(down), 1.0, rtol=0.0, atol=1e-6):
-        raise ValueError(f"direction must be a unit vector with {basis.mesh.dim()} components, not {direction!r}")
+    dim = basis.mesh.dim()
+    down = -np.eye(dim)[-1] if direction is None else unit_vector(direction, dim, "direction")
 
     @LinearForm
     def body_force(v, w):  # type: ignore[no-untyped-def]
@@ -122,9 +121,12 @@ def by_element(mesh: Mesh, values: float | Mapping[str, float], what: str = "wei
 
 
 def weightless(body: Body, unit_weights: float | Mapping[str, float]) -> str:
-    """Return which elements of a body get no weight, for a message; empty where all get one."""
+    """Return which elements of a body get no weight, for a message; warn of weights that act upwards."""
     mesh, present = body.basis.mesh, elements_of(body.basis)
-    missing = present[np.isnan(by_element(mesh, unit_weights, "unit weight", np.nan)[present])]
+    given = by_element(mesh, unit_weights, "unit weight", np.nan)[present]
+    missing = present[np.isnan(given)]
+    if (given < 0.0).any():
+        warn(f"unit weights are positive, and gravity acts against the last axis: {unit_weights} acts upwards")
     names = [name for name, part in (mesh.subdomains or {}).items() if np.isin(missing, part).any()]
     return f"{len(missing)} elements of the subdomains {names}" if len(missing) else ""
 

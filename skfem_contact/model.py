@@ -38,7 +38,7 @@ class Model(Setup):
     newton
         Settings of Newton's method; by default those of each method.
     gravity
-        Direction of gravity, (dim,); by default against the last axis.
+        Direction of gravity, a unit vector (dim,); by default against the last axis.
     seismic
         Horizontal acceleration over that of gravity, one number or a component for each horizontal axis.
     water_unit_weight
@@ -57,7 +57,7 @@ class Model(Setup):
     ------
     ValueError
         Objects that are no forms, forms of different meshes or coordinate systems, fields that two forms bring, dofs
-        that do not exist.
+        that do not exist, weights across the axis in axial symmetry.
 
     Examples
     --------

@@ -21,6 +21,7 @@ from skfem_contact.collapse.mechanism import as_collapse
 from skfem_contact.solvers.superlu import SuperLU
 
 QUIET = {"progress": False}
+ELASTIC = sc.LinearElastic(E=1e4, nu=0.3)
 
 
 def disc(width=1.0, n=5):
@@ -261,6 +262,44 @@ def test_block_that_slides_is_not_stable(degrees, stands):
     model = sc.Model({"block": sc.SolidForm(basis, sc.LinearElastic(E=1e6, nu=0.2)), "joint": joint})
     angle = np.radians(degrees)
     assert model.is_stable(sc.weight(basis, 1.0, direction=(np.sin(angle), -np.cos(angle)))) is stands
+
+
+def test_mechanism_of_a_block_that_slides(recwarn):
+    """[X] An elastic block on an incline of 20 degrees: mu over tan 20, all of it moves alike, no mesh adds to it."""
+    base = MeshQuad.init_tensor(np.linspace(0, 6, 13), np.linspace(-1, 0, 3)).with_defaults()
+    block = MeshQuad.init_tensor(np.linspace(2, 4, 6), np.linspace(0, 1, 4)).with_defaults()
+    basis = Basis(sc.join_bodies({"base": base, "block": block}), ElementVector(ElementQuad1()), intorder=2)
+    bodies = sc.SolidForm(basis, sc.LinearElastic(E=1e5, nu=0.2), unit_weight={"base": 0.0, "block": 20.0})
+    joint = sc.ContactPair(basis, "block:bottom", "base:top", sc.Coulomb(mu=0.6), penalty=1e7)
+    angle = np.radians(20.0)
+    model = sc.Model({"bodies": bodies, "joint": joint}, basis.get_dofs("base:bottom").all(),
+                     gravity=(np.sin(angle), -np.cos(angle)))
+    found = model.strength_reduction(**QUIET)
+    assert found.factor == pytest.approx(0.6 / np.tan(angle), abs=0.01)
+    moved = found.mechanism[np.unique(basis.element_dofs[:, basis.mesh.subdomains["block"]])]
+    assert np.allclose(np.sort(moved), np.repeat((0.0, 1.0), len(moved) // 2), atol=1e-4)  # of the penalty: 1e-7
+    assert found.added == 0.0 and not recwarn.list
+
+
+def strip(left, **options):
+    """Model of ground under a beam from -2 to 2, or of its right half, and the moment in the axis under its ends."""
+    mesh = MeshQuad.init_tensor(np.linspace(left, 6, 6 - 2 * int(left) + 7), np.linspace(-4, 0, 9)).with_boundaries(
+        {"beam": lambda x: (x[1] > -1e-9) & (abs(x[0]) < 2.0)})  # fmt: skip
+    basis = Basis(mesh, ElementVector(ElementQuad2()), intorder=4)
+    beam = sc.Beam(basis, "beam", EI=2e4, EA=1e6)
+    held = beam.dofs((0.0, 0.0), options["names"]) if options else []
+    model = sc.Model({"ground": sc.SolidForm(basis, ELASTIC), "beam": beam}, [sc.box_supports(basis), *held])
+    load = sum(model.forms["beam"].load((0.0, -30.0), at=(x, 0.0)) for x in (-2.0, 2.0) if x >= left)
+    forces = model.run([sc.Stage("ends", load)], **QUIET)["ends"].section_forces("beam")
+    return forces.M[np.argmin(abs(forces.x))]
+
+
+def test_beam_that_ends_in_a_plane_of_symmetry(recwarn):
+    """[X] Half of a footing as the whole one; a rotation that the supports of the ground leave free is told."""
+    assert strip(0.0, names=["theta"]) == pytest.approx(strip(-6.0), rel=1e-9)
+    assert not recwarn.list
+    with pytest.warns(sc.AnalysisWarning, match=r"its end at \(0, 0\) is held along the beam and may turn"):
+        assert abs(strip(0.0)) < 1e-9  # 16.7 is right
 
 
 def arch(n=12, thickness=0.2):

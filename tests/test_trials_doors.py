@@ -57,14 +57,33 @@ def test_many_stages_begin_at_once():
     assert time.process_time() - began < 2.0
 
 
+def test_file_of_elements_in_another_order(tmp_path):
+    """States follow the order of the materials: a file is refused where another one would exchange them."""
+    basis = halves()
+
+    def model(names):
+        solid = sc.SolidForm(basis, dict.fromkeys(names, ELASTIC), unit_weight=20.0)
+        return sc.Model({"soil": solid}, basis.get_dofs({"l:bottom", "r:bottom"}).all())
+
+    model("lr").run([sc.Stage("weight")]).save(tmp_path / "weight.npz")
+    assert sc.load_result(tmp_path / "weight.npz", model("lr"))["weight"].residual < 1e-12
+    with pytest.raises(ValueError, match="'soil' has another mesh, or another order of the elements, which follow its"):
+        sc.load_result(tmp_path / "weight.npz", model("rl"))
+
+
 @pytest.mark.parametrize(("call", "message"), [
     (lambda: sc.rigid.level_set(lambda x, y: x + y, (-1.0, 1.0, -1.0, 1.0), resolution=0), "at least 2, not 0"),
     (lambda: sc.MatrixForm(np.ones((2, 3, 4))), r"square matrix, not an array of shape \(2, 3, 4\)"),
     (lambda: column().k0_state(K0=0.5, unit_weights={}), "unit_weights names no subdomain"),
     (lambda: sc.testing.check_material(ELASTIC, ncomp=0), "ncomp must be one of 4, 6, not 0"),
+    (lambda: column().run([sc.Stage("w")])[-1].section_forces("soil", sc.Sections.line((9, 1), (9, 0), 1)), "at .9, 1"),
+    (lambda: column(gravity=(0.0, -9.81)), r"gravity must be a unit vector with 2 components, not \(0.0, -9.81\)"),
+    (lambda: column(seismic=(0.1, 0.1)), "seismic must be finite, with at most 1 components"),
+    (lambda: column("axisymmetric", seismic=0.1), "weights act along the axis"),
+    (lambda: column("axisymmetric", gravity=(0.6, -0.8)), "weights act along the axis"),
 ])  # fmt: skip
 def test_nothing_given(call, message):
-    """Grids without points, matrices of three dimensions, no weights, no components: refused by name."""
+    """Grids without points, no weights, sections elsewhere, gravity of 9.81 or across an axis: refused by name."""
     with pytest.raises(ValueError, match=message):
         call()
 
@@ -74,6 +93,8 @@ def test_nothing_given(call, message):
     (lambda: sc.hydrostatic(2.0, unit_weight=1000.0), "unit weight of water is 1000, which is its density"),
     (lambda: column().k0_state(K0=50.0), "K0 is 50: it is the ratio"),
     (lambda: column(E=1.0).run([sc.Stage("weight")]), "small; are E and the loads in the same units"),
+    (lambda: column(seismic=-10.0), "seismic is -10.0: it is the acceleration over that of gravity"),
+    (lambda: column(unit_weight={"all": -18.0}), "unit weights are positive"),
 ])  # fmt: skip
 def test_slips_are_told(make, message):
     """Angles for coefficients, densities for weights, per cent for ratios, MPa beside kN."""
@@ -81,16 +102,19 @@ def test_slips_are_told(make, message):
         make()
 
 
-def column(E: float = 1e4):
+def column(coordinates: str = "plane", E: float = 1e4, unit_weight: float | dict = 20.0, **options):
     """Model of a body of 1 m under its own weight."""
-    basis = vector_basis(grid("Q1", np.linspace(0, 1, 3), np.linspace(0, 1, 3)), "Q1", intorder=2)
-    return sc.Model({"soil": sc.SolidForm(basis, sc.LinearElastic(E, 0.3), unit_weight=20.0)}, sc.box_supports(basis))
+    mesh = grid("Q1", np.linspace(0, 1, 3), np.linspace(0, 1, 3)).with_subdomains({"all": lambda x: x[0] > 0.0})
+    basis = vector_basis(mesh, "Q1", intorder=2)
+    soil = sc.SolidForm(basis, sc.LinearElastic(E, 0.3), coordinates=coordinates, unit_weight=unit_weight)
+    return sc.Model({"soil": soil}, sc.box_supports(basis), **options)
 
 
 def test_sound_input_is_not_told(recwarn):
     sc.Coulomb(mu=[0.2, 5.0])
     sc.Coulomb(mu=1e6)
     sc.hydrostatic(2.0, unit_weight=9810.0)
+    column(seismic=0.9)
     column().k0_state(K0=3.0)
     column().run([sc.Stage("weight")])
     assert not recwarn.list

@@ -19,7 +19,7 @@ from ..forms.base import Form, Response
 from ..layout import Field
 from ..sparse import Gathering
 from .element import BeamElements, Flow, Hinges, ShellElements, SpaceElements
-from .joints import Taken, frame_of, loose_dof, of_a_line, rotations_of, taken_by
+from .joints import Taken, frame_of, loose_dof, of_a_line, rotations_of, taken_by, turning_ends
 from .lines import nodes_of
 from .nodes import BeamNodes, check_values, stiffest
 
@@ -249,7 +249,7 @@ class Beam(BeamNodes):
         if loose is not None:
             raise ValueError("the beam is a mechanism: its supports and hinges leave a motion without force, the "
                              f"largest at {format_point(self._where[loose])}")
-        return self._elements.remarks(self._shear)
+        return [*self._elements.remarks(self._shear), *turning_ends(self, fixed)]
 
     @override
     def initial_state(self, x: ndarray | None = None) -> BeamState:

@@ -25,6 +25,8 @@ _OF_LENGTH, _SINGLE = np.array([1.0, 1.0, 4.0]) / 6.0, 3.0
 #: Share by which a beam bonded to a line in space may move more in the next mesh without a remark: 2 % along the corner
 #: of a quarter of the ground, which moves four times as much as the ground all around that the formula is for.
 _TOLD = 0.005
+#: Cosine of the angle between a beam and the direction in which its end is held, in a plane of symmetry.
+_ALONG = 0.99
 #: Dofs that a field takes: pairs of indices and of what they are.
 Taken = tuple[tuple[ndarray, Any], ...]
 
@@ -167,3 +169,24 @@ def of_a_line(length: ndarray, cells: ndarray, force: ndarray, moved: ndarray, G
     if more > _TOLD:
         yield Remark("line", more, f"in elements half as large the beam moves by {more:.1%} more or worse: it is "
                      "bonded to a line of a solid, which has no stiffness in space; take Embedded(..., radius=...)")
+
+
+def turning_ends(beam: Any, fixed: ndarray) -> Iterator[Remark]:
+    """Yield a remark on an end in the ground that supports hold along the beam alone, as in a plane of symmetry.
+
+    Supports of the ground do not hold its rotation there, which makes it a hinge.
+    """
+    if not beam._parts or beam._shared is None or beam.coordinates != "plane":
+        return
+    corners, rows = beam.points[beam.cells], beam._parts[0][1]
+    met = np.concatenate([dofs[:, 6:8].ravel() for _, dofs in beam._parts])
+    for end in (0, 1):
+        tangent = 3.0 * corners[:, end] - 4.0 * corners[:, 2] + corners[:, 1 - end]
+        along = np.abs(tangent) / np.linalg.norm(tangent, axis=1)[:, None]
+        held, theta = np.isin(rows[:, 2 * end:2 * end + 2], fixed), rows[:, 6 + end]
+        cut = ~np.isin(theta, fixed) & (held.sum(axis=1) == 1) & ((held * along).sum(axis=1) > _ALONG)
+        cut &= (theta[:, None] == met).sum(axis=1) == 1  # no other element meets there
+        if cut.any():
+            at = format_point(corners[cut, end][0])
+            yield Remark("turns", 0.0, f"its end at {at} is held along the beam and may turn, as at a hinge: in a "
+                         f"plane of symmetry hold beam.dofs({at}, ['theta']) as well")

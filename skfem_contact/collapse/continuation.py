@@ -158,6 +158,11 @@ def remainder(points: list[Point] | tuple[Point, ...]) -> float:
     return (last.parameter - start.parameter) / (last.work - start.work) * done
 
 
+def motion(last: Point, failed: NotConverged | None) -> ndarray:
+    """Return displacements from the last equilibrium to those at which the next step failed."""
+    return np.zeros_like(last.x) if failed is None or failed.x is None else failed.x - last.x
+
+
 def follow(branch: Branch, control: ndarray, points: list[Point], newton: Newton, tolerance: float,
            log: SearchLog, **settings: Any) -> SearchResult:
     """Follow the curve until it has levelled off, a second time with resistance to slip where it stalls.
@@ -204,7 +209,7 @@ def _follow(branch: Branch, control: ndarray, points: list[Point], newton: Newto
                 error = as_collapse(error, beyond, last.x, last.states, forces, newton)
             log.reject(last.parameter, error, last.work + length)
             if isinstance(error, NoEquilibrium) and rise < margin:
-                return SearchResult(points, Stop("collapse", str(error)), last.parameter + margin)
+                return SearchResult(points, Stop("collapse", str(error)), last.parameter + margin, motion(last, error))
             kind = kind_of(error)
             failures[kind] += 1
             failed += max(len(error.residuals) - 1, _LEAST_FAILED)

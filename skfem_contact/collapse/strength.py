@@ -21,7 +21,7 @@ from ..results.result import Result
 from ..results.stage import StageResult
 from ..solvers import single_threaded
 from ..stages.setup import Setup
-from .continuation import Branch, follow, loaded_start
+from .continuation import Branch, follow, loaded_start, motion
 from .mechanism import as_collapse, is_singular
 from .result import FACTOR, CollapseResult, Point, SearchLog, SearchResult, Stop, conclude, no_collapse_below
 
@@ -196,12 +196,7 @@ def _continuation(branch: _Strength, first: Point, newton: Newton, tolerance: fl
     where = "the first equilibrium is at its limit" if flowed else "the bodies are elastic up to there"
     above = min((step.parameter for step in log.steps if step.outcome == "collapse"), default=np.inf)
     shown = above - last.parameter <= tolerance
-    return SearchResult(points, Stop("collapse" if shown else "stall", where), above, _motion(last, failed))
-
-
-def _motion(last: Point, failed: NotConverged | None) -> ndarray:
-    """Return displacements from the last equilibrium to those at which the next step failed."""
-    return np.zeros_like(last.x) if failed is None or failed.x is None else failed.x - last.x
+    return SearchResult(points, Stop("collapse" if shown else "stall", where), above, motion(last, failed))
 
 
 def _approach(branch: _Strength, first: Point, newton: Newton, least: float, step: float, max_value: float,
@@ -253,4 +248,4 @@ def _bracket(branch: _Strength, first: Point, newton: Newton, tolerance: float, 
         stop = Stop("stall", f"at {above:.4f} neither equilibrium nor collapse was found ({higher}): {failed}")
     else:
         stop = Stop("collapse", f"at {shown:.4f}")
-    return SearchResult(points, stop, shown, _motion(last, failed))
+    return SearchResult(points, stop, shown, motion(last, failed))

@@ -275,6 +275,8 @@ def _layers(form: SolidForm, sections: Sections) -> tuple[ndarray, ndarray, ndar
     hits = cKDTree(centroid).query_ball_point(sections.center, sections.half_depth + 1.5 * largest)
     section = np.repeat(np.arange(len(hits)), [len(h) for h in hits])
     element = np.concatenate([np.asarray(h, dtype=int) for h in hits])
+    if not len(element):
+        raise ValueError(f"the sections cut no element of the solid: it is not at {format_point(sections.center[0])}")
     flat = np.repeat(section, nodes.shape[1])
     s = sections.local(flat, points[:, element].reshape(dim, -1).T)[0].reshape(len(element), -1)
     inside = np.abs(sections.local(section, centroid[element])[1]) <= sections.half_depth[section]

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from typing_extensions import Self
 
 from .. import loads
-from ..checks import is_number
+from ..checks import is_number, unit_vector
 from ..errors import warn
 from ..forms.base import Form, as_forms, solids_of
 from ..layout import Field, FieldDofs, Layout, different, others
@@ -22,6 +22,9 @@ from ..nonlinear.system import System
 from ..solvers.choice import linear_solver
 from .loading import water_at_rest
 from .supports import check_supports
+
+#: Horizontal acceleration over that of gravity beyond which its unit cannot be meant.
+_STRONGEST = 2.0
 
 
 class Setup:
@@ -69,13 +72,16 @@ class Setup:
     def _acceleration(self, gravity: Sequence[float] | None, seismic: float | Sequence[float]) -> ndarray:
         """Return the acceleration of all weights over that of gravity, (dim,)."""
         dim = len(self.layout.coordinates)
-        down = -np.eye(dim)[-1] if gravity is None else np.asarray(gravity, float)
+        down = -np.eye(dim)[-1] if gravity is None else unit_vector(gravity, dim, "gravity")
         horizontal = np.zeros(dim)
-        if np.size(seismic) <= dim:
-            horizontal[:np.size(seismic)] = seismic
-        if np.size(seismic) > dim or down.shape != (dim,) or not np.isfinite(down + horizontal).all():
-            raise ValueError(f"gravity and seismic must be finite, with {dim} components, not {gravity!r} and "
-                             f"{seismic!r}")
+        if np.size(seismic) >= dim or not np.isfinite(seismic).all():
+            raise ValueError(f"seismic must be finite, with at most {dim - 1} components, not {seismic!r}")
+        horizontal[:np.size(seismic)] = seismic
+        if self.coordinates == "axisymmetric" and (down + horizontal)[0] != 0.0:
+            raise ValueError("in axial symmetry weights act along the axis: gravity or seismic across it needs a model "
+                             "in space")
+        if np.abs(horizontal).max() > _STRONGEST:
+            warn(f"seismic is {seismic}: it is the acceleration over that of gravity, neither in per cent nor in m/s²")
         return down + horizontal
 
     @property
