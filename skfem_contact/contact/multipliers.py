@@ -152,7 +152,8 @@ def _closed(pair: Any, x: ndarray, state: ContactState, found: Projection, multi
             ) -> _Closed:
     """Evaluate the law at the nodes that it may close, at means of gap and slip where they face the master."""
     points, around, n = pair.points(state), pair.nodes_at(state), multiplied.shape[1]
-    at, facing, weights, area, opened = _integrals(pair, state, found)
+    at = np.flatnonzero(found.found)
+    facing, weights, area, opened = integrals(pair, state, at, found.gap)
     some = np.flatnonzero(area > _NOTHING * area.max(initial=0.0))
 
     def nearly(values: ndarray) -> ndarray:
@@ -177,18 +178,21 @@ def _closed(pair: Any, x: ndarray, state: ContactState, found: Projection, multi
     return _Closed(on, at[act], weights, sums, area, kinematics, update)
 
 
-def _integrals(pair: Any, state: ContactState, found: Projection
-               ) -> tuple[ndarray, SlavePoints, ndarray, ndarray, ndarray]:
-    """Return points that face the master, their weights, and the nodes' integrals of the dual functions and gaps.
-
-    The points come as their numbers and as points.
-    """
-    around, at = pair.nodes_at(state), np.flatnonzero(found.found)
-    facing = pair.points(state).take(at)
+def integrals(pair: Any, state: ContactState, at: ndarray, gap: ndarray
+              ) -> tuple[SlavePoints, ndarray, ndarray, ndarray]:
+    """Return the points `at` that face the master, their weights, and nodal integrals of the duals and of the gap."""
+    around, facing = pair.nodes_at(state), pair.points(state).take(at)
     weights = pair.share * facing.weight[:, None] * duals(facing, around.values[at], len(pair.slave.facets))
     area, opened = (np.bincount(facing.nodes.ravel(), (weights * part[:, None]).ravel(), len(pair.slave.nodes))
-                    for part in (np.ones(len(at)), (found.gap - state.clearance)[at]))
-    return at, facing, weights, area, opened
+                    for part in (np.ones(len(at)), (gap - state.clearance)[at]))
+    return facing, weights, area, opened
+
+
+def mean_gaps(pair: Any, state: ContactState, found: ndarray, gap: ndarray) -> ndarray:
+    """Return the nodes' means of the gap at the points `found`, a mask; inf where they face nothing."""
+    *_, area, opened = integrals(pair, state, np.flatnonzero(found), gap)
+    some = area > _NOTHING * area.max(initial=0.0)
+    return np.where(some, opened / np.where(some, area, 1.0), np.inf)
 
 
 def idle(pair: Any, fixed: ndarray) -> ndarray:
@@ -205,36 +209,6 @@ def idle(pair: Any, fixed: ndarray) -> ndarray:
         both[:, i] &= near < max(slave.spacing, master.spacing)
     along = (directions**2 * both[:, None]).sum(axis=2) > _ALONG
     return np.asarray(pair.multipliers[1:][along.T])
-
-
-def foreseen(pair: Any, start: ndarray, x: ndarray, before: ndarray, accepted: ContactState) -> ndarray:
-    """Return an extrapolated start with tension at nodes that stay open while the edge of the contact moves evenly.
-
-    Beside the edge of contact of smooth bodies the gap grows like the power 3/2 of the distance, so that its power 2/3
-    is in proportion to the motion of the edge.  The extrapolated gap itself makes the contact too wide.
-    """
-    last, moved = x - before, start - x
-    if not (accepted.closed.any() and last.any()):
-        return start
-    state, n = pair.effective(accepted), pair.multipliers[0]
-    ratio = float(last @ moved) / float(last @ last)
-    earlier, now, then = (_gaps(pair, displaced, state) for displaced in (before, x, start))
-    with np.errstate(invalid="ignore"):  # inf - inf where nothing is near
-        power = (1.0 + ratio) * np.cbrt(np.maximum(now, 0.0))**2 - ratio * np.cbrt(np.maximum(earlier, 0.0))**2
-    opens = ~accepted.closed & (power > 0.0) & (then < 0.0)
-    start = start.copy()
-    start[n[opens]] = -2.0 * pair.penalties(state)[0] * then[opens]
-    return start
-
-
-def _gaps(pair: Any, x: ndarray, state: ContactState) -> ndarray:
-    """Return the nodes' means of the gap, inf where they face nothing near."""
-    slave, nodes = pair.interface.positions(x)
-    depth = pair.interface.depth(pair.points(state))
-    found, _ = pair.interface.near(slave, nodes, state, state.clearance + depth, depth)
-    *_, area, opened = _integrals(pair, state, found)
-    some = area > _NOTHING * area.max(initial=0.0)
-    return np.where(some, opened / np.where(some, area, 1.0), np.inf)
 
 
 def _law_at(pair: Any, points: SlavePoints, around: Nodes, numbers: ndarray) -> Any:

@@ -18,10 +18,11 @@ from ..forms.staged import arrays_of
 from . import regularisation
 from .base import ContactBase, initial_clearance
 from .diagnosis import remarks
+from .growth import foreseen
 from .interface import RECUTS, ROUND_OFF, ContactState
 from .kinematics import Kinematics, dragged, tangents, variations
 from .laws import InterfaceLaw, LawUpdate, Status, resisting
-from .multipliers import Nodes, foreseen, idle, respond
+from .multipliers import Nodes, idle, respond
 from .penalty import AugmentedLagrangian, Progress
 from .prestress import LinearisedContact, TractionOperator
 
@@ -244,7 +245,7 @@ class ContactPair(ContactBase):
         return idle(self, fixed) if self.dual else super().idle(fixed)
 
     @override
-    def foreseen(self, start: ndarray, x: ndarray, before: ndarray, accepted: ContactState) -> ndarray:
+    def foreseen(self, start: ndarray, x: ndarray, before: ndarray | None, accepted: ContactState) -> ndarray:
         return foreseen(self, start, x, before, accepted) if self.dual else start
 
     @override

@@ -231,13 +231,14 @@ class Regularised:
         """
         return self
 
-    def foreseen(self, start: ndarray, x: ndarray, before: ndarray, accepted: Any) -> ndarray:
-        """Return extrapolated displacements to start from, with better values where the form knows some.
+    def foreseen(self, start: ndarray, x: ndarray, before: ndarray | None, accepted: Any) -> ndarray:
+        """Return displacements to start from, with better values where the form knows some.
 
         Parameters
         ----------
         start, x, before : ndarray, shape (N,)
-            Extrapolated displacements, the accepted ones, and those before.
+            Extrapolated displacements, the accepted ones, and those before; None for displacements after the first
+            step of Newton's method from the accepted ones.
         accepted
             The accepted state.
         """

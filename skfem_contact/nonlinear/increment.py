@@ -82,7 +82,8 @@ def _solve(given: System, system: System, x: ndarray, states: Mapping[str, Any],
     if system is given and any(form.follows for form in system.forms.values()):
         settings = replace(newton, tolerance=max(newton.tolerance, _ROUGH))
     for _ in range(_MOST):
-        new = system.equilibrium(x, states, load, prescribed, settings, searches, start=start, leaves=leaves)
+        new = system.equilibrium(x, states, load, prescribed, settings, searches, start=start, leaves=leaves,
+                                 begins=leaves and not residuals)
         residuals += new.residuals if not residuals else new.residuals[1:]
         try:
             again = {name: form.outer(new.x, states[name], new.states[name]) for name, form in system.forms.items()}

@@ -224,10 +224,10 @@ def _along(search: Search, now: Evaluation, step: ndarray, sizes: list[float],
 
 
 def iterate(now: Evaluation, evaluate: Callable[[ndarray], Evaluation],
-            direction: Callable[[Evaluation, bool], ndarray],
-            settings: Newton, search: Search = "residual", far: Callable[[Evaluation], bool] = lambda now: False,
-            at_least: int = 0, damp: bool = False,
-            leave: Callable[[list[ndarray]], bool] = lambda seen: False) -> tuple[Evaluation, tuple[float, ...]]:
+            direction: Callable[[Evaluation, bool], ndarray], settings: Newton, search: Search = "residual",
+            far: Callable[[Evaluation], bool] = lambda now: False, at_least: int = 0, damp: bool = False,
+            leave: Callable[[list[ndarray]], bool] = lambda seen: False,
+            first_step: Callable[[Evaluation], Evaluation] = lambda new: new) -> tuple[Evaluation, tuple[float, ...]]:
     """Iterate from an evaluation to equilibrium; return its evaluation and the history of the residual.
 
     The last figure of the history is the whole residual, round-off included.
@@ -245,6 +245,8 @@ def iterate(now: Evaluation, evaluate: Callable[[ndarray], Evaluation],
     leave
         Function that returns True if forms know a way out of displacements between which contact goes back and forth:
         then the iterations end.
+    first_step
+        Function that improves the evaluation after the first step.
     """
     norms, sizes, damped = [now.norm], [unbalanced(now)], damp
     sets, visited, counted, times, first = [now.active], [now.z], 0, 0, 0
@@ -268,7 +270,7 @@ def iterate(now: Evaluation, evaluate: Callable[[ndarray], Evaluation],
             raise NotConverged(str(error), now.z, norms, now.worst) from error
         if not np.isfinite(new.norm):
             raise NotConverged(f"the iterations run away; {_why(now, norms)}", now.z, norms, now.worst)
-        now = new
+        now = first_step(new) if len(norms) == 1 else new
         norms.append(now.norm)
         counted += search != "energy" or now.active in sets
         sets.append(now.active)

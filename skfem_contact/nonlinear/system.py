@@ -146,7 +146,7 @@ class System:
     def equilibrium(self, x: ndarray, states: Mapping[str, Any], load: ndarray, prescribed: ndarray,
                     settings: Newton, searches: Sequence[Search] = ("residual", "energy"),
                     elastic: float = 0.0, at_least: int = 0, damp: bool = False,
-                    start: ndarray | None = None, leaves: bool = True) -> Equilibrium:
+                    start: ndarray | None = None, leaves: bool = True, begins: bool = False) -> Equilibrium:
         """Find the displacements at which load and internal forces balance.
 
         Parameters
@@ -166,6 +166,9 @@ class System:
             Displacements to start from; by default `x`.
         leaves
             End the iterations where contact goes back and forth and other forms help.
+        begins
+            The increment begins: forms may improve the first step from `x`, see
+            :meth:`~skfem_contact.Form.foreseen`.
 
         Raises
         ------
@@ -187,10 +190,9 @@ class System:
                 first.append(max(float(np.linalg.norm((now.z + step - x)[moves])), float(np.linalg.norm(x[moves]))))
             return step
 
-        def far(now: Evaluation) -> bool:
-            moved = now.z - x
-            times = np.linalg.norm(moved[moves]) / first[0]
-            return bool((times > FAR and now.residual @ moved > 0.0) or times > FAR**2)
+        def first_step(new: Evaluation) -> Evaluation:
+            z = self.foreseen(new.z, x, None, states) if begins and start is None else new.z
+            return new if z is new.z else evaluate(z)
 
         spent: tuple[float, ...] = ()
         for search in searches:
@@ -198,8 +200,8 @@ class System:
             try:
                 # no name for the first new: its tangent would stay in memory
                 now, norms = iterate(evaluate(x if start is None else start), evaluate, direction, settings, search,
-                                     far, at_least, damp,
-                                     lambda seen: leaves and self.out_of(seen, states, load) is not self)
+                                     lambda now: self._far(now, x, first[0]), at_least, damp,
+                                     lambda seen: leaves and self.out_of(seen, states, load) is not self, first_step)
             except NotConverged as error:
                 error.residuals = spent = spent + error.residuals[1 if spent else 0:]
                 if isinstance(error, NoEquilibrium) or search == searches[-1] or error.cycle:
@@ -209,8 +211,14 @@ class System:
                 return Equilibrium(now.z, now.states, spent + norms[1 if spent else 0:])
         raise ValueError("there is no line search to try")
 
-    def foreseen(self, start: ndarray, x: ndarray, before: ndarray, states: Mapping[str, Any]) -> ndarray:
-        """Return a start that is extrapolated from two accepted displacements, with what forms know better."""
+    def _far(self, now: Evaluation, x: ndarray, elastic: float) -> bool:
+        """Return True if displacements from `x` are far beyond elastic ones, on a way that releases energy."""
+        moved = now.z - x
+        times = np.linalg.norm(moved[self.layout.displacements]) / elastic
+        return bool((times > FAR and now.residual @ moved > 0.0) or times > FAR**2)
+
+    def foreseen(self, start: ndarray, x: ndarray, before: ndarray | None, states: Mapping[str, Any]) -> ndarray:
+        """Return a start that is extrapolated from two displacements, or a first step, with what forms know better."""
         for name, form in self.forms.items():
             start = form.foreseen(start, x, before, states[name])
         return start

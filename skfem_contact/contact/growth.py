@@ -1,0 +1,85 @@
+r"""Growth of the contact with dual multipliers: which nodes an increment closes, foreseen from its start.
+
+Newton's method closes all nodes whose gaps are negative at its start.  These are too many, because the bodies yield
+beside the contact, and it opens them again row by row, one in each iteration.
+"""
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy import ndarray
+
+from ..surfaces.surface import Surface
+from .interface import ContactState
+from .multipliers import mean_gaps
+
+#: Share of a step, from the first node that it closes on, after which it closes no more: the approach a^2 / R of a
+#: sphere closes gaps up to a^2 / 2R. In the plane this is right for a half-width of ten elements, too.
+_LATE = 0.5
+#: Power of the gap beside the edge of contact that is in proportion to the distance from it.
+_POWER = 2.0 / 3.0
+
+
+def foreseen(pair: Any, start: ndarray, x: ndarray, before: ndarray | None, accepted: ContactState) -> ndarray:
+    """Return a start with tension at nodes that stay open although their gaps are negative there.
+
+    An extrapolated start moves the edge of the contact evenly.  Without displacements `before` the start is the first
+    step from the accepted ones.
+    """
+    state = pair.effective(accepted)
+    now, then = mean_gaps(pair, state, np.isfinite(accepted.gap), accepted.gap), _gaps(pair, start, state)
+    reached = ~accepted.closed & (now > 0.0) & (now < np.inf) & (then < 0.0)
+    if not reached.any():
+        return start
+    if before is None or not accepted.closed.any():
+        opens = _closes_late(now, then, reached)
+    else:
+        last = x - before
+        ratio, beside = float(last @ (start - x)) / float(last @ last), _beside(pair.slave, accepted.closed)
+        opens = _stays_ahead(_gaps(pair, before, state), now, ratio, beside) & reached
+    if not opens.any():
+        return start
+    start = start.copy()
+    start[pair.multipliers[0, opens]] = -2.0 * pair.penalties(state)[0] * then[opens]
+    return start
+
+
+def _closes_late(now: ndarray, then: ndarray, reached: ndarray) -> ndarray:
+    """Return a mask of nodes that a step reaches in its second half, counted from the first node that it reaches."""
+    share = np.zeros(len(now))
+    share[reached] = now[reached] / (now - then)[reached]
+    first = share[reached].min()
+    return share > first + _LATE * (1.0 - first)
+
+
+def _stays_ahead(earlier: ndarray, now: ndarray, ratio: float, beside: ndarray) -> ndarray:
+    """Return a mask of nodes that stay ahead of the edge of the contact, which moves `ratio` times as far as before.
+
+    Beside the edge of contact of smooth bodies the gap grows like the power 3/2 of the distance, so that its power 2/3
+    is in proportion to the motion of the edge.  A node closes when the edge comes near it, for its gap is a mean over
+    its facets: distances count from there.  Open nodes `beside` closed ones are as far from it in the mean.
+    """
+    near = now[beside & (now < np.inf)]
+    ahead = max(float(near.mean()), 0.0) if len(near) else 0.0
+
+    def distance(gap: ndarray) -> ndarray:
+        return np.asarray(np.maximum(gap + ahead, 0.0) ** _POWER - ahead**_POWER)
+
+    with np.errstate(invalid="ignore"):  # inf - inf where nothing is near
+        return (1.0 + ratio) * distance(now) > ratio * distance(earlier)
+
+
+def _beside(slave: Surface, closed: ndarray) -> ndarray:
+    """Return a mask of open nodes on facets that have a closed one."""
+    beside = np.zeros(len(closed), bool)
+    beside[slave.facets[closed[slave.facets].any(axis=1)]] = True
+    return beside & ~closed
+
+
+def _gaps(pair: Any, x: ndarray, state: ContactState) -> ndarray:
+    """Return the nodes' means of the gap at displacements, inf where they face nothing near."""
+    slave, nodes = pair.interface.positions(x)
+    depth = pair.interface.depth(pair.points(state))
+    found, _ = pair.interface.near(slave, nodes, state, state.clearance + depth, depth)
+    return mean_gaps(pair, state, found.found, found.gap)
