@@ -113,6 +113,7 @@ def test_surface_cuts_off() -> None:
     ({"lifts": {"a": rectangle((0, 5), (-3, 0)), "b": rectangle((4, 8), (-3, 0))}}, "lifts 'a' and 'b' overlap by an"),
     ({"lifts": {"a": rectangle((15, 25), (-3, 0))}}, "the lift 'a' leaves the areas by an area of 15"),
     ({"holes": {"bore": rectangle((-30, 30), (-30, 10))}}, "nothing is left of the area 'clay'"),
+    ({"holes": {"bore": rectangle((40, 50), (-30, 10))}}, "the hole 'bore' cuts nothing"),
     ({"areas": {**GROUND, "cap": [(-1, 0), (-1, 2), (1, 2), (1, 0), (0, 1)]}}, "enclose a gap near \\(0, 0.25"),
     ({"areas": {"clay": [(0, 0), (1, 1), (2, 2)]}}, "'clay' has no area"),
     ({"areas": {"clay": [(0, 0), (1, 1)]}}, "'clay' has 2 different points: an area needs three"),

@@ -302,6 +302,33 @@ def test_beam_that_ends_in_a_plane_of_symmetry(recwarn):
         assert abs(strip(0.0)) < 1e-9  # 16.7 is right
 
 
+def test_new_stiffness_of_structures_moves_nothing():
+    """[X] Forces stay where a stiffness is another one; what is loaded later moves by the new one alone."""
+    basis, fixed = disc()
+    mesh = basis.mesh.with_boundaries({"grid": lambda x: x[1] == 0.5}, boundaries_only=False)
+    basis = Basis(mesh, basis.elem, intorder=4)
+    frame = [(0.0, 5.0), (0.0, 6.0), (1.0, 7.0)]
+
+    def forms(share):
+        return {"beam": sc.Beam(None, frame, EI=share * 1e3, EA=share * 1e5, GA=share * 1e4),
+                "bar": sc.Bar(basis, (0.0, 1.0), (0.0, 3.0), EA=share * 1e3, fixed_end=True),
+                "grid": sc.Reinforcement(basis, "grid", EA=share * 500.0)}  # fmt: skip
+
+    old, new = forms(1.0), forms(0.1)
+    model = sc.Model({"disc": sc.SolidForm(basis, ELASTIC), **old}, [fixed, *old["beam"].dofs((0.0, 5.0))])
+    load = [model.traction("top", (0.0, -10.0)), model.forms["beam"].load((3.0, 1.0), at=(1.0, 7.0))]
+    stages = [sc.Stage("old", load), sc.Stage("new", load, change=new), sc.Stage("more", [2.0 * f for f in load])]
+    one, two, more = model.run(stages, **QUIET)
+    assert np.allclose(two.x, one.x, rtol=0.0, atol=1e-12) and two.iterations == (0,)
+    for name in ("beam", "grid"):
+        forces = (stage.section_forces(name) for stage in (one, two))
+        assert np.allclose(*(np.hstack((part.N, part.M)) for part in forces), rtol=0.0, atol=1e-9)
+    assert two.states["bar"].force == pytest.approx(one.states["bar"].force, rel=1e-12)
+    assert more.states["bar"].force != pytest.approx(2.0 * one.states["bar"].force, rel=0.1)
+    tip = model.forms["beam"].numbers((1.0, 7.0))
+    assert np.allclose((more.x - two.x)[tip], 10.0 * one.x[tip], rtol=1e-9)
+
+
 def arch(n=12, thickness=0.2):
     """Meshes of the voussoirs of a semicircular arch of mean radius 1."""
     angle = np.pi - np.linspace(0, np.pi, n + 1)

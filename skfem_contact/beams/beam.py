@@ -282,6 +282,11 @@ class Beam(BeamNodes):
         return x if self._dofs is None else x[self._dofs]
 
     @override
+    def stretched(self, state: BeamState) -> ndarray:
+        inverse = np.linalg.pinv(self._root, rcond=1e-12)  # rigid motions have 1e-16, bending beside stretching 1e-3
+        return np.asarray(np.einsum("mqj,mqk,mk->mj", inverse, inverse, state.force))
+
+    @override
     def rebased(self, x: ndarray, state: BeamState) -> BeamState:
         return BeamState(state.force, state.free - self._own(x)[self._rows])
 
@@ -311,12 +316,6 @@ class Beam(BeamNodes):
         points, normals, lengths, shares = self._elements.sides(0.5 * self.thickness)
         force = -(pressure(points, normals, lengths) * lengths)[:, None] * normals
         return self._distributed(shares[:, :, None] * force[:, None])
-
-    def _distributed(self, forces: ndarray) -> ndarray:
-        """Return the load vector of forces (n, 3, dim) on the nodes of all elements in turn."""
-        load, rows = np.zeros(self._of_model().max() + 1), self._rows[:, :forces[0].size]
-        np.add.at(load, self._of_model()[np.tile(rows, (len(forces) // len(rows), 1))], forces.reshape(len(forces), -1))
-        return load
 
     @override
     def line_forces(self, state: BeamState) -> tuple[Any, ...]:

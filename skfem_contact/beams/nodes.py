@@ -52,6 +52,7 @@ class BeamNodes(Form):
     _displacement: Field
     _rotation: Field
     _EA: float
+    _rows: ndarray
     _dofs: ndarray | None = None
 
     @property
@@ -117,6 +118,12 @@ class BeamNodes(Form):
         load, dim = np.zeros(self._of_model().max() + 1), self.points.shape[1]
         turn = np.broadcast_to(finite(moment, "moment"), (len(self._names) - dim,))
         load[self.numbers(at)] = [*vector(force, dim, "force"), *turn]
+        return load
+
+    def _distributed(self, forces: ndarray) -> ndarray:
+        """Return the load vector of forces (n, 3, dim) on the nodes of all elements in turn."""
+        load, rows = np.zeros(self._of_model().max() + 1), self._rows[:, :forces[0].size]
+        np.add.at(load, self._of_model()[np.tile(rows, (len(forces) // len(rows), 1))], forces.reshape(len(forces), -1))
         return load
 
     def _of_model(self) -> ndarray:

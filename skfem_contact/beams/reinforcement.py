@@ -165,6 +165,10 @@ class Reinforcement(BeamNodes):
         return Response(total, after, stiffness, active=changed.tobytes(), measure=measure, dofs=self._dofs)
 
     @override
+    def stretched(self, state: ReinforcementState) -> ndarray:
+        return state.force / self._EA
+
+    @override
     def rebased(self, x: ndarray, state: ReinforcementState) -> ReinforcementState:
         return ReinforcementState(state.force, state.free - self._strains(x))
 

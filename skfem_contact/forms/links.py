@@ -272,6 +272,10 @@ class Bar(Form):
                         dofs=self._at)
 
     @override
+    def stretched(self, state: BarState) -> ndarray:
+        return state.force / self._stiffness
+
+    @override
     def rebased(self, x: ndarray, state: BarState) -> BarState:
         return BarState(state.force, state.free - self._elongation(x))
 

@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping
-from dataclasses import fields, is_dataclass
+from dataclasses import fields, is_dataclass, replace
 from types import MappingProxyType
 from typing import Any, TypeVar
 
@@ -98,8 +98,14 @@ class Staged:
         return self
 
     def inherits(self, old: Any, state: Any) -> Any:
-        """Return the state of an old form from which this one continues."""
-        return state
+        """Return the state of an old form from which this one continues; a new stiffness alone changes no force."""
+        before, now = old.stretched(state), self.stretched(state)
+        if before is None or now is None or before.shape != now.shape or (before == now).all():
+            return state
+        return replace(state, free=state.free + before - now)
+
+    def stretched(self, state: Any) -> ndarray | None:
+        """Return what the force of a state adds to its deformation ``free`` of force; None for states without them."""
 
     def fits(self, state: Any) -> bool:
         """Return True if a state has the shapes of the initial state."""

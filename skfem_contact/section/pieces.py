@@ -106,7 +106,7 @@ def sides_of(gmsh: Any, face: int) -> list[int]:
 
 
 def _check_curves(gmsh: Any, plan: Plan, pieces: Pieces) -> None:
-    """Refuse lines that leave the section, and remove curves that belong to nothing."""
+    """Refuse lines that leave the section and holes that cut nothing, and remove curves that belong to nothing."""
     there = {curve for face in pieces.faces for curve in (*sides_of(gmsh, face), *_inside(gmsh, face))}
     for name, outlines in plan.lines.items():
         length = sum(outline.length for outline in outlines)
@@ -115,8 +115,8 @@ def _check_curves(gmsh: Any, plan: Plan, pieces: Pieces) -> None:
             at = np.array(gmsh.model.occ.getCenterOfMass(1, outside[0])[:2]) + plan.shift
             raise ValueError(f"{lost:.4g} of the {length:.4g} of line '{name}' lie outside of the areas, "
                              f"near {format_point(at)}")
-
-
+    if away := [name for name, curves in pieces.holes.items() if not curves]:
+        raise ValueError(f"the hole '{away[0]}' cuts nothing: it lies outside of the areas or in another hole")
     strays = [(1, curve) for _, curve in gmsh.model.getEntities(1) if curve not in there]
     gmsh.model.removeEntities(strays, recursive=True)
 
