@@ -74,8 +74,8 @@ class Setup:
         dim = len(self.layout.coordinates)
         down = -np.eye(dim)[-1] if gravity is None else unit_vector(gravity, dim, "gravity")
         horizontal = np.zeros(dim)
-        if np.size(seismic) >= dim or not np.isfinite(seismic).all():
-            raise ValueError(f"seismic must be finite, with at most {dim - 1} components, not {seismic!r}")
+        if np.size(seismic) > max(dim - 1, 1) or not np.isfinite(seismic).all():
+            raise ValueError(f"seismic must be finite, with at most {max(dim - 1, 1)} components, not {seismic!r}")
         horizontal[:np.size(seismic)] = seismic
         if self.coordinates == "axisymmetric" and (down + horizontal)[0] != 0.0:
             raise ValueError("in axial symmetry weights act along the axis: gravity or seismic across it needs a model "
