@@ -7,7 +7,7 @@ In space the factors of a direct solver take time in proportion to the square of
 pressed onto sand that yields, in five stages.
 
 Three things make multigrid fast where soil yields. Linear solutions are as accurate as Newton's method needs at that
-moment (Eisenstat and Walker), about 1e-2 of the residual far from equilibrium. Aggregates of nodes are kept from
+moment (Eisenstat and Walker), about .03 of the residual far from equilibrium. Aggregates of nodes are kept from
 tangent to tangent, and only their stiffness is computed anew. Smoothers are polynomials of the tangent itself.
 
 Run with ``--full`` for 10,000 to 100,000 unknowns.

@@ -4,9 +4,9 @@ from __future__ import annotations
 from ..solvers.direct import REFINE
 from .newton import Evaluation
 
-#: Largest relative residual of a linear solution: a footing of 10,000 dofs in space takes 28 iterations with 1e-2 and
-#: with 1e-3, 29 with 1e-1, and 27 with accurate solutions.
-_LOOSEST = 1e-2
+#: Largest relative residual of a linear solution: a footing of 36,501 dofs in space takes 36 iterations and 266 of the
+#: linear solver; 38 and 349 with .01, 47 and 264 with .1.
+_LOOSEST = 3e-2
 #: Residual of a linear solution over the square of the last reduction, and over the final tolerance.
 _SQUARE, _FINAL = 0.9, 0.1
 

@@ -184,7 +184,7 @@ class System:
             return replace(new, lag=float(np.abs(prescribed - z[self.fixed]).max(initial=0.0)))
 
         def direction(now: Evaluation, damped: bool) -> ndarray:
-            rtol = REFINE if damped or not inexact else forcing.at(now)
+            rtol = forcing.at(now) if inexact else REFINE
             step = self._direction(now, prescribed - now.z[self.fixed], damped, regular, rtol)
             if not first:
                 first.append(max(float(np.linalg.norm((now.z + step - x)[moves])), float(np.linalg.norm(x[moves]))))

@@ -102,7 +102,8 @@ class AmgSolver:
         def solve(b: ndarray, rtol: float = REFINE) -> ndarray:
             nonlocal cycle, fresh
             right, x = np.where(self._held, 0.0, b[self._dofs]), np.zeros(len(b))
-            most = self._most if rtol < _ROUGH else min(self._most, RESTART)
+            rough = rtol >= _ROUGH
+            most = min(self._most, RESTART) if rough else self._most
             found = _iterated(A, cycle, balanced, right, symmetric, most if fresh else min(most, self._patience(rtol)),
                               rtol)
             self.iterations = found.count
@@ -111,7 +112,7 @@ class AmgSolver:
                 found = _iterated(A, cycle, balanced, right, symmetric, most, rtol, found.x)
                 self.iterations += found.count
             logger.debug("multigrid: %d iterations to a residual of %.1e", self.iterations, found.error)
-            if not found.close and not (rtol >= _ROUGH and found.error <= _ENOUGH):
+            if not found.close and not (rough and found.error <= _ENOUGH):
                 raise NotConverged(f"algebraic multigrid does not converge, its relative residual is {found.error:.1e} "
                                    f"after {self.iterations} iterations: bodies may be loose, very thin or nearly "
                                    "incompressible")
