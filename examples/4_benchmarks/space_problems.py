@@ -178,9 +178,9 @@ class Nodes:
 
     @classmethod
     def of(cls, problem: Problem, x: ndarray) -> Nodes:
-        """At displacements."""
+        """At displacements, which multipliers may follow."""
         dofs = np.unique(problem.basis.get_dofs("upper:bottom").all()).reshape(-1, 3)
-        return cls(problem.basis, dofs, (problem.solid.elastic_stiffness @ x)[dofs])
+        return cls(problem.basis, dofs, (problem.solid.elastic_stiffness @ x[: problem.basis.N])[dofs])
 
     @property
     def r(self) -> ndarray:
