@@ -57,7 +57,7 @@ class Model(Setup):
     ------
     ValueError
         Objects that are no forms, forms of different meshes or coordinate systems, fields that two forms bring, dofs
-        that do not exist, weights across the axis in axial symmetry.
+        that do not exist, weights across the axis.
 
     Examples
     --------
@@ -183,7 +183,7 @@ class Model(Setup):
         stages
             Stages in their order.
         start
-            Result to continue from its last stage, or one stage of a result. Forms that it does not hold are inactive.
+            Result, or one stage, to continue from, with what its stages have changed; forms it lacks are inactive.
         on_increment
             Function of every accepted increment, a :class:`StageResult`, such as ``sc.results.Append(file)``.
         progress

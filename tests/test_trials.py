@@ -302,6 +302,43 @@ def test_beam_that_ends_in_a_plane_of_symmetry(recwarn):
         assert abs(strip(0.0)) < 1e-9  # 16.7 is right
 
 
+def pit():
+    """Model of a pit of 2 m, and its stages: water, other strengths and another support come and stay."""
+    mesh = MeshTri.init_tensor(np.linspace(0, 8, 9), np.linspace(-4, 0, 5)).with_defaults().with_subdomains(
+        {"ground": lambda x: (x[0] > 3) | (x[1] < -2), "pit": lambda x: (x[0] < 3) & (x[1] > -2)})  # fmt: skip
+    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
+    soil = sc.MohrCoulomb(E=1e4, nu=0.3, c=20.0, phi=20.0, psi=20.0)
+    forms = {name: sc.SolidForm(basis.with_elements(name), soil, unit_weight=18.0) for name in ("ground", "pit")}
+    model = sc.Model(forms, sc.box_supports(basis), water_unit_weight=10.0)
+    weak = {name: form.with_materials({"all": replace(soil, c=10.0)}) for name, form in forms.items()}
+    edge = sc.dofs_at(basis, (3.0, 0.0))
+    top = model.traction("top", lambda x: np.stack((0.0 * x[0], -20.0 * (x[0] > 4.0))))
+    return model, weak, [sc.Stage("dug", deactivate="pit", water=-3.5), sc.Stage("weak", change=weak),
+                         sc.Stage("held", fixed=[model.fixed, edge]), sc.Stage("loaded", top)]  # fmt: skip
+
+
+def test_run_that_is_split_goes_on_with_what_stages_have_changed():
+    """[X] One run as two, the second from the end of the first; searches as those of a model of the changed forms."""
+    model, weak, stages = pit()
+    whole = model.run(stages, **QUIET)
+    for k in range(1, len(stages)):
+        rest = model.run(stages[k:], start=model.run(stages[:k], **QUIET), **QUIET)
+        assert np.array_equal(rest[-1].x, whole[-1].x)
+    other = sc.Model(weak, whole["held"].supports, water_unit_weight=10.0)
+    settings = {"start": whole["held"], "tolerance": 0.05, "certify": False, **QUIET}
+    with pytest.warns(sc.AnalysisWarning, match="refine the mesh"):
+        found = [every.strength_reduction(**settings) for every in (model, other)]
+    assert found[0].factor == pytest.approx(found[1].factor, rel=1e-9)
+    load = stages[-1].load
+    limits = [every.limit_load(load, start=whole["held"], **QUIET) for every in (model, other)]
+    assert limits[0].multiplier == pytest.approx(limits[1].multiplier, rel=1e-9)
+    for end in (found[0].end, limits[0].end):
+        assert end.water == -3.5 and end.changed["ground"].materials["all"].c == 10.0
+        assert np.array_equal(end.supports, whole["held"].supports)
+    fresh = other.run([sc.Stage("again", load)], start=model.run(stages[:1], **QUIET), **QUIET)
+    assert fresh["again"].forms["ground"].materials["all"].c == 10.0  # another model: its own forms
+
+
 def test_new_stiffness_of_structures_moves_nothing():
     """[X] Forces stay where a stiffness is another one; what is loaded later moves by the new one alone."""
     basis, fixed = disc()

@@ -29,7 +29,7 @@ from ..results.stage import StageResult
 from ..stages.setup import Setup
 from .mechanism import as_collapse, is_singular
 from .pressures import warn_of_fresh_pressures, without_drainage
-from .result import PeakPassed, Point, SearchLog, SearchResult, Stop, kind_of, no_collapse_below
+from .result import CollapseResult, PeakPassed, Point, SearchLog, SearchResult, Stop, kind_of, no_collapse_below
 
 #: Growth of the steps.
 GROWTH = 2.0
@@ -49,6 +49,8 @@ _CHORD = 0.7
 #: its rise that shows a straight one: a block on five bars of which two flow rises by .05 % over twice the work, and by
 #: 1.2 % until the next one flows, another one by 1.3 % over 340 lengths.
 _BEYOND, _STRAIGHT = (512.0, 128.0, 32.0, 8.0, 2.0), 0.5
+#: What a search leaves as it is at its start.
+_KEPT = ("time", "water", "unreleased", "placed", "changed", "supports")
 
 
 class Branch(ABC):
@@ -97,6 +99,8 @@ class SearchStart:
         Their system, in the geometry of the start, and the start itself.
     weight, load
         Weights and load on top, (N,); without a load of its own, that of the start.
+    kept
+        What the end of the search has of the start.
     """
 
     forms: dict[str, Form]
@@ -104,6 +108,12 @@ class SearchStart:
     origin: Point
     weight: ndarray
     load: ndarray
+    kept: Mapping[str, Any]
+
+    def ended(self, result: CollapseResult, water: Any = None) -> CollapseResult:
+        """Return a result from whose end stages continue as from the start: with its water, supports and changes."""
+        kept = dict(self.kept) if water is None else {**self.kept, "water": water}
+        return replace(result, end=replace(result.end, **kept))
 
 
 def loaded_start(setup: Setup, load: Any, start: Result | StageResult | None, water: Any,
@@ -114,6 +124,7 @@ def loaded_start(setup: Setup, load: Any, start: Result | StageResult | None, wa
     of one geometry, whatever the stiffness. Pore pressures stay, or those of ground that cannot drain follow.
     """
     last = last_stage(start)
+    setup = setup.after(last)
     active = setup.forms if last is None else {
         name: look_up(name, setup.forms, "form, though the start holds it,") for name in last.states}
     if last is not None and len(last.x) < setup.layout.size:
@@ -140,7 +151,8 @@ def loaded_start(setup: Setup, load: Any, start: Result | StageResult | None, wa
         raise ValueError(f"{what}: give a `load`, unit weights of the forms, or a loaded `start`")
     if last is not None and not undrained:
         warn_of_fresh_pressures(system.with_forms(fixed_forms), x, states, weight + on_top)
-    return SearchStart(dict(active), system.with_forms(fixed_forms), Point(x, states, 0.0), weight, on_top)
+    kept = {} if last is None else {name: getattr(last, name) for name in _KEPT}
+    return SearchStart(dict(active), system.with_forms(fixed_forms), Point(x, states, 0.0), weight, on_top, kept)
 
 
 def remainder(points: list[Point] | tuple[Point, ...]) -> float:

@@ -74,7 +74,7 @@ def limit_load(setup: Setup, load: Any, start: Result | StageResult | None, tole
                        min_displacement=min_displacement)
     end = found.points[-1]
     result = conclude(LOAD, found, end, system, branch.at(end.parameter)[1], log.steps, "continuation", flow)
-    return result.beside(proven, tolerance * abs(result.value))
+    return begun.ended(result).beside(proven, tolerance * abs(result.value))
 
 
 def _first(branch: _Load, origin: Point, step: float, newton: Newton, log: SearchLog) -> Point:

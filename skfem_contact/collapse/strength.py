@@ -126,7 +126,7 @@ def strength_reduction(setup: Setup, load: Any, start: Result | StageResult | No
                      max_value=max_value)
     with progress_bar(progress, desc=FACTOR, bar_format="{desc} {postfix} {elapsed}") as bar:
         davis = _davis(branch, search, bar) if free else None
-        result = search(branch, method=method, bar=bar, davis=davis)
+        result = begun.ended(search(branch, method=method, bar=bar, davis=davis), water)
     if certify == "auto" and not undrained:
         work = float(len(whole)) * (result.iterations + (result.davis.iterations if result.davis else 0))
         coarse = result.stop.shows_limit and not free and result.added * result.value > tolerance

@@ -55,6 +55,8 @@ class StageData:
     next_step: float = np.inf
     remarks: tuple[str, ...] = field(default=(), repr=False)
     seconds: float = field(default=0.0, repr=False)
+    changed: Mapping[str, Form] = field(default_factory=dict, repr=False)
+    supports: ndarray | None = field(default=None, repr=False)
 
 
 _Stage = TypeVar("_Stage", bound=StageData)

@@ -45,6 +45,8 @@ class StageResult(files.StageData):
         Length that the error in time allows for a step of the stage that follows.
     remarks, seconds
         Remarks of the forms on the end of the stage, and the time that its run took.
+    changed, supports
+        Forms that stages have changed, and supported dofs, with which a further run of the same model continues.
 
     Examples
     --------

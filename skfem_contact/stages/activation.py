@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -52,6 +52,8 @@ class Phase:
         Remarks on what changes nothing in the stage, and was probably meant to.
     water
         Water at rest, as the stage or one before gave it.
+    replaced, supports
+        Forms that the stage or ones before have changed, and the supported dofs.
     """
 
     before: dict[str, Form]
@@ -64,6 +66,8 @@ class Phase:
     on_top: Callable[[float], ndarray] | None = None
     remarks: tuple[Remark, ...] = ()
     water: Any = None
+    replaced: Mapping[str, Form] = field(default_factory=dict)
+    supports: ndarray | None = None
 
 
 def plan(setup: Setup, stages: Sequence[Stage], start: StageResult | None) -> list[Phase]:
@@ -101,11 +105,11 @@ def plan(setup: Setup, stages: Sequence[Stage], start: StageResult | None) -> li
         remarks = (*_idle(stage, same and prescribed is None, stage.fixed is None or np.array_equal(old, fixed), left),
                    *_of_forms(stage, there, fixed, held, time), *_of_pressures(setup, stage, load, prescribed, fixed),
                    *_of_weights(setup, stage, {k: there[k] for k in before if k in there}, top, load - rest))
-        top = load - rest
-        left = (changes or left) and stage.release < 1.0
+        top, left = load - rest, (changes or left) and stage.release < 1.0
         gone = _freed(_at_rest(setup, before, water, held) - rest, still) if left and stage.deactivate else nothing
-        phases.append(Phase(before, there, still, load, prescribed,
-                            changes and bool(phases or start is not None), gone, on_top, remarks, water))
+        changed = changes and bool(phases or start is not None)
+        phases.append(Phase(before, there, still, load, prescribed, changed, gone, on_top, remarks, water,
+                            {name: form for name, form in now.items() if form is not setup.own[name]}, fixed))
     return phases
 
 
@@ -205,16 +209,16 @@ def _of_pressures(setup: Setup, stage: Stage, load: ndarray, prescribed: ndarray
                   ) -> Iterator[Remark]:
     """Refuse a load on pressures, which would be water per increment; report prescribed ones that are not held."""
     layout = setup.layout
-    if all(field.kind != "pressure" for field in layout.fields):
+    if all(one.kind != "pressure" for one in layout.fields):
         return
     loose = np.setdiff1d(np.flatnonzero(0.0 * load if prescribed is None else prescribed), fixed)
-    for field, part in zip(layout.fields, layout.parts, strict=True):
-        if field.kind == "pressure" and (n := int(np.count_nonzero(load[part]))):
-            raise ValueError(f"stage '{stage.name}': the load acts on the {field.name} at {n} dofs, where it would be "
+    for one, part in zip(layout.fields, layout.parts, strict=True):
+        if one.kind == "pressure" and (n := int(np.count_nonzero(load[part]))):
+            raise ValueError(f"stage '{stage.name}': the load acts on the {one.name} at {n} dofs, where it would be "
                              "water per increment: prescribe pressures that are held")
         n = int(np.count_nonzero((loose >= part.start) & (loose < part.stop)))
-        if field.kind == "pressure" and n and loose[0] >= layout.n_displacements:  # else all dofs are given
-            yield Remark("loose", n, f"the {field.name} is prescribed at {n} dofs that are not held, which does "
+        if one.kind == "pressure" and n and loose[0] >= layout.n_displacements:  # else all dofs are given
+            yield Remark("loose", n, f"the {one.name} is prescribed at {n} dofs that are not held, which does "
                          "nothing: name them in `fixed`")
 
 

@@ -36,6 +36,7 @@ def run(setup: Setup, stages: Sequence[Stage], start: Result | StageResult | Non
     """Run stages one after the other, see :meth:`skfem_contact.Model.run`."""
     done = [start] if isinstance(start, StageResult) else list(start or ())
     stages = checked(stages, [stage.name for stage in done])
+    setup = setup.after(done[-1] if done else None)
     phases = plan(setup, stages, done[-1] if done else None)
     last = among(setup, done[-1]) if done else _nothing(phases[0])
     if done:
@@ -52,7 +53,7 @@ def run(setup: Setup, stages: Sequence[Stage], start: Result | StageResult | Non
                 predictor = Predictor(system.fixed)
                 predictor.accept(last.x, last.load - lost, last.time)
             last = replace(last, name=stage.name, iterations=(), fraction=0.0, forms=system.forms, increments=(),
-                           water=phase.water)
+                           water=phase.water, changed=phase.replaced, supports=phase.supports)
             unreleased = lost if last.unreleased is None else lost + last.unreleased
             left = (1.0 - stage.release) * (unreleased - phase.gone)
             path = _path(phase, last, system.fixed, lost, left)
@@ -163,7 +164,7 @@ def _increments(system: System, predictor: Predictor, stage: Stage, path: Path, 
         summary = {name: form.summary(new.states[name]) for name, form in system.forms.items()}
         last = StageResult(stage.name, new.x, load, new.states, (*last.iterations, new.iterations),
                            new.residuals[-1], fraction, summary, system.forms, time, layout=system.layout,
-                           water=last.water, placed=last.placed,
+                           water=last.water, placed=last.placed, changed=last.changed, supports=last.supports,
                            next_step=stepping.allowed * duration if duration else np.inf)
         predictor.accept(last.x, last.load, time)
         yield last

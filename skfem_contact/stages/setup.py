@@ -19,6 +19,7 @@ from ..layout import Field, FieldDofs, Layout, different, others
 from ..mesh import check_mesh
 from ..nonlinear.newton import Newton
 from ..nonlinear.system import System
+from ..results.files import StageData
 from ..solvers.choice import linear_solver
 from .loading import water_at_rest
 from .supports import check_supports
@@ -40,7 +41,7 @@ class Setup:
         self._completed = {name: _completed(name, form, given) for name, form in given.items()}
         _check_fields(self._completed)
         self.layout = _layout_of(self._completed)
-        self.forms = {name: self._numbered(form) for name, form in self._completed.items()}
+        self.forms = self.own = {name: self._numbered(form) for name, form in self._completed.items()}
         self.fixed = self.layout.dofs(fixed)
         self.water_unit_weight = water_unit_weight
         if water_unit_weight is not None and not is_number(water_unit_weight, 0.0, np.inf):
@@ -106,8 +107,17 @@ class Setup:
         new.fixed = np.flatnonzero(np.isin(kept, np.union1d(self.fixed, away)))
         if len(kept) < self.layout.size:
             new.layout = _layout_of(new._completed)
-            new.forms = {name: new._numbered(form) for name, form in new._completed.items()}
+            new.forms = new.own = {name: new._numbered(form) for name, form in new._completed.items()}
         return new, kept
+
+    def after(self, start: StageData | None) -> Self:
+        """Return the set-up as stages of its own have left it: with the forms and the supports that they changed."""
+        if start is None or start.layout is not self.layout or start.supports is None:
+            return self
+        new = copy(self)
+        vars(new).pop("solids", None)
+        new.forms, new.fixed = {**self.forms, **start.changed}, start.supports
+        return new
 
     def adopted(self, new: Mapping[str, Any], now: Mapping[str, Form]) -> dict[str, Form]:
         """Return forms that replace present ones, completed and numbered like these."""
