@@ -12,6 +12,8 @@ import space
 from helpers import grid, vector_basis
 
 import skfem_contact as sc
+from skfem_contact.contact.interface import Interface
+from skfem_contact.nonlinear.system import System
 
 sys.path.append(str(Path(__file__).parents[1] / "examples" / "4_benchmarks"))
 from contact_problems import LOWER, MU, UPPER, Contact, hertz, patch, patch_errors
@@ -70,21 +72,27 @@ def test_hertz_in_space() -> None:
     assert iterations(result) <= 11
 
 
-def test_start_has_the_contact_of_the_equilibrium() -> None:
-    """[N] The nodes that are closed after each increment are those at its start, or two more; linearly up to 4."""
+def test_start_has_the_contact_of_the_equilibrium(monkeypatch) -> None:
+    """[N] The nodes that are closed after each increment are those at its start, or two more; linearly up to 4.
+
+    The contact is projected at the start and at the displacements before the last increment.
+    """
     problem = hertz(10)
     stage = replace(problem.stage("press", increments=4), keep="all")
     model = sc.Model({"bodies": problem.solid, "contact": problem.pair(0.0, "segments", enforcement=DUAL)},
                      problem.fixed)  # fmt: skip
     steps, form = model.run([stage], progress=False)[-1].increments, model.forms["contact"]
     begin = [np.zeros_like(steps[0].x), *(step.x for step in steps)]
-    excess = []
+    excess, projected, project = [], [], Interface.project
+    monkeypatch.setattr(Interface, "project", lambda *given: projected.append(given) or project(*given))
     for before, step, found in zip(begin[:-2], steps[:-1], steps[1:], strict=True):
         linear, state = 2.0 * step.x - before, step.states["contact"]
-        starts = linear, form.foreseen(linear, step.x, before, state)
+        starts = form.foreseen(linear, step.x, before, state), linear
         active = [np.count_nonzero(np.frombuffer(form.assemble(start, state).active, int)) for start in starts]
+        assert len(projected) == 2
+        projected.clear()
         excess.append(active - found.states["contact"].closed.sum())
-    np.testing.assert_array_equal(excess, [[4, 2], [2, 0], [2, 0]])
+    np.testing.assert_array_equal(excess, [[2, 4], [0, 2], [0, 2]])
 
 
 def test_cattaneo_and_mindlin() -> None:
@@ -125,6 +133,25 @@ def test_no_penalty_changes_the_result() -> None:
             for penalty in (None, 1e9)]
     for other in runs[1:]:
         np.testing.assert_array_equal(other[-1].x, runs[0][-1].x)
+
+
+@pytest.mark.parametrize("enforcement", [None, sc.AugmentedLagrangian()])
+def test_augmented_multipliers_are_improved_at_equilibrium(enforcement, monkeypatch) -> None:
+    """[X] The first equilibrium is rough where cuts alone follow, and not beside a pair of the augmented method."""
+    heights = {"low": [-1.0, 0.0], "mid": [0.0, 1.0], "top": [1.0, 2.0]}
+    mesh = sc.join_bodies({name: grid("Q1", np.linspace(0, 1, 3 + k), z)
+                           for k, (name, z) in enumerate(heights.items())})
+    basis = vector_basis(mesh, "Q1", intorder=2)
+    forms = {"blocks": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.3)),
+             "cut": sc.ContactPair(basis, "mid:bottom", "low:top", sc.Coulomb(0.3)),
+             "other": sc.ContactPair(basis, "top:bottom", "mid:top", sc.Coulomb(0.3), 2, enforcement=enforcement)}
+    pressed, tolerances, equilibrium = basis.zeros(), [], System.equilibrium
+    pressed[basis.get_dofs("top:top").all("u^2")] = -1e-2
+    monkeypatch.setattr(System, "equilibrium", lambda *given, **options:
+                        tolerances.append(given[5].tolerance) or equilibrium(*given, **options))  # fmt: skip
+    fixed = basis.get_dofs({"low:bottom", "top:top"}).all()
+    sc.Model(forms, fixed).run([sc.Stage("press", prescribed=pressed)], progress=False)
+    assert tolerances[0] == (1e-8 if enforcement else 1e-3) and tolerances[-1] == 1e-8
 
 
 # -- laws -----------------------------------------------------------------------------------------------------

@@ -170,9 +170,11 @@ class ContactBase(Form):
 
     @property
     @override
-    def follows(self) -> bool:  # type: ignore[override]
-        """True if cuts follow the bodies, and no multipliers are improved in further equilibria."""
-        return self.quadrature == "segments" and not isinstance(self.enforcement, AugmentedLagrangian)
+    def follows(self) -> bool | None:  # type: ignore[override]
+        """True if cuts follow the bodies, False if multipliers are improved in further equilibria."""
+        if isinstance(self.enforcement, AugmentedLagrangian):
+            return False
+        return True if self.quadrature == "segments" else None
 
     @property
     @override

@@ -28,7 +28,7 @@ def foreseen(pair: Any, start: ndarray, x: ndarray, before: ndarray | None, acce
     step from the accepted ones.
     """
     state = pair.effective(accepted)
-    now, then = mean_gaps(pair, state, np.isfinite(accepted.gap), accepted.gap), _gaps(pair, start, state)
+    now, then = mean_gaps(pair, state, np.isfinite(accepted.gap), accepted.gap), _near(pair, start, state)
     reached = ~accepted.closed & (now > 0.0) & (now < np.inf) & (then < 0.0)
     if not reached.any():
         return start
@@ -37,7 +37,8 @@ def foreseen(pair: Any, start: ndarray, x: ndarray, before: ndarray | None, acce
     else:
         last = x - before
         ratio, beside = float(last @ (start - x)) / float(last @ last), _beside(pair.slave, accepted.closed)
-        opens = _stays_ahead(_gaps(pair, before, state), now, ratio, beside) & reached
+        found = pair.interface.closest(before, state.cuts, state.facet)
+        opens = _stays_ahead(mean_gaps(pair, state, found.found, found.gap), now, ratio, beside) & reached
     if not opens.any():
         return start
     start = start.copy()
@@ -77,8 +78,8 @@ def _beside(slave: Surface, closed: ndarray) -> ndarray:
     return beside & ~closed
 
 
-def _gaps(pair: Any, x: ndarray, state: ContactState) -> ndarray:
-    """Return the nodes' means of the gap at displacements, inf where they face nothing near."""
+def _near(pair: Any, x: ndarray, state: ContactState) -> ndarray:
+    """Return the nodes' means of the gap at displacements, whose evaluation does not project these points again."""
     slave, nodes = pair.interface.positions(x)
     depth = pair.interface.depth(pair.points(state))
     found, _ = pair.interface.near(slave, nodes, state, state.clearance + depth, depth)

@@ -212,19 +212,24 @@ class Interface:
 
         given, last = (state.facet, slave, nodes, depth), self._found
         if last and last[0] is points and all(map(np.array_equal, last[1], given)):  # only multipliers are others
-            return last[2], lambda: last[2]
-        found = projected(near)
-        self.neighbours.learn(near, found.distance, found.gap)
+            known, found = last[2:]
+            if (near & ~known).any():
+                found = merged(known, found, lambda others: projected(others & near))
+            near |= known
+        else:
+            found = projected(near)
+            self.neighbours.learn(near, found.distance, found.gap)
+        last[:] = points, given, near, found
 
         def everywhere() -> Projection:
-            last[:] = points, given, merged(near, found, projected)
-            return last[2]
+            last[:] = points, given, np.ones_like(near), merged(near, found, projected)
+            return last[3]
 
         return found, everywhere
 
     @cached_property
     def _found(self) -> list[Any]:
-        return []  # the last projection of all points, and what for
+        return []  # for what points were projected last, which of them, and where to
 
     def closest(self, x: ndarray | None, cuts: ndarray, previous: ndarray | None = None) -> Projection:
         """Project all points between cuts at displacements x."""

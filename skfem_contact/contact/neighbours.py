@@ -51,22 +51,22 @@ class NeighbourList:
 
     def __init__(self, surface: Surface) -> None:
         self._surface, self._moved = surface, 0.0
-        self._list: tuple[Neighbours, float, ndarray, ndarray] | None = None
-        self._own: ndarray | None = None
+        self._list: tuple[Neighbours, float, ndarray | None, ndarray, ndarray] | None = None
 
     def at(self, nodes: ndarray, points: ndarray, own: ndarray | None = None) -> Neighbours:
         """Return neighbours at present coordinates of the surface's nodes and of the points.
 
         `own` : ndarray, shape (n,), are the facets on which pieces in space lie, -1 for none.
         """
-        if self._list is not None and len(points) == len(self._list[3]) and own is self._own:
-            found, lasts, *before = self._list
-            self._moved = _relative_motion(nodes - before[0], points - before[1])
-            if self._moved <= lasts:
-                return found._replace(clearance=found.clearance - self._moved)
+        if self._list is not None:
+            found, lasts, facets, there, before = self._list
+            if own is facets and len(points) == len(before):
+                self._moved = _relative_motion(nodes - there, points - before)
+                if self._moved <= lasts:
+                    return found._replace(clearance=found.clearance - self._moved)
         found, lasts = neighbours(self._surface, nodes, points, _SLACK) if own is None or (own < 0).all() else \
             _neighbours_of_pieces(self._surface, nodes, points, own)
-        self._list, self._moved, self._own = (found, lasts, nodes, points), 0.0, own
+        self._list, self._moved = (found, lasts, own, nodes, points), 0.0
         return found
 
     def learn(self, chosen: ndarray, distance: ndarray, gap: ndarray) -> None:

@@ -218,13 +218,14 @@ class Regularised:
         Dofs at which the tangent may change while Newton's method iterates; None: anywhere.
     saddle: bool
         True if multipliers change with the displacements: equilibrium then is no minimum of the energy along a step.
-    follows: bool
-        True if :meth:`outer` only follows the displacements, for which those near equilibrium are good enough.
+    follows: bool or None
+        True if :meth:`outer` only follows the displacements, for which those near equilibrium are good enough; False if
+        it needs those of equilibrium, beside other forms as well; None where it changes nothing.
     """
 
     unilateral: bool = False
     saddle: bool = False
-    follows: bool = False
+    follows: bool | None = None
     changing: ndarray | None = None
 
     def begin(self: Self, accepted: Any, failure: Failure | None = None) -> Self:
