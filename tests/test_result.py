@@ -199,9 +199,10 @@ def test_save_and_load_after_sliding(tmp_path):
     start = sc.load_result(tmp_path / "three.npz", forms)
     resumed = sc.Model(forms, fixed).run(stages[3:], start=start, progress=False)
     np.testing.assert_allclose(resumed["4"].x, whole["4"].x, atol=1e-12)
-    # the last cuts are those of displacements whose residual is below 1e-3, on the way from either start
+    assert resumed["4"].iterations == whole["4"].iterations  # extrapolated from the same two increments
+    # forces of the order of one; a new factor of the same matrix rounds in another way
     one, other = (result["4"].states["joint"].traction[0] for result in (resumed, whole))
-    np.testing.assert_allclose(one, other, atol=1e-5 * np.abs(other).max())
+    np.testing.assert_allclose(one, other, atol=1e-9)
 
 
 class _Anchor(sc.Form):

@@ -57,6 +57,7 @@ class StageData:
     seconds: float = field(default=0.0, repr=False)
     changed: Mapping[str, Form] = field(default_factory=dict, repr=False)
     supports: ndarray | None = field(default=None, repr=False)
+    before: tuple[ndarray, ndarray, float] | None = field(default=None, repr=False)
 
 
 _Stage = TypeVar("_Stage", bound=StageData)
@@ -185,6 +186,8 @@ def _described(stage: StageData, key: str, arrays: dict[str, ndarray]) -> dict[s
     arrays[f"{key}/x"], arrays[f"{key}/load"] = stage.x, stage.load
     if stage.unreleased is not None:
         arrays[f"{key}/unreleased"] = stage.unreleased
+    if stage.before is not None and "." not in key:  # those of kept increments are the increments before
+        arrays[f"{key}/x before"], arrays[f"{key}/load before"] = stage.before[:2]
     arrays |= {f"{key}/placed of {name}": x for name, x in stage.placed.items()}
     for name, state in stage.states.items():
         arrays |= {f"{key}/{name}/{part}": np.asarray(values) for part, values in arrays_of(state).items()}
@@ -192,7 +195,7 @@ def _described(stage: StageData, key: str, arrays: dict[str, ndarray]) -> dict[s
             "time": stage.time, "summary": dict(stage.summary), "forms": list(stage.states),
             "meshes": {name: _fingerprint(form) for name, form in stage.forms.items()}, "water": _in_words(stage.water),
             "placed": list(stage.placed), "remarks": stage.remarks, "seconds": stage.seconds,
-            "next_step": stage.next_step,
+            "next_step": stage.next_step, "time before": stage.before[2] if stage.before else 0.0,
             "increments": [_described(part, f"{key}.{k}", arrays) for k, part in enumerate(stage.increments)]}
 
 
@@ -228,7 +231,9 @@ def _stage(arrays: Mapping[str, ndarray], key: str, head: Mapping[str, Any], giv
             raise ValueError(f"'{name}' is another form there: its mesh, its element or its settings differ")
         if form.materials or form.law is not None:
             _check_numbers(f"'{name}'", {k: a for k, a in arrays_of(states[name]).items() if k not in _FREE})
-    vectors = {part: arrays[f"{key}/{part}"] for part in ("x", "load", "unreleased") if f"{key}/{part}" in arrays}
+    vectors = {part: arrays[f"{key}/{part}"] for part in ("x", "load", "unreleased", "x before", "load before")
+               if f"{key}/{part}" in arrays}
+    before = tuple(vectors[part] for part in ("x before", "load before") if part in vectors)
     placed = {name: arrays[f"{key}/placed of {name}"] for name in head.get("placed", ())}
     _check_numbers("the stage", {**vectors, **placed})
     shapes = {np.shape(values) for values in (*vectors.values(), *placed.values())}
@@ -241,7 +246,7 @@ def _stage(arrays: Mapping[str, ndarray], key: str, head: Mapping[str, Any], giv
                 head["residual"], head["fraction"], head["summary"], forms, head.get("time", 0.0), increments,
                 vectors.get("unreleased"), water=head.get("water"), placed=placed,
                 next_step=head.get("next_step", np.inf), remarks=tuple(head.get("remarks", ())),
-                seconds=head.get("seconds", 0.0))
+                seconds=head.get("seconds", 0.0), before=(*before, head["time before"]) if before else None)
 
 
 def _check_numbers(whose: str, arrays: Mapping[str, Any]) -> None:

@@ -153,7 +153,7 @@ class Result:
             if change > _SAME_FORCE * scale:
                 raise ValueError(f"the force of '{name}' changes by {change:.3g} when displacements are reset: give it "
                                  "a method rebased(x, state) whose state has that force at zero displacements")
-        return Result((*self.stages[:-1], replace(last, x=x, states=states, placed={})))
+        return Result((*self.stages[:-1], replace(last, x=x, states=states, placed={}, before=None)))
 
 
 def load_result(file: str | Path, forms: Any) -> Result:

@@ -47,6 +47,8 @@ class StageResult(files.StageData):
         Remarks of the forms on the end of the stage, and the time that its run took.
     changed, supports
         Forms that stages have changed, and supported dofs, with which a further run of the same model continues.
+    before
+        Displacements, load and time of the increment before: a run that continues from here extrapolates from both.
 
     Examples
     --------

@@ -156,7 +156,8 @@ def _among_all(setup: Setup, kept: ndarray, result: Result) -> Result:
     summary = {key: form.summary(states[key]) for key, form in forms.items()}
     x, load = np.zeros(setup.layout.size), np.zeros(setup.layout.size)
     x[kept], load[kept] = last.x, last.load
-    return Result((replace(last, x=x, load=load, states=states, summary=summary, forms=forms, layout=setup.layout),))
+    return Result((replace(last, x=x, load=load, states=states, summary=summary, forms=forms, layout=setup.layout,
+                           before=None),))
 
 
 def _check_inactive(setup: Setup, load: ndarray) -> ndarray:

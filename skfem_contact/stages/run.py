@@ -47,10 +47,12 @@ def run(setup: Setup, stages: Sequence[Stage], start: Result | StageResult | Non
             lost = np.zeros(len(last.x))
             if phase.changed or (stage is stages[0] and state_changes(phase, last)):
                 x, states, lost = begin(setup.layout, phase, last)
-                last = replace(last, x=x, states=states, placed=_placed(phase, last, x), next_step=np.inf)
+                last = replace(last, x=x, states=states, placed=_placed(phase, last, x), next_step=np.inf, before=None)
             if system is None or predictor is None or phase.changed:
                 system = setup.system(phase.forms, phase.fixed)
                 predictor = Predictor(system.fixed)
+                if last.before is not None and stage is stages[0]:  # the run continues that of the start
+                    predictor.accept(*last.before)
                 predictor.accept(last.x, last.load - lost, last.time)
             last = replace(last, name=stage.name, iterations=(), fraction=0.0, forms=system.forms, increments=(),
                            water=phase.water, changed=phase.replaced, supports=phase.supports)
@@ -112,7 +114,10 @@ def _ended(last: StageResult, kept: Sequence[StageResult], began: float) -> Stag
 
 def among(setup: Setup, start: StageResult) -> StageResult:
     """Return a start, which may know displacements only, among all dofs."""
-    return replace(start, x=setup.vector(start.x, "start"), load=setup.vector(start.load, "start"))
+    before = start.before
+    if before is not None:
+        before = setup.vector(before[0], "start"), setup.vector(before[1], "start"), before[2]
+    return replace(start, x=setup.vector(start.x, "start"), load=setup.vector(start.load, "start"), before=before)
 
 
 def _placed(phase: Phase, last: StageResult, x: ndarray) -> dict[str, ndarray]:
@@ -165,7 +170,8 @@ def _increments(system: System, predictor: Predictor, stage: Stage, path: Path, 
         last = StageResult(stage.name, new.x, load, new.states, (*last.iterations, new.iterations),
                            new.residuals[-1], fraction, summary, system.forms, time, layout=system.layout,
                            water=last.water, placed=last.placed, changed=last.changed, supports=last.supports,
-                           next_step=stepping.allowed * duration if duration else np.inf)
+                           next_step=stepping.allowed * duration if duration else np.inf,
+                           before=(last.x, last.load, last.time))
         predictor.accept(last.x, last.load, time)
         yield last
 
