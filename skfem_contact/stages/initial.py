@@ -114,7 +114,7 @@ def _wet(result: Result, water: Any) -> Result:
 def _with(setup: Setup, forms: Mapping[str, Form]) -> Setup:
     """Return the set-up with other forms on the same dofs."""
     new = copy(setup)
-    new.forms = dict(forms)
+    new.forms = new.own = dict(forms)
     vars(new).pop("solids", None)
     return new
 
@@ -157,7 +157,7 @@ def _among_all(setup: Setup, kept: ndarray, result: Result) -> Result:
     x, load = np.zeros(setup.layout.size), np.zeros(setup.layout.size)
     x[kept], load[kept] = last.x, last.load
     return Result((replace(last, x=x, load=load, states=states, summary=summary, forms=forms, layout=setup.layout,
-                           before=None),))
+                           before=None, changed={}, supports=None),))
 
 
 def _check_inactive(setup: Setup, load: ndarray) -> ndarray:
