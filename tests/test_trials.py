@@ -339,6 +339,33 @@ def test_run_that_is_split_goes_on_with_what_stages_have_changed():
     assert fresh["again"].forms["ground"].materials["all"].c == 10.0  # another model: its own forms
 
 
+def test_changed_wall_keeps_its_water_and_skin_its_stiffness():
+    """[X] A wall in a slit between two levels that becomes softer, and a skin that resists less, move nothing else."""
+    mesh = MeshTri.init_tensor(np.linspace(-4, 4, 9), np.linspace(-4, 0, 5)).with_boundaries({
+        "wall": lambda x: (x[0] == 0.0) & (x[1] > -3.0), "low": lambda x: (x[1] == 0.0) & (x[0] < 0.0),
+        "high": lambda x: (x[1] == 0.0) & (x[0] > 0.0)}, boundaries_only=False)  # fmt: skip
+    basis = Basis(sc.split_along(mesh, "wall"), ElementVector(ElementTriP2()), intorder=2)
+    flow = sc.water.seepage(basis, permeability=1e-4, head={"low": 0.0, "high": 2.0}, unit_weight=10.0)
+    nodes = np.linspace((-2.0, -0.5), (-3.5, -2.5), 4)
+    wall, soft = (sc.Beam(basis, "wall|left", EI=EI, EA=1e6, bonded=False) for EI in (1e5, 1e4))
+    pile, slack = (sc.Beam(None, nodes, EI=EI, EA=1e5) for EI in (1e2, 1e1))
+    forms = {"ground": sc.SolidForm(basis, ELASTIC, unit_weight=20.0), "wall": wall, "pile": pile,
+             "skin": sc.Embedded(basis, pile, T_max=50.0), **wall.contact(basis, sc.Coulomb(mu=0.3))}  # fmt: skip
+    model = sc.Model(forms, sc.box_supports(basis), water_unit_weight=10.0)
+    start = model.k0_state(K0=0.5, water=0.0)
+    change = {"wall": soft, "pile": slack, "skin": sc.Embedded(basis, pile, T_max=40.0)}
+    stages = [sc.Stage("flows", water=flow), sc.Stage("soft", change=change)]
+    _, flows, softer = model.run(stages, start=start, **QUIET)
+    assert np.allclose(softer.x, flows.x, rtol=0.0, atol=1e-9)
+    for stage in (flows, softer):
+        sides = (stage.report(name).force[0] for name in ("wall|left", "wall|right"))
+        assert abs(sum(sides)) > 20.0  # of the water, which the contact on both sides resists
+    assert softer.forms["skin"].T_max[0] == 40.0
+    elsewhere = sc.Beam(None, nodes + 0.1, EI=1e2, EA=1e5)
+    with pytest.raises(ValueError, match="its nodes, ends or hinges are others"):
+        model.run([sc.Stage("moved", change={"pile": elsewhere})], start=start, **QUIET)
+
+
 def test_new_stiffness_of_structures_moves_nothing():
     """[X] Forces stay where a stiffness is another one; what is loaded later moves by the new one alone."""
     basis, fixed = disc()

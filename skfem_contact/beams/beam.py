@@ -114,6 +114,8 @@ class Beam(BeamNodes):
     """
 
     symmetric = True
+    _brought = ("parameters", "spacing", "_elements", "_root", "_stiffness", "_section", "_hinges", "_weight", "_EA",
+                "_shear", "_warm")
     _warm: ndarray | float = 0.0
     _frame: Sequence[Beam] = ()
     _touched: Sequence[Field] = ()
@@ -175,8 +177,7 @@ class Beam(BeamNodes):
     def heated(self, strain: float, curvature: float = 0.0) -> Beam:
         """Return the beam with a strain and a curvature that it has free of force at a temperature.
 
-        They count from the beam as it was built. Where nothing yields, a beam whose ends are held has a normal force
-        ``-EA * strain`` and a moment ``-EI * curvature``.
+        They count from the beam as built. An elastic one between fixed ends has N = -EA strain and M = -EI curvature.
 
         Parameters
         ----------

@@ -112,6 +112,7 @@ class Embedded(Form):
     _across: ndarray
     _at_foot: float
     _dofs: ndarray
+    _same, _brought = ("_where", "_given", "radius"), ("parameters", "T_max", "F_max")
 
     def __init__(self, basis: CellBasis, beam: BeamNodes, T_max: float | Callable[[ndarray], ArrayLike],
                  F_max: float = 0.0, stiffness: float | None = None, radius: float | None = None) -> None:

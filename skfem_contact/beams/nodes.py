@@ -44,6 +44,7 @@ def stiffest(forms: Mapping[str, Form]) -> ndarray | None:
 class BeamNodes(Form):
     """Form of nodes with displacements, its own or those of the ground, and with or without rotations."""
 
+    _same = ("points", "cells", "_rows", "coordinates", "thickness")
     points: ndarray
     cells: ndarray
     spacing: float

@@ -94,6 +94,7 @@ class Reinforcement(BeamNodes):
 
     symmetric = True
     thickness = 0.0
+    _brought = ("parameters", "spacing", "_EA", "_most", "_least", "unilateral")
 
     def __init__(self, basis: CellBasis | None, line: Any, EA: float, *, Np: float = np.inf, tension_only: bool = False,
                  spacing: float | None = None, cells: ArrayLike | None = None, bonded: bool | None = None) -> None:

@@ -189,6 +189,8 @@ class Bar(Form):
     (array([20.]), array([0.04]))
     """
 
+    _same = ("_where",)
+
     def __init__(self, basis: CellBasis | None, start: ArrayLike | FieldDofs, end: ArrayLike | FieldDofs, EA: float,
                  fixed_end: bool = False, yield_force: float = np.inf, tension_only: bool = False,
                  part: str | None = None, end_part: str | None = None, *, compression_only: bool = False,

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping
+from copy import copy
 from dataclasses import fields, is_dataclass, replace
 from types import MappingProxyType
 from typing import Any, TypeVar
@@ -58,6 +59,10 @@ class Staged:
     nodes: tuple[ndarray, ndarray] | None = None
     parameters: Mapping[str, Any] = MappingProxyType({})
 
+    #: What a form that replaces another one has in common with it, and what it brings; without the latter, all of it.
+    _same: tuple[str, ...] = ()
+    _brought: tuple[str, ...] = ()
+
     def completed(self: Self, forms: Mapping[str, Any]) -> Self:
         """Return the form with what it takes from the others, such as a penalty from their stiffness."""
         return self
@@ -85,7 +90,7 @@ class Staged:
         """Return coordinates and forces of bars, or of points along a line, by the columns of a table, (n,) each."""
         return {}
 
-    def continues(self: Self, old: Any) -> Self:
+    def continues(self, old: Any) -> Any:
         """Return the form as it replaces an old one and continues from the old state; by default of the same class.
 
         Raises
@@ -95,7 +100,13 @@ class Staged:
         """
         if type(self) is not type(old):
             raise ValueError(f"{type(old).__name__} cannot become {type(self).__name__}")
-        return self
+        if not all(np.array_equal(getattr(self, name), getattr(old, name)) for name in self._same):
+            raise ValueError("its nodes, ends or hinges are others")
+        if not self._brought:
+            return self
+        new = copy(old)
+        vars(new).update({name: getattr(self, name) for name in self._brought})
+        return new
 
     def inherits(self, old: Any, state: Any) -> Any:
         """Return the state of an old form from which this one continues; a new stiffness alone changes no force."""
