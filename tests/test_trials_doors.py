@@ -7,6 +7,7 @@ import time
 import numpy as np
 import pytest
 from helpers import grid, vector_basis
+from skfem import MeshTri
 
 import skfem_contact as sc
 
@@ -95,6 +96,7 @@ def test_nothing_given(call, message):
     (lambda: column(E=1.0).run([sc.Stage("weight")]), "small; are E and the loads in the same units"),
     (lambda: column(seismic=-10.0), "seismic is -10.0: it is the acceleration over that of gravity"),
     (lambda: column(unit_weight={"all": -18.0}), "unit weights are positive"),
+    (lambda: sc.mesh.check_mesh(MeshTri().translated((5e3, 5e4))), r"lies at \(5000, 5e\+04\), .* move it by"),
 ])  # fmt: skip
 def test_slips_are_told(make, message):
     """Angles for coefficients, densities for weights, per cent for ratios, MPa beside kN."""
@@ -115,6 +117,7 @@ def test_sound_input_is_not_told(recwarn):
     sc.Coulomb(mu=1e6)
     sc.hydrostatic(2.0, unit_weight=9810.0)
     column(seismic=0.9)
+    sc.mesh.check_mesh(MeshTri().translated((1e3, -1e3)))
     column().k0_state(K0=3.0)
     column().run([sc.Stage("weight")])
     assert not recwarn.list

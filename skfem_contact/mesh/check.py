@@ -11,6 +11,7 @@ from skfem import ElementHex2, MappingIsoparametric, Mesh
 from skfem.generic_utils import OrientedBoundary
 
 from ..checks import format_point
+from ..errors import warn
 
 Indices = NDArray[np.integer]
 
@@ -21,6 +22,9 @@ _MESH_TYPES = (skfem.MeshTri1, skfem.MeshTri2, skfem.MeshQuad1, skfem.MeshQuad2,
 # element sizes).
 _FLAT = 1e-10
 _SHOWN = 5
+# Distance from the origin over the size of elements: squares fail from 3200 diagonals on, where Newton's method of
+# scikit-fem for points in them does not reach 1e-12, and `with_defaults` takes wrong facets from 35,000 on.
+_FAR = 2000.0
 
 
 def check_mesh(mesh: Mesh) -> None:
@@ -64,6 +68,10 @@ def check_mesh(mesh: Mesh) -> None:
     inverted = np.flatnonzero(jacobian.min(axis=1) * jacobian.max(axis=1) < 0)
     if len(inverted):
         raise _error("inverted elements", "element", inverted, corners.mean(axis=1))
+    middle = corners.mean(axis=(1, 2))
+    if np.abs(middle).max() > _FAR * size.max():
+        warn(f"the mesh lies at {format_point(middle)}, more than {_FAR:g} of its elements from the origin, where "
+             "`with_defaults` takes wrong facets and quadrilaterals fail: move it by `mesh.translated` before")
     folded = _folded(mesh, np.sign(jacobian[:, 0]))
     if len(folded):
         raise _error("elements folded over their neighbours", "element", folded, corners.mean(axis=1))
