@@ -366,6 +366,20 @@ def test_changed_wall_keeps_its_water_and_skin_its_stiffness():
         model.run([sc.Stage("moved", change={"pile": elsewhere})], start=start, **QUIET)
 
 
+def test_search_from_a_cut_that_is_released_in_part():
+    """[X] Half of the forces of a pit still hold its sides: a search says so, and not where all are released."""
+    model, _, _ = pit()
+    weight = sc.Stage("weight")
+    settings = {"tolerance": 0.2, "certify": False, **QUIET}
+    half = model.run([weight, sc.Stage("half", deactivate="pit", release=0.5)], **QUIET)
+    whole = model.run([weight, sc.Stage("dug", deactivate="pit")], **QUIET)
+    with pytest.warns(sc.AnalysisWarning, match=r"the start holds back \d+% of its load"):
+        held = model.strength_reduction(start=half, **settings).factor
+    with pytest.warns(sc.AnalysisWarning) as told:
+        free = model.strength_reduction(start=whole, **settings).factor
+    assert held > 1.1 * free and not any("holds back" in str(warning.message) for warning in told)
+
+
 def test_new_stiffness_of_structures_moves_nothing():
     """[X] Forces stay where a stiffness is another one; what is loaded later moves by the new one alone."""
     basis, fixed = disc()

@@ -19,7 +19,7 @@ import numpy as np
 from numpy import ndarray
 
 from ..checks import look_up
-from ..errors import NoEquilibrium, NotConverged
+from ..errors import NoEquilibrium, NotConverged, warn
 from ..forms.base import Form
 from ..materials.base import Flow
 from ..nonlinear.newton import Evaluation, Newton, Search, iterate
@@ -125,6 +125,10 @@ def loaded_start(setup: Setup, load: Any, start: Result | StageResult | None, wa
     """
     last = last_stage(start)
     setup = setup.after(last)
+    if last is not None and last.unreleased is not None:
+        share = np.linalg.norm(last.unreleased) / np.linalg.norm(last.load)
+        warn(f"the start holds back {share:.0%} of its load, forces of what is deactivated: the search counts them as "
+             "resistance; release the rest in a stage before")
     active = setup.forms if last is None else {
         name: look_up(name, setup.forms, "form, though the start holds it,") for name in last.states}
     if last is not None and len(last.x) < setup.layout.size:
