@@ -87,7 +87,7 @@ def test_errors_are_raised():
             def limit(threads):
                 return threads
 
-        pardiso._Call(Library, pardiso.UNSYMMETRIC, 1)(pardiso.FACTOR, np.zeros(1), np.ones(2), np.ones(1))
+        pardiso._Call(Library, pardiso.UNSYMMETRIC, 1, False)(pardiso.FACTOR, np.zeros(1), np.ones(2), np.ones(1))
 
     with pytest.raises(MemoryError, match="memory"):
         call(pardiso.OUT_OF_MEMORY)

@@ -47,7 +47,8 @@ class FunctionSolver:
         return solve
 
 
-def as_solver(solver: Any, locations: ndarray, free: ndarray, interface: ndarray | None = None) -> LinearSolver:
+def as_solver(solver: Any, locations: ndarray, free: ndarray, interface: ndarray | None = None, single: bool = False
+              ) -> LinearSolver:
     """Return the linear solver of the `free` dofs with coordinates `locations`, (dim, N).
 
     `solver` is None or the name of an engine, for a :class:`DirectSolver`; "amg", for :class:`AmgOrDirect`; or a linear
@@ -58,7 +59,7 @@ def as_solver(solver: Any, locations: ndarray, free: ndarray, interface: ndarray
     if isinstance(solver, str) and solver == "amg":
         return AmgOrDirect(locations, free, interface)
     if solver is None or solver in tuple(ENGINES):
-        return DirectSolver(locations, free, solver)
+        return DirectSolver(locations, free, solver, single)
     names = ", ".join((*ENGINES, "amg"))
     raise ValueError(f"solver must be None, one of {names}, or a function (A, b) -> x, not {solver!r}")
 
@@ -76,7 +77,7 @@ def linear_solver(forms: Mapping[str, Form], solver: Any, locations: ndarray, fr
     displacements_only = not any(form.fields for form in forms.values())
     most = iterations_that_pay(locations, free, engine, anywhere) if solver is None and displacements_only else 0
     inner = AmgOrDirect(locations, free, interface, engine, most) if most else \
-        as_solver(solver, locations, free, interface)
+        as_solver(solver, locations, free, interface, single=anywhere)
     given = callable(solver) or (isinstance(solver, str) and solver == "amg")
     if given or anywhere or len(interface) == 0 or (most and len(free) > FACTORED_ONCE):
         return inner  # where bodies yield, factors that are made to be kept do not pay

@@ -32,8 +32,9 @@ KEPT = 15
 # is factored in 1.4 s by PARDISO and in 7.2 s by SuperLU, times that grow with the square of the dofs; an
 # iteration takes 0.062 s.  Blocks without stretched elements take 20 iterations or more.
 PER_ITERATION = {"pardiso": 2000, "superlu": 500}
-# Where bodies yield, rough solutions are enough and most tangents are not symmetric: of a footing with 36,501 dofs
-# PARDISO factors one in 50 iterations' time.  SuperLU takes three times as long, but the other figure is large enough.
+# Where bodies yield, rough solutions are enough, in 4 to 15 iterations, and most tangents are not symmetric: of a
+# footing with 36,501 dofs PARDISO factors one in 25 iterations' time.  Twice as many are tried before it takes over for
+# good.  SuperLU takes three times as long, but the other figure is large enough.
 PER_ITERATION_YIELDING = {"pardiso": 700, "superlu": 500}
 FEWEST = 20
 #: A rough solution ends after :data:`RESTART` iterations, with any residual up to the second number. At an extrapolated
@@ -263,7 +264,7 @@ class AmgOrDirect:
         """Return the direct solver, which takes over from now on."""
         logger.info("%s; a direct solver takes over", error)
         if isinstance(self._solver, AmgSolver):
-            self._solver = DirectSolver(self._locations, self._free, self._engine)
+            self._solver = DirectSolver(self._locations, self._free, self._engine, single=True)
         return self._solver
 
 

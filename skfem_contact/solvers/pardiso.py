@@ -69,7 +69,7 @@ class Pardiso:
 
     def _prepare(self, A: csr_matrix, symmetric: bool, afresh: bool) -> None:
         analysis, self._factored = self._analysis, None
-        if analysis is None or afresh or analysis.symmetric != symmetric or not analysis.admits(A):
+        if analysis is None or afresh or not analysis.admits(A, symmetric):
             pattern = _ones(A) + eye(A.shape[0], format="csr")  # PARDISO wants every diagonal entry
             if analysis is not None and (both := pattern + analysis.pattern).nnz < SPARE * A.nnz:
                 pattern = both
@@ -83,7 +83,7 @@ class _Analysis:
     """PARDISO's analysis of one pattern and the factor of the last values on it; its memory ends with it."""
 
     def __init__(self, library: _Library, pattern: csr_matrix, A: csr_matrix, symmetric: bool) -> None:
-        self.pattern, self.symmetric = _ones(pattern), symmetric
+        self.pattern, self._symmetric, self._dtype = _ones(pattern), symmetric, A.dtype
         self._last: csr_matrix | None = None
         self._positions: ndarray | slice
         n, indptr, indices = pattern.shape[0], pattern.indptr, pattern.indices
@@ -91,13 +91,15 @@ class _Analysis:
         self._stored = np.flatnonzero(indices >= row) if symmetric else slice(None)
         self._rows = np.cumsum(np.bincount(row[self._stored] + 1, minlength=n + 1), dtype=np.int32) + 1
         self._columns = indices[self._stored].astype(np.int32) + 1
-        self._call = _Call(library, SYMMETRIC if symmetric else UNSYMMETRIC, pattern.nnz)
-        self.admits(A)
+        self._call = _Call(library, SYMMETRIC if symmetric else UNSYMMETRIC, pattern.nnz, A.dtype == np.float32)
+        self.admits(A, symmetric)
         self._run(ANALYSE, A)
         weakref.finalize(self, self._call, RELEASE, np.zeros(1), self._rows, self._columns).atexit = False
 
-    def admits(self, A: csr_matrix) -> bool:
-        """Return True if the pattern of `A` lies within the analysed one, so that `A` can be factored."""
+    def admits(self, A: csr_matrix, symmetric: bool) -> bool:
+        """Return True if A is of the analysed kind and its pattern lies within the analysed one."""
+        if symmetric != self._symmetric or A.dtype != self._dtype:
+            return False
         if self._last is not None and same_pattern(A, self._last):
             return True
         if same_pattern(A, self.pattern):
@@ -123,7 +125,7 @@ class _Analysis:
         return x
 
     def _run(self, phase: int, A: csr_matrix) -> None:
-        values = np.zeros(self.pattern.nnz)
+        values = np.zeros(self.pattern.nnz, self._dtype)
         values[self._positions] = A.data
         self._values = values[self._stored]
         self._call(phase, self._values, self._rows, self._columns)
@@ -137,7 +139,7 @@ def _ones(A: csr_matrix) -> csr_matrix:
 class _Call:
     """Phases of PARDISO on one handle, with one number of threads: another one than at the analysis is not safe."""
 
-    def __init__(self, library: _Library, kind: int, entries: int) -> None:
+    def __init__(self, library: _Library, kind: int, entries: int, single: bool) -> None:
         self._library, self._kind = library, kind
         self._threads = allowed() if entries >= MANY else 1
         self._handle = np.zeros(64, dtype=np.intp)
@@ -146,6 +148,7 @@ class _Call:
             self._options[number - 1] = value
         if entries <= FEW:
             self._options[1] = 0
+        self._options[27] = single
 
     def __call__(self, phase: int, values: ndarray, rows: ndarray, columns: ndarray, *vectors: ndarray) -> None:
         one, zero, error, kind, phases, size = (
@@ -175,7 +178,7 @@ class _Library:
         from pypardiso import ps
 
         self.pardiso = ps.libmkl["pardiso"]  # the subscript leaves pypardiso's own prototype alone
-        integers, reals = ndpointer(np.int32, flags="C"), ndpointer(float, flags="C")
+        integers, reals = ndpointer(np.int32, flags="C"), ndpointer(flags="C")
         handle = ndpointer(np.intp, flags="C")
         self.pardiso.argtypes = [handle, *5 * [integers], reals, *6 * [integers], reals, reals, integers]
         self.pardiso.restype = None
