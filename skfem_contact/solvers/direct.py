@@ -150,8 +150,7 @@ class DirectSolver:
             A = block.gather(K)
         self._single = self._single and (last is None or last.holds)
         self._last = last = None  # its memory is free for the next one
-        ways = WAYS if self._single else WAYS[1:]
-        factor = self._last = _Factor(A, self._engine, symmetric, block.order, n, ways)
+        factor = self._last = _Factor(A, self._engine, symmetric, block.order, n, WAYS[not self._single:])
         return factor
 
     def _ordered(self, K: csr_matrix) -> FreeBlock:
