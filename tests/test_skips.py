@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 from helpers import grid, run_stages, vector_basis
+from scipy.sparse import block_diag
 
 import skfem_contact as sc
 from skfem_contact.contact import interface, neighbours
@@ -158,6 +159,27 @@ def test_interface_solver_solves_as_a_new_factor_does() -> None:
         residual = (K @ solver.factor(K)(b) - b)[free]
         assert np.linalg.norm(residual) < 1e-9 * np.linalg.norm(b)  # refined from 1e-10 on
     assert solver._base is not None
+
+
+def test_interface_without_stiffness_is_left_to_the_other_solver() -> None:
+    """[X] A multiplier whose row becomes zero makes the dense system singular: no warning, the other solver decides."""
+    forms, _, fixed = pressed(rock)
+    basis, joint = forms["block"].basis, choose_penalties(forms)["joint"]
+    n, free = basis.N, np.setdiff1d(np.arange(basis.N + 1), fixed)
+    bodies = forms["layer"].elastic_stiffness + forms["block"].elastic_stiffness
+    asked: list[float] = []
+
+    class Other:
+        name = "other"
+
+        def factor(self, K, symmetric=False):
+            asked.append(K[n, n])
+            return lambda b, rtol=1e-10: 0.0 * b
+
+    solver = SchurSolver(Other(), np.c_[basis.doflocs, [[0.0], [0.0]]], free, np.append(joint.changing, n))
+    for stiffness in (1.0, 2.0, 0.0):
+        solver.factor(block_diag([bodies, [[stiffness]]], "csr"))(np.ones(n + 1))
+    assert asked == [1.0, 0.0]
 
 
 def test_bodies_in_equilibrium_inside_take_one_solution(monkeypatch: pytest.MonkeyPatch) -> None:

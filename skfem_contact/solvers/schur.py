@@ -12,11 +12,12 @@ solution is enough.
 from __future__ import annotations
 
 import logging
+import warnings
 from collections.abc import Callable
 
 import numpy as np
 from numpy import ndarray
-from scipy.linalg import lu_factor, lu_solve
+from scipy.linalg import LinAlgWarning, lu_factor, lu_solve
 from scipy.sparse import csr_matrix
 from scipy.sparse.linalg import SuperLU, splu
 
@@ -118,7 +119,7 @@ class _Base:
         return cls(K, order, apart, m, lu, schur)
 
     def updated(self, K: csr_matrix, change: csr_matrix, other: Callable[[], Solve]) -> Solve:
-        """Prepare solutions with the factored tangent plus `change`; `other` solves where their residual is large."""
+        """Prepare solutions with the factored tangent plus `change`; `other` solves where they are inaccurate."""
         order, m, ends = self._order, self._m, self._ends
         delta = self._added + change[ends][:, ends].toarray()
         single = (np.count_nonzero(delta, axis=0) == 1) & (np.count_nonzero(delta, axis=1) == 1)
@@ -126,7 +127,11 @@ class _Base:
         live, alone = np.flatnonzero(~single), np.flatnonzero(single)
         total = delta[np.ix_(live, live)]
         total[:m, :m] += self._schur
-        dense = lu_factor(total, overwrite_a=True, check_finite=False)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", LinAlgWarning)
+            dense = lu_factor(total, overwrite_a=True, check_finite=False)
+        if not np.diagonal(dense[0]).all():  # an exact zero among the pivots
+            return other()
 
         def once(b: ndarray, inside: bool = True) -> ndarray:
             rhs, x, right = b[order], np.zeros_like(b), b[ends]
