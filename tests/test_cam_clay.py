@@ -229,6 +229,23 @@ def test_undrained_column():
     np.testing.assert_allclose(water.pore_pressure, constant.pore_pressure, atol=3e-3 * P)
 
 
+def test_undrained_block():
+    """[N] A block of Undrained(CamClay) under a load follows the sample of the laboratory."""
+    soil = sc.Undrained(clay(1.5), nu_undrained=0.499)
+    basis = vector_basis(grid("Q2", [0.0, 1.0], [0.0, 1.0]), "Q2")
+    ground = sc.SolidForm(basis, clay(1.5), coordinates="axisymmetric")
+    model = sc.Model({"clay": ground}, [basis.get_dofs("bottom").all("u^2"), basis.get_dofs("left").all("u^1")])
+    load = P * (model.traction("top", (0.0, -1.0)) + model.traction("right", (-1.0, 0.0)))
+    start = model.initial_state(load, stress=lambda x: -P * np.array([1.0, 1.0, 1.0, 0.0])[:, None, None] + 0 * x[0])
+    quick = sc.Model({"clay": ground.with_materials({"all": soil})}, model.fixed)
+    more = load + model.traction("top", (0.0, -0.5 * P))
+    stage = quick.run([sc.Stage("quick", more, increments=5)], start=start, **QUIET)["quick"]
+    test = sc.element_test(soil, -P, triaxial(stress=-1.5 * P, increments=5))
+    top = stage.x[basis.get_dofs("top").all("u^2")]
+    np.testing.assert_allclose(top, test.axial[-1, 0], rtol=1e-6)  # increments end at Newton's tolerance
+    np.testing.assert_allclose(stage.pore_pressure("clay"), test.pore_pressure[-1, 0], rtol=1e-6)
+
+
 def test_increment_too_large_is_cut_in_a_model():
     """A pull that empties the pressure in one increment: the run cuts it, and stops in words where no soil is left."""
     basis = vector_basis(grid("Q1", [0.0, 1.0], [0.0, 1.0]), "Q1")

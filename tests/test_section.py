@@ -129,6 +129,8 @@ def test_surface_cuts_off() -> None:
     ({"surface": [(0, 0), (5, 1)]}, "the surface reaches from x = 0 to 5, the areas from -20 to 20"),
     ({"coordinates": "axisymmetric"}, "'clay' reaches to x = -20"),
     ({"lines": {"a": [(0, 0), (0, -4)], "b": [(1e-6, -1), (1e-6, -3)]}}, "are 1e-06 apart near"),
+    ({"areas": {**GROUND, "fill": rectangle((-20, 20), (1e-4, 4))}}, "are 0.0001 apart near .* takes 2.7e\\+05 sides"),
+    ({"areas": {"clay": [(0, 0), (4, 0), (4, 2), (4 - 9e-8, 2), (0, 2)]}}, "two points of 'clay' near .* are 9e-08"),
     ({"holes": {"bore": circle((0.0, -5.0), 5.0)}}, "meet at an angle of 0.032 degrees near \\(0, "),
 ])  # fmt: skip
 def test_wrong_sketches_are_refused_by_name(change, message) -> None:

@@ -21,6 +21,8 @@ _CHORDS = 24
 _NEIGHBOURS = 3
 #: Curves that meet nowhere must not come nearer than this share of the section.
 _NEAREST = 1e-6
+#: Sides of elements along one curve at most that the distance to others asks for, and points that estimate them.
+_SIDES, _SAMPLES = 20_000, 16
 SizeCallback = Callable[[int, int, float, float, float, float], float]
 
 
@@ -66,6 +68,18 @@ class Curves:
                     raise ValueError(f"outlines or lines are {min(gap, self.length[k]):.2g} apart near "
                                      f"{format_point(x + plan.shift)}: let them meet there, or keep a distance of at "
                                      f"least {_NEAREST * size:.2g}")
+            self._check_band(k, plan)
+
+    def _check_band(self, k: int, plan: Plan) -> None:
+        """Refuse a curve that has another one so near along it that elements between them are too many."""
+        chords, share = np.flatnonzero(self.owner == k), (np.arange(_SAMPLES) + 0.5) / _SAMPLES
+        x = (self.a[chords, None] + share[:, None] * self.along[chords, None]).reshape(-1, 2)
+        gaps = np.array([self.distances(*point)[self.apart[self.tags[k]]].min(initial=np.inf) for point in x])
+        if (sides := self.length[k] * (1.0 / (_GAP * gaps)).mean()) > _SIDES:
+            at = format_point(x[gaps.argmin()] + plan.shift)
+            raise ValueError(f"outlines or lines are {gaps.min():.2g} apart near {at}, which takes {sides:.2g} sides "
+                             f"of elements along one of them, more than {_SIDES}: let them meet, or keep a larger "
+                             "distance")
 
 
 class Sizes:
