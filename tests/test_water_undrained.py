@@ -152,6 +152,15 @@ def test_drains_later(how):
     np.testing.assert_allclose(later.states["soil"].stress, slow.states["soil"].stress, atol=1e-6)
 
 
+def test_soil_that_drains_has_no_such_pressure():
+    """Zero would be taken for the pressure of a consolidating solid, which its nodes have."""
+    basis = vector_basis(grid("Q1", [0.0, 1.0], [0.0, 1.0]), "Q1", intorder=2)
+    model = sc.Model({"soil": sc.SolidForm(basis, SOIL)}, sc.box_supports(basis))
+    stage = model.run([sc.Stage("weight", model.weight(20.0))], progress=False)["weight"]
+    with pytest.raises(ValueError, match=r"'soil' has no Undrained soil: field\('pore'\)"):
+        stage.pore_pressure("soil")
+
+
 def test_in_space():
     """[X] A cube of tetrahedra under a quick load between smooth walls: Kw / (Kw + M) of it is carried by the water."""
     sides = [("bottom", 2, 0), ("x", 0, 0), ("X", 0, 1), ("y", 1, 0), ("Y", 1, 1)]

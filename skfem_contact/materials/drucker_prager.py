@@ -65,7 +65,8 @@ class DruckerPrager(ConePlasticity):
 
     The yield function is ``sqrt(J2) + alpha I1 - k`` (tension positive), and the plastic potential is the same with
     beta (D. C. Drucker, W. Prager, Quart. Appl. Math. 10 (1952) 157-165). Where c and phi are known, use
-    :meth:`plane_strain`: k, alpha and beta are not cohesion and angles.
+    :meth:`plane_strain`: k, alpha and beta are not cohesion and angles. A reduction of strength divides k and alpha,
+    whose factor is lower than that of c and tan(phi): 1.78 instead of 1.95 of a slope with phi = 25 degrees.
 
     Parameters
     ----------

@@ -11,6 +11,7 @@ from numpy import ndarray
 from ..checks import look_up
 from ..display import Table
 from ..forms.base import internal_force, pairs_of, solids_of
+from ..materials.base import EXCESS_PRESSURE
 from . import export, fields, files, strength, tables
 from .sections import SectionForces, Sections, section_forces
 from .tractions import ContactReport, Tractions, contact_report, tractions
@@ -158,8 +159,12 @@ class StageResult(files.StageData):
         """Return the excess pore pressure of :class:`Undrained` soil at points, (n_elements, n_points), zero elsewhere.
 
         Compression is positive. The pressure of :func:`water_load`, which is part of the load, is not included.
+        A solid without such soil raises a ``ValueError``: ``field("pore")`` has the pressure of :class:`PoreWater`.
         """
-        return strength.pore_pressure(*self._solid(solid))
+        form, state = self._solid(solid)
+        if all(variable.name != EXCESS_PRESSURE for one in form.materials.values() for variable in one.internal):
+            raise ValueError(f"'{solid}' has no Undrained soil: field('pore') has the pressure of PoreWater at nodes")
+        return strength.pore_pressure(form, state)
 
     def undrained_strength(self, solid: str) -> dict[str, ndarray]:
         r"""Return the undrained shear strength in plane strain that follows from the stresses in the ground.
