@@ -43,19 +43,22 @@ def test_pair_of_another_mesh_is_named():
 
 
 def test_many_stages_begin_at_once():
-    """The checks of 20,000 stages cost less than 0.1 ms each, in process time (0.02 ms on a machine of 2020)."""
+    """The checks of ten times as many stages take ten times as long, not a hundred times."""
     basis = halves()
     model = sc.Model({"both": sc.SolidForm(basis, ELASTIC)}, [basis.get_dofs(f"{k}:bottom").all() for k in "lr"])
-    stages = [sc.Stage(f"{k}", basis.zeros()) for k in range(20_000)]
 
     def stop(stage):
         raise KeyboardInterrupt
 
-    model.run(stages[:1], progress=False)
-    began = time.process_time()
-    with pytest.raises(KeyboardInterrupt):
-        model.run(stages, on_increment=stop, progress=False)
-    assert time.process_time() - began < 2.0
+    def seconds(n):
+        stages = [sc.Stage(f"{k}", basis.zeros()) for k in range(n)]
+        began = time.process_time()
+        with pytest.raises(KeyboardInterrupt):
+            model.run(stages, on_increment=stop, progress=False)
+        return time.process_time() - began
+
+    seconds(1)
+    assert seconds(20_000) < 30.0 * seconds(2_000)
 
 
 def test_file_of_elements_in_another_order(tmp_path):
