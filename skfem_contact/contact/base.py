@@ -170,11 +170,11 @@ class ContactBase(Form):
 
     @property
     @override
-    def follows(self) -> bool | None:  # type: ignore[override]
-        """True if cuts follow the bodies, False if multipliers are improved in further equilibria."""
+    def outer_after(self) -> Literal["near", "exact"] | None:  # type: ignore[override]
+        """Equilibrium after which multipliers are improved ("exact"), or cuts follow the bodies ("near")."""
         if isinstance(self.enforcement, AugmentedLagrangian):
-            return False
-        return True if self.quadrature == "segments" else None
+            return "exact"
+        return "near" if self.quadrature == "segments" else None
 
     @property
     @override

@@ -5,7 +5,7 @@ from collections.abc import Callable, Collection, Iterable, Mapping
 from copy import copy
 from dataclasses import fields, is_dataclass, replace
 from types import MappingProxyType
-from typing import Any, TypeVar
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 from numpy import ndarray
@@ -229,14 +229,14 @@ class Regularised:
         Dofs at which the tangent may change while Newton's method iterates; None: anywhere.
     saddle: bool
         True if multipliers change with the displacements: equilibrium then is no minimum of the energy along a step.
-    follows: bool or None
-        True if :meth:`outer` only follows the displacements, for which those near equilibrium are good enough; False if
-        it needs those of equilibrium, beside other forms as well; None where it changes nothing.
+    outer_after: "near", "exact" or None
+        State in which :meth:`outer` changes the form: near equilibrium, where it only follows the displacements; in
+        exact equilibrium, beside other forms as well; None where it changes nothing.
     """
 
     unilateral: bool = False
     saddle: bool = False
-    follows: bool | None = None
+    outer_after: Literal["near", "exact"] | None = None
     changing: ndarray | None = None
 
     def begin(self: Self, accepted: Any, failure: Failure | None = None) -> Self:

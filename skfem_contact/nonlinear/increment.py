@@ -79,8 +79,8 @@ def _solve(given: System, system: System, x: ndarray, states: Mapping[str, Any],
            leaves: bool = True) -> Equilibrium:
     residuals: tuple[float, ...] = ()
     settings, equilibria = newton, 1
-    follow = [form.follows for form in system.forms.values()]
-    if system is given and True in follow and False not in follow:
+    after = {form.outer_after for form in system.forms.values()} - {None}
+    if system is given and after == {"near"}:
         settings = replace(newton, tolerance=max(newton.tolerance, _ROUGH))
     for _ in range(_MOST):
         new = system.equilibrium(x, states, load, prescribed, settings, searches, start=start, leaves=leaves,
