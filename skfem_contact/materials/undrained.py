@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -155,8 +156,8 @@ class Undrained(Material):
     @override
     def update(self, strain_increment: Array, stress: Array, internal: Array, dt: float = 0.0) -> Update:
         effective, own = self._effective(stress, internal)
-        growth = strain_increment[:3].sum(axis=0)  # without growth the soil need not have a pressure and its stiffness
-        pressure = internal[-1] - (self._water(effective, own) * growth if growth.any() else 0.0)
+        water, growth = cache(lambda: self._water(effective, own)), strain_increment[:3].sum(axis=0)
+        pressure = internal[-1] - (water() * growth if growth.any() else 0.0)  # soil may begin without a stiffness
         new = updated(self.soil, strain_increment, effective, own, dt)
         total = new.stress.copy()
         total[:3] -= pressure
@@ -164,7 +165,7 @@ class Undrained(Material):
 
         def tangent() -> Array:
             result = new.tangent().copy()
-            result[:, :3, :3] += (self._water(effective, own) + 0 * pressure).reshape(-1)[new.plastic, None, None]
+            result[:, :3, :3] += np.broadcast_to(water(), pressure.shape).reshape(-1)[new.plastic, None, None]
             return result
 
         return Update(total, variables, new.plastic, tangent)

@@ -32,9 +32,8 @@ KEPT = 15
 # is factored in 1.4 s by PARDISO and in 7.2 s by SuperLU, times that grow with the square of the dofs; an
 # iteration takes 0.062 s.  Blocks without stretched elements take 20 iterations or more.
 PER_ITERATION = {"pardiso": 2000, "superlu": 500}
-# Where bodies yield, rough solutions are enough, in 4 to 15 iterations, and most tangents are not symmetric: of a
-# footing with 36,501 dofs PARDISO factors one in 25 iterations' time.  Twice as many are tried before it takes over for
-# good.  SuperLU takes three times as long, but the other figure is large enough.
+# Where bodies yield, rough solutions are enough, in 4 to 15 iterations: of a footing with 36,501 dofs PARDISO factors a
+# tangent in 25 iterations' time, SuperLU in three times as long.  Up to 50 are tried before a factor replaces them.
 PER_ITERATION_YIELDING = {"pardiso": 700, "superlu": 500}
 FEWEST = 20
 #: A rough solution ends after :data:`RESTART` iterations, with any residual up to the second number. At an extrapolated
