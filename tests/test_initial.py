@@ -103,6 +103,21 @@ def test_ground_under_water():
         sc.water_load(basis, sc.hydrostatic(5.9, unit_weight=9.81))
 
 
+def test_k0_state_under_water():
+    """[X] The weight of a lake is a part of the surcharge: its pressure is told where less presses on the surface."""
+    basis, _, fixed = layered()
+    model = sc.Model({"ground": sc.SolidForm(basis, SOIL, unit_weight=20.0)}, fixed, water_unit_weight=10.0)
+    for water in (8.0, sc.hydrostatic([(0, 6), (4, 8)], unit_weight=10.0)):
+        with pytest.raises(ValueError, match=r"presses with 20 on the surface at \(.*, 6\), .* surcharge=20 and what"):
+            model.k0_state(K0=0.5, water=water, surcharge=5.0)
+    start = model.k0_state(K0=0.5, water=8.0, surcharge=20.0)[0]
+    y = np.asarray(model.forms["ground"].basis.global_coordinates())[1]
+    np.testing.assert_allclose(start.states["ground"].stress[1], -10.0 * (6 - y), rtol=1e-12)
+    assert start.residual < 1e-12
+    # no water is not a level of zero
+    assert model.k0_state(K0=0.5, water=False)[0].residual < 1e-12
+
+
 def test_water_by_values_at_nodes():
     """[X] A linear pressure given at the nodes is the hydrostatic one, also with quadratic elements."""
     for element in ("P1", "Q1", "P2", "Q2"):

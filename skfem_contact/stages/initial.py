@@ -11,7 +11,7 @@ import numpy as np
 from numpy import ndarray
 from scipy.spatial import cKDTree
 
-from ..checks import look_up
+from ..checks import format_point, look_up
 from ..contact.prestress import prestressed
 from ..errors import warn
 from ..forms.base import Form, internal_force, pairs_of
@@ -30,6 +30,8 @@ from .stage import Stage
 
 #: Largest K0 without a warning: the passive pressure of a soil with 55 degrees.
 _LARGEST_K0 = 10.0
+#: Heights and pressures that count as the same, as a share of the largest.
+_SAME = 1e-6
 #: Forces out of balance, as a share of the load, of which a warning is given.
 _BALANCED = 1e-6
 #: ... and how often bodies may come back: beside a pile with nodal contact 6e-2, 4e-5, 8e-8 are left, else 3e-4, 4e-9.
@@ -59,9 +61,11 @@ def k0_state(setup: Setup, load: Any, K0: float | Mapping[str, float], unit_weig
         raise ValueError(f"K0 must be a number, not negative, unlike {K0!r}")
     if ratios[elements].max() > _LARGEST_K0:
         warn(f"K0 is {ratios[elements].max():.4g}: it is the ratio of horizontal to vertical stress, not in per cent")
-    pressure = None if water is None else as_pressure(water, mesh, setup.water_unit_weight)
+    pressure = None if water is None or water is False else as_pressure(water, mesh, setup.water_unit_weight)
     if pressure is not None and not callable(pressure):
         raise ValueError("water of the K0 procedure must be a level, points of it, or a function of the coordinates")
+    if pressure is not None:
+        _check_surface(mesh.p[:, np.unique(mesh.t[:, elements])], pressure, surcharge)
 
     def stress(x: ndarray, elements: ndarray) -> ndarray:
         vertical = -surcharge - overburden(x[-1])
@@ -210,6 +214,16 @@ def _stress_at(points: ndarray, stress: _StressField, solids: Mapping[str, Any])
     elements = [np.broadcast_to(form.elements[:, None], form.weight.shape).ravel() for form in solids.values()]
     nearest = cKDTree(np.concatenate(inside)).query(points)[1]
     return np.asarray(stress(points.T[:, :, None], np.concatenate(elements)[nearest][:, None]))[:, :, 0]
+
+
+def _check_surface(x: ndarray, pressure: Callable[[ndarray], ndarray], surcharge: float) -> None:
+    """Refuse water that presses more than the surcharge on the highest of some nodes, (dim, n)."""
+    values = np.where(x[-1] > x[-1].max() - _SAME * np.ptp(x[-1]), pressure(x), 0.0)
+    k = values.argmax()
+    if values[k] - surcharge > _SAME * np.abs(pressure(x)).max():
+        raise ValueError(f"water presses with {values[k]:.4g} on the surface at {format_point(x[:, k])}, where the "
+                         f"surcharge is {surcharge:.4g}: it counts water above the ground too, give "
+                         f"surcharge={values[k]:.4g} and what else presses there")
 
 
 def _layers(setup: Setup, elements: ndarray, unit_weights: float | Mapping[str, float] | None
