@@ -15,6 +15,7 @@ from skfem import (
     ElementVector,
     FacetBasis,
     LinearForm,
+    MeshHex,
     MeshQuad,
     MeshQuad2,
 )
@@ -253,3 +254,51 @@ def test_cuts_at_the_faces_of_walls():
     wall = stage.section_forces("frame", sc.Sections.line((-1.35, 2.0), (-1.35, 0.0), depth, n=21))
     np.testing.assert_allclose(wall.N, -q * (span / 2 + depth), rtol=4e-4)
     np.testing.assert_allclose(wall.N, wall.N[10], rtol=1e-6)
+
+
+def stretched(materials):
+    """Return a plate of 4 by 1 that is stretched with the stress 3."""
+    mesh = grid("Q1", np.linspace(0, 4, 9), np.linspace(0, 1, 5)).with_subdomains({
+        "core": lambda x: abs(x[1] - 0.5) < 0.25, "skin": lambda x: abs(x[1] - 0.5) > 0.25})  # fmt: skip
+    basis = vector_basis(mesh, "Q1")
+    form = sc.SolidForm(basis, materials)
+    x = basis.zeros()
+    x[basis.nodal_dofs[0]] = mesh.p[0]
+    E, nu = STEEL.E, STEEL.nu
+    x *= 3.0 / (E * (1 - nu) / (1 + nu) / (1 - 2 * nu))  # no strain across
+    return form, form.assemble(x, form.initial_state()).state
+
+
+def test_cuts_through_a_part_of_a_body_are_told(recwarn):
+    """[X] A cut through half of a plate has half of its thrust, also at its ends, and a warning."""
+    form, state = stretched(STEEL)
+    assert np.allclose(section_forces(form, state, sc.Sections.line((0, 0.5), (4, 0.5), 1.0, 5)).N, 3.0)
+    assert not recwarn
+    for axis, depth in ((0.5, 0.5), (0.0, 1.0)):
+        with pytest.warns(sc.AnalysisWarning, match=r"at 5 of 5 .* position 0, the body continues beside the cut"):
+            part = section_forces(form, state, sc.Sections.line((0, axis), (4, axis), depth, 5))
+        assert np.allclose(part.N, 1.5)
+
+
+def test_ends_of_a_body_that_is_welded_into_another(recwarn):
+    """[X] The core of a plate ends where the plate does: thrust there is that of the core; nothing is remarked."""
+    form, state = stretched({"core": STEEL, "skin": STEEL})
+    core = section_forces(form, state, sc.Sections.line((0, 0.5), (4, 0.5), 0.5, 5))
+    assert np.allclose(core.N, 1.5) and not recwarn
+
+
+def test_envelopes_in_space_are_those_of_a_plane():
+    """[X] Section forces in space are vectors: extremes of their components at different stages are no forces."""
+    mesh = MeshHex.init_tensor(np.linspace(0, 4, 5), np.linspace(-0.5, 0.5, 3), np.linspace(-0.5, 0.5, 3))
+    basis = vector_basis(mesh.with_boundaries({"root": lambda x: x[0] == 0.0, "tip": lambda x: x[0] == 4.0}), "Q2")
+    model = sc.Model({"bar": sc.SolidForm(basis, STEEL)}, basis.get_dofs("root").all())
+    tip = model.traction("tip", (0.0, 0.0, 1.0))
+    result = model.run([sc.Stage("up", tip), sc.Stage("down", -2.0 * tip)], progress=False)
+    cuts = sc.Sections.line((0, 0, 0), (4, 0, 0), depth=1.5, n=3)
+    with pytest.raises(ValueError, match=r"vectors: an envelope is that of one plane of bending.*towards"):
+        result.envelope("bar", cuts)
+    bent = {stage.name: stage.section_forces("bar", cuts).towards((0, 0, 1)) for stage in result}
+    found = sc.results.Envelope.of(bent)
+    np.testing.assert_allclose(found.smallest.M, [-4.0, -2.0, 0.0], atol=1e-6)
+    np.testing.assert_allclose(found.largest.M, [8.0, 4.0, 0.0], atol=1e-6)
+    assert found.stages["M"][:, 0].tolist() == ["up", "down"]

@@ -45,8 +45,9 @@ print(result.table(sections={"pipe": roof}), result["traffic"].table("pipe", roo
 plot.contour(result["traffic"], "uy", since=result["open trench"], contact=True, window=(-4, 4, -7, 0))
 
 # %%
-corners = [(-1.05, -3.85), (1.05, -3.85), (1.05, -5.55), (-1.05, -5.55)]
-axes = [sc.Sections.line(corners[k - 1], corners[k], depth=0.3) for k in range(4)]
+ends = [(-0.9, -3.85), (0.9, -3.85), (1.05, -4.0), (1.05, -5.4),
+        (0.9, -5.55), (-0.9, -5.55), (-1.05, -5.4), (-1.05, -4.0)]  # fmt: skip
+axes = [sc.Sections.line(*ends[k : k + 2], depth=0.3) for k in range(0, 8, 2)]  # from face to face
 members = {f"member {k}": result["traffic"].section_forces("pipe", axis) for k, axis in enumerate(axes)}
 plot.diagram(members, "M", on=result["traffic"])
 

@@ -2,8 +2,9 @@
 from ..display import Table
 from .files import Append
 from .result import Result, load_result, of
-from .sections import Envelope, SectionForces, Sections
+from .sections import SectionForces, Sections
 from .stage import StageResult
+from .tables import Envelope
 from .tractions import ContactReport, Tractions
 
 __all__ = ["Append", "ContactReport", "Envelope", "Result", "SectionForces", "Sections", "StageResult", "Table",

@@ -13,7 +13,7 @@ from ..checks import look_up
 from ..display import Table
 from ..forms.base import Form, as_forms
 from . import export, files, tables
-from .sections import Envelope, Sections
+from .sections import Sections
 from .stage import StageResult
 
 #: Change of a form's internal force at a reset, as a share of all forces, that is more than round-off.
@@ -67,10 +67,10 @@ class Result:
         return tuple((s.name, len(s.iterations), sum(s.iterations), f"{s.residual:.1e}", f"{s.fraction:.0%}",
                  "; ".join(f"{k}: {v}" for k, v in s.summary.items() if v)) for s in self.stages)
 
-    def envelope(self, body: str, sections: Sections | None = None) -> Envelope:
+    def envelope(self, body: str, sections: Sections | None = None) -> tables.Envelope:
         """Return the extreme section forces at the ends of all stages that hold a body; increments do not count."""
         there = [stage for stage in self if body in stage.states] or self.stages[-1:]  # which names what is missing
-        return Envelope.of({stage.name: stage.section_forces(body, sections) for stage in there})
+        return tables.Envelope.of({stage.name: stage.section_forces(body, sections) for stage in there})
 
     def table(self, *names: str, sections: Mapping[str, Sections] | None = None,
               searches: Mapping[str, Any] | None = None) -> Table:

@@ -11,10 +11,7 @@ resultant is that of the nodal forces of the elements on the free side.
 """
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from itertools import product
-from typing import Any
 
 import numpy as np
 from numpy import ndarray
@@ -22,6 +19,7 @@ from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
 
 from ..checks import format_point
+from ..errors import warn
 from ..forms.solid import SolidForm, SolidState
 from ..layout import nodes as nodes_of
 from ..surfaces.vectors import dot
@@ -90,31 +88,6 @@ class SectionForces:
         about = np.cross(self.axis, side)
         V, M = dot(self.V, side), -dot(self.M, about)
         return SectionForces(self.position, self.x, self.z, self.N, V, M)
-
-
-@dataclass(frozen=True)
-class Envelope:
-    """Smallest and largest section forces over stages, whose names are ``stages["M"]``, (2, n); printed as a table."""
-
-    smallest: SectionForces
-    largest: SectionForces
-    stages: dict[str, Any]
-
-    @classmethod
-    def of(cls, forces: Mapping[str, SectionForces]) -> Envelope:
-        """Return the envelope of section forces by the names of their stages."""
-        names, first = np.array(list(forces)), next(iter(forces.values()))
-        values = {key: np.array([getattr(part, key) for part in forces.values()]) for key in "NVM"}
-        low, high = ({key: v[at(v, axis=0), range(v.shape[1])] for key, v in values.items()}
-                     for at in (np.argmin, np.argmax))
-        stages = {key: names[np.array([v.argmin(axis=0), v.argmax(axis=0)])] for key, v in values.items()}
-        return cls(replace(first, **low), replace(first, **high), stages)
-
-    def __str__(self) -> str:
-        both = enumerate((self.smallest, self.largest))
-        ends = [(key, getattr(part, key), k) for key, (k, part) in product("NVM", both)]
-        return "\n".join(f"{key} {v[i]:10.4g} at {self.smallest.position[i]:<8.4g} {self.stages[key][k, i]}"
-                         for key, v, k in ends for i in [v.argmax() if k else v.argmin()])
 
 
 @dataclass(frozen=True)
@@ -295,9 +268,11 @@ def _cut(form: SolidForm, state: SolidState, sections: Sections) -> tuple[ndarra
         raise ValueError(f"{(count == 0).sum()} of {n} sections cut no element of the solid; the first is at "
                          f"{format_point(at)}")
     layer = np.bincount(section[crossing], length[crossing], minlength=n) / count
-    phi = _shares(section, nodes, s / layer[section, None], inside)
+    phi, joined = _shares(section, nodes, s / layer[section, None], inside)
+    deformed, key = np.ptp(phi, axis=1) > 0.0, _node_keys(section, nodes)
+    active, beside = deformed & inside, deformed & ~inside
+    _report_what_continues(form, sections, section, element, key, active & joined[section], beside)
 
-    active = inside & (np.ptp(phi, axis=1) > 0.0)
     section, element, phi = section[active], element[active], phi[active]
     points = form.basis.doflocs[:, dim * nodes[active]].transpose(1, 2, 0)
     lowest, highest = np.full(n, 1.0), np.zeros(n)  # 0 and 1, but for the ends of the body
@@ -308,16 +283,36 @@ def _cut(form: SolidForm, state: SolidState, sections: Sections) -> tuple[ndarra
     return section, points, np.einsum("pn,ncp->pnc", phi / (highest - lowest)[section, None], forces)
 
 
-def _shares(section: ndarray, nodes: ndarray, s: ndarray, inside: ndarray) -> ndarray:
-    """Return the share of the virtual motion at nodes, (pairs, nodes), with which no other element does work."""
+def _shares(section: ndarray, nodes: ndarray, s: ndarray, inside: ndarray) -> tuple[ndarray, ndarray]:
+    """Return the share of the virtual motion at nodes, (pairs, nodes), and sections where other elements do work."""
     linear, *jumps = np.clip(s + 0.5, 0.0, 1.0), np.where(s > _ROUND_OFF, 1.0, 0.0), np.where(s < -_ROUND_OFF, 0.0, 1.0)
-    shares, key = linear, section[:, None] * (nodes.max() + 1) + nodes
+    shares, key = linear, _node_keys(section, nodes)
     left = _do_work(section, key, linear, inside)
     for jump in jumps:
-        free = left & ~_do_work(section, key, jump, inside)
+        deforms = np.bincount(section, (np.ptp(jump, axis=1) > 0.0) & inside) > 0  # nothing lies beyond an end
+        free = left & deforms & ~_do_work(section, key, jump, inside)
         shares = np.where(free[section, None], jump, shares)
         left = left & ~free
-    return shares
+    return shares, left
+
+
+def _report_what_continues(form: SolidForm, sections: Sections, section: ndarray, element: ndarray, key: ndarray,
+                           body: ndarray, beside: ndarray) -> None:
+    """Report sections where a region has elements beside those of the body, (pairs,), and nodes with them."""
+    region = np.repeat(np.arange(len(form.regions)), [len(range(form.basis.nelems)[r.elements]) for r in form.regions])
+    key = region[element][:, None] * (key.max() + 1) + key
+    continues = section[beside][np.isin(key[beside], key[body]).any(axis=1)]
+    if len(continues):
+        first = continues.min()
+        warn(f"at {len(np.unique(continues))} of {len(sections.position)} sections, first at the position "
+             f"{sections.position[first]:.4g}, the body continues beside the cut, whose depth is "
+             f"{2.0 * sections.half_depth[first]:.4g}: forces are those of the elements within. Give the depth of the "
+             "whole body and an axis in its middle, unless bodies cross there")
+
+
+def _node_keys(section: ndarray, nodes: ndarray) -> ndarray:
+    """Return one number for each node of each section, (pairs, nodes)."""
+    return np.asarray(section[:, None] * (nodes.max() + 1) + nodes)
 
 
 def _do_work(section: ndarray, key: ndarray, phi: ndarray, inside: ndarray) -> ndarray:

@@ -93,7 +93,14 @@ class StageResult(files.StageData):
         Notes
         -----
         Between two lines of nodes forces are interpolated linearly; at the end of a body they are its last layer's.
-        A curved body without layers of elements of length h has moments to ``N h**2 / 8 R``.
+        A curved body without layers of elements of length h has moments to ``N h**2 / 8 R``. Beside water in the pores
+        forces of solids are effective: a total normal force is N less the pressure times the area of the cut. In axial
+        symmetry they are per radian.
+
+        Warns
+        -----
+        AnalysisWarning
+            The body continues beside a cut that is not deep enough or off its middle.
         """
         along = look_up(body, self.forms, f"form in stage '{self.name}'").line_forces(self.states[body])
         return SectionForces(*along) if along and not sections else section_forces(*self._solid(body), sections)

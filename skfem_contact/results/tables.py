@@ -2,6 +2,8 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass, replace
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -24,6 +26,34 @@ _FORCES = ("N", "V", "M", "T", "N_hoop", "M_hoop", "pressure", "shear", "force",
 _EQUAL = 1e-6
 #: Coordinates are zero below this share of the largest one.
 _ZERO = 1e-12
+
+
+@dataclass(frozen=True)
+class Envelope:
+    """Smallest and largest section forces over stages, whose names are ``stages["M"]``, (2, n); printed as a table."""
+
+    smallest: SectionForces
+    largest: SectionForces
+    stages: dict[str, Any]
+
+    @classmethod
+    def of(cls, forces: Mapping[str, SectionForces]) -> Envelope:
+        """Return the envelope of section forces by the names of their stages."""
+        if any(part.axis is not None for part in forces.values()):
+            raise ValueError("section forces in space are vectors: an envelope is that of one plane of bending, "
+                             "results.Envelope.of({stage.name: stage.section_forces(...).towards((1, 0, 0)), ...})")
+        names, first = np.array(list(forces)), next(iter(forces.values()))
+        values = {key: np.array([getattr(part, key) for part in forces.values()]) for key in "NVM"}
+        low, high = ({key: v[at(v, axis=0), range(v.shape[1])] for key, v in values.items()}
+                     for at in (np.argmin, np.argmax))
+        stages = {key: names[np.array([v.argmin(axis=0), v.argmax(axis=0)])] for key, v in values.items()}
+        return cls(replace(first, **low), replace(first, **high), stages)
+
+    def __str__(self) -> str:
+        both = enumerate((self.smallest, self.largest))
+        ends = [(key, getattr(part, key), k) for key, (k, part) in product("NVM", both)]
+        return "\n".join(f"{key} {v[i]:10.4g} at {self.smallest.position[i]:<8.4g} {self.stages[key][k, i]}"
+                         for key, v, k in ends for i in [v.argmax() if k else v.argmin()])
 
 
 def of_form(stage: StageData, name: str, sections: Sections | None = None) -> Table:
