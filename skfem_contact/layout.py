@@ -171,7 +171,8 @@ class Layout:
                 part = known[part.field][part.indices]
             numbers.append(np.asarray(part).ravel())
             if len(numbers[-1]) and numbers[-1].dtype.kind not in "iu":
-                raise ValueError("fixed must be dofs, integers such as basis.get_dofs('bottom').all()")
+                raise ValueError("fixed must be dofs, integers such as basis.get_dofs('bottom').all(), those of beams "
+                                 "as *beam.dofs((x, y))")
         found = np.unique(np.concatenate(numbers).astype(int))
         if len(found) and (found[0] < 0 or found[-1] >= self.size):
             raise ValueError(f"fixed dofs must lie between 0 and {self.size - 1}")
@@ -205,6 +206,11 @@ class Layout:
     def still(self) -> ndarray:
         """Dofs that are no motions, such as pressures and multipliers."""
         return np.flatnonzero(np.repeat([not f.moves for f in self.fields], [f.n for f in self.fields]))
+
+    @property
+    def pressures(self) -> ndarray:
+        """Dofs that are pressures of water."""
+        return np.flatnonzero(np.repeat([f.kind == "pressure" for f in self.fields], [f.n for f in self.fields]))
 
     @property
     def displacements(self) -> ndarray:

@@ -107,3 +107,26 @@ def test_water_under_a_tight_block(pressure, told):
         model.run(stages, progress=False)
     text = "under 'joint' the water presses with up to 40, and contact transfers 24 there in total"
     assert any(text in str(w.message) for w in caught) == told
+
+
+@pytest.mark.parametrize("by", ["a stage", "another model", "a file"])
+def test_drain_that_is_opened_later(by, tmp_path):
+    """[X] Terzaghi: a layer that drains at its base is opened at its top too, and half consolidates by T = .197."""
+    mesh = MeshTri.init_tensor(np.array([0.0, 0.2]), np.linspace(0, 2, 21)).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
+    sides, water = sc.box_supports(basis, base="rollers"), sc.PoreWater(basis, 1e-4, unit_weight=1.0)
+    forms = {"clay": sc.SolidForm(basis, sc.LinearElastic(E=8e3, nu=0.0)), "water": water}
+    model = sc.Model(forms, [sides, water.dofs("bottom")])
+    load = sc.traction(basis, "top", (0.0, -50.0))
+    start = model.run([sc.Stage("load", load, duration=1e-3)], progress=False)
+    open_, time = [sides, water.dofs("top", "bottom")], 0.197 / 0.8
+    if by == "a file":
+        start.save(tmp_path / "load.npz")
+        start = sc.load_result(tmp_path / "load.npz", forms)
+    if by == "another model":
+        model = sc.Model(forms, open_)
+    wait = sc.Stage("wait", load, duration=time, fixed=None if by == "another model" else open_)
+    stage = model.run([wait], start=start, progress=False)["wait"]
+    settled = -stage.x[basis.get_dofs("top").all("u^2")].mean() / (50.0 * 2.0 / 8e3)
+    assert settled == pytest.approx(0.5, abs=0.01)  # what leaves while the load comes, in a step as long as h^2 / 8 c_v
+    assert not stage.forms["water"].pressure(stage.x)[mesh.p[1] == 2.0].any()

@@ -54,6 +54,8 @@ class Phase:
         Water at rest, as the stage or one before gave it.
     replaced, supports
         Forms that the stage or ones before have changed, and the supported dofs.
+    opened
+        Pressures that are held from the stage on, and not prescribed.
     """
 
     before: dict[str, Form]
@@ -68,14 +70,14 @@ class Phase:
     water: Any = None
     replaced: Mapping[str, Form] = field(default_factory=dict)
     supports: ndarray | None = None
+    opened: ndarray = field(default_factory=lambda: np.zeros(0, int))
 
 
 def plan(setup: Setup, stages: Sequence[Stage], start: StageResult | None) -> list[Phase]:
     """Return active forms, supports and loads of every stage; all of it is checked before anything is computed."""
     now, fixed = dict(setup.forms), setup.fixed
-    active = _at_first(now, stages, start)
+    active, phases = _at_first(now, stages, start), list[Phase]()
     there = {name: now[name] for name in now if name in active}
-    phases: list[Phase] = []
     time, water, nothing = 0.0, None if start is None else start.water, np.zeros(setup.layout.size)
     left = start is not None and start.unreleased is not None
     top = nothing if start is None else setup.vector(start.load, "start") - setup.weights(there)
@@ -109,8 +111,15 @@ def plan(setup: Setup, stages: Sequence[Stage], start: StageResult | None) -> li
         gone = _freed(_at_rest(setup, before, water, held) - rest, still) if left and stage.deactivate else nothing
         changed = changes and bool(phases or start is not None)
         phases.append(Phase(before, there, still, load, prescribed, changed, gone, on_top, remarks, water,
-                            {name: form for name, form in now.items() if form is not setup.own[name]}, fixed))
+                            {name: form for name, form in now.items() if form is not setup.own[name]}, fixed,
+                            _opened(setup, stage, fixed, old if phases or start is None else start.supports)))
     return phases
+
+
+def _opened(setup: Setup, stage: Stage, fixed: ndarray, before: ndarray | None) -> ndarray:
+    """Return pressures that a stage holds beside those before, unless it prescribes them; files know none before."""
+    before = setup.fixed if before is None else before
+    return np.intersect1d(setup.layout.pressures, np.setdiff1d(fixed, before)[:None if stage.prescribed is None else 0])
 
 
 def _loads(setup: Setup, stage: Stage, rest: ndarray, held: ndarray, absent: list[str]
@@ -247,14 +256,15 @@ def acts_on(load: ndarray, dofs: ndarray) -> bool:
 def begin(layout: Layout, phase: Phase, last: StageResult) -> tuple[ndarray, dict[str, Any], ndarray]:
     """Return the start of a stage: displacements, states, and lost forces, (N,), to be released during the stage.
 
-    New solids are stress-free in the deformed ground, new water is without excess pressure. A new contact pair has
-    no traction, unless it replaces one between the same surfaces: then it takes over its tractions, so that
-    nothing moves. Forces out of balance, because a body, a support, strength or water pressure has gone, are lost.
+    New solids are stress-free in the deformed ground, new water and opened drains are without excess pressure. A new
+    contact pair has no traction, unless it replaces one between the same surfaces: then it takes over its tractions, so
+    that nothing moves. Forces out of balance, because a body, a support, strength or water pressure has gone, are lost.
     """
     new = {name: form for name, form in phase.forms.items() if name not in phase.before}
     known = dofs_of(phase.before, layout)
     x = last.x.copy()
     x[np.setdiff1d(np.intersect1d(layout.still, dofs_of(new, layout)), known)] = 0.0
+    x[phase.opened] = 0.0
     x = placed(layout, x, new, known, phase.fixed)
     states = {name: form.initial_state(x[:form.size]) if name in new
               else _inherited(form, phase.before[name], last, name) for name, form in phase.forms.items()}
@@ -276,9 +286,10 @@ def _inherited(form: Form, before: Form, last: StageResult, name: str) -> Any:
 
 
 def state_changes(phase: Phase, last: StageResult) -> bool:
-    """Return True if any form changes the inherited state."""
-    return any(name in phase.forms and _inherited(form, form, last, name) is not last.states[name]
-               for name, form in phase.before.items())
+    """Return True if any form changes the inherited state, or a drain opens."""
+    return len(phase.opened) > 0 or any(
+        name in phase.forms and _inherited(form, form, last, name) is not last.states[name]
+        for name, form in phase.before.items())
 
 
 def placed(layout: Layout, x: ndarray, new: Mapping[str, Form], known: ndarray, fixed: ndarray) -> ndarray:

@@ -49,7 +49,8 @@ class Stage:
         (``pair.with_law``). They continue the states of the old ones.
     fixed
         Supported dofs from this stage on; by default those of the stage before. Reactions that are lost are
-        released in proportion over the stage.
+        released in proportion over the stage. Where it opens a drain the excess pressure falls to zero at once, unless
+        `prescribed` is given.
     duration
         Time that the stage takes, for forms to which it matters (:meth:`Form.over`); load and prescribed displacements
         go from their last values to those of the stage in proportion to it. Beside :class:`PoreWater` increments are
