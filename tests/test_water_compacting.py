@@ -12,7 +12,7 @@ import skfem_contact as sc
 
 E, K, LOAD, WATER = 1e3, 1e-4, 100.0, 10.0
 QUIET = {"progress": False}
-pytestmark = pytest.mark.filterwarnings("ignore:.*less than h² / 6 c_v")
+pytestmark = pytest.mark.filterwarnings("ignore:.*less than h² / 3 c_v")
 
 
 def column(element: str = "P2", n: int = 20, width: float = 0.1) -> Basis:

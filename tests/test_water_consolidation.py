@@ -496,7 +496,7 @@ def test_bad_analyses():
 @pytest.mark.parametrize(
     ("k", "duration", "drained", "message"),
     [
-        (MOBILITY, 1e-6, True, r"ends after 1e-06, less than h² / 6 c_v = .* of the elements beside drains"),
+        (MOBILITY, 1e-6, True, r"ends after 1e-06, less than h² / 3 c_v = .* of the elements beside drains"),
         (1e-20, 1.0, True, r"times H² / c_v.*in the same units"),
         (1e6, 1.0, True, r"times H² / c_v.*in the same units"),
         (MOBILITY, 1.0, False, "no water can leave the ground"),

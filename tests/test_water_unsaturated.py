@@ -17,7 +17,7 @@ LOAM = sc.water.VanGenuchten(alpha=3.35, n=2.0, content=(0.102, 0.368))
 SILT = sc.water.VanGenuchten(alpha=1.0, n=3.0, content=(0.05, 0.4))
 SAND = sc.water.BrooksCorey(entry=0.1, index=2.0, content=(0.05, 0.4))
 QUIET = {"progress": False}
-pytestmark = pytest.mark.filterwarnings("ignore:.*(no pore pressure is held|no water can leave|less than h² / 6 c_v)")
+pytestmark = pytest.mark.filterwarnings("ignore:.*(no pore pressure is held|no water can leave|less than h² / 3 c_v)")
 
 
 def column(element: str = "P2", n: int = 20, height: float = 1.0) -> Basis:

@@ -20,7 +20,7 @@ from ..layout import Field, FieldDofs, elements_of, linear_element, nodes
 from ..sparse import constant, with_data
 from .boundary import Given, exchange, nodes_on, values_at
 from .darcy import Permeability, permeability_tensors, regions
-from .porous import FLOWING, PRESSURE, PoreState, Porous, Surroundings, check_units, pulled
+from .porous import FLOWING, PRESSURE, Ground, PoreState, Porous, Surroundings, check_units, pulled
 
 
 class PoreWater(Form):
@@ -183,12 +183,17 @@ class PoreWater(Form):
     def completed(self, forms: Mapping[str, Form]) -> PoreWater:
         if self.around is not None:
             return self
-        for name, other in forms.items():
-            if isinstance(other, PoreWater) and other is not self and \
-                    (n := len(np.intersect1d(other.elements, self.elements))):
+        waters = {name: form for name, form in forms.items() if isinstance(form, PoreWater) and form is not self}
+        for name, other in waters.items():
+            if n := len(np.intersect1d(other.elements, self.elements)):
                 raise ValueError(f"'{name}' is PoreWater of {n} of the same elements: their water would count twice; "
                                  "replace water by Stage(change=...)")
-        return self._in(Surroundings.of(self.ground, forms))
+        return self._in(Surroundings.of(self.ground, forms, list(waters.values())))
+
+    def drainage(self, modulus: ndarray) -> Ground:
+        """Return permeabilities and c_v of the elements with their oedometric moduli, (n_elements,)."""
+        mobility = np.linalg.eigvalsh(self.mobility)[:, -1]
+        return Ground(self.pressures.element_dofs, mobility, modulus * mobility)
 
     @override
     def numbered(self, numbers: Mapping[Field, ndarray]) -> PoreWater:
@@ -242,30 +247,24 @@ class PoreWater(Form):
                              "or activate the water in a later stage")
         if np.isin(self.ground.element_dofs, held).any():
             raise ValueError(f"PoreWater is active in inactive ground: {self!r}")
-        around, drained = self.around, np.intersect1d(fixed, self.carries)
+        around, drained = self.around, fixed[(fixed >= self.first) & (fixed < self.size)] - self.first
         assert around is not None
-        if not (len(drained) or self.storage.any() or self.porous.strains(fixed[fixed < self.ground.N])):
+        if not (np.isin(drained, self._vertices).any() or self.storage.any()
+                or self.porous.strains(fixed[fixed < self.ground.N])):
             raise ValueError("the pore pressure is not determined: nothing is drained, the water cannot be compressed, "
                              "and the ground can neither grow nor shrink; hold a pressure, `fixed` with "
                              "water.dofs(...), or give a storage")
-        mobility = np.linalg.eigvalsh(self.mobility)[:, -1]
-        diffusivity = around.modulus * mobility
-        yield from check_units(self.ground, diffusivity, duration)
+        yield from check_units(self.ground, (own := self.drainage(around.modulus)).diffusivity, duration)
         for name, form in around.touching.items():
             touched = self._vertices[np.isin(self.ground.nodal_dofs[0, self._vertices], form.joins)]
-            if len(pressed := np.setdiff1d(touched, np.append(drained - self.first, self.porous.open))):
+            if len(pressed := np.setdiff1d(touched, np.append(drained, self.porous.open))):
                 yield Remark("friction", len(pressed),
                              f"'{name}' transfers the pressure of the water as well, at {len(pressed)} nodes that are "
                              "not drained: friction there counts the total stress, not the effective one")
-        if not (fixed >= self.first).any():
-            if not around.leaks:
-                yield Remark("sealed", 0.0, "no pore pressure is held: no water can leave the ground")
-            return
-        element, across = self.porous.beside_drains(drained - self.first, mobility, diffusivity * duration)
-        shortest = float((across**2 / 6.0 / diffusivity[element]).max(initial=0.0))  # Vermeer and Verruijt 1981
-        if duration < shortest:
-            yield Remark("short", shortest / duration, f"it ends after {duration:.3g}, less than h² / 6 c_v = "
-                         f"{shortest:.3g} of the elements beside drains: pressures may be too high there")
+        if not (len(drained) or around.leaks):
+            yield Remark("sealed", 0.0, "no pore pressure is held: no water can leave the ground")
+        others = [ground for dofs, ground in around.waters if not np.isin(dofs, held).any()]
+        yield from self.porous.check_step(drained, [own, *others], duration)
 
     @override
     def remarks_on(self, x: ndarray, states: Mapping[str, Any]) -> Iterator[Remark]:
