@@ -476,6 +476,52 @@ def test_history_shows_the_nearest_nodes():
     assert [tick.get_text() for tick in axes.get_xticklabels()] == ["before", "now"]
 
 
+def test_history_refuses_points_outside_and_tells_of_bodies_that_touch():
+    """[X] Two plates of their own motion that touch at x = 1: nodes there have one value or the other."""
+    mesh = sc.join_bodies({"left": grid("Q1", [0, 0.5, 1], [0, 1]), "right": grid("Q1", [1, 1.5, 2], [0, 1])})
+    basis = vector_basis(mesh, "Q1")
+    forms = {"plates": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.0))}
+    x = basis.zeros()
+    x[basis.nodal_dofs[0]] = np.where(np.isin(np.arange(mesh.nvertices), mesh.t[:, mesh.subdomains["left"]]), 1.0, 3.0)
+    result = Result((StageResult("now", x, 0 * x, {"plates": forms["plates"].initial_state()}, (), 0.0, forms=forms),))
+    with pytest.warns(sc.AnalysisWarning, match="at point 'joint' bodies touch whose values differ by up to 2:"):
+        plot.history(result, "ux", {"joint": (1, 0)})
+    figure = plot.history(result, "ux", {"left": (0.4, 0), "a little outside": (2.3, 1)})
+    assert [float(line.get_ydata()[0]) for line in figure.axes[0].lines] == [1.0, 3.0]
+    with pytest.raises(ValueError, match=r"'far' lies outside the bodies: the nearest node, at \(2, 1\), is 2 away"):
+        plot.history(result, "ux", {"far": (2, 3)})
+    with pytest.raises(ValueError, match="point 'here' has 2"):
+        plot.history(result, "ux", {"here": (0, 0, 0)})
+    with pytest.raises(ValueError, match="there is no field 'settlement'; existing: "):
+        plot.history(result, "settlement", {"here": (0, 0)})
+
+
+@pytest.mark.parametrize(("wrong", "message"), [
+    ({"levels": 0}, "at least one level .* not levels=0"),
+    ({"colors": "rainbows"}, "a colour map of matplotlib.* colors='rainbows'"),
+    ({"window": (4, 5, 0, 1)}, r"the window \(4, 5, 0, 1\) shows nothing of the bodies, .* \(0, 0\) and \(2, 1\)"),
+    ({"loads": np.zeros(3)}, "loads have 3 dofs, the bodies 30"),
+])  # fmt: skip
+@needs_opengl
+def test_arguments_of_pictures_that_draw_nothing_are_refused(wrong, message):
+    with pytest.raises(ValueError, match=message):
+        plot.contour(block()[1], "ux", **wrong)
+
+
+def test_series_that_do_not_fit_are_refused():
+    section = SectionForces(*np.zeros((6, 3)))
+    for values, options, message in (
+        ({}, {}, r"series of one kind, not \[\]"),
+        ({"a": section, "b": np.zeros(3)}, {}, r"one kind, not \['SectionForces', 'ndarray'\]"),
+        ({"a": np.zeros(5)}, {"angle": np.zeros(4)}, r"values of 'a', \(5,\), do not fit the angles, \(4,\)"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            plot.diagram(values, "M", **options)
+    for picture in (plot.mechanism, plot.load_curve):
+        with pytest.raises(ValueError, match=r"result of strength_reduction .* not a StageResult"):
+            picture(block()[1])
+
+
 def test_diagram_stands_on_the_structure():
     """Ordinates to the left of the axis, the longest 28 % of its length; extremes are written."""
     _, step = block()

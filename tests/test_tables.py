@@ -145,6 +145,8 @@ def test_text_of_tables() -> None:
 @pytest.mark.parametrize("ask, message", [
     (lambda r: r.table("wall"), r"'wall'.*ground"),
     (lambda r: r.table(searches={"dig": None}), r"'dig'.*gravity"),
+    (lambda r: r.table(searches={"gravity": 1.3}), "results of strength_reduction or limit_load, not 1.3"),
+    (lambda r: r.table("culvert"), "'culvert' is a SolidForm: give sections="),
     (lambda r: r["gravity"].table("ground"), r"'ground' is a SolidForm.*sections.*\['skin'\]"),
     (lambda r: r["gravity"].table("skin", CUTS), "SolidForm"),
 ])  # fmt: skip

@@ -13,11 +13,12 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from numpy import ndarray
 from numpy.typing import ArrayLike
-from scipy.spatial import cKDTree
 
-from ..checks import check_plane, look_up
+from ..checks import check_plane, format_point, look_up
 from ..contact.laws import Status
-from ..results.fields import basis_of, has_excess, nodal_field, quantities
+from ..errors import warn
+from ..layout import nodes as nodes_of
+from ..results.fields import basis_of, has_excess, nodal_field, quantities, solids
 from ..results.result import Result
 from ..results.sections import SectionForces
 from ..results.stage import StageResult
@@ -33,6 +34,10 @@ _TRACTIONS = {"pressure": ("contact pressure", "stress"), "shear": ("friction", 
 _FORCES = {"N": ("normal force N", "line"), "V": ("shear force V", "line"), "M": ("moment M", "moment")}
 #: Longest ordinate as a share of the size of what the diagram is drawn on.
 _LONGEST = 0.28
+#: Nodes are the same point below this share of their elements' size; gaps of meshes that touch are smaller.
+_SAME = 1e-3
+#: Share of a curve by which values of bodies that touch may differ: the width of a line.
+_DIFFERENT = 0.02
 
 
 def diagram(values: Any, quantity: str | None = None, *, on: StageResult | None = None,
@@ -81,6 +86,9 @@ def diagram(values: Any, quantity: str | None = None, *, on: StageResult | None 
     if on is not None:
         return saved(_on_structure(values, quantity, on, scale, window), file)
     series = values if isinstance(values, Mapping) else {"": values}
+    if len({type(part) for part in series.values()}) != 1:
+        raise ValueError("a diagram has one or several series of one kind, not "
+                         f"{[type(part).__name__ for part in series.values()]}")
     if angle is not None:
         return saved(_ring(series, quantity, np.asarray(angle, float) % 360.0), file)
     return saved(_along(series, quantity, along, (along == "y") if upright is None else upright), file)
@@ -98,7 +106,7 @@ def history(result: Result, quantity: str, points: Mapping[str, ArrayLike], *, t
         Field of :meth:`~skfem_contact.results.StageResult.field`.
     points
         Coordinates (x, y) by their labels; the nearest nodes are taken. They have no value in stages without a body
-        there.
+        there. Where bodies touch, the value is that of one of them; a warning states how much they differ.
     time
         Draw over the times at which the stages end, which have durations, instead of their names.
     file
@@ -110,16 +118,16 @@ def history(result: Result, quantity: str, points: Mapping[str, ArrayLike], *, t
     >>> import skfem_contact.plot as plot
     >>> figure = plot.history(culvert().result, "uy", {"crown": (0., .9), "surface": (.9, 3.5)})
     """
-    basis, field = basis_of(result[-1]), quantities(result[-1])[quantity]
-    tree = cKDTree(basis.doflocs[:, ::basis.mesh.dim()].T)
+    basis, field = basis_of(result[-1]), look_up(quantity, quantities(result[-1]), "field")
+    coordinates = basis.doflocs[:, ::basis.mesh.dim()].T
+    nodes = np.hstack([nodes_of(form.basis) for stage in result for form in solids(stage).values()])
     later = quantity == "pore" and has_excess(result[-1])  # there is no excess pressure before the first water
-    values = [0.0 * basis.doflocs[0] if later and not has_excess(stage) else nodal_field(stage, quantity)
-              for stage in result]
+    values = np.array([np.zeros(basis.N // basis.mesh.dim()) if later and not has_excess(stage)
+                       else nodal_field(stage, quantity) for stage in result])
     times = [stage.time for stage in result] if time else list(range(len(result)))
     figure, ax = plt.subplots(figsize=(8.0, 4.2), layout="constrained")
     for style, (label, point) in zip(styles(len(points)), points.items()):
-        node = int(tree.query(np.asarray(point, float))[1])
-        ax.plot(times, [value[node] for value in values], label=label,
+        ax.plot(times, _at_point(coordinates, nodes, values, point, label), label=label,
                 **{**style, "linestyle": "-", "marker": "o", "markersize": 5})
     if time:
         ax.set_xlabel("time")
@@ -128,6 +136,25 @@ def history(result: Result, quantity: str, points: Mapping[str, ArrayLike], *, t
     ax.set_ylabel(labelled(field.title, field.unit))
     tidy(ax, len(points))
     return saved(figure, file)
+
+
+def _at_point(coordinates: ndarray, nodes: ndarray, values: ndarray, point: ArrayLike, label: str) -> ndarray:
+    """Return values, (stages, nodes), at the node nearest to a point; warn where those of other bodies differ."""
+    at = np.asarray(point, float)
+    if at.shape != coordinates.shape[1:]:
+        raise ValueError(f"point '{label}' has {coordinates.shape[1]} coordinates in these bodies, not {point!r}")
+    distance = np.linalg.norm(coordinates - at, axis=1)
+    node = int(distance.argmin())
+    there = coordinates[nodes[:, (nodes == node).any(axis=0)]]
+    if distance[node] > (reach := float(np.linalg.norm(np.ptp(there, axis=0), axis=1).max(initial=0.0))):
+        raise ValueError(f"point '{label}' lies outside the bodies: the nearest node, at "
+                         f"{format_point(coordinates[node])}, is {distance[node]:.4g} away")
+    same = values[:, np.linalg.norm(coordinates - coordinates[node], axis=1) < _SAME * reach]
+    apart = np.ptp(np.nan_to_num(same), axis=1).max()
+    if apart > _DIFFERENT * np.nanmax(np.abs(np.append(same, 0.0))):
+        warn(f"at point '{label}' bodies touch whose values differ by up to {apart:.3g}: the value of one of them is "
+             "drawn; give the coordinates of a node within the body that is meant")
+    return values[:, node]
 
 
 def _titles(values: Any) -> dict[str, tuple[str, str]]:
@@ -191,6 +218,8 @@ def _ring(series: Mapping[str, Any], quantity: str | None, angle: ndarray) -> Fi
         if isinstance(part, Tractions | SectionForces):
             title = labelled(*look_up(quantity, _titles(part), f"quantity of {type(part).__name__}"))
             part = getattr(part, quantity)
+        if np.shape(part) != angle.shape:
+            raise ValueError(f"the values of '{label}', {np.shape(part)}, do not fit the angles, {angle.shape}")
         around = np.asarray(part, float)[closed]
         polar.plot(np.radians(turns), around, **style)
         plain.plot(turns, around, label=label, **style)

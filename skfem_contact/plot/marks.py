@@ -166,6 +166,8 @@ def _thinned(scene: Scene, nodes: ndarray) -> ndarray:
 
 def _draw_loads(plotter: Any, scene: Scene, load: ndarray) -> None:
     """Draw nodal forces as arrows that end at their nodes."""
+    if len(load) < scene.displacement.size:
+        raise ValueError(f"loads have {len(load)} dofs, the bodies {scene.displacement.size}")
     force, moved = load[:scene.displacement.size].reshape(-1, 2), scene.moved
     size = np.linalg.norm(force, axis=1)
     seen = size > _SMALL * size.max(initial=0.0)

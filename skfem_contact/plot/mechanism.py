@@ -59,6 +59,7 @@ def mechanism(result: Any, *, deformed: bool = False, vectors: bool = True, wind
     >>> picture = plot.mechanism(sc.Model(forms, fixed).limit_load(sc.weight(basis, 5.), progress=False))
     """
     proven = isinstance(result, Bounds)
+    _check_search(result, proven)
     stage, bands = _upper_bound(result) if proven else (replace(result.end, x=result.mechanism), result.bands)
     check_plane(basis_of(stage), "plot.mechanism")
     stage = only(stage, bands)
@@ -76,6 +77,13 @@ def mechanism(result: Any, *, deformed: bool = False, vectors: bool = True, wind
     title = f"{result.what[0].upper()}{result.what[1:]}{value}: shear strain of the mechanism, relative"
     view = View(scene, "", Marks(stage, water=water, vectors=vectors))
     return Contours([view], scale, title).draw(window, mesh, file, show)
+
+
+def _check_search(result: Any, proven: bool = False) -> None:
+    """Refuse what is no result of a search, or no bounds where these are accepted."""
+    if not proven and getattr(result, "curve", None) is None:
+        raise ValueError("a result of strength_reduction or limit_load is drawn, or by plot.mechanism of bounds, not "
+                         f"a {type(result).__name__}")
 
 
 def _upper_bound(bounds: Bounds) -> tuple[StageResult, dict[str, ndarray]]:
@@ -110,6 +118,7 @@ def load_curve(result: Any, *, file: str | Path | None = None) -> Figure:
     >>> fixed = np.append(basis.get_dofs("bottom").all(), basis.get_dofs("right").all("u^1"))
     >>> figure = plot.load_curve(sc.Model(forms, fixed).limit_load(sc.weight(basis, 5.), progress=False))
     """
+    _check_search(result)
     _, parameter, displacement = np.asarray(result.curve).T
     begin = int(np.argmin(displacement))  # what is before has moved the structure to where the search starts
     figure, ax = plt.subplots(figsize=(7.0, 4.5), layout="constrained")

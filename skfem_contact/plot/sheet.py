@@ -17,6 +17,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 from numpy import ndarray
 
+from ..checks import format_point
 from ..errors import warn
 
 #: Share of the area that may lie below, and above, the limits where it would make the scale so much longer.
@@ -54,6 +55,9 @@ def make_scale(values: ndarray, area: ndarray, limits: tuple[float, float] | Non
     known = np.isfinite(values)
     if not known.any():
         raise ValueError("there is nothing to draw: no material of these bodies defines this field")
+    if n < 1 or colors not in (None, *matplotlib.colormaps):
+        raise ValueError(f"a scale has at least one level and a colour map of matplotlib, not levels={n!r}, "
+                         f"colors={colors!r}")
     values, area = values[known], area[known]
     if limits is not None:
         low, high = float(limits[0]), float(limits[1])
@@ -158,9 +162,13 @@ class Frame:
                  margin: float, width: int = _WIDTH) -> None:
         low, high = points.min(axis=0), points.max(axis=0)
         if window is not None:
-            low, high = np.array(window[0::2], float), np.array(window[1::2], float)
-            if not (low < high).all():
+            begin, end = np.array(window[0::2], float), np.array(window[1::2], float)
+            if not (begin < end).all():
                 raise ValueError(f"a window is (xmin, xmax, ymin, ymax), not {window!r}")
+            if (begin > high).any() or (end < low).any():
+                raise ValueError(f"the window {window!r} shows nothing of the bodies, which lie between "
+                                 f"{format_point(low)} and {format_point(high)}")
+            low, high = begin, end
         free = margin * (high - low).max()
         low, high = low - free, high + free
         self.focus = 0.5 * (low + high)

@@ -74,9 +74,12 @@ def of_stages(stages: Collection[StageData], names: Collection[str], sections: M
     """Return one row for each stage, see :meth:`~skfem_contact.results.Result.table`."""
     there = {name: form for stage in stages for name, form in stage.forms.items()}
     for name in (*names, *sections):
-        look_up(name, there, "form")
-    for name in searches:
+        if look_up(name, there, "form").materials and name not in sections:
+            raise ValueError(f"'{name}' is a {type(there[name]).__name__}: give sections={{'{name}': Sections.line()}}")
+    for name, found in searches.items():
         look_up(name, {stage.name: stage for stage in stages}, "stage")
+        if getattr(found, "stop", None) is None:
+            raise ValueError(f"searches are results of strength_reduction or limit_load, not {found!r}")
     chosen = names or [name for name, form in there.items() if form.law is None]
     rows = [_row(stage, [*chosen, *(name for name in sections if name not in chosen)], sections, searches)
             for stage in stages]
