@@ -478,18 +478,19 @@ def test_history_shows_the_nearest_nodes():
 
 def test_history_refuses_points_outside_and_tells_of_bodies_that_touch():
     """[X] Two plates of their own motion that touch at x = 1: nodes there have one value or the other."""
-    mesh = sc.join_bodies({"left": grid("Q1", [0, 0.5, 1], [0, 1]), "right": grid("Q1", [1, 1.5, 2], [0, 1])})
+    mesh = sc.join_bodies({"left": grid("Q1", [0, 0.5, 1], [0, 1]), "right": grid("Q1", [1, 2], [0, 1])})
     basis = vector_basis(mesh, "Q1")
-    forms = {"plates": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.0))}
+    forms = {name: sc.SolidForm(basis.with_elements(name), sc.LinearElastic(E=1e3, nu=0.0)) for name in mesh.subdomains}
+    states = {name: form.initial_state() for name, form in forms.items()}
     x = basis.zeros()
     x[basis.nodal_dofs[0]] = np.where(np.isin(np.arange(mesh.nvertices), mesh.t[:, mesh.subdomains["left"]]), 1.0, 3.0)
-    result = Result((StageResult("now", x, 0 * x, {"plates": forms["plates"].initial_state()}, (), 0.0, forms=forms),))
+    result = Result((StageResult("now", x, 0 * x, states, (), 0.0, forms=forms),))
     with pytest.warns(sc.AnalysisWarning, match="at point 'joint' bodies touch whose values differ by up to 2:"):
         plot.history(result, "ux", {"joint": (1, 0)})
-    figure = plot.history(result, "ux", {"left": (0.4, 0), "a little outside": (2.3, 1)})
+    figure = plot.history(result, "ux", {"left": (0.4, 0), "a little outside": (3, 1)})
     assert [float(line.get_ydata()[0]) for line in figure.axes[0].lines] == [1.0, 3.0]
-    with pytest.raises(ValueError, match=r"'far' lies outside the bodies: the nearest node, at \(2, 1\), is 2 away"):
-        plot.history(result, "ux", {"far": (2, 3)})
+    with pytest.raises(ValueError, match=r"'far' lies outside the bodies: the nearest node, at \(2, 1\), is 1.5 away"):
+        plot.history(result, "ux", {"far": (2, 2.5)})
     with pytest.raises(ValueError, match="point 'here' has 2"):
         plot.history(result, "ux", {"here": (0, 0, 0)})
     with pytest.raises(ValueError, match="there is no field 'settlement'; existing: "):

@@ -120,7 +120,7 @@ def history(result: Result, quantity: str, points: Mapping[str, ArrayLike], *, t
     """
     basis, field = basis_of(result[-1]), look_up(quantity, quantities(result[-1]), "field")
     coordinates = basis.doflocs[:, ::basis.mesh.dim()].T
-    nodes = np.hstack([nodes_of(form.basis) for stage in result for form in solids(stage).values()])
+    nodes = np.vstack([nodes_of(form.basis) for stage in result for form in solids(stage).values()])
     later = quantity == "pore" and has_excess(result[-1])  # there is no excess pressure before the first water
     values = np.array([np.zeros(basis.N // basis.mesh.dim()) if later and not has_excess(stage)
                        else nodal_field(stage, quantity) for stage in result])
@@ -145,8 +145,8 @@ def _at_point(coordinates: ndarray, nodes: ndarray, values: ndarray, point: Arra
         raise ValueError(f"point '{label}' has {coordinates.shape[1]} coordinates in these bodies, not {point!r}")
     distance = np.linalg.norm(coordinates - at, axis=1)
     node = int(distance.argmin())
-    there = coordinates[nodes[:, (nodes == node).any(axis=0)]]
-    if distance[node] > (reach := float(np.linalg.norm(np.ptp(there, axis=0), axis=1).max(initial=0.0))):
+    there = coordinates[nodes[(nodes == node).any(axis=1)]]
+    if distance[node] > (reach := float(np.linalg.norm(np.ptp(there, axis=1), axis=1).max(initial=0.0))):
         raise ValueError(f"point '{label}' lies outside the bodies: the nearest node, at "
                          f"{format_point(coordinates[node])}, is {distance[node]:.4g} away")
     same = values[:, np.linalg.norm(coordinates - coordinates[node], axis=1) < _SAME * reach]
