@@ -136,3 +136,17 @@ def test_drain_that_is_opened_later(by, tmp_path):
     settled = -stage.x[basis.get_dofs("top").all("u^2")].mean() / (50.0 * 2.0 / 8e3)
     assert settled == pytest.approx(0.5, abs=0.01)  # what leaves while the load comes, in a step as long as h^2 / 8 c_v
     assert not stage.forms["water"].pressure(stage.x)[mesh.p[1] == 2.0].any()
+
+
+def test_water_that_is_not_activated():
+    """The start holds the ground alone: without `activate` it would settle at once, and nothing would tell so."""
+    basis, clay, water = ground()
+    fixed, load = sc.box_supports(basis, base="fixed"), sc.traction(basis, "top", (0.0, -50.0))
+    start = sc.Model({"clay": clay}, fixed).run([sc.Stage("rest")], progress=False)
+    model = sc.Model({"clay": clay, "water": water}, [fixed, water.dofs("top")])
+    for active, duration in (((), 1.0), ((), 0.0), ("water", 1.0)):
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            model.run([sc.Stage("load", load, duration=duration, activate=active)], start=start, progress=False)
+        told = any("['water'] is not active in a stage with a duration" in str(w.message) for w in caught)
+        assert told == (duration > 0.0 and not active)

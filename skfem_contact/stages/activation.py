@@ -90,9 +90,8 @@ def plan(setup: Setup, stages: Sequence[Stage], start: StageResult | None) -> li
                 now.update(_changed(setup, stage.change, now))
                 there = {name: now[name] for name in now if name in active}
                 held = setup.inactive(there)
-                still = np.union1d(fixed, held)
                 check_contacts(there, held)
-                check_supports(there, still)
+                check_supports(there, still := np.union1d(fixed, held))
         except ValueError as error:
             raise (ValueError(f"stage '{stage.name}': {error}") if changes else error) from None
         water = water if stage.water is None else stage.water
@@ -105,7 +104,8 @@ def plan(setup: Setup, stages: Sequence[Stage], start: StageResult | None) -> li
         waits = same and not (changes or left) and prescribed is None and on_top is None
         time = time + stage.duration if waits else stage.duration
         remarks = (*_idle(stage, same and prescribed is None, stage.fixed is None or np.array_equal(old, fixed), left),
-                   *_of_forms(stage, there, fixed, held, time), *_of_pressures(setup, stage, load, prescribed, fixed),
+                   *_of_forms(stage, there, fixed, held, time),
+                   *_of_pressures(setup, stage, there, load, prescribed, fixed),
                    *_of_weights(setup, stage, {k: there[k] for k in before if k in there}, top, load - rest))
         top, left = load - rest, (changes or left) and stage.release < 1.0
         gone = _freed(_at_rest(setup, before, water, held) - rest, still) if left and stage.deactivate else nothing
@@ -214,12 +214,21 @@ def _of_forms(stage: Stage, there: Mapping[str, Form], fixed: ndarray, held: nda
         raise ValueError(f"stage '{stage.name}': {error}") from None
 
 
-def _of_pressures(setup: Setup, stage: Stage, load: ndarray, prescribed: ndarray | None, fixed: ndarray
-                  ) -> Iterator[Remark]:
-    """Refuse a load on pressures, which would be water per increment; report prescribed ones that are not held."""
+def _of_pressures(setup: Setup, stage: Stage, there: Mapping[str, Form], load: ndarray, prescribed: ndarray | None,
+                  fixed: ndarray) -> Iterator[Remark]:
+    """Refuse a load on pressures, which would be water per increment; report prescribed ones that are not held.
+
+    Report ground that drains at once because its water was not activated.
+    """
     layout = setup.layout
-    if all(one.kind != "pressure" for one in layout.fields):
+    waters = {name: form for name, form in setup.forms.items() if any(f.kind == "pressure" for f in form.fields)}
+    if not waters:
         return
+    solid = np.concatenate([form.elements for form in solids_of(there).values()])
+    dry = [name for name, form in waters.items() if np.isin(form.elements, solid).any()]
+    if stage.duration and dry and not set(waters) & set(there):
+        yield Remark("dry", len(dry), f"{dry} is not active in a stage with a duration: the ground drains at once; "
+                     "name it in `activate`")
     loose = np.setdiff1d(np.flatnonzero(0.0 * load if prescribed is None else prescribed), fixed)
     for one, part in zip(layout.fields, layout.parts, strict=True):
         if one.kind == "pressure" and (n := int(np.count_nonzero(load[part]))):
