@@ -209,3 +209,34 @@ def test_frames_have_pore_pressures_where_there_are_any():
         assert ("pore" in frame.columns) == there
         if there:
             np.testing.assert_allclose(frame["pore"], stage.field("pore"))
+
+
+def test_pore_pressure_of_the_stages_own_water(tmp_path):
+    """[X] A level, a level by region and a flow in porous ground below concrete: their pressure at the nodes."""
+    basis, _ = two_layers()
+    mesh = basis.mesh
+    forms = {name: sc.SolidForm(basis.with_elements(name), sc.LinearElastic(E=1e4, nu=0.3), porous=name == "lower")
+             for name in ("lower", "upper")}
+    porous = np.unique(mesh.t[:, mesh.subdomains["lower"]])
+    only = np.setdiff1d(porous, mesh.t[:, mesh.subdomains["upper"]])
+    flow = sc.water.seepage(basis.with_elements("lower"), 1e-5, {"left": 3.0, "right": 2.5}, unit_weight=10.0)
+    model = sc.Model(forms, sc.box_supports(basis), water_unit_weight=10.0)
+    stages = [sc.Stage("still", water=3.0), sc.Stage("parts", water={"lower": 0.6}), sc.Stage("flow", water=flow),
+              sc.Stage("none", water=False)]  # fmt: skip
+    result = model.run(stages, progress=False)
+    y = basis.doflocs[1, ::2]
+    still = result["still"].field("pore", water=True)
+    np.testing.assert_allclose(still[only], 10.0 * (3.0 - y[only]), rtol=1e-12)
+    assert not still[np.setdiff1d(np.arange(len(y)), porous)].any()  # concrete has no pores
+    lower = result["parts"].field("pore", water=True)
+    np.testing.assert_allclose(lower[only], 10.0 * np.maximum(0.6 - y[only], 0.0), rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(result["parts"].field("pore", since=result["still"], water=True), lower - still)
+    np.testing.assert_allclose(result["flow"].field("pore", water=True)[only], flow.pressure[only], rtol=1e-9)
+    assert not result["none"].field("pore", water=True).any()
+    result.save(tmp_path / "wet.npz")
+    loaded = sc.load_result(tmp_path / "wet.npz", forms)
+    np.testing.assert_array_equal(loaded["parts"].field("pore", water=True), lower)
+    with pytest.raises(ValueError, match="the water of stage 'flow' is a function or a seepage"):
+        loaded["flow"].field("pore", water=True)
+    with pytest.raises(ValueError, match="give water=True"):
+        result["still"].field("pore")

@@ -156,6 +156,7 @@ def loaded_start(setup: Setup, load: Any, start: Result | StageResult | None, wa
     if last is not None and not undrained:
         warn_of_fresh_pressures(system.with_forms(fixed_forms), x, states, weight + on_top)
     kept = {} if last is None else {name: getattr(last, name) for name in _KEPT}
+    kept["water_unit_weight"] = setup.water_unit_weight
     return SearchStart(dict(active), system.with_forms(fixed_forms), Point(x, states, 0.0), weight, on_top, kept)
 
 

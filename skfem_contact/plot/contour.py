@@ -11,7 +11,7 @@ import numpy as np
 from numpy import ndarray
 
 from ..checks import check_basis, check_plane, look_up, names_of
-from ..results.fields import Water, basis_of, quantities, region_field, solids
+from ..results.fields import Shown, basis_of, quantities, region_field, solids
 from ..results.result import Result
 from ..results.stage import StageResult
 from ..results.tables import located
@@ -26,7 +26,7 @@ _FRAMES_A_SECOND, _WIDTH = 12, 960  # of films
 def contour(stage: StageResult, quantity: str, *, since: StageResult | None = None,
             deformed: float | Literal["auto"] = 0.0, limits: tuple[float, float] | None = None,
             window: Window | None = None, levels: int = 10, colors: str | None = None, mesh: bool = True,
-            bodies: str | Iterable[str] | None = None, water: Water | None = None, supports: ndarray | None = None,
+            bodies: str | Iterable[str] | None = None, water: Shown | None = None, supports: ndarray | None = None,
             loads: ndarray | None = None, vectors: bool = False, points: bool = False, contact: bool = False,
             file: str | Path | None = None, show: bool = False) -> Any:
     """Draw contours of a field on plane bodies.
@@ -59,7 +59,8 @@ def contour(stage: StageResult, quantity: str, *, since: StageResult | None = No
         Names of the solids to draw; by default all.
     water
         Draw the water table: the free surface of a :class:`~skfem_contact.Seepage`, or the line on which the pore
-        pressure, a function of coordinates such as :func:`~skfem_contact.hydrostatic`, falls to zero.
+        pressure, a function of coordinates such as :func:`~skfem_contact.hydrostatic`, falls to zero; True: that of the
+        stage's own water.
     supports
         Fixed dofs, drawn as triangles.
     loads : ndarray, (N,)
@@ -246,7 +247,7 @@ class Contours:
 
 def contours(steps: Sequence[StageResult], quantity: str, *, since: StageResult | None = None,
               deformed: float | Literal["auto"] = 0.0, limits: tuple[float, float] | None = None, levels: int = 10,
-              colors: str | None = None, bodies: str | Iterable[str] | None = None, water: Water | None = None,
+              colors: str | None = None, bodies: str | Iterable[str] | None = None, water: Shown | None = None,
               scene: Callable[..., Scene] = Scene, **marks: Any) -> Contours:
     """Return views of all stages; an automatic factor is that of the stage that has moved most."""
     if not steps:
@@ -298,7 +299,7 @@ def only(stage: StageResult, bodies: Container[str]) -> StageResult:
                                  if name in bodies or not form.materials})
 
 
-def _headline(stage: StageResult, quantity: str, since: StageResult | None, water: Water | None = None) -> str:
+def _headline(stage: StageResult, quantity: str, since: StageResult | None, water: Shown | None = None) -> str:
     """Return the title of the colour bar, with its unit."""
     field = quantities(stage, water)[quantity]
     title = labelled(field.title, field.unit)

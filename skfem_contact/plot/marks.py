@@ -1,7 +1,7 @@
 """Marks on plane bodies: water, supports, loads, arrows, points, contact."""
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,7 +11,8 @@ from scipy.spatial import cKDTree
 
 from ..contact.laws import Status
 from ..forms.solid import SolidForm
-from ..results.fields import Water, solids
+from ..loads import hydrostatic
+from ..results.fields import Shown, Water, solids
 from ..results.stage import StageResult
 from ..results.strength import PointStatus, point_status
 from ..results.tractions import interfaces
@@ -34,7 +35,7 @@ class Marks:
     """Marks on the picture of a stage; the arguments are those of :func:`contour`."""
 
     stage: StageResult
-    water: Water | None = None
+    water: Shown | None = None
     supports: ndarray | None = None
     loads: ndarray | None = None
     vectors: bool = False
@@ -49,7 +50,8 @@ class Marks:
     def draw(self, plotter: Any, scene: Scene) -> None:
         """Draw all marks."""
         if self.water is not None:
-            _draw_water(plotter, scene, self.water)
+            for one in pressures_of(self.stage.water) if self.water is True else [self.water]:
+                _draw_water(plotter, scene, one)
         if self.supports is not None:
             _draw_supports(plotter, scene, np.asarray(self.supports))
         if self.loads is not None:
@@ -104,6 +106,18 @@ def _draw_water(plotter: Any, scene: Scene, water: Water) -> None:
     if lines:
         triangle = 14.0 * scene.pixel * np.array([[-0.6, 1.0], [0.6, 1.0], [0.0, 0.0]])
         _polygons(plotter, scene, (lines[0][len(lines[0]) // 20] + triangle)[None], WATER)
+
+
+def pressures_of(water: Any) -> list[Any]:
+    """Return pressures from a stage's water: levels and points as functions; what cannot be drawn is left out."""
+    if water is None or water is False or isinstance(water, str):
+        return []
+    if isinstance(water, Mapping):
+        return [part for one in water.values() for part in pressures_of(getattr(one, "pressure", one))]
+    if callable(pressure := getattr(water, "pressure_at", water)):
+        return [pressure]
+    level = np.asarray(water, float)
+    return [hydrostatic(water, unit_weight=1.0)] if level.ndim == 0 or level.shape[-1:] == (2,) else []
 
 
 def water_tables(scene: Scene, water: Water) -> list[ndarray]:

@@ -15,7 +15,7 @@ from ..checks import check_plane
 from ..forms.solid import SolidForm
 from ..limit_analysis import Bounds
 from ..materials import LinearElastic
-from ..results.fields import Water, basis_of, solids
+from ..results.fields import Shown, basis_of, solids
 from ..results.patch_recovery import recovered
 from ..results.stage import StageResult
 from .contour import Contours, View, only
@@ -30,7 +30,7 @@ _MOVED = 0.05
 
 
 def mechanism(result: Any, *, deformed: bool = False, vectors: bool = True, window: Window | None = None,
-              levels: int = 8, mesh: bool = False, water: Water | None = None, file: str | Path | None = None,
+              levels: int = 8, mesh: bool = False, water: Shown | None = None, file: str | Path | None = None,
               show: bool = False) -> Any:
     """Draw the mechanism of a collapse: bands of shear strain, arrows, and the factor in the title.
 

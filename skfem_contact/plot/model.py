@@ -16,12 +16,11 @@ from numpy import ndarray
 
 from ..checks import check_plane
 from ..forms.base import solids_of
-from ..loads import hydrostatic
 from ..results.fields import basis_of, solids
 from ..results.stage import StageResult
 from ..results.tractions import interfaces
 from .diagram import saved
-from .marks import WATER, water_tables
+from .marks import WATER, pressures_of, water_tables
 from .scene import Scene
 from .sheet import Window
 
@@ -109,7 +108,7 @@ def _bodies(ax: Axes, stage: StageResult, colors: Mapping[str, Shade]) -> list[A
     for sides, width in ((scene.sides.borders, 0.6), (scene.sides.outline, 1.0)):
         ax.add_collection(LineCollection(list(scene.coordinates[sides[:, [0, -1]]]), colors="#555555",
                                          linewidths=width))
-    water = _water(stage.water)
+    water = pressures_of(stage.water)
     lines = [line for one in water for line in water_tables(scene, one)]
     for line in lines:
         ax.plot(*line.T, color=WATER, linewidth=1.6, linestyle="--")
@@ -138,15 +137,3 @@ def _lines(ax: Axes, stage: StageResult) -> list[Line2D]:
     for _, color, width, segments in found:
         ax.add_collection(LineCollection(segments, colors=color, linewidths=width, capstyle="round", zorder=3))
     return [Line2D([], [], color=color, linewidth=width, label=name) for name, color, width, _ in found]
-
-
-def _water(water: Any) -> list[Any]:
-    """Return pressures from a stage's water: levels and points as functions; what cannot be drawn is left out."""
-    if water is None or water is False or isinstance(water, str):
-        return []
-    if isinstance(water, Mapping):
-        return [part for one in water.values() for part in _water(getattr(one, "pressure", one))]
-    if callable(pressure := getattr(water, "pressure_at", water)):
-        return [pressure]
-    level = np.asarray(water, float)
-    return [hydrostatic(water, unit_weight=1.0)] if level.ndim == 0 or level.shape[-1:] == (2,) else []

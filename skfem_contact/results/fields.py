@@ -1,7 +1,7 @@
 """Fields at nodes, region by region: displacements, strains, stresses and derived quantities."""
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from operator import itemgetter
 from typing import Any, Literal, NamedTuple, Protocol
 
@@ -13,6 +13,7 @@ from ..checks import look_up
 from ..forms.base import solids_of
 from ..forms.solid import SolidForm
 from ..materials.spectral import largest_shear, principal_stresses
+from .at_rest import pressure_at_nodes
 from .files import StageData
 from .patch_recovery import recovered, region_mesh
 from .strength import mises, mobilised, plastic_strain, pore_pressure_at_nodes, total_stress
@@ -24,6 +25,8 @@ class _PressureField(Protocol):
 
 #: Given pore pressure: seepage, or a function of coordinates (dim, n).
 Water = _PressureField | Callable[[ndarray], ndarray]
+#: Pressure that a picture or a field adds: a given one, or True, that of the stage's own water.
+Shown = Water | Literal[True]
 
 
 class Quantity(NamedTuple):
@@ -76,7 +79,7 @@ SPACE = PLANE | {
 }
 
 
-def nodal_field(stage: StageData, name: str, since: StageData | None = None, water: Water | None = None) -> ndarray:
+def nodal_field(stage: StageData, name: str, since: StageData | None = None, water: Shown | None = None) -> ndarray:
     """Return a field at the nodes, (N/dim,), see :meth:`~skfem_contact.results.StageResult.field`."""
     values = region_field(stage, name, since, water)
     there = list(solids(stage).values())
@@ -85,24 +88,35 @@ def nodal_field(stage: StageData, name: str, since: StageData | None = None, wat
     return np.divide(total, count, out=np.full(n, np.nan), where=count > 0)
 
 
-def region_field(stage: StageData, name: str, since: StageData | None = None, water: Water | None = None) -> ndarray:
+def region_field(stage: StageData, name: str, since: StageData | None = None, water: Shown | None = None) -> ndarray:
     """Return a field at the nodes of the :func:`region_mesh` of all solids; arguments of `nodal_field`."""
     there = solids(stage)
     quantity = look_up(name, quantities(stage), "field")
     if name == "pore" and water is None and not has_excess(stage):
-        raise ValueError("pore pressure where there is no PoreWater and no ground is Undrained: give water=, a Seepage "
-                         "or a function of coordinates such as hydrostatic(level)")
+        raise ValueError("pore pressure where there is no PoreWater and no ground is Undrained: give water=True for "
+                         "that of the stage, a Seepage, or a function of coordinates such as hydrostatic(level)")
     values = np.concatenate([_of_form(form, stage, key, quantity, since) for key, form in there.items()])
     if name != "pore":
         return values
     basis, nodes = basis_of(stage), region_mesh(*there.values()).nodes
     values = values + _excess(stage, nodes)
+    if water is True:
+        values = values + _own(stage, there) - (0.0 if since is None else _own(since, there))
     if since is not None:
         return values - _excess(since, nodes)
-    if water is None:
+    if water is None or water is True:
         return values
     pressure: Any = getattr(water, "pressure_at", water)
     return values + pressure(basis.doflocs[:, basis.mesh.dim() * nodes])
+
+
+def _own(stage: StageData, there: Mapping[str, SolidForm]) -> ndarray:
+    """Return the pressure of the stage's own water at the nodes of the :func:`region_mesh` of some solids."""
+    if stage.water is None or isinstance(stage.water, str):
+        raise ValueError(f"the water of stage '{stage.name}' is {stage.water or 'not given'}: give water= a Seepage or "
+                         "a function of coordinates such as hydrostatic(level)")
+    return np.concatenate([pressure_at_nodes(form, stage.water if name in stage.states else None,
+                                             stage.water_unit_weight) for name, form in there.items()])
 
 
 def has_excess(stage: StageData) -> bool:
@@ -111,7 +125,7 @@ def has_excess(stage: StageData) -> bool:
     return any(m.undrained for m in grounds) or any(True for _ in _pressures(stage))
 
 
-def quantities(stage: StageData, water: Water | None = None) -> dict[str, Quantity]:
+def quantities(stage: StageData, water: Shown | None = None) -> dict[str, Quantity]:
     """Return the fields of a stage, in the plane or in space."""
     fields = PLANE if basis_of(stage).mesh.dim() == 2 else SPACE
     return fields if water is None else fields | {"pore": fields["pore"]._replace(title="pore pressure")}

@@ -51,6 +51,7 @@ class StageData:
     unreleased: ndarray | None = field(default=None, repr=False)
     layout: Layout | None = field(default=None, repr=False)
     water: Any = field(default=None, repr=False)
+    water_unit_weight: float | None = field(default=None, repr=False)
     placed: Mapping[str, ndarray] = field(default_factory=dict, repr=False)
     next_step: float = np.inf
     remarks: tuple[str, ...] = field(default=(), repr=False)
@@ -194,6 +195,7 @@ def _described(stage: StageData, key: str, arrays: dict[str, ndarray]) -> dict[s
     return {"name": stage.name, "iterations": stage.iterations, "residual": stage.residual, "fraction": stage.fraction,
             "time": stage.time, "summary": dict(stage.summary), "forms": list(stage.states),
             "meshes": {name: _fingerprint(form) for name, form in stage.forms.items()}, "water": _in_words(stage.water),
+            "water unit weight": stage.water_unit_weight,
             "placed": list(stage.placed), "remarks": stage.remarks, "seconds": stage.seconds,
             "next_step": stage.next_step, "time before": stage.before[2] if stage.before else 0.0,
             "increments": [_described(part, f"{key}.{k}", arrays) for k, part in enumerate(stage.increments)]}
@@ -244,7 +246,8 @@ def _stage(arrays: Mapping[str, ndarray], key: str, head: Mapping[str, Any], giv
                        for k, part in enumerate(head.get("increments", ())))
     return make(head["name"], x, vectors["load"], states, tuple(head["iterations"]),
                 head["residual"], head["fraction"], head["summary"], forms, head.get("time", 0.0), increments,
-                vectors.get("unreleased"), water=head.get("water"), placed=placed,
+                vectors.get("unreleased"), water=head.get("water"),
+                water_unit_weight=head.get("water unit weight"), placed=placed,
                 next_step=head.get("next_step", np.inf), remarks=tuple(head.get("remarks", ())),
                 seconds=head.get("seconds", 0.0), before=(*before, head["time before"]) if before else None)
 

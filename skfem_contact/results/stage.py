@@ -38,7 +38,7 @@ class StageResult(files.StageData):
         Forces of deactivated bodies that the load still holds, see ``Stage.release``.
     layout
         Numbers of the dofs of all fields.
-    water
+    water, water_unit_weight
         Water at rest whose load is part of ``load``; a stage that follows keeps it.
     placed
         Displacements at which bodies were activated, (N,), by name: fields of displacements count from there.
@@ -138,7 +138,7 @@ class StageResult(files.StageData):
         """
         return tables.of_form(self, name, sections)
 
-    def field(self, name: str, since: StageResult | None = None, *, water: fields.Water | None = None) -> ndarray:
+    def field(self, name: str, since: StageResult | None = None, *, water: fields.Shown | None = None) -> ndarray:
         """Return a field at the nodes, shape (N / dim,), the mesh's vertices first; NaN at nodes of no solid.
 
         Stresses are recovered at the nodes of every region from its elements' forces and stresses
@@ -157,8 +157,8 @@ class StageResult(files.StageData):
             Earlier stage from which the change is returned; displacements of bodies that it does not hold count from
             their activation. Strains are those of the change; invariants of stresses are subtracted.
         water
-            Given pore pressure: a :class:`~skfem_contact.water.Seepage`, or a function of coordinates such as
-            :func:`hydrostatic`.
+            Pore pressure besides: a :class:`~skfem_contact.water.Seepage`, a function of coordinates such as
+            :func:`hydrostatic`, or True, that of the stage's own water.
         """
         return fields.nodal_field(self, name, since, water)
 

@@ -20,10 +20,10 @@ from ..loads import by_element
 from ..materials import LinearElastic, Material
 from ..nonlinear.newton import Evaluation
 from ..nonlinear.system import System
+from ..results.at_rest import as_pressure
 from ..results.result import Result
 from ..results.stage import StageResult
 from .activation import acts_on, check_contacts
-from .loading import as_pressure
 from .run import run
 from .setup import Setup, dofs_of
 from .stage import Stage
@@ -43,7 +43,7 @@ _StressField = Callable[[ndarray, ndarray], ndarray]
 
 def initial_state(setup: Setup, load: Any, stress: Callable[[ndarray], ndarray], water: Any, name: str) -> Result:
     """Return a given field of stresses, see :meth:`skfem_contact.Model.initial_state`."""
-    return _wet(_balanced(setup, _whole(setup, load, water), lambda x, elements: stress(x), name), water)
+    return _wet(setup, _balanced(setup, _whole(setup, load, water), lambda x, elements: stress(x), name), water)
 
 
 def k0_state(setup: Setup, load: Any, K0: float | Mapping[str, float], unit_weights: float | Mapping[str, float] | None,
@@ -76,7 +76,7 @@ def k0_state(setup: Setup, load: Any, K0: float | Mapping[str, float], unit_weig
         return np.stack(plane if len(x) == 2 else (horizontal, horizontal, vertical, none, none, none))
 
     carried = water if any(form.unit_weight is not None for form in solids.values()) else None
-    return _wet(_balanced(setup, _whole(setup, load, carried), stress, name), carried)
+    return _wet(setup, _balanced(setup, _whole(setup, load, carried), stress, name), carried)
 
 
 def gravity_state(setup: Setup, load: Any, K0: float | Mapping[str, float] | None, water: Any, name: str,
@@ -87,7 +87,7 @@ def gravity_state(setup: Setup, load: Any, K0: float | Mapping[str, float] | Non
     dry, kept = _without_still_fields(setup)
     load = whole[kept]
     if K0 is None:
-        return _wet(_among_all(setup, kept, _at_rest(dry, _loaded(dry, name, load, increments, None))), water)
+        return _wet(setup, _among_all(setup, kept, _at_rest(dry, _loaded(dry, name, load, increments, None))), water)
     elastic = dict(dry.forms)
     regions = {region for form in dry.solids.values() for region in form.materials}
     for region in K0 if isinstance(K0, Mapping) else ():
@@ -97,7 +97,7 @@ def gravity_state(setup: Setup, load: Any, K0: float | Mapping[str, float] | Non
         given = {region: _elastic(m, ratios[region]) for region, m in form.materials.items() if region in ratios}
         elastic[key] = form.with_materials(given)
     first = _loaded(_with(dry, elastic), f"{name}, elastic", load, 1, None)
-    return _wet(_among_all(setup, kept, _at_rest(dry, _loaded(dry, name, load, increments, first))), water)
+    return _wet(setup, _among_all(setup, kept, _at_rest(dry, _loaded(dry, name, load, increments, first))), water)
 
 
 def _loaded(setup: Setup, name: str, load: ndarray, increments: int, start: StageResult | None) -> StageResult:
@@ -110,9 +110,9 @@ def _whole(setup: Setup, load: Any, water: Any) -> ndarray:
     return setup.load(load) + setup.weights(setup.forms) + setup.water_on(setup.forms, water)
 
 
-def _wet(result: Result, water: Any) -> Result:
+def _wet(setup: Setup, result: Result, water: Any) -> Result:
     """Return a result that knows the water of its load: the first stage that follows keeps it."""
-    return Result(tuple(replace(stage, water=water) for stage in result))
+    return Result(tuple(replace(stage, water=water, water_unit_weight=setup.water_unit_weight) for stage in result))
 
 
 def _with(setup: Setup, forms: Mapping[str, Form]) -> Setup:

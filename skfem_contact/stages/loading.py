@@ -11,31 +11,15 @@ from skfem import FacetBasis, Mesh
 from skfem.generic_utils import OrientedBoundary
 
 from ..beams.sides import facing, pressure_beside, surroundings
-from ..checks import format_point, look_up
+from ..checks import format_point
 from ..errors import warn
 from ..forms.base import Form
-from ..layout import elements_of
-from ..loads import at_points, face_load, hydrostatic, pore_load
+from ..loads import face_load, pore_load
+from ..results.at_rest import as_pressure, in_elements
 
 #: Water differs on both sides of a slit where its pressures do by more than this share of the largest one.
 _DIFFERS = 0.05
 _SAME = 1e-6  # distance of facets that coincide, over their size
-
-
-def as_pressure(water: Any, mesh: Mesh, unit_weight: float | None) -> Any:
-    """Return water as a seepage, a function of the coordinates, pressures at the vertices, or such by region."""
-    if isinstance(water, str):
-        raise ValueError(f"the water of the start is {water}: give the first stage its `water`")
-    if isinstance(water, Mapping):
-        for name in water:
-            look_up(name, mesh.subdomains or {}, "subdomain")
-        given = {name: getattr(level, "pressure", level) for name, level in water.items()}
-        return {name: as_pressure(level, mesh, unit_weight) for name, level in given.items()}
-    if hasattr(water, "pressure_at") or callable(water) or np.shape(water) == (mesh.nvertices,):
-        return water
-    if unit_weight is None:
-        raise ValueError("a water level needs the unit weight of water: give the model `water_unit_weight`")
-    return hydrostatic(water, unit_weight=unit_weight)
 
 
 def water_at_rest(solids: Mapping[str, Any], others: Iterable[Form], water: Any, unit_weight: float | None
@@ -51,14 +35,14 @@ def water_at_rest(solids: Mapping[str, Any], others: Iterable[Form], water: Any,
     pressure = as_pressure(water, mesh, unit_weight)
     for form in solids.values():
         if form.porous:
-            yield pore_load(form.basis, _in_elements(form.basis, pressure, form.elements), axisymmetric)
+            yield pore_load(form.basis, in_elements(form.basis, pressure, form.elements), axisymmetric)
     outside = FacetBasis(mesh, first.basis.elem, facets=_bounding(mesh, solids))
     owner, faced = np.asarray(outside.tind), None
     porous = np.isin(owner, np.concatenate([f.elements for f in solids.values() if f.porous] or [np.zeros(0, int)]))
     if isinstance(pressure, Mapping) or hasattr(pressure, "pressure_at"):
         faced = facing(surroundings(outside), porous)
         owner = owner[faced]
-    pressing, beams = _in_elements(outside, pressure, owner, faced), [np.zeros((0, mesh.dim()))]
+    pressing, beams = in_elements(outside, pressure, owner, faced), [np.zeros((0, mesh.dim()))]
     yield face_load(outside, pressing, axisymmetric)
 
     def beside(*sides: ndarray) -> ndarray:
@@ -93,24 +77,3 @@ def _bounding(mesh: Mesh, solids: Mapping[str, Any]) -> OrientedBoundary:
     first, second = active[mesh.f2t[0]], active[mesh.f2t[1]] & (mesh.f2t[1] >= 0)
     facets = np.flatnonzero(first != second)
     return OrientedBoundary(facets, second[facets].astype(int))
-
-
-def _in_elements(basis: Any, pressure: Any, elements: ndarray, faced: ndarray | None = None) -> ndarray:
-    """Return the pressure at the integration points of elements or facets, by the region of given elements.
-
-    A facet above the ground of a seepage, such as a wall's, has the head of the porous facet that it faces.
-    """
-    x = np.asarray(basis.global_coordinates())
-    values = np.zeros(x.shape[1:])
-    if hasattr(pressure, "pressure_at"):
-        wet, head = np.isin(elements, elements_of(pressure.basis)), at_points(basis, pressure.head)
-        if faced is not None and (other := wet & (faced != np.arange(len(wet)))).any():
-            head[other] = pressure.head_at(x[:, other], head[faced[other]].mean(axis=1)[:, None])
-        values[wet] = pressure.pressure_at(x[:, wet], head[wet])
-        return values
-    if not isinstance(pressure, Mapping):
-        return at_points(basis, pressure)
-    for name, given in pressure.items():
-        here = np.isin(elements, basis.mesh.subdomains[name])
-        values[here] = at_points(basis, given)[here]
-    return values

@@ -55,7 +55,8 @@ def run(setup: Setup, stages: Sequence[Stage], start: Result | StageResult | Non
                     predictor.accept(*last.before)
                 predictor.accept(last.x, last.load - lost, last.time)
             last = replace(last, name=stage.name, iterations=(), fraction=0.0, forms=system.forms, increments=(),
-                           water=phase.water, changed=phase.replaced, supports=phase.supports)
+                           water=phase.water, water_unit_weight=setup.water_unit_weight, changed=phase.replaced,
+                           supports=phase.supports)
             unreleased = lost if last.unreleased is None else lost + last.unreleased
             left = (1.0 - stage.release) * (unreleased - phase.gone)
             path = _path(phase, last, system.fixed, lost, left)
@@ -167,10 +168,10 @@ def _increments(system: System, predictor: Predictor, stage: Stage, path: Path, 
         stepping.accept(fraction, new.iterations, new.equilibria)
         load, _ = path(fraction)
         summary = {name: form.summary(new.states[name]) for name, form in system.forms.items()}
-        last = StageResult(stage.name, new.x, load, new.states, (*last.iterations, new.iterations),
-                           new.residuals[-1], fraction, summary, system.forms, time, layout=system.layout,
-                           water=last.water, placed=last.placed, changed=last.changed, supports=last.supports,
-                           next_step=stepping.allowed * duration if duration else np.inf,
+        last = StageResult(stage.name, new.x, load, new.states, (*last.iterations, new.iterations), new.residuals[-1],
+                           fraction, summary, system.forms, time, layout=system.layout, water=last.water,
+                           water_unit_weight=last.water_unit_weight, placed=last.placed, changed=last.changed,
+                           supports=last.supports, next_step=stepping.allowed * duration if duration else np.inf,
                            before=(last.x, last.load, last.time))
         predictor.accept(last.x, last.load, time)
         yield last
