@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from skfem import CellBasis, FacetBasis, LinearForm, Mesh
 from typing_extensions import override
 
-from .checks import check_basis, facets_of, finite, format_point, look_up, names_of, unit_vector
+from .checks import check_basis, facets_of, finite, format_point, look_up, names_of, positive, unit_vector
 from .errors import warn
 from .layout import elements_of, linear_element
 
@@ -210,11 +210,15 @@ def hydrostatic(table: float | ArrayLike, unit_weight: float = 9.81) -> Callable
         points = np.array([[0.0, float(points)]])
     if points.ndim != 2 or points.shape[1] != 2 or not np.isfinite(points).all() or (np.diff(points[:, 0]) <= 0).any():
         raise ValueError("a water table is a height, or points (n, 2) from left to right")
-    if not 0.0 < unit_weight < np.inf:
-        raise ValueError(f"the unit weight of water must be positive, not {unit_weight!r}")
-    if 990.0 < unit_weight < 1050.0:
-        warn(f"the unit weight of water is {unit_weight:g}, which is its density in kg/m3: the weight is 9.81 kN/m3")
+    weight_of_water(unit_weight)
     return lambda x: unit_weight * np.maximum(np.interp(x[0], *points.T) - x[-1], 0.0)
+
+
+def weight_of_water(unit_weight: float) -> float:
+    """Return the unit weight of water, which must be positive; warn of its density."""
+    if 990.0 < positive(unit_weight, "unit_weight") < 1050.0:
+        warn(f"the unit weight of water is {unit_weight:g}, which is its density in kg/m3: the weight is 9.81 kN/m3")
+    return float(unit_weight)
 
 
 def water_load(body: Body, pressure: Pressure, boundaries: str | Sequence[str] = ()) -> Load:

@@ -95,6 +95,8 @@ def test_nothing_given(call, message):
 @pytest.mark.parametrize(("make", "message"), [
     (lambda: sc.Coulomb(mu=20.0), "mu is 20: it is the tangent of the angle"),
     (lambda: sc.hydrostatic(2.0, unit_weight=1000.0), "unit weight of water is 1000, which is its density"),
+    (lambda: sc.PoreWater(column().forms["soil"].basis, 1e-4, unit_weight=1e3), "water is 1000, which is its density"),
+    (lambda: sc.water.seepage(column().forms["soil"].basis, 1e-5, {"left": 1.0}, unit_weight=1025.0), "water is 1025"),
     (lambda: column().k0_state(K0=50.0), "K0 is 50: it is the ratio"),
     (lambda: column(E=1.0).run([sc.Stage("weight")]), "small; are E and the loads in the same units"),
     (lambda: column(seismic=-10.0), "seismic is -10.0: it is the acceleration over that of gravity"),

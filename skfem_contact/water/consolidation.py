@@ -17,6 +17,7 @@ from ..checks import check_basis, check_quadrature, positive
 from ..errors import Remark
 from ..forms.base import Form, Response, pairs_of
 from ..layout import Field, FieldDofs, elements_of, linear_element, nodes
+from ..loads import weight_of_water
 from ..sparse import constant, with_data
 from .boundary import Given, exchange, nodes_on, values_at
 from .darcy import Permeability, permeability_tensors, regions
@@ -101,8 +102,7 @@ class PoreWater(Form):
                  time_error: float = 0.01, connected: Sequence[tuple[str, str]] = ()) -> None:
         check_basis(basis)
         check_quadrature(basis)
-        self.unit_weight = positive(unit_weight, "unit_weight")
-        self._time_error = positive(time_error, "time_error")
+        self.unit_weight, self._time_error = weight_of_water(unit_weight), positive(time_error, "time_error")
         self.mobility = permeability_tensors(basis, permeability) / unit_weight
         self.storage = np.zeros(basis.nelems)
         for part, value in regions(basis, storage, "storage"):

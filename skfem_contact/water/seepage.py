@@ -14,6 +14,7 @@ from ..errors import NotConverged
 from ..forms.assembly import strain_of
 from ..forms.base import Coordinates
 from ..layout import elements_of
+from ..loads import weight_of_water
 from .balance import Balance, WaterBalance, warn_of_dry_wells
 from .boundary import Conditions, Given, check_heads, conditions, drained, pumped, screens_and_ties, sourced, through
 from .darcy import DarcyFlow, Permeability, head_basis, permeability_tensors, radius, regions, warn_of_dry_ground
@@ -305,7 +306,7 @@ def seepage(basis: CellBasis, permeability: Permeability | Mapping[str, Permeabi
     >>> bool(abs(end[0] - 5.) < 1e-9 and 6. < end[1] < 7.)
     True
     """
-    positive(unit_weight, "unit_weight")
+    weight_of_water(unit_weight)
     axisymmetric = strain_of(basis, None, coordinates, False)[1] == "axisymmetric"
     porous = head_basis(basis)
     if not isinstance(head, Mapping) or not (head or drains):

@@ -10,10 +10,11 @@ import numpy as np
 from numpy import ndarray
 from skfem import CellBasis
 
-from ..checks import finite, number, positive
+from ..checks import finite, number
 from ..errors import NotConverged
 from ..forms.assembly import strain_of
 from ..forms.base import Coordinates
+from ..loads import weight_of_water
 from ..nonlinear.increment import PART
 from ..solvers.direct import SingularSystem
 from .balance import Balance, Unbalanced, WaterBalance, warn_of_dry_wells
@@ -127,7 +128,7 @@ def transient_seepage(basis: CellBasis, permeability: Permeability | Mapping[str
     >>> round(float(water.entered[-1]), 6), bool(water.balance_error < 1e-9)
     (0.036, True)
     """
-    positive(unit_weight, "unit_weight")
+    weight_of_water(unit_weight)
     number(error, "error", 0.0, 1.0)
     at = finite(times, "times")
     if at.ndim != 1 or len(at) < 2 or (np.diff(at) <= 0.0).any():
