@@ -261,6 +261,7 @@ class PoreWater(Form):
                 yield Remark("friction", len(pressed),
                              f"'{name}' transfers the pressure of the water as well, at {len(pressed)} nodes that are "
                              "not drained: friction there counts the total stress, not the effective one")
+        yield from around.crossed
         if not (len(drained) or around.leaks):
             yield Remark("sealed", 0.0, "no pore pressure is held: no water can leave the ground")
         others = [ground for dofs, ground in around.waters if not np.isin(dofs, held).any()]

@@ -12,6 +12,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 from skfem import CellBasis, FacetBasis
 
+from ..beams import Beam
 from ..checks import format_point
 from ..errors import Remark
 from ..forms.assembly import strain_operator
@@ -34,6 +35,7 @@ _DRAINS, _DRAINED = 100.0, 0.1
 _RESOLVED = 1.0 / 3.0
 #: Pull on the ground under tight contact, as a share of what contact transfers, that is remarked on.
 _PULLED = 0.05
+_ROUND_OFF = 1e-9  # distance of points that coincide, over the size of the mesh
 #: Degrees of consolidation, T = c_v t / H², that no stage of an analysis has in any sensible units.
 _LEAST, _MOST = 1e-10, 1e8
 #: Water out of balance is measured by what nodes store in a step, or by this share of what flows in and out of them: at
@@ -195,7 +197,7 @@ class Surroundings(NamedTuple):
     """Stiffness of the ground in compression without lateral strain and in shear, (n_elements,), and other forms.
 
     These are: whether water leaves by one, forms in contact, strain measure and coordinates of the solids; other waters
-    with their dofs.
+    with their dofs; remarks on beams through which water passes.
     """
 
     modulus: ndarray
@@ -204,6 +206,7 @@ class Surroundings(NamedTuple):
     touching: Mapping[str, Any]
     measure: tuple[str, Coordinates]
     waters: tuple[tuple[ndarray, Ground], ...]
+    crossed: tuple[Remark, ...]
 
     @classmethod
     def of(cls, basis: CellBasis, forms: Mapping[str, Form], waters: Sequence[Any]) -> Surroundings:
@@ -233,7 +236,20 @@ class Surroundings(NamedTuple):
                     and np.isin(form.joins, basis.element_dofs).any()}
         leaks = any(field.shared == PRESSURE for form in forms.values() if form.unilateral for field in form.borrowed)
         others = tuple((water.ground.element_dofs, water.drainage(modulus[water.elements])) for water in waters)
-        return cls(modulus[here], shear[here], leaks, touching, measures.pop(), others)
+        return cls(modulus[here], shear[here], leaks, touching, measures.pop(), others, tuple(_crossed(basis, forms)))
+
+
+def _crossed(basis: CellBasis, forms: Mapping[str, Form]) -> Iterator[Remark]:
+    """Yield remarks on plane beams along facets inside of porous ground, which are no boundary of its water."""
+    mesh = basis.mesh
+    inner = np.bincount(mesh.t2f[:, elements_of(basis)].ravel(), minlength=mesh.nfacets) == 2
+    middles = cKDTree(mesh.p[:, mesh.facets[:, inner]].mean(axis=1).T)
+    for name, form in forms.items():
+        if isinstance(form, Beam) and form.coordinates != "space" and form.spacing == 1.0:
+            at = form.points[form.cells].mean(axis=1)  # of quadratic lines: their middles, if they are straight
+            if n := int((middles.query(at)[0] < _ROUND_OFF * np.ptp(mesh.p)).sum()):
+                yield Remark(f"{name} crossed", n, f"water passes through '{name}', which shares nodes with the ground "
+                             "on both sides: a tight wall is a beam in a slit, bonded=False")
 
 
 def pulled(name: str, pair: Any, state: Any, coordinates: ndarray, pressure: ndarray) -> Iterator[Remark]:
