@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from skfem import Basis, ElementQuad1, ElementVector, MeshQuad
 
 import skfem_contact as sc
 from skfem_contact.laboratory import PathStep, oedometer
@@ -56,6 +57,23 @@ def test_secondary_compression_after_loading() -> None:
             for t in (1e4, 9e4)]
     test = sc.element_test(clay(), start, [load, *held])
     assert test.axial[-6, 0] - test.axial[-1, 0] == pytest.approx(MU * np.log(10), rel=0.02)  # K0 still drifts
+
+
+def test_layer_that_creeps_for_years() -> None:
+    """[X] A layer at rest settles by the logarithm of time, in one step or in stages; without time it says so."""
+    eta = (9 + 4 * M**2) ** 0.5 / 2 - 1.5  # as above: no lateral strain
+    mesh = MeshQuad.init_tensor(np.linspace(0, 1, 2), np.linspace(0, 2, 3)).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementQuad1()), intorder=2)
+    model = sc.Model({"clay": sc.SolidForm(basis, clay(), unit_weight=0.0)}, sc.box_supports(basis, base="rollers"))
+    load = model.traction("top", (0.0, -100.0))
+    start = model.k0_state(load, K0=(1 - eta / 3) / (1 + 2 * eta / 3), surcharge=100.0)
+    years = [sc.Stage("a year", load, duration=365.0), sc.Stage("30 years", load, duration=29 * 365.0)]
+    result = model.run(years, start=start, progress=False)
+    for stage in result.stages[1:]:
+        exact = 2.0 * MU * np.log1p((1 - (eta / M) ** 2) * stage.time / DAY)
+        np.testing.assert_allclose(-stage.x[basis.get_dofs("top").all("u^2")], exact, rtol=1e-6)  # K0 to seven digits
+    with pytest.warns(sc.AnalysisWarning, match=r"\['clay'\] would creep, but no stage takes any time"):
+        model.run([sc.Stage("more", 1.1 * load)], start=start, progress=False)
 
 
 @pytest.mark.parametrize("rate", [1e-4, 1e-2, 1.0])

@@ -116,6 +116,15 @@ def plan(setup: Setup, stages: Sequence[Stage], start: StageResult | None) -> li
     return phases
 
 
+def timeless(setup: Setup, stages: Sequence[Stage], last: Phase) -> Iterator[Remark]:
+    """Yield a remark on solids that creep in stages none of which takes time; initial states are without weights."""
+    creeps = [name for name, form in solids_of(last.forms).items()
+              if any(material.time_dependent for material in form.materials.values())]
+    if creeps and setup.gravity.any() and not any(stage.duration for stage in stages):
+        yield Remark("timeless", len(creeps), f"{creeps} would creep, but no stage takes any time, in which it is "
+                     "elastic: give Stage(duration=...)")
+
+
 def _opened(setup: Setup, stage: Stage, fixed: ndarray, before: ndarray | None) -> ndarray:
     """Return pressures that a stage holds beside those before, unless it prescribes them; files know none before."""
     before = setup.fixed if before is None else before

@@ -20,7 +20,7 @@ from ..nonlinear.system import System
 from ..results.result import Result
 from ..results.stage import StageResult
 from ..solvers import single_threaded
-from .activation import Phase, begin, check_start, plan, state_changes
+from .activation import Phase, begin, check_start, plan, state_changes, timeless
 from .setup import Setup
 from .stage import Stage, checked
 
@@ -43,6 +43,7 @@ def run(setup: Setup, stages: Sequence[Stage], start: Result | StageResult | Non
         check_start(phases[0].before, last)
     system, predictor, bars = None, None, Bars(progress, len(stages))
     with Remarks() as remarks:
+        remarks.add(stages[-1].name, "the stage", timeless(setup, stages, phases[-1]))
         for stage, phase in zip(stages, phases, strict=True):
             lost = np.zeros(len(last.x))
             if phase.changed or (stage is stages[0] and state_changes(phase, last)):
