@@ -6,7 +6,7 @@ import warnings
 
 import numpy as np
 import pytest
-from skfem import Basis, ElementTriP2, ElementVector, MeshTri
+from skfem import Basis, ElementTriP1, ElementTriP2, ElementVector, MeshTri
 
 import skfem_contact as sc
 
@@ -169,3 +169,23 @@ def test_water_passes_through_a_bonded_beam(place, told):
         warnings.simplefilter("always")
         model.run([sc.Stage("load", model.traction("left", (5.0, 0.0)), duration=1.0)], progress=False)
     assert any("water passes through 'wall'" in str(w.message) for w in caught) == told
+
+
+@pytest.mark.parametrize("element", [ElementTriP2, ElementTriP1])
+def test_consolidation_after_undrained_loading(element):
+    """[X] Terzaghi: the pressure of Undrained clay is that of its water at first, and half is gone by T = .197."""
+    mesh = MeshTri.init_tensor(np.array([0.0, 0.2]), np.linspace(0, 2, 21)).with_defaults()
+    basis = Basis(mesh, ElementVector(element()), intorder=2)
+    soil = sc.LinearElastic(E=8e3, nu=0.0)
+    clay, water = sc.SolidForm(basis, soil), sc.PoreWater(basis, 1e-4, unit_weight=1.0)
+    quick = clay.with_materials({"all": sc.Undrained(soil, nu_undrained=0.4999)})
+    sides, load = sc.box_supports(basis, base="rollers"), sc.traction(basis, "top", (0.0, -50.0))
+    start = sc.Model({"clay": quick}, sides).run([sc.Stage("load", load)], progress=False)
+    model = sc.Model({"clay": clay, "water": water}, [sides, water.dofs("top")])
+    stages = [sc.Stage("soon", load, duration=1e-3 * 2.0**2 / 0.8, activate="water"),
+              sc.Stage("wait", load, duration=0.196 * 2.0**2 / 0.8)]  # fmt: skip
+    result = model.run(stages, start=start, progress=False)
+    pressure = result["soon"].forms["water"].pressure(result["soon"].x)
+    np.testing.assert_allclose(pressure[mesh.p[1] < 1.5], 50.0, rtol=2e-3)  # the water of Undrained is compressible
+    settled = -result["wait"].x[basis.get_dofs("top").all("u^2")].mean() / (50.0 * 2.0 / 8e3)
+    assert settled == pytest.approx(0.5, abs=0.005)  # the allowed error in time

@@ -12,6 +12,7 @@ from skfem import CellBasis
 from ..checks import look_up
 from ..forms.base import solids_of
 from ..forms.solid import SolidForm
+from ..layout import Layout
 from ..materials.spectral import largest_shear, principal_stresses
 from .at_rest import pressure_at_nodes
 from .files import StageData
@@ -123,6 +124,17 @@ def has_excess(stage: StageData) -> bool:
     """Return True if excess pore pressures are computed: water flows, or some ground is or was undrained."""
     grounds = [material for form in solids(stage).values() for material in form.materials.values()]
     return any(m.undrained for m in grounds) or any(True for _ in _pressures(stage))
+
+
+def undrained_excess(stage: StageData, layout: Layout) -> ndarray:
+    """Return values of all dofs, (N,): for pressures the excess pressure of Undrained ground, zero for all others."""
+    values = np.zeros(layout.size)
+    if any(material.undrained for form in solids_of(stage.forms).values() for material in form.materials.values()):
+        nodal = np.nan_to_num(nodal_field(stage, "pore"))
+        for one, part in zip(layout.fields, layout.parts, strict=True):
+            if one.kind == "pressure":
+                values[part] = nodal[:one.n]
+    return values
 
 
 def quantities(stage: StageData, water: Shown | None = None) -> dict[str, Quantity]:

@@ -14,6 +14,7 @@ from ..contact.prestress import prestressed
 from ..errors import Remark
 from ..forms.base import Form, internal_force, solids_of
 from ..layout import Layout, nodes
+from ..results.fields import undrained_excess
 from ..results.stage import StageResult
 from ..solvers.choice import as_solver
 from ..sparse import padded
@@ -274,15 +275,16 @@ def acts_on(load: ndarray, dofs: ndarray) -> bool:
 def begin(layout: Layout, phase: Phase, last: StageResult) -> tuple[ndarray, dict[str, Any], ndarray]:
     """Return the start of a stage: displacements, states, and lost forces, (N,), to be released during the stage.
 
-    New solids are stress-free in the deformed ground, new water and opened drains are without excess pressure. A new
-    contact pair has no traction, unless it replaces one between the same surfaces: then it takes over its tractions, so
-    that nothing moves. Forces out of balance, because a body, a support, strength or water pressure has gone, are lost.
+    New solids are stress-free in the deformed ground. New water and opened drains are without excess pressure, but for
+    that of ground that could not drain. A new contact pair has no traction, unless it replaces one between the same
+    surfaces: then it takes over its tractions, so that nothing moves. Forces out of balance, because a body, a support,
+    strength or water pressure has gone, are lost.
     """
     new = {name: form for name, form in phase.forms.items() if name not in phase.before}
     known = dofs_of(phase.before, layout)
     x = last.x.copy()
-    x[np.setdiff1d(np.intersect1d(layout.still, dofs_of(new, layout)), known)] = 0.0
-    x[phase.opened] = 0.0
+    still = np.setdiff1d(np.intersect1d(layout.still, dofs_of(new, layout)), known)
+    x[still] = undrained_excess(last, layout)[still]
     x = placed(layout, x, new, known, phase.fixed)
     states = {name: form.initial_state(x[:form.size]) if name in new
               else _inherited(form, phase.before[name], last, name) for name, form in phase.forms.items()}
@@ -294,6 +296,7 @@ def begin(layout: Layout, phase: Phase, last: StageResult) -> tuple[ndarray, dic
             states[name] = prestressed({name: operator}, force[:form.size])[name]
     lost = last.load - internal_force(phase.forms, x, states)
     lost[phase.fixed] = 0.0
+    x[phase.opened], x[np.intersect1d(still, phase.fixed)] = 0.0, 0.0
     return x, states, lost
 
 
