@@ -94,6 +94,21 @@ def test_elements_beside_an_inner_drain(part, told, waters):
     assert any(f"h² / 3 c_v = {limit:.3g}" in str(w.message) for w in caught) == told
 
 
+@pytest.mark.parametrize(("part", "told"), [(0.3, True), (1.01, False)])
+def test_elements_beside_a_seepage_face(part, told):
+    """[X] 0 <= p <= q in a column that drains by a seepage face: before h² / 3 c_v of its elements p exceeds q."""
+    basis, clay, water = ground()
+    forms = {"clay": clay, "water": water, "face": sc.water.SeepageFace(water, "top", 0.0)}
+    model = sc.Model(forms, sc.box_supports(basis, base="rollers"))
+    limit = 0.25**2 / 3 / (8e3 * 0.7 / 1.3 / 0.4 * 2e-4 / 9.81)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        load = model.traction("top", (0.0, -50.0))
+        stage = model.run([sc.Stage("load", load, duration=part * limit)], progress=False)["load"]
+    assert (stage.forms["water"].pressure(stage.x).max() > 1.05 * 50.0) == told
+    assert any(f"h² / 3 c_v = {limit:.3g}" in str(w.message) for w in caught) == told
+
+
 @pytest.mark.parametrize(("pressure", "told"), [(20.0, False), (40.0, True)])
 def test_water_under_a_tight_block(pressure, told):
     """[X] Water that presses more than a block weighs, 24, lifts it; where tight contact holds the total it is told."""

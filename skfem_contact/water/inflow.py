@@ -89,7 +89,7 @@ class Inflow(AtNodes):
                              "nothing there: give either the pressure or the rate")
         if idle > _IDLE:
             yield Remark("held", idle, f"{idle:.0%} of the rate acts where the pressure is held, and does nothing")
-        sealed = not np.isin(self._at, fixed).any() and around is not None and not around.leaks
+        sealed = not np.isin(self._at, fixed).any() and around is not None and not len(around.leaks)
         if sealed and (total := float(self._rates.sum())) != 0.0:
             yield Remark("no way out", abs(total), f"{total:.4g} enter per time in ground that no water can leave: "
                          "only its growth makes room")

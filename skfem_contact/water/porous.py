@@ -196,13 +196,13 @@ class Ground(NamedTuple):
 class Surroundings(NamedTuple):
     """Stiffness of the ground in compression without lateral strain and in shear, (n_elements,), and other forms.
 
-    These are: whether water leaves by one, forms in contact, strain measure and coordinates of the solids; other waters
+    These are: nodes of seepage faces, forms in contact, strain measure and coordinates of the solids; other waters
     with their dofs; remarks on beams through which water passes.
     """
 
     modulus: ndarray
     shear: ndarray
-    leaks: bool
+    leaks: ndarray
     touching: Mapping[str, Any]
     measure: tuple[str, Coordinates]
     waters: tuple[tuple[ndarray, Ground], ...]
@@ -234,7 +234,9 @@ class Surroundings(NamedTuple):
                              "them the same `strain`")
         touching = {name: form for name, form in forms.items() if form.joins is not None and form.unilateral
                     and np.isin(form.joins, basis.element_dofs).any()}
-        leaks = any(field.shared == PRESSURE for form in forms.values() if form.unilateral for field in form.borrowed)
+        leaks = np.concatenate([np.zeros(0, int), *(
+            getattr(form, "_vertices", basis.mesh.t[0, here[:1]]) for form in forms.values()
+            for field in form.borrowed if form.unilateral and field.shared == PRESSURE)])
         others = tuple((water.ground.element_dofs, water.drainage(modulus[water.elements])) for water in waters)
         return cls(modulus[here], shear[here], leaks, touching, measures.pop(), others, tuple(_crossed(basis, forms)))
 
