@@ -249,3 +249,40 @@ def test_deformation_without_slip_surfaces_adds_nothing(recwarn) -> None:
     model = sc.Model({"soil": soil}, fixed)
     found = model.strength_reduction(model.traction("top", (0.0, -10.0)), certify=False, progress=False)
     assert found.factor == pytest.approx(2.0, abs=0.01) and found.added < 1e-6 and not recwarn.list
+
+
+def strip_footing(soil, n):
+    """Half of a rough rigid strip, 2 wide, on ground of 6 by 3 in 36 n^2 squares of two triangles, and its load."""
+    mesh = MeshTri.init_tensor(np.linspace(0, 6, 12 * n + 1), np.append(np.linspace(-3, 0, 6 * n + 1), 0.25))
+    mesh = mesh.restrict(np.flatnonzero(((1.0, np.inf) > mesh.p[:, mesh.t].mean(axis=1).T).all(axis=1)
+                                        | (mesh.p[1, mesh.t].mean(axis=0) < 0.0)))  # fmt: skip
+    mesh = mesh.with_subdomains({"strip": lambda x: x[1] > 0, "ground": lambda x: x[1] < 0})
+    basis = Basis(mesh.with_boundaries({"top": lambda x: x[1] > 0.24}), ElementVector(ElementTriP2()), intorder=2)
+    forms = {"all": sc.SolidForm(basis, {"strip": sc.LinearElastic(E=1e7, nu=0.2), "ground": soil})}
+    model = sc.Model(forms, sc.box_supports(basis))
+    return model, model.traction("top", (0.0, -1.0))
+
+
+@pytest.mark.parametrize(("phi", "exact"), [(0.0, 2 + np.pi), (20.0, 14.835)])
+def test_coarse_meshes_under_rigid_footings_are_told(phi, exact, recwarn) -> None:
+    """[X] Prandtl: the share that the mesh adds to a limit load, 6 to 7 %, is told to a half."""
+    kind = {"phi": phi, "psi": phi} if phi else {}
+    soil = (sc.MohrCoulomb if phi else sc.Tresca)(E=1e4, nu=0.3, c=1.0, **kind)
+    model, load = strip_footing(soil, 2)
+    found = model.limit_load(load, tolerance=0.01, progress=False)
+    added = found.multiplier / exact - 1.0
+    assert 0.06 < added < 0.08 and found.added == pytest.approx(added, rel=0.5)
+    assert [f"{found.multiplier:.4g} may be" in str(warning.message) for warning in recwarn] == [True]
+
+
+def test_smooth_motions_add_nothing_to_a_limit_load(recwarn) -> None:
+    """[X] A thick ring under pressure, c = 1: 2 ln 2; its motion is smooth, and a mesh of 8 across is right to .1 %."""
+    flat = MeshQuad.init_tensor(np.linspace(1, 2, 9), np.linspace(0, np.pi / 2, 17))
+    mesh = replace(flat, doflocs=flat.p[0] * np.stack((np.cos(flat.p[1]), np.sin(flat.p[1]))))
+    mesh = mesh.with_boundaries({"inside": lambda x: np.hypot(*x) < 1.01})
+    basis = Basis(mesh, ElementVector(ElementQuad2()), intorder=4)
+    model = sc.Model({"ring": sc.SolidForm(basis, sc.Tresca(E=1e4, nu=0.3, c=1.0))}, np.hstack([
+        basis.get_dofs(lambda x, i=i: x[i] < 1e-9).all(f"u^{i + 1}") for i in (0, 1)]))  # fmt: skip
+    found = model.limit_load(model.traction("inside", lambda x: x / np.hypot(*x)), tolerance=1e-3, progress=False)
+    assert found.multiplier == pytest.approx(2 * np.log(2), rel=2e-3)
+    assert found.added < 0.03 and not recwarn.list

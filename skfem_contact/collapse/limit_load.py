@@ -18,8 +18,8 @@ from ..results.stage import StageResult
 from ..solvers import single_threaded
 from ..stages.setup import Setup
 from .continuation import GROWTH, Branch, follow, last_stage, loaded_start
-from .mechanism import as_collapse, warn_of_errors
-from .result import LOAD, CollapseResult, Point, SearchLog, conclude
+from .mechanism import LOAD, as_collapse, warn_of_errors
+from .result import CollapseResult, Point, SearchLog, conclude
 
 _CUTS = 10
 #: Growth of the steps where friction is that of the step before.
@@ -73,7 +73,8 @@ def limit_load(setup: Setup, load: Any, start: Result | StageResult | None, tole
                        growth=_SMALL_GROWTH if flow == "lagged" else GROWTH, max_step=max_step * points[-1].work,
                        min_displacement=min_displacement)
     end = found.points[-1]
-    result = conclude(LOAD, found, end, system, branch.at(end.parameter)[1], log.steps, "continuation", flow)
+    result = conclude(LOAD, found, end, system, branch.at(end.parameter)[1], log.steps, "continuation", flow,
+                      multiplied=reference)
     return begun.ended(result).beside(proven, tolerance * abs(result.value))
 
 

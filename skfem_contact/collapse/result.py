@@ -13,9 +13,7 @@ from ..errors import NoEquilibrium, NotConverged, warn
 from ..limit_analysis import Bounds
 from ..nonlinear.system import System
 from ..results.stage import StageResult
-from .mechanism import added_by_mesh, describe_mesh, warn_of_errors, warn_of_mesh, warn_of_motion
-
-FACTOR, LOAD = "factor of safety", "limit load"
+from .mechanism import FACTOR, LOAD, added_by_mesh, describe_mesh, warn_of_errors, warn_of_mesh, warn_of_motion
 
 
 class PeakPassed(NotConverged):
@@ -205,7 +203,9 @@ class CollapseResult:
     bands
         Largest shear strain of the mechanism by solid, in the plane for plane ones, (n_elements, n_points).
     added
-        Estimated share of a factor of safety that the size of the elements adds, right to a third.
+        Estimated share of the value that the size of the elements adds: of a factor of safety right to a third, as
+        measured on slopes; of a limit load right to about a half under rigid footings and in cuts, and too large under
+        even loads.
     path
         Factor or multiplier and displacements of every equilibrium.
     dilates_less
@@ -321,8 +321,8 @@ class CollapseResult:
 
 
 def conclude(what: str, found: SearchResult, last: Point, system: System, load: ndarray, steps: Sequence[Step],
-             method: str, flow: str, reduced: tuple[str, ...] = (), davis: CollapseResult | None = None
-             ) -> CollapseResult:
+             method: str, flow: str, reduced: tuple[str, ...] = (), davis: CollapseResult | None = None,
+             multiplied: ndarray | None = None) -> CollapseResult:
     """Return the result of a search; other analyses start from the `last` equilibrium."""
     warn_of_errors(system, last.x, last.states)
     motion = found.points[-1].x - found.points[-2].x if found.motion is None else found.motion
@@ -335,7 +335,8 @@ def conclude(what: str, found: SearchResult, last: Point, system: System, load: 
     forms, states = ({name: pair[i] for name, pair in released.items()} for i in (0, 1))
     end = StageResult(what, last.x, load, states, (iterations,), residual, forms=forms, layout=system.layout)
     value = found.best.parameter
+    power = None if multiplied is None else last.parameter * float(multiplied @ mechanism)
     return CollapseResult(what, value, (value, found.above), found.stop, method, flow, reduced,
                           describe_mesh(system.forms), tuple(steps), end, mechanism, bands,
-                          added_by_mesh(system.forms, bands) if what == FACTOR else 0.0,
+                          added_by_mesh(system.forms, bands, last.states, power),
                           tuple((point.parameter, point.x) for point in found.points), less, davis)

@@ -22,8 +22,8 @@ from ..results.stage import StageResult
 from ..solvers import single_threaded
 from ..stages.setup import Setup
 from .continuation import Branch, follow, loaded_start, motion
-from .mechanism import as_collapse, is_singular
-from .result import FACTOR, CollapseResult, Point, SearchLog, SearchResult, Stop, conclude, no_collapse_below
+from .mechanism import FACTOR, as_collapse, is_singular
+from .result import CollapseResult, Point, SearchLog, SearchResult, Stop, conclude, no_collapse_below
 
 logger = logging.getLogger("skfem_contact")
 
