@@ -269,7 +269,7 @@ def water_load(body: Body, pressure: Pressure, boundaries: str | Sequence[str] =
     load = pore_load(basis, at_points(basis, pressure), axisymmetric)
     for part in facets:
         outside = FacetBasis(basis.mesh, basis.elem, facets=np.asarray(part))
-        load = load + face_load(outside, at_points(outside, pressure), axisymmetric)
+        load = load + face_load(outside, np.maximum(at_points(outside, pressure), 0.0), axisymmetric)
     if not load.any():
         warn("there is no water: the pressure is zero everywhere")
     return Load.of(load, axisymmetric)

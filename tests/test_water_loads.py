@@ -164,3 +164,24 @@ def test_wall_above_the_ground_of_a_seepage():
         before = np.trapezoid(flow.pressure_at(np.array([np.full(2001, 2.0), below])), below)
         standing = 10.0 * (level - 2.0) ** 2 / 2
         assert -load[of_wall].sum() == pytest.approx(behind - before - standing, rel=1e-6)  # the sums
+
+
+@pytest.mark.parametrize("by", ["stage", "function", "load"])
+def test_suction_is_in_the_pores_alone(by):
+    """[X] Effective stress of moist level ground: weight and suction stress; the air beside it has no pressure."""
+    mesh = grid("P2", np.linspace(0, 1, 3), np.linspace(0, 4, 17))
+    basis = vector_basis(mesh, "P2", intorder=2)
+    law = sc.water.VanGenuchten(alpha=0.3, n=2.0)
+    water = sc.water.seepage(basis, 1e-6, {"bottom": 1.0}, retention=law, unit_weight=WATER).with_suction()
+    soil = sc.SolidForm(basis, sc.LinearElastic(E=5e3, nu=0.3), unit_weight=18.0)
+    model = sc.Model({"soil": soil}, sc.box_supports(basis, base="rollers"), water_unit_weight=WATER)
+    given = {"stage": {"water": water}, "function": {"water": lambda x: water.pressure_at(x)},
+             "load": {"load": sc.water_load(basis, water.pressure, ["top", "bottom"])}}[by]  # fmt: skip
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        stage = model.run([sc.Stage("moist", **given)], progress=False)["moist"]
+    x = mesh.p[:, mesh.p[0] == 0.5]
+    exact = water.pressure_at(x) - 18.0 * (4.0 - x[1])
+    found = stage.field("syy")[: mesh.p.shape[1]][mesh.p[0] == 0.5]
+    np.testing.assert_allclose(found, exact, atol=0.12)  # the suction bends in one element above the free surface
+    assert any("this suction counts as strength" in str(w.message) for w in caught) == (by == "function")

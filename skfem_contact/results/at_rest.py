@@ -43,6 +43,9 @@ def in_elements(basis: Any, pressure: Any, elements: ndarray, faced: ndarray | N
         if faced is not None and (other := wet & (faced != np.arange(len(wet)))).any():
             head[other] = pressure.head_at(x[:, other], head[faced[other]].mean(axis=1)[:, None])
         values[wet] = pressure.pressure_at(x[:, wet], head[wet])
+        if faced is None:  # suction in pores; beside them is air
+            suction = at_points(basis, np.minimum(np.nan_to_num(pressure.pressure), 0.0))
+            values += np.where(wet[:, None] & (values == 0.0), suction, 0.0)
         return values
     if not isinstance(pressure, Mapping):
         return at_points(basis, pressure)

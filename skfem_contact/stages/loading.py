@@ -19,6 +19,7 @@ from ..results.at_rest import as_pressure, in_elements
 
 #: Water differs on both sides of a slit where its pressures do by more than this share of the largest one.
 _DIFFERS = 0.05
+_SUCTION = 1e-6  # share of the largest pressure that is no round-off
 _SAME = 1e-6  # distance of facets that coincide, over their size
 
 
@@ -35,19 +36,25 @@ def water_at_rest(solids: Mapping[str, Any], others: Iterable[Form], water: Any,
     pressure = as_pressure(water, mesh, unit_weight)
     for form in solids.values():
         if form.porous:
-            yield pore_load(form.basis, in_elements(form.basis, pressure, form.elements), axisymmetric)
+            inside = in_elements(form.basis, pressure, form.elements)
+            if (callable(pressure) and getattr(pressure, "__self__", None) is None
+                    and inside.min() < -_SUCTION * np.abs(inside).max()):
+                warn(f"the function of the water has pressures down to {inside.min():.3g}: this suction counts as "
+                     "strength; return np.maximum(pressure, 0) where it is not meant")
+            yield pore_load(form.basis, inside, axisymmetric)
     outside = FacetBasis(mesh, first.basis.elem, facets=_bounding(mesh, solids))
     owner, faced = np.asarray(outside.tind), None
     porous = np.isin(owner, np.concatenate([f.elements for f in solids.values() if f.porous] or [np.zeros(0, int)]))
     if isinstance(pressure, Mapping) or hasattr(pressure, "pressure_at"):
         faced = facing(surroundings(outside), porous)
         owner = owner[faced]
-    pressing, beams = in_elements(outside, pressure, owner, faced), [np.zeros((0, mesh.dim()))]
+    pressing = np.maximum(in_elements(outside, pressure, owner, faced), 0.0)  # beside suction there is air outside
+    beams = [np.zeros((0, mesh.dim()))]
     yield face_load(outside, pressing, axisymmetric)
 
     def beside(*sides: ndarray) -> ndarray:
         beams.append(sides[0])
-        return pressure_beside(outside, porous, pressure, sides)
+        return np.maximum(pressure_beside(outside, porous, pressure, sides), 0.0)
 
     yield from (load for form in others if (load := form.water_load(beside)) is not None)
     if not callable(pressure):
