@@ -134,3 +134,14 @@ def test_bounds_beside_seepage():
     factor = model.strength_reduction(model.water_load(water.pressure, "up"), certify=False, progress=False).factor
     assert found.lower < factor < 1.02 * found.upper  # the mesh is .9 % too strong
     assert 1.2 < found.lower < found.upper < 1.05 * found.lower
+
+
+def test_bounds_with_suction_beside_air():
+    """[X] Suction on the surface that is named as submerged presses nowhere: the bounds without it."""
+    mesh = MeshTri.init_tensor(np.linspace(0, 4, 9), np.linspace(0, 2, 5)).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
+    bank = sc.SolidForm(basis, sc.MohrCoulomb(E=3e4, nu=0.3, c=2.0, phi=25.0, psi=25.0), unit_weight=20.0)
+    model = sc.Model({"bank": bank}, [basis.get_dofs("bottom").all(), basis.get_dofs("left").all("u^1")])
+    options = {"water": lambda x: -5.0 + 0.0 * x[0], "elements": 300, "gap": 0.2, "progress": False}
+    air, named = model.bounds(**options), model.bounds(**options, submerged=["top", "right"])
+    np.testing.assert_allclose([named.lower, named.upper], [air.lower, air.upper], rtol=1e-6)

@@ -290,9 +290,9 @@ class LimitModel:
         outside = np.concatenate([np.zeros(0, int), *(triangles.tags[tag] for tag in self.loads.submerged)])
         facets = np.append(edge, outside)
         side = np.append(inside[1, edge], np.zeros(len(outside), bool)).astype(int)
-        sign = np.repeat([1.0, -1.0], (len(edge), len(outside)))
+        at, inner = u[mesh.facets[:, facets]], np.arange(len(facets)) < len(edge)
         normal = outward_normals(mesh, facets, mesh.f2t[side, facets])
-        pressed = (sign * u[mesh.facets[:, facets]]).T[:, :, None] * normal.T[:, None]
+        pressed = np.where(inner, at, -np.maximum(at, 0.0)).T[:, :, None] * normal.T[:, None]  # beside suction is air
         return elements.of_body(body) + elements.of_tractions(facets, pressed)
 
 
