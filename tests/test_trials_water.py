@@ -204,3 +204,23 @@ def test_consolidation_after_undrained_loading(element):
     np.testing.assert_allclose(pressure[mesh.p[1] < 1.5], 50.0, rtol=2e-3)  # the water of Undrained is compressible
     settled = -result["wait"].x[basis.get_dofs("top").all("u^2")].mean() / (50.0 * 2.0 / 8e3)
     assert settled == pytest.approx(0.5, abs=0.005)  # the allowed error in time
+
+
+def test_drains_of_water_that_is_not_active():
+    """They hold nothing: clay whose only drain belongs to a fill that comes later is sealed."""
+    mesh = MeshTri.init_tensor(np.linspace(0, 2, 5), np.linspace(0, 4, 9)).with_defaults()
+    mesh = mesh.with_subdomains({"clay": lambda x: x[1] < 2, "fill": lambda x: x[1] > 2})
+    basis, forms = Basis(mesh, ElementVector(ElementTriP2()), intorder=2), {}
+    for name in ("clay", "fill"):
+        part = basis.with_elements(name)
+        forms |= {name: sc.SolidForm(part, sc.LinearElastic(E=8e3, nu=0.3), unit_weight=9.0),
+                  f"water of {name}": sc.PoreWater(part, 1e-3, unit_weight=9.81)}  # fmt: skip
+    fixed = sc.box_supports(basis, base="rollers")
+    model = sc.Model(forms, [fixed, forms["water of fill"].dofs("top")])
+    fill = sc.Stage("fill", activate=["fill", "water of fill"], duration=1.0)
+    with pytest.warns(sc.AnalysisWarning, match="stage 'clay'.*water of clay: no pore pressure is held"):
+        model.run([sc.Stage("clay", duration=1.0), fill], progress=False)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        model.run([sc.Stage("both", duration=1.0)], progress=False)
+    assert not any("no pore pressure is held" in str(w.message) for w in caught)

@@ -262,10 +262,8 @@ class PoreWater(Form):
                              f"'{name}' transfers the pressure of the water as well, at {len(pressed)} nodes that are "
                              "not drained: friction there counts the total stress, not the effective one")
         yield from around.crossed
-        if not (len(drained) or len(around.leaks)):
-            yield Remark("sealed", 0.0, "no pore pressure is held: no water can leave the ground")
         others = [ground for dofs, ground in around.waters if not np.isin(dofs, held).any()]
-        yield from self.porous.check_step(np.union1d(drained, around.leaks), [own, *others], duration)
+        yield from self.porous.check_step(drained, around.leaks, [own, *others], duration)
 
     @override
     def remarks_on(self, x: ndarray, states: Mapping[str, Any]) -> Iterator[Remark]:

@@ -131,10 +131,16 @@ class Porous:
         thrust[fixed] = 0.0
         return bool(thrust.max() > _RIGID * max(whole, by_element))
 
-    def check_step(self, drained: ndarray, grounds: Sequence[Ground], duration: float) -> Iterator[Remark]:
-        """Report a duration too short for the elements beside drained nodes; the grounds are this one and others."""
+    def check_step(self, drained: ndarray, leaks: ndarray, grounds: Sequence[Ground], duration: float
+                   ) -> Iterator[Remark]:
+        """Report ground without drains, and a duration too short for the elements beside them.
+
+        Drained nodes are those of held pressures and of seepage faces. The grounds are this one and other active ones.
+        """
         own, ground = grounds[0], Ground(*map(np.hstack, zip(*grounds, strict=True)))
-        element, across = self._beside_drains(drained, ground, own, duration)
+        if not (np.isin(drained, ground.corners).any() or len(leaks)):
+            yield Remark("sealed", 0.0, "no pore pressure is held: no water can leave the ground")
+        element, across = self._beside_drains(np.union1d(drained, leaks), ground, own, duration)
         shortest = float((across**2 * _RESOLVED / own.diffusivity[element]).max(initial=0.0))
         if duration < shortest:
             yield Remark("short", shortest / duration, f"it ends after {duration:.3g}, less than h² / 3 c_v = "
