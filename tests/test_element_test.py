@@ -134,6 +134,15 @@ def test_a_stress_beyond_the_strength():
     assert -caught.value.result.stress[-1, 1] == pytest.approx(100 * flow + 2 * C * np.sqrt(flow), rel=0.06)  # 1 step
 
 
+def test_both_lateral_stresses_are_advised_against():
+    """Both lateral stresses of a compression leave the strain between them free at yield: `triaxial` prescribes it."""
+    step = sc.laboratory.PathStep(stress={"xx": None, "zz": None}, strain={"yy": -0.05})
+    sand = sc.MohrCoulomb(E=2e4, nu=0.25, c=5.0, phi=30.0, psi=5.0)
+    with pytest.raises(sc.NotConverged, match=r"stresses xx and zz, .* laboratory.triaxial .* strain=\{'xx-zz': 0\}"):
+        sc.element_test(sand, -100.0, step)
+    assert sc.element_test(sand, -100.0, sc.laboratory.triaxial(-0.05)).q[-1] > 200.0
+
+
 def test_bad_input():
     """Wrong conditions, stresses and samples are refused with what is there."""
     soil = sc.MohrCoulomb(E, NU, C, PHI)

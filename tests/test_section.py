@@ -114,7 +114,9 @@ def test_surface_cuts_off() -> None:
     ({"lifts": {"a": rectangle((15, 25), (-3, 0))}}, "the lift 'a' leaves the areas by an area of 15"),
     ({"holes": {"bore": rectangle((-30, 30), (-30, 10))}}, "nothing is left of the area 'clay'"),
     ({"holes": {"bore": rectangle((40, 50), (-30, 10))}}, "the hole 'bore' cuts nothing"),
-    ({"areas": {**GROUND, "cap": [(-1, 0), (-1, 2), (1, 2), (1, 0), (0, 1)]}}, "enclose a gap near \\(0, 0.25"),
+    ({"areas": {**GROUND, "cap": [(-2, 0), (-2, 2), (2, 2), (2, 0), (1, 0), (0, 1), (-1, 0)]}},
+     "enclose a gap near .*, 0.3174"),
+    ({"areas": {**GROUND, "cap": [(-1, 0), (-1, 2), (1, 2), (1, 0), (0, 1)]}}, "they touch in a point near \\(-?1, 0"),
     ({"areas": {"clay": [(0, 0), (1, 1), (2, 2)]}}, "'clay' has no area"),
     ({"areas": {"clay": [(0, 0), (1, 1)]}}, "'clay' has 2 different points: an area needs three"),
     ({"areas": {"clay": [(0, 0), (1, np.nan), (2, 2)]}}, "points of 'clay' must be finite"),
@@ -129,7 +131,10 @@ def test_surface_cuts_off() -> None:
     ({"surface": [(0, 0), (5, 1)]}, "the surface reaches from x = 0 to 5, the areas from -20 to 20"),
     ({"coordinates": "axisymmetric"}, "'clay' reaches to x = -20"),
     ({"lines": {"a": [(0, 0), (0, -4)], "b": [(1e-6, -1), (1e-6, -3)]}}, "are 1e-06 apart near"),
-    ({"areas": {**GROUND, "fill": rectangle((-20, 20), (1e-4, 4))}}, "are 0.0001 apart near .* takes 2.7e\\+05 sides"),
+    ({"areas": {**GROUND, "fill": rectangle((-20, 20), (1e-4, 4))}, "bodies": "fill"},
+     "are 0.0001 apart near .* takes 2.7e\\+05 sides"),
+    ({"areas": {**GROUND, "fill": rectangle((-20, 20), (1e-3, 4))}},
+     "'clay' and 'fill' do not hang together: they are 0.001 apart near .*, 0\\): let them share a line"),
     ({"areas": {"clay": [(0, 0), (4, 0), (4, 2), (4 - 9e-8, 2), (0, 2)]}}, "two points of 'clay' near .* are 9e-08"),
     ({"holes": {"bore": circle((0.0, -5.0), 5.0)}}, "meet at an angle of 0.032 degrees near \\(0, "),
 ])  # fmt: skip
@@ -137,6 +142,15 @@ def test_wrong_sketches_are_refused_by_name(change, message) -> None:
     """One ValueError says what is wrong, by how much and where."""
     with pytest.raises(ValueError, match=message):
         Section(**{"areas": GROUND, "size": 5.0, **change}).mesh()
+
+
+def test_parts_that_stand_apart_are_told(recwarn) -> None:
+    """Fill half a metre above the ground is meshed with a warning, a body without."""
+    areas = {**GROUND, "fill": rectangle((-20, 20), (0.5, 4))}
+    mesh = Section(areas, size=5.0, bodies="fill").mesh()
+    assert not recwarn and len(sc.mesh.bodies(mesh)) == 2
+    with pytest.warns(sc.AnalysisWarning, match=r"'clay' and 'fill' do not hang together: they are 0.5 apart near"):
+        assert len(sc.mesh.bodies(Section(areas, size=5.0).mesh())) == 2
 
 
 def test_without_gmsh_one_error_names_the_extra(monkeypatch) -> None:

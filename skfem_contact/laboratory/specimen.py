@@ -75,7 +75,8 @@ def element_test(material: Material, stress: ArrayLike, path: PathStep | Sequenc
                 state, count = _increment(law, state, rows, goal, step.duration / step.increments)
             except (_NoEquilibrium, IncrementTooLarge) as error:
                 failure = NotConverged(f"step {number} of the element test stops after {k} of {step.increments} "
-                                       f"increments: {error}; `result` of this error holds the states before")
+                                       f"increments: {error}{_advice(step, error)}; `result` of this error holds the "
+                                       "states before")
                 failure.result = _result(law, history)
                 raise failure from error
             row = None if step.total is None else COMPONENTS.index(step.total)
@@ -86,6 +87,16 @@ def element_test(material: Material, stress: ArrayLike, path: PathStep | Sequenc
 
 class _NoEquilibrium(Exception):
     """Failure of Newton's method in an increment."""
+
+
+def _advice(step: PathStep, error: Exception) -> str:
+    """Return what helps where two normal stresses are prescribed."""
+    given = [name for name in COMPONENTS[:3] if name in step.stress]
+    if len(given) != 2 or not isinstance(error.__cause__, np.linalg.LinAlgError):
+        return ""
+    return (f". Between the stresses {given[0]} and {given[1]}, where they are equal, the yield condition leaves the "
+            "strains free: laboratory.triaxial prescribes one of the lateral stresses and equal lateral strains, "
+            "stress={'xx': None}, strain={'xx-zz': 0}")
 
 
 def _increment(law: Material, state: _State, rows: tuple[ndarray, ndarray], goal: tuple[ndarray, ...], dt: float,

@@ -11,7 +11,7 @@ from ..checks import format_point
 from .outline import Outline
 
 #: Points that are nearer to each other are one point to Gmsh's geometry.
-_ONE_POINT = 1e-7
+ONE_POINT = 1e-7
 
 
 def load_gmsh() -> Any:
@@ -70,9 +70,9 @@ _OPTIONS = {"General.Terminal": 0, "General.NumThreads": 1, "Mesh.RandomSeed": 1
 def add_curves(occ: Any, outline: Outline, shift: Any) -> list[int]:
     """Add the segments and arcs of an outline, moved by a shift, and return their numbers."""
     for point, away in zip(outline.points, np.linalg.norm(np.subtract(*outline.ends), axis=1)):
-        if away <= _ONE_POINT:
+        if away <= ONE_POINT:
             raise ValueError(f"two points of '{outline.name}' near {format_point(point)} are {away:.2g} apart: let "
-                             f"them be one, or keep a distance of more than {_ONE_POINT:.2g}")
+                             f"them be one, or keep a distance of more than {ONE_POINT:.2g}")
     corners = [occ.addPoint(*(point - shift), 0.0) for point in outline.points]
     curves = []
     for k, (t, centre) in enumerate(zip(outline.bulges, outline.centres - shift)):

@@ -9,12 +9,15 @@ import numpy as np
 from numpy import ndarray
 
 from ..checks import format_point
-from .kernel import add_curves, add_face
+from ..errors import warn
+from .kernel import ONE_POINT, add_curves, add_face
 from .outline import Outline
 
 Outlines = Mapping[str, tuple[Outline, ...]]
 #: Share of the length of a line that may be lost by round-off.
 _ROUND_OFF = 1e-9
+#: Share of the section's size up to which a distance of areas is a slip: 2 cm of 20 m. It would have elements as small.
+_SLIP = 1e-3
 
 
 @dataclass(frozen=True)
@@ -65,6 +68,8 @@ def cut_up(gmsh: Any, plan: Plan) -> Pieces:
                 there.append(name)
     sides = {face: sides_of(gmsh, face) for face in owners}
     faces = _faces(gmsh, plan, owners)
+    _check_together(gmsh, plan, {face: sides[face] for face, (area, _) in faces.items() if area not in plan.bodies},
+                    faces)
     borders = {curve for face in faces for curve in sides[face]}
     holes: dict[str, list[int]] = {name: [] for name in plan.holes}
     for face, kinds in owners.items():
@@ -103,6 +108,24 @@ def _faces(gmsh: Any, plan: Plan, owners: Mapping[int, Mapping[str, list[str]]])
 def sides_of(gmsh: Any, face: int) -> list[int]:
     """Return the curves round a face."""
     return [abs(int(curve)) for curve in gmsh.model.getAdjacencies(2, face)[1]]
+
+
+def _check_together(gmsh: Any, plan: Plan, sides: Mapping[int, list[int]], faces: Mapping[int, tuple[str, str]]
+                    ) -> None:
+    """Refuse faces of the ground, by their curves, that nearly hang together, and warn of those farther apart."""
+    left = set(sides) - (part := set(list(sides)[:1]))
+    while more := {face for face in left if {*sides[face]} & {curve for one in part for curve in sides[one]}}:
+        part, left = part | more, left - more
+    if not left:
+        return
+    (away, x, y, *_), one, other = min((gmsh.model.occ.getDistance(2, a, 2, b), a, b) for a in part for b in left)
+    how = f"are {away:.4g} apart" if away > ONE_POINT else "touch in a point"
+    text = (f"the areas '{faces[one][0]}' and '{faces[other][0]}' do not hang together: they {how} near "
+            f"{format_point(np.array([x, y]) + plan.shift)}")
+    corners = np.concatenate([outline.points for outlines in plan.areas.values() for outline in outlines])
+    if away < _SLIP * np.ptp(corners, axis=0).max():
+        raise ValueError(f"{text}: let them share a line, or name what touches by contact alone in bodies=")
+    warn(f"{text}; each needs supports of its own, or is named in bodies=")
 
 
 def _check_curves(gmsh: Any, plan: Plan, pieces: Pieces) -> None:
