@@ -59,8 +59,8 @@ fixed = np.union1d(drum, basis.get_dofs("bush:outside").all())
 def stage(turn):
     """The drum pressed down and turned by an angle."""
     x = basis.zeros()
-    place = np.array([[np.cos(turn) - 1, -np.sin(turn)], [np.sin(turn), np.cos(turn) - 1]]) @ basis.doflocs[:, drum]
-    x[drum] = np.where(drum % 2 == 0, place[0], place[1] - pressed)
+    shift = np.array([[np.cos(turn) - 1, -np.sin(turn)], [np.sin(turn), np.cos(turn) - 1]]) @ basis.doflocs[:, drum]
+    x[drum] = np.where(drum % 2 == 0, shift[0], shift[1] - pressed)
     increments = 5 if turn == 0.0 else 1  # what slides before it touches would count as slip
     return sc.Stage(f"turn {np.degrees(turn):.1f}", load=basis.zeros(), prescribed=x, increments=increments)
 

@@ -40,7 +40,7 @@ def _quads(rows: int, columns: int) -> ndarray:
 
 
 def layers(section: tuple[ndarray, ndarray], z: ndarray) -> MeshHex:
-    """A section drawn along z; points in one place become one."""
+    """A section drawn along z; coincident points become one."""
     points, quads = section
     _, first, inverse = np.unique(points.round(9), axis=0, return_index=True, return_inverse=True)
     points, quads, n = points[first], inverse.ravel()[quads], len(first)

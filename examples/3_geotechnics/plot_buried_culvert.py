@@ -8,7 +8,7 @@ surface. What presses on the pipe, does the soil slip along it, and what must it
 This is example 1 of *Implementation of Computational Contact Analysis in Geotechnical Engineering*. The
 paper fixes the pipe (diameters 1.80 m and 1.44 m, concrete with :math:`E = 2.8 \cdot 10^7` kPa), the
 friction between concrete and soil (0.6), the two stages and the surcharge (35 kPa). The soils, the depth of
-cover and the place of the surcharge stood in a figure that we do not have: **they are our choice**, and so
+cover and the position of the surcharge stood in a figure that we do not have: **they are our choice**, and so
 are the magnitudes that come out. What the paper says of its results is checked at the end.
 
 Units are kN and m. Tension is positive.

@@ -71,7 +71,7 @@ slopes = {
 
 
 def level(line, x):
-    """Level of a line at some places."""
+    """Level of a line at some abscissas."""
     return np.interp(x, *line) if isinstance(line, tuple) else np.full_like(x, line)
 
 

@@ -141,8 +141,8 @@ def wall_displacement(basis: Basis, x: np.ndarray) -> float:
     """Mean inward displacement of the nodes of the wall."""
     dofs = basis.get_dofs("wall")
     ux, uy = (np.concatenate((dofs.nodal[c], dofs.facet[c])) for c in ("u^1", "u^2"))
-    place = basis.doflocs[:, ux]
-    return -float(np.mean((place[0] * x[ux] + place[1] * x[uy]) / WALL))
+    points = basis.doflocs[:, ux]
+    return -float(np.mean((points[0] * x[ux] + points[1] * x[uy]) / WALL))
 
 
 def plastic_radius(form: sc.SolidForm, state: SolidState) -> float:
@@ -204,8 +204,8 @@ for psi in (0.0, 15.0, 30.0):
     error = wall_displacement(basis, last.x) / exact_displacement(rock, 0.0) - 1
     front = plastic_radius(form, state) / exact_radius(rock, 0.0) - 1
 
-    place = np.asarray(form.basis.global_coordinates())
-    r, angle = np.hypot(*place), np.arctan2(place[1], place[0])
+    points = np.asarray(form.basis.global_coordinates())
+    r, angle = np.hypot(*points), np.arctan2(points[1], points[0])
     sx, sy, _, txy = state.stress
     turned = np.cos(2 * angle) * (sx - sy) / 2 + np.sin(2 * angle) * txy
     own, exact = np.stack(((sx + sy) / 2 + turned, (sx + sy) / 2 - turned)), np.stack(exact_stresses(rock, 0.0, r))
@@ -236,16 +236,16 @@ left.set(xlabel="inward displacement of the wall (mm)", ylabel="support pressure
 left.legend(frameon=False)
 
 soil, _, _, form, result = curves[30.0]
-place = np.asarray(form.basis.global_coordinates())
-shown = np.hypot(*place) < 2.4
+points = np.asarray(form.basis.global_coordinates())
+shown = np.hypot(*points) < 2.4
 yielded_at = np.full(shown.shape, np.nan)
 for p in pressures:
     new = np.isnan(yielded_at) & (result[f"{p:g}"].states["ground"].internal[0] > 0)
     yielded_at[new] = p
-right.scatter(*place[:, shown & np.isnan(yielded_at)], s=1.5, color="0.85")
+right.scatter(*points[:, shown & np.isnan(yielded_at)], s=1.5, color="0.85")
 angle = np.linspace(0, np.pi / 2, 100)
 for color, p in zip(("C4", "C2", "C8", "C1", "C3"), pressures[2:], strict=True):
-    right.scatter(*place[:, yielded_at == p], s=3, color=color, label=f"at {p:g} kPa")
+    right.scatter(*points[:, yielded_at == p], s=3, color=color, label=f"at {p:g} kPa")
     right.plot(exact_radius(soil, p) * np.cos(angle), exact_radius(soil, p) * np.sin(angle), color="0.2", lw=0.8)
 right.set(title="points that yielded, and exact radii (ψ = 30°)", aspect="equal", xlabel="x / a",
           ylabel="y / a")

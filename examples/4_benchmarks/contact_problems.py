@@ -207,8 +207,8 @@ class Contact:
     @classmethod
     def of(cls, problem: Problem, x: ndarray) -> Contact:
         """Tractions at some displacements."""
-        place, width, traction = problem.nodal_tractions(x)
-        return cls(place, width, traction[:, 1], -traction[:, 0])
+        position, width, traction = problem.nodal_tractions(x)
+        return cls(position, width, traction[:, 1], -traction[:, 0])
 
     @property
     def normal_force(self) -> float:

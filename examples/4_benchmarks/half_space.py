@@ -133,9 +133,9 @@ def lubkin_torque(stick: float, friction: float, a: float) -> float:
     return total
 
 
-def far_field(places: ndarray, force: float, young: float, poisson: float) -> ndarray:
+def far_field(points: ndarray, force: float, young: float, poisson: float) -> ndarray:
     """Displacements (3, n) below a force at the origin that acts downwards, -z (Boussinesq; section 3.2)."""
-    x, y, z = places[0], places[1], -places[2]
+    x, y, z = points[0], points[1], -points[2]
     r, R = np.hypot(x, y), np.sqrt(x**2 + y**2 + z**2)
     scale = force * (1 + poisson) / (2 * np.pi * young * R)
     outwards = scale * (z / R**2 - (1 - 2 * poisson) / (R + z)) * r

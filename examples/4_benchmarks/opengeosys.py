@@ -77,16 +77,16 @@ def _write_meshes(layer: Layer, folder: Path) -> None:
     """The ground, and its boundaries with the numbers of their nodes in it."""
     basis, mesh = layer.basis, layer.basis.mesh
     middles = mesh.p.shape[1] + np.arange(mesh.facets.shape[1])
-    places = np.vstack((np.hstack((mesh.p, mesh.p[:, mesh.facets].mean(axis=1))), np.zeros(basis.N // 2)))
+    points = np.vstack((np.hstack((mesh.p, mesh.p[:, mesh.facets].mean(axis=1))), np.zeros(basis.N // 2)))
     triangles = np.vstack((mesh.t, middles[mesh.t2f])).T
     clockwise = np.linalg.det(mesh.p[:, mesh.t[1:]].T - mesh.p[:, mesh.t[:1]].T) < 0
     triangles[clockwise] = triangles[clockwise][:, [0, 2, 1, 5, 4, 3]]
-    meshio.Mesh(places.T, {"triangle6": triangles}, cell_data={"MaterialIDs": [np.zeros(len(triangles), np.int32)]}
+    meshio.Mesh(points.T, {"triangle6": triangles}, cell_data={"MaterialIDs": [np.zeros(len(triangles), np.int32)]}
                 ).write(folder / "ground.vtu")
     for name in {*layer.held, layer.drained, layer.loaded}:
         facets = np.asarray(mesh.boundaries[name])
         nodes, lines = np.unique(np.vstack((mesh.facets[:, facets], middles[facets])).T, return_inverse=True)
-        meshio.Mesh(places.T[nodes], {"line3": lines.reshape(-1, 3)},
+        meshio.Mesh(points.T[nodes], {"line3": lines.reshape(-1, 3)},
                     point_data={"bulk_node_ids": nodes.astype(np.uint64)}).write(folder / f"{name}.vtu")
 
 

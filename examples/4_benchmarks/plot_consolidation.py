@@ -244,9 +244,9 @@ def ball(n):
     disc = disc.restrict(np.flatnonzero((disc.p[:, disc.t].mean(axis=1) > 0).all(axis=0)))
     outer = disc.facets_satisfying(lambda x: x.min(axis=0) > 1e-9, boundaries_only=True)
     curved = MeshTri2.from_mesh(disc)
-    places, middles = curved.doflocs.copy(), Basis(disc, ElementTriP2()).facet_dofs[0, outer]
-    places[:, middles] /= np.hypot(*places[:, middles])
-    return MeshTri2(places, curved.t).with_boundaries({
+    points, middles = curved.doflocs.copy(), Basis(disc, ElementTriP2()).facet_dofs[0, outer]
+    points[:, middles] /= np.hypot(*points[:, middles])
+    return MeshTri2(points, curved.t).with_boundaries({
         "axis": lambda x: x[0] < 1e-9, "base": lambda x: x[1] < 1e-9, "out": lambda x: x.min(axis=0) > 1e-9})
 
 

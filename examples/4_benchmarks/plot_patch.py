@@ -96,13 +96,13 @@ for n, (name, method) in product(SIZES if PEERS and peers.available() else (), m
 # ----------
 
 fig, ax = plt.subplots(figsize=(8, 4), layout="constrained")
-place = np.arange(len(ELEMENTS))
+position = np.arange(len(ELEMENTS))
 for i, (slave, rule) in enumerate(product(SLAVES, RULES)):
     color, hatch = f"C{list(RULES).index(rule)}", "" if slave == "finer" else "//"
     values, label = [errors[5, rule, element, slave] for element in ELEMENTS], f"{rule}, {slave} slave"
-    ax.bar(place + 0.13 * (i - 2.5), values, 0.12, color=color, hatch=hatch, ec="w", label=label)
+    ax.bar(position + 0.13 * (i - 2.5), values, 0.12, color=color, hatch=hatch, ec="w", label=label)
 ax.set(yscale="log", ylabel="largest deviation", ylim=(1e-12, 1e4))
-ax.set_xticks(place, list(ELEMENTS))
+ax.set_xticks(position, list(ELEMENTS))
 ax.legend(frameon=False, ncols=2, loc="upper left", fontsize="small");
 
 # %%

@@ -53,18 +53,18 @@ for element, slave in product(ELEMENTS, SLAVES):
 # ----------
 
 fig, ax = plt.subplots(figsize=(8, 4), layout="constrained")
-place = np.arange(len(ELEMENTS))
+position = np.arange(len(ELEMENTS))
 for i, (slave, rule) in enumerate(product(SLAVES, RULES)):
     color, hatch = f"C{list(RULES).index(rule)}", "" if slave == "finer" else "//"
     values = [errors[element, rule, slave] for element in ELEMENTS]
-    ax.bar(place + 0.13 * (i - 2.5), values, 0.12, color=color, hatch=hatch, ec="w", label=f"{rule}, {slave} slave")
+    ax.bar(position + 0.13 * (i - 2.5), values, 0.12, color=color, hatch=hatch, ec="w", label=f"{rule}, {slave} slave")
 ax.set(yscale="log", ylabel="largest deviation", ylim=(1e-15, 1e2))
-ax.set_xticks(place, list(ELEMENTS))
+ax.set_xticks(position, list(ELEMENTS))
 ax.legend(frameon=False, ncols=2, loc="upper left", fontsize="small");
 
 # %%
 # Maps of triangles are affine, so that the integrals over the pieces are exact. On a skewed quadrilateral the shape
-# functions are no polynomials of the place, and what is left is the error of the rule on a piece.
+# functions are no polynomials of the coordinates, and what is left is the error of the rule on a piece.
 #
 # Headline numbers
 # ----------------

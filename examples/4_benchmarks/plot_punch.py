@@ -59,10 +59,10 @@ def report(row, **errors):
     print(f"{row['method']:18} {row['unknowns']:6} unknowns {row['cpu_s']:6.1f} s:  {listed}")
 
 
-def drawn_beside(place, pressure, line, exact, title, along, **limits):
+def drawn_beside(position, pressure, line, exact, title, along, **limits):
     """Pressures at the nodes beside the exact ones."""
     _, ax = plt.subplots(figsize=(6.4, 3.6), layout="constrained")
-    ax.plot(place, pressure, ".", ms=4, label="nodal forces over areas")
+    ax.plot(position, pressure, ".", ms=4, label="nodal forces over areas")
     ax.plot(line, exact, "k", lw=1, label="exact")
     ax.set(title=title, xlabel=along, ylabel="pressure", **limits)
     ax.legend(frameon=False)

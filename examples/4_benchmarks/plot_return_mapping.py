@@ -113,8 +113,8 @@ def planes_solution(trial, c, phi, psi=0.0, tension=None):
     if not found.all():
         stress[~found] = np.broadcast_to(c / np.tan(np.deg2rad(phi)), n)[~found, None]
     tensor = np.einsum("nik,nk,njk->ijn", directions, stress, directions)
-    place = np.array([[0, 0], [1, 1], [2, 2], [0, 1], [1, 2], [2, 0]])[: len(trial)]
-    return tensor[place[:, 0], place[:, 1]]
+    index = np.array([[0, 0], [1, 1], [2, 2], [0, 1], [1, 2], [2, 0]])[: len(trial)]
+    return tensor[index[:, 0], index[:, 1]]
 
 
 def cone_solution(trial, k, alpha=0.0, beta=0.0):

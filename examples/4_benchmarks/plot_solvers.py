@@ -86,7 +86,7 @@ CASES = {
 
 
 def system(case, unknowns):
-    """Two tangents that differ in their values, the places of the unknowns, and the free ones."""
+    """Two tangents that differ in their values, the coordinates of the unknowns, and the free ones."""
     square, element, order = CASES[case]
     n = round((unknowns / 2 / 1.81) ** 0.5 / order) + 1
     lower, upper = square(n), square(round(0.9 * n))
@@ -187,7 +187,7 @@ SPACE = {"hexahedra": (MeshHex, ElementHex1(), 1), "P2 tetrahedra": (MeshTet, El
 
 
 def block(case, unknowns):
-    """Two tangents that differ by a factor, the places of the unknowns, the free ones, and the load."""
+    """Two tangents that differ by a factor, the coordinates of the unknowns, the free ones, and the load."""
     kind, element, order = SPACE[case]
     n = round((unknowns / 6) ** (1 / 3) / order)
     mesh = kind.init_tensor(*(np.linspace(0, side, side * n + 1) for side in (2, 1, 1)))
@@ -245,7 +245,7 @@ for case in SPACE:
 
 
 def closed(n, mu, ratio):
-    """Tangent of bodies in contact, those of the bodies alone, places of the unknowns, the free ones, the interface."""
+    """Tangent of bodies in contact, that of the bodies, coordinates of the unknowns, the free ones, the interface."""
     problem = paraboloid(n)
     pair = sc.ContactPair(problem.basis, "upper:bottom", "lower:top", sc.Coulomb(mu=mu), 2,
                           penalty=ratio * YOUNG * n, tangent="primary")  # fmt: skip
@@ -294,15 +294,15 @@ class Colamd:
 iterations = {}
 for n in (4, 6, 11) if "--full" in sys.argv else (2,):
     for mu, ratio in ((0.0, 1), (0.0, 10), (0.0, 1000), (0.3, 10), (0.3, 100)):
-        K, alone, places, free, interface = closed(n, mu, ratio)
+        K, alone, coordinates, free, interface = closed(n, mu, ratio)
         makers = {"splu, COLAMD": Colamd, **IN_SPACE} if ratio == 10 and n < 11 else dict(IN_SPACE)
         if pyamg is not None:
             makers["multigrid"] = partial(AmgSolver, interface=interface)
-            _, _, _, _, iterations[n, "alone"] = timed(AmgSolver, alone, places, free, True)
+            _, _, _, _, iterations[n, "alone"] = timed(AmgSolver, alone, coordinates, free, True)
         for method, make in makers.items():
             if method != "multigrid" and ratio != 10:
                 continue  # a factorisation does not know how stiff things are
-            residual, once, cost, one_more, taken = timed(make, K, places, free, mu == 0.0)
+            residual, once, cost, one_more, taken = timed(make, K, coordinates, free, mu == 0.0)
             case = f"{'slipping' if mu else 'closed'}, penalty {ratio} E/h"
             rows.append({"method": f"{method}, {case}, in space", "case": f"contact in space, {case}", "solver": method,
                          "n": n, "unknowns": len(free), "error": residual, "cpu_s": cost, "once_s": once,

@@ -58,8 +58,8 @@ def bore_displacement(basis: Basis, x: np.ndarray) -> float:
     """Mean radial displacement of the nodes on the bore."""
     dofs = basis.get_dofs("bore")
     ux, uy = (np.concatenate((dofs.nodal[c], dofs.facet[c])) for c in ("u^1", "u^2"))
-    place = basis.doflocs[:, ux]
-    return float(np.mean((place[0] * x[ux] + place[1] * x[uy]) / np.linalg.norm(place, axis=0)))
+    points = basis.doflocs[:, ux]
+    return float(np.mean((points[0] * x[ux] + points[1] * x[uy]) / np.linalg.norm(points, axis=0)))
 
 
 # %%
@@ -88,8 +88,8 @@ for psi in (30.0, 0.0):
 # acts at the plastic radius.  The points lie where the elements are integrated.
 state = result["pressure"].states["cylinder"]
 form = forms["cylinder"]
-place = np.asarray(form.basis.global_coordinates())
-r, angle = np.hypot(*place), np.arctan2(place[1], place[0])
+points = np.asarray(form.basis.global_coordinates())
+r, angle = np.hypot(*points), np.arctan2(points[1], points[0])
 cos, sin = np.cos(angle), np.sin(angle)
 sx, sy, sz, txy = state.stress
 radial = cos**2 * sx + sin**2 * sy + 2 * sin * cos * txy

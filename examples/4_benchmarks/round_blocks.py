@@ -53,7 +53,7 @@ def whole(quarter: MeshQuad) -> MeshQuad:
 
 
 def _joined(*parts: MeshQuad) -> MeshQuad:
-    """Meshes as one: points in one place become one."""
+    """Meshes as one: coincident points become one."""
     p = np.hstack([part.p for part in parts])
     starts = np.cumsum([0] + [part.p.shape[1] for part in parts])
     _, first, number = np.unique(p.round(9), axis=1, return_index=True, return_inverse=True)
