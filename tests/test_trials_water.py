@@ -224,3 +224,20 @@ def test_drains_of_water_that_is_not_active():
         warnings.simplefilter("always")
         model.run([sc.Stage("both", duration=1.0)], progress=False)
     assert not any("no pore pressure is held" in str(w.message) for w in caught)
+
+
+@pytest.mark.parametrize(("rate", "face", "ponds"), [(2.0, False, True), (2.0, True, False), (-0.5, False, False)])
+def test_rain_that_the_ground_does_not_take(rate, face, ponds):
+    """[X] Twice the permeability on a column that drains at its base: p at the top is 2 gamma_w H, as told."""
+    basis, clay, water = ground()
+    forms = {"clay": clay, "water": water, "rain": sc.water.Inflow(water, {"top": rate * 2e-4})}
+    if face:
+        forms["face"] = sc.water.SeepageFace(water, "top", 0.0)
+    model = sc.Model(forms, [sc.box_supports(basis, base="rollers"), water.dofs("bottom")])
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        stage = model.run([sc.Stage("rain", duration=1e5)], progress=False)["rain"]
+    assert any("does not take ponds, 4 deep at (" in str(w.message) for w in caught) == ponds
+    if not face:
+        top = stage.forms["water"].pressure(stage.x)[basis.mesh.p[1] == 0.0]
+        np.testing.assert_allclose(top, rate * 9.81 * 2.0, rtol=1e-3)  # a tenth of the allowed error in time

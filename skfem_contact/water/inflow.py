@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix
+from skfem import FacetBasis
 from typing_extensions import Self, override
 
-from ..checks import look_up
+from ..checks import format_point, look_up
 from ..errors import Remark
 from ..forms.base import Response
 from ..layout import Field
@@ -20,6 +21,8 @@ from .consolidation import PoreWater
 
 #: Share of a rate where the pressure is held that is remarked on, and what is less than all of it.
 _IDLE, _ALL = 0.2, 1e-9
+#: Depth of ponded water that is remarked on, as a share of that of the mesh, and slope of facets that look up.
+_PONDS, _UPWARDS = 0.01, 0.01
 
 
 class Inflow(AtNodes):
@@ -93,6 +96,27 @@ class Inflow(AtNodes):
         if sealed and (total := float(self._rates.sum())) != 0.0:
             yield Remark("no way out", abs(total), f"{total:.4g} enter per time in ground that no water can leave: "
                          "only its growth makes room")
+
+    @override
+    def remarks_on(self, x: ndarray, states: Mapping[str, Any]) -> Iterator[Remark]:
+        """Report water that ponds on a surface that looks up, because the ground does not take it."""
+        water, p = self._water, self._water.fields[0].coordinates
+        open_ = np.setdiff1d(self._surface(), water.around.leaks if water.around else ())
+        level = (x[self._at] + getattr(water, "_start", 0.0))[open_] / water.unit_weight
+        if level.max(initial=0.0) > _PONDS * np.ptp(p[-1]):
+            at = p[:, open_[level.argmax()]]
+            yield Remark("ponds", level.max(), f"water that the ground does not take ponds, {level.max():.3g} "
+                         f"deep at {format_point(at)}: let it leave by a SeepageFace of the same boundary")
+
+    def _surface(self) -> ndarray:
+        """Return the nodes of facets that look up, at which water enters."""
+        mesh, found = self._water.pressures.mesh, [np.zeros(0, int)]
+        for name in self._flux:
+            sides = FacetBasis(mesh, self._water.pressures.elem, facets=look_up(name, mesh.boundaries, "boundary"))
+            up = np.asarray(sides.normals)[-1].min(axis=1) > _UPWARDS
+            found.append(np.unique(mesh.facets[:, np.asarray(sides.find)[up]]))
+        nodes = np.concatenate(found)
+        return nodes[self._rates[nodes] > 0.0]
 
     @override
     def numbered(self, numbers: Mapping[Field, ndarray]) -> Inflow:
