@@ -114,6 +114,8 @@ def test_k0_state_under_water():
     y = np.asarray(model.forms["ground"].basis.global_coordinates())[1]
     np.testing.assert_allclose(start.states["ground"].stress[1], -10.0 * (6 - y), rtol=1e-12)
     assert start.residual < 1e-12
+    with pytest.raises(ValueError, match="the pressure must be finite"):
+        model.k0_state(K0=0.5, water=lambda x: None)
     # no water is not a level of zero
     assert model.k0_state(K0=0.5, water=False)[0].residual < 1e-12
 

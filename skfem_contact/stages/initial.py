@@ -11,7 +11,7 @@ import numpy as np
 from numpy import ndarray
 from scipy.spatial import cKDTree
 
-from ..checks import format_point, look_up
+from ..checks import finite, format_point, look_up
 from ..contact.prestress import prestressed
 from ..errors import warn
 from ..forms.base import Form, internal_force, pairs_of
@@ -218,9 +218,10 @@ def _stress_at(points: ndarray, stress: _StressField, solids: Mapping[str, Any])
 
 def _check_surface(x: ndarray, pressure: Callable[[ndarray], ndarray], surcharge: float) -> None:
     """Refuse water that presses more than the surcharge on the highest of some nodes, (dim, n)."""
-    values = np.where(x[-1] > x[-1].max() - _SAME * np.ptp(x[-1]), pressure(x), 0.0)
+    given = finite(pressure(x), "the pressure")
+    values = np.where(x[-1] > x[-1].max() - _SAME * np.ptp(x[-1]), given, 0.0)
     k = values.argmax()
-    if values[k] - surcharge > _SAME * np.abs(pressure(x)).max():
+    if values[k] - surcharge > _SAME * np.abs(given).max():
         raise ValueError(f"water presses with {values[k]:.4g} on the surface at {format_point(x[:, k])}, where the "
                          f"surcharge is {surcharge:.4g}: it counts water above the ground too, give "
                          f"surcharge={values[k]:.4g} and what else presses there")
