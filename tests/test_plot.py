@@ -476,6 +476,17 @@ def test_history_shows_the_nearest_nodes():
     assert [tick.get_text() for tick in axes.get_xticklabels()] == ["before", "now"]
 
 
+def test_history_of_the_water_of_stages():
+    """[X] The pressure of each stage's own water at a point 2 m below the first level, which then falls."""
+    basis = vector_basis(grid("Q1", [0.0, 1.0, 2.0], [0.0, 1.0, 2.0]), "Q1", intorder=2)
+    model = sc.Model({"soil": sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3))}, sc.box_supports(basis),
+                     water_unit_weight=10.0)  # fmt: skip
+    result = model.run([sc.Stage("full", water=2.0), sc.Stage("low", water=0.5)], progress=False)
+    (axes,) = plot.history(result, "pore", {"base": (0.0, 0.0)}, water=True).axes
+    np.testing.assert_allclose(axes.lines[0].get_ydata(), [20.0, 5.0])
+    assert axes.get_ylabel().startswith("pore pressure")
+
+
 def test_history_refuses_points_outside_and_tells_of_bodies_that_touch():
     """[X] Two plates of their own motion that touch at x = 1: nodes there have one value or the other."""
     mesh = sc.join_bodies({"left": grid("Q1", [0, 0.5, 1], [0, 1]), "right": grid("Q1", [1, 2], [0, 1])})

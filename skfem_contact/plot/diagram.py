@@ -18,7 +18,7 @@ from ..checks import check_plane, format_point, look_up
 from ..contact.laws import Status
 from ..errors import warn
 from ..layout import nodes as nodes_of
-from ..results.fields import basis_of, has_excess, nodal_field, quantities, solids
+from ..results.fields import Shown, basis_of, has_excess, nodal_field, quantities, solids
 from ..results.result import Result
 from ..results.sections import SectionForces
 from ..results.stage import StageResult
@@ -95,7 +95,7 @@ def diagram(values: Any, quantity: str | None = None, *, on: StageResult | None 
 
 
 def history(result: Result, quantity: str, points: Mapping[str, ArrayLike], *, time: bool = False,
-            file: str | Path | None = None) -> Figure:
+            water: Shown | None = None, file: str | Path | None = None) -> Figure:
     """Draw a field at some points through all stages.
 
     Parameters
@@ -109,6 +109,8 @@ def history(result: Result, quantity: str, points: Mapping[str, ArrayLike], *, t
         there. Where bodies touch, the value is that of one of them; a warning states how much they differ.
     time
         Draw over the times at which the stages end, which have durations, instead of their names.
+    water
+        Pore pressure besides the excess, as in :meth:`~skfem_contact.results.StageResult.field`: True, of each stage.
     file
         Name of a picture to write.
 
@@ -118,12 +120,12 @@ def history(result: Result, quantity: str, points: Mapping[str, ArrayLike], *, t
     >>> import skfem_contact.plot as plot
     >>> figure = plot.history(culvert().result, "uy", {"crown": (0., .9), "surface": (.9, 3.5)})
     """
-    basis, field = basis_of(result[-1]), look_up(quantity, quantities(result[-1]), "field")
+    basis, field = basis_of(result[-1]), look_up(quantity, quantities(result[-1], water), "field")
     coordinates = basis.doflocs[:, ::basis.mesh.dim()].T
     nodes = np.vstack([nodes_of(form.basis) for stage in result for form in solids(stage).values()])
-    later = quantity == "pore" and has_excess(result[-1])  # there is no excess pressure before the first water
+    later = quantity == "pore" and water is None and has_excess(result[-1])  # none before the first water
     values = np.array([np.zeros(basis.N // basis.mesh.dim()) if later and not has_excess(stage)
-                       else nodal_field(stage, quantity) for stage in result])
+                       else nodal_field(stage, quantity, water=water) for stage in result])
     times = [stage.time for stage in result] if time else list(range(len(result)))
     figure, ax = plt.subplots(figsize=(8.0, 4.2), layout="constrained")
     for style, (label, point) in zip(styles(len(points)), points.items()):
