@@ -241,3 +241,20 @@ def test_rain_that_the_ground_does_not_take(rate, face, ponds):
     if not face:
         top = stage.forms["water"].pressure(stage.x)[basis.mesh.p[1] == 0.0]
         np.testing.assert_allclose(top, rate * 9.81 * 2.0, rtol=1e-3)  # a tenth of the allowed error in time
+
+
+def test_level_beside_suction():
+    """[X] The pressure at the start as `water=` is that of `water_load`; a level lacks its suction, which is told."""
+    basis, clay, _ = ground()
+    law = sc.water.VanGenuchten(alpha=0.5, n=2.0, content=(0.05, 0.4))
+    moist = sc.water.UnsaturatedPoreWater(basis, 1e-3, retention=law, start=-1.0, unit_weight=9.81)
+    fixed = [sc.box_supports(basis, base="rollers"), moist.dofs("bottom")]
+    model = sc.Model({"clay": clay, "water": moist}, fixed, water_unit_weight=9.81)
+    initial = model.forms["water"].initial
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        given = model.run([sc.Stage("rest", water=initial, duration=1e3)], progress=False)[-1]
+        load = model.run([sc.Stage("rest", sc.water_load(basis, initial), duration=1e3)], progress=False)[-1]
+    np.testing.assert_allclose(given.x, load.x, atol=1e-12)
+    with pytest.warns(sc.AnalysisWarning, match=f"none of the suction, up to {-initial.min():.3g}, with which 'water'"):
+        model.run([sc.Stage("rest", water=-1.0, duration=1e3)], progress=False)

@@ -106,7 +106,7 @@ def plan(setup: Setup, stages: Sequence[Stage], start: StageResult | None) -> li
         time = time + stage.duration if waits else stage.duration
         remarks = (*_idle(stage, same and prescribed is None, stage.fixed is None or np.array_equal(old, fixed), left),
                    *_of_forms(stage, there, fixed, held, time),
-                   *_of_pressures(setup, stage, there, load, prescribed, fixed),
+                   *_of_pressures(setup, stage, there, load, prescribed, fixed, water),
                    *_of_weights(setup, stage, {k: there[k] for k in before if k in there}, top, load - rest))
         top, left = load - rest, (changes or left) and stage.release < 1.0
         gone = _freed(_at_rest(setup, before, water, held) - rest, still) if left and stage.deactivate else nothing
@@ -225,10 +225,10 @@ def _of_forms(stage: Stage, there: Mapping[str, Form], fixed: ndarray, held: nda
 
 
 def _of_pressures(setup: Setup, stage: Stage, there: Mapping[str, Form], load: ndarray, prescribed: ndarray | None,
-                  fixed: ndarray) -> Iterator[Remark]:
+                  fixed: ndarray, water: Any) -> Iterator[Remark]:
     """Refuse a load on pressures, which would be water per increment; report prescribed ones that are not held.
 
-    Report ground that drains at once because its water was not activated.
+    Report ground that drains at once because its water was not activated, and levels where there is suction.
     """
     layout = setup.layout
     waters = {name: form for name, form in setup.forms.items() if any(f.kind == "pressure" for f in form.fields)}
@@ -239,6 +239,10 @@ def _of_pressures(setup: Setup, stage: Stage, there: Mapping[str, Form], load: n
     if stage.duration and dry and not set(waters) & set(there):
         yield Remark("dry", len(dry), f"{dry} is not active in a stage with a duration: the ground drains at once; "
                      "name it in `activate`")
+    for name in set(waters) & set(there) if isinstance(water, float | int) and water is not False else ():
+        if (suction := -np.min(getattr(there[name], "initial", 0.0))) > 0.0:
+            yield Remark("suction", suction, f"a level has none of the suction, up to {suction:.3g}, with which "
+                         f"'{name}' begins: give water=model.forms['{name}'].initial")
     loose = np.setdiff1d(np.flatnonzero(0.0 * load if prescribed is None else prescribed), fixed)
     for one, part in zip(layout.fields, layout.parts, strict=True):
         if one.kind == "pressure" and (n := int(np.count_nonzero(load[part]))):
