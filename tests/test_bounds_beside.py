@@ -286,3 +286,11 @@ def test_smooth_motions_add_nothing_to_a_limit_load(recwarn) -> None:
     found = model.limit_load(model.traction("inside", lambda x: x / np.hypot(*x)), tolerance=1e-3, progress=False)
     assert found.multiplier == pytest.approx(2 * np.log(2), rel=2e-3)
     assert found.added < 0.03 and not recwarn.list
+
+
+def test_rigid_parts_are_named() -> None:
+    """[X] Prandtl: a strip on clay, both of one form; what is rigid is the strip."""
+    model, _ = strip_footing(sc.Tresca(E=1e4, nu=0.3, c=1.0), 1)
+    found = model.bounds(tractions={"top": (0.0, -1.0)}, live="top", gap=0.1, progress=False)
+    assert found.lower < 2 + np.pi < found.upper
+    assert found.remarks == ("elastic bodies have no limit and count as rigid: strip",)

@@ -119,7 +119,7 @@ def _pressure(water: Pressure | None, basis: CellBasis) -> Field | None:
         return None
     mesh = basis.mesh
     if not callable(water) and np.shape(water) != (mesh.nvertices,):
-        raise ValueError(f"the water has shape {np.shape(water)}; the mesh has {mesh.nvertices} nodes")
+        raise ValueError(f"water is a pressure, hydrostatic(level) or values at {mesh.nvertices} nodes, not {water!r}")
     inside = water if callable(water) else Basis(mesh, linear_element(mesh)).interpolator(np.asarray(water, float))
 
     def field(x: ndarray) -> ndarray:

@@ -271,7 +271,8 @@ def _remarks(solids: Mapping[str, SolidForm], shape: Geometry, given: Loads, soi
              ) -> tuple[str, ...]:
     """Return the simplifications."""
     remarks = []
-    elastic = [name for name, form in solids.items() if soil.rigid[form.elements].any()]
+    elastic = [name if len(form.regions) == 1 else region.name for name, form in solids.items()
+               for region in form.regions if soil.rigid[form.elements[region.elements]].any()]
     if elastic:
         remarks.append(f"elastic bodies have no limit and count as rigid: {', '.join(elastic)}")
     if cohesionless:
