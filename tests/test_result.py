@@ -158,6 +158,28 @@ def test_load_for_other_forms(example, tmp_path):
         sc.load_result(file, swapped)
 
 
+def test_other_materials_than_in_the_file_are_told(tmp_path, recwarn):
+    """[X] A stage changes the ground: stages are named that the given forms do not fit."""
+    basis, forms, fixed, (half, _) = blocks()
+    ground = forms["blocks"]
+    weaker = ground.with_materials({"lower": sc.MohrCoulomb(E=1e4, nu=0.3, c=3.0, phi=18.0)})
+    smooth = sc.ContactPair(basis, "upper:bottom", "lower:top", sc.Coulomb(0.3), "nodal", penalty=1e6)
+    stages = [half, sc.Stage("weaker", half.load, change={"blocks": weaker})]
+    result = sc.Model(forms, fixed).run(stages, progress=False)
+    result.save(tmp_path / "run.npz")
+    for given, told in (
+        (forms, {"weaker": "'blocks'"}),
+        ({**forms, "blocks": weaker}, {"half": "'blocks'"}),
+        ({**forms, "joint": smooth}, {"half": "'joint'", "weaker": "'blocks', 'joint'"}),
+    ):
+        recwarn.clear()
+        sc.load_result(tmp_path / "run.npz", given)
+        texts = [f"stage '{name}' was computed with other materials or laws of {names} than"
+                 for name, names in told.items()]  # fmt: skip
+        assert [str(warning.message).startswith(text) for warning, text in zip(recwarn, texts, strict=True)] == [
+            True] * len(texts)  # fmt: skip
+
+
 def test_partial_result_can_be_saved(tmp_path):
     """[X] What NotConverged carries is a result like any other."""
     _, forms, fixed, stages = blocks()

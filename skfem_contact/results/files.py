@@ -7,7 +7,7 @@ import os
 import shutil
 import struct
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, is_dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any, BinaryIO, TypeVar
@@ -20,6 +20,7 @@ from typing_extensions import Self
 
 from ..contact.laws import Status
 from ..contact.penalty import choose_penalties
+from ..errors import warn
 from ..forms.base import Form
 from ..forms.staged import arrays_of, with_arrays
 from ..layout import Layout
@@ -194,7 +195,8 @@ def _described(stage: StageData, key: str, arrays: dict[str, ndarray]) -> dict[s
         arrays |= {f"{key}/{name}/{part}": np.asarray(values) for part, values in arrays_of(state).items()}
     return {"name": stage.name, "iterations": stage.iterations, "residual": stage.residual, "fraction": stage.fraction,
             "time": stage.time, "summary": dict(stage.summary), "forms": list(stage.states),
-            "meshes": {name: _fingerprint(form) for name, form in stage.forms.items()}, "water": _in_words(stage.water),
+            "meshes": {name: _fingerprint(form) for name, form in stage.forms.items()},
+            "settings": {name: _settings(form) for name, form in stage.forms.items()}, "water": _in_words(stage.water),
             "water unit weight": stage.water_unit_weight,
             "placed": list(stage.placed), "remarks": stage.remarks, "seconds": stage.seconds,
             "next_step": stage.next_step, "time before": stage.before[2] if stage.before else 0.0,
@@ -233,6 +235,10 @@ def _stage(arrays: Mapping[str, ndarray], key: str, head: Mapping[str, Any], giv
             raise ValueError(f"'{name}' is another form there: its mesh, its element or its settings differ")
         if form.materials or form.law is not None:
             _check_numbers(f"'{name}'", {k: a for k, a in arrays_of(states[name]).items() if k not in _FREE})
+    if (others := [name for name, form in forms.items()
+                   if not _alike(head.get("settings", {}).get(name), _settings(form))]) and "." not in key:
+        warn(f"stage '{head['name']}' was computed with other materials or laws of {', '.join(map(repr, others))} than "
+             "those given, with which mobilised strength is computed and runs continue: files hold states alone")
     vectors = {part: arrays[f"{key}/{part}"] for part in ("x", "load", "unreleased", "x before", "load before")
                if f"{key}/{part}" in arrays}
     before = tuple(vectors[part] for part in ("x before", "load before") if part in vectors)
@@ -287,6 +293,29 @@ def _fingerprint(form: Form) -> list[float]:
         return found
     centres = coordinates[:, form.basis.element_dofs].mean(axis=1)
     return found + _means(centres, np.sqrt(1.0 + np.arange(centres.shape[1])))  # none alike: regions may swap
+
+
+def _settings(form: Form) -> list[float]:
+    """Return numbers that identify the materials of a solid, or the law of a contact pair."""
+    laws = list(form.materials.values()) if form.materials else [form.law]
+    return [number for law in laws for number in _parameters(law)]
+
+
+def _parameters(law: Any) -> list[float]:
+    """Return the parameters of a law in the order of its fields, behind a number of its kind; functions have none."""
+    found = [float(crc32(type(law).__name__.encode()))]
+    for name in (part.name for part in fields(law)) if is_dataclass(law) else ():
+        value = getattr(law, name)
+        if is_dataclass(value):
+            found += _parameters(value)
+        elif isinstance(value, (int, float, ndarray)):
+            found += _means(np.ravel(value)[None].astype(float), np.sqrt(1.0 + np.arange(np.size(value))))
+    return found
+
+
+def _alike(saved: list[float] | None, now: list[float]) -> bool:
+    """Return True if numbers are the same, or older files have none."""
+    return saved is None or (len(saved) == len(now) and np.allclose(saved, now, rtol=1e-9, atol=0.0, equal_nan=True))
 
 
 def _means(coordinates: ndarray, weights: ndarray) -> list[float]:
