@@ -258,3 +258,20 @@ def test_level_beside_suction():
     np.testing.assert_allclose(given.x, load.x, atol=1e-12)
     with pytest.warns(sc.AnalysisWarning, match=f"none of the suction, up to {-initial.min():.3g}, with which 'water'"):
         model.run([sc.Stage("rest", water=-1.0, duration=1e3)], progress=False)
+
+
+def test_wet_fill_on_undrained_clay():
+    """[X] The pressure of clay that stays Undrained is none of the water of a weightless fill that is placed on it."""
+    mesh = MeshTri.init_tensor(np.array([0.0, 0.2]), np.linspace(0, 2, 11)).with_defaults()
+    mesh = mesh.with_subdomains({"clay": lambda x: x[1] < 1, "fill": lambda x: x[1] > 1})
+    mesh = mesh.with_boundaries({"middle": lambda x: x[1] == 1}, boundaries_only=False)
+    basis, soil = Basis(mesh, ElementVector(ElementTriP2()), intorder=2), sc.LinearElastic(E=8e3, nu=0.0)
+    forms = {"clay": sc.SolidForm(basis.with_elements("clay"), sc.Undrained(soil, nu_undrained=0.499)),
+             "fill": sc.SolidForm(basis.with_elements("fill"), soil),
+             "water": sc.PoreWater(basis.with_elements("fill"), 1e-4, unit_weight=1.0)}  # fmt: skip
+    load = sc.traction(forms["clay"], "middle", (0.0, -50.0))
+    model = sc.Model(forms, [sc.box_supports(basis, base="rollers"), forms["water"].dofs("top")])
+    stages = [sc.Stage("load", load), sc.Stage("fill", load, activate=["fill", "water"], duration=0.1)]
+    stage = model.run(stages, progress=False)["fill"]
+    assert np.nanmax(abs(stage.forms["water"].pressure(stage.x))) < 1e-6  # round-off of 50
+    assert stage.pore_pressure("clay").max() == pytest.approx(50.0, rel=5e-3)

@@ -126,14 +126,18 @@ def has_excess(stage: StageData) -> bool:
     return any(m.undrained for m in grounds) or any(True for _ in _pressures(stage))
 
 
-def undrained_excess(stage: StageData, layout: Layout) -> ndarray:
-    """Return values of all dofs, (N,): for pressures the excess pressure of Undrained ground, zero for all others."""
+def undrained_excess(stage: StageData, layout: Layout, elements: ndarray) -> ndarray:
+    """Return values of all dofs, (N,): pressures of those elements that were Undrained, zero for all others."""
     values = np.zeros(layout.size)
-    if any(material.undrained for form in solids_of(stage.forms).values() for material in form.materials.values()):
-        nodal = np.nan_to_num(nodal_field(stage, "pore"))
+    undrained = [form.elements[region.elements] for form in solids_of(stage.forms).values() for region in form.regions
+                 if region.material.undrained]
+    if undrained and len(tight := np.intersect1d(np.concatenate(undrained), elements)):
+        nodal, mesh = nodal_field(stage, "pore"), basis_of(stage).mesh
+        vertices = np.unique(mesh.t[:, tight])
         for one, part in zip(layout.fields, layout.parts, strict=True):
             if one.kind == "pressure":
-                values[part] = nodal[:one.n]
+                at = vertices[vertices < one.n]  # those of a mesh of second order have no pressures in the middle
+                values[part.start + at] = nodal[at]
     return values
 
 

@@ -288,7 +288,8 @@ def begin(layout: Layout, phase: Phase, last: StageResult) -> tuple[ndarray, dic
     known = dofs_of(phase.before, layout)
     x = last.x.copy()
     still = np.setdiff1d(np.intersect1d(layout.still, dofs_of(new, layout)), known)
-    x[still] = undrained_excess(last, layout)[still]
+    waters = [form.elements for form in new.values() if any(field.kind == "pressure" for field in form.fields)]
+    x[still] = undrained_excess(last, layout, np.concatenate([still[:0], *waters]))[still]
     x = placed(layout, x, new, known, phase.fixed)
     states = {name: form.initial_state(x[:form.size]) if name in new
               else _inherited(form, phase.before[name], last, name) for name, form in phase.forms.items()}
