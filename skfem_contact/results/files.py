@@ -301,11 +301,11 @@ def _settings(form: Form) -> list[float]:
     return [number for law in laws for number in _parameters(law)]
 
 
-def _parameters(law: Any) -> list[float]:
-    """Return the parameters of a law in the order of its fields, behind a number of its kind; functions have none."""
-    found = [float(crc32(type(law).__name__.encode()))]
-    for name in (part.name for part in fields(law)) if is_dataclass(law) else ():
-        value = getattr(law, name)
+def _parameters(thing: Any) -> list[float]:
+    """Return the parameters of a material or law in the order of its fields, behind a number of its kind; functions have none."""
+    found = [float(crc32(type(thing).__name__.encode()))]
+    for name in (part.name for part in fields(thing)) if is_dataclass(thing) else ():
+        value = getattr(thing, name)
         if is_dataclass(value):
             found += _parameters(value)
         elif isinstance(value, (int, float, ndarray)):
