@@ -302,7 +302,7 @@ def _settings(form: Form) -> list[float]:
 
 
 def _parameters(thing: Any) -> list[float]:
-    """Return the parameters of a material or law in the order of its fields, behind a number of its kind; functions have none."""
+    """Return the parameters of a material or law by its fields, behind a number of its kind; functions have none."""
     found = [float(crc32(type(thing).__name__.encode()))]
     for name in (part.name for part in fields(thing)) if is_dataclass(thing) else ():
         value = getattr(thing, name)
