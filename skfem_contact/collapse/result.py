@@ -204,8 +204,8 @@ class CollapseResult:
         Largest shear strain of the mechanism by solid, in the plane for plane ones, (n_elements, n_points).
     added
         Estimated share of the value that the size of the elements adds: of a factor of safety right to a third, as
-        measured on slopes; of a limit load right to about a half under rigid footings and in cuts, and too large under
-        even loads.
+        measured on slopes; of a limit load right to about a factor of two, and too large where elements shrink
+        towards the edges of its loads.
     path
         Factor or multiplier and displacements of every equilibrium.
     dilates_less
