@@ -38,9 +38,9 @@ _FAR = 0.1
 #: of second order and of corners alone. On six slopes with 48 to 768 triangles and 24 to 384 quadrilaterals 12 to 2 %
 #: and 59 to 17 % were added, in space 12 to 3 and 60 to 23 %: within a third of this.
 _ADDED = {False: (1.5, 1.3), True: (3.0, 1.0)}
-#: The same share of the strength in limit loads, over h / L, the mean difference of shear strains from the mean of an
-#: element and the largest jump: 3.3 to 10 under rigid strips with phi of 0 and 20 degrees, 1 to 7 under even loads, 4 in
-#: a vertical cut, of 140 to 3,000 triangles. Elements that shrink towards an edge add a fifth of it.
+#: That share of the strength in limit loads, over h / L, the mean difference of shear strains from the mean of an
+#: element and the largest jump: 3.3 to 10 under rigid strips with phi of 0 and 20 degrees, 1 to 7 under even loads,
+#: 4 in a vertical cut, of 140 to 3,000 triangles. Elements that shrink towards an edge add a fifth of it.
 _ADDED_TO_LOAD = 3.5
 #: Least jump across one element, of a mechanism whose largest displacement is 1, that makes a slip surface.
 _JUMP = 0.05
