@@ -25,7 +25,7 @@ def test_fgmres(restart, monkeypatch, rng) -> None:
     A, b = unsymmetric(), rng.standard_normal(60)
     jacobi = 1.0 / A.diagonal()
     for tolerance in (1e-2, 1e-10):
-        x, count = krylov.fgmres(A, b, lambda r: jacobi * r, tolerance, 2000)
+        x, count = krylov.Fgmres()(A, b, lambda r: jacobi * r, tolerance, 2000)
         assert np.linalg.norm(b - A @ x) <= 1.01 * tolerance * np.linalg.norm(b)
         assert count <= (60 if restart == 100 else 2000)
 
@@ -33,14 +33,36 @@ def test_fgmres(restart, monkeypatch, rng) -> None:
 def test_fgmres_ends_where_nothing_is_left(rng) -> None:
     """[X] One iteration with the exact inverse, one for each different eigenvalue; none without a right-hand side."""
     b = rng.standard_normal(30)
-    assert krylov.fgmres(eye(30, format="csr"), b, np.copy, 1e-12, 9)[1] == 1
+    assert krylov.Fgmres()(eye(30, format="csr"), b, np.copy, 1e-12, 9)[1] == 1
     A = diags(np.repeat([1.0, 2.0, -5.0], 10)).tocsr()
-    x, count = krylov.fgmres(A, b, np.copy, 1e-12, 9)
+    x, count = krylov.Fgmres()(A, b, np.copy, 1e-12, 9)
     assert count == 3
     np.testing.assert_allclose(A @ x, b, rtol=1e-12)
-    assert krylov.fgmres(A, np.zeros(30), np.copy, 1e-12, 9)[1] == 0
-    x, count = krylov.fgmres(csr_matrix((30, 30)), b, np.copy, 1e-12, 9)  # nothing resists
+    assert krylov.Fgmres()(A, np.zeros(30), np.copy, 1e-12, 9)[1] == 0
+    x, count = krylov.Fgmres()(csr_matrix((30, 30)), b, np.copy, 1e-12, 9)  # nothing resists
     assert not x.any()
+
+
+def test_directions_that_were_slow_are_kept(rng) -> None:
+    """[X] A second matrix with the same soft directions takes as many iterations as one without them, not twice."""
+    n, soft = 400, 15
+    turn = np.linalg.qr(rng.standard_normal((n, n)))[0]
+    values = np.concatenate((np.geomspace(1e-4, 1e-2, soft), np.linspace(1.0, 4.0, n - soft)))
+    stiff, kept, iterations = turn * values @ turn.T, krylov.Fgmres(), []
+    for unsymmetric in (0.0, 1e-5):
+        A, b = csr_matrix(stiff + unsymmetric * rng.standard_normal((n, n)) / np.sqrt(n)), rng.standard_normal(n)
+        for method in (kept, krylov.Fgmres()):
+            x, count = method(A, b, np.copy, 1e-6, 200)
+            assert np.linalg.norm(b - A @ x) <= 1.01e-6 * np.linalg.norm(b)
+            iterations.append(count)
+    hard = csr_matrix(turn[:, soft:] * values[soft:] @ turn[:, soft:].T)
+    without = krylov.Fgmres()(hard, hard @ rng.standard_normal(n), np.copy, 1e-6, 200)[1]
+    print(iterations, without)
+    assert iterations[0] == iterations[1]
+    assert iterations[2] <= without + 1 < 0.6 * iterations[3]
+    x, count = kept(csr_matrix((n, n)), b, np.copy, 1e-8, 9)  # nothing resists, the directions least of all
+    assert not x.any()
+    assert kept(eye(3, format="csr"), np.ones(3), np.copy, 1e-8, 9)[1] == 1
 
 
 @needs_pyamg
