@@ -322,11 +322,12 @@ def test_rough_solutions_end(monkeypatch, rng):
         left.append(np.linalg.norm((b - K @ x)[free]) / np.linalg.norm(b[free]))
     assert taken[:5] == [1, 2, 2, 1, 1] and taken[5] > 4  # the fourth one is close
     assert left[0] > 0.1 > left[1] > 1e-3 and left[5] < 1e-4
+    limited = multigrid.AmgSolver(basis.doflocs, free, most=2)
+    for _ in range(2):  # the second one may take the largest number of iterations
+        limited.factor(K)(b, 1e-3)
     monkeypatch.setattr(multigrid, "_ENOUGH", 1e-3)
-    solver = multigrid.AmgSolver(basis.doflocs, free, most=2)
-    solver.factor(K)(b, 1e-3)
-    with pytest.raises(NotConverged, match="after 2 iterations"):  # the largest number
-        solver.factor(K)(b, 1e-3)
+    with pytest.raises(NotConverged, match="after 2 iterations"):
+        limited.factor(K)(b, 1e-3)
 
 
 @needs_pyamg

@@ -42,8 +42,8 @@ FEWEST = 20
 _ROUGH, _ENOUGH = 1e-3, 0.1
 #: Residual from which on a solution is far from equilibrium, and iterations after which it ends with any residual.
 #: Mechanisms are about to form there, along which directions that are more accurate lead away.  After one that leaves
-#: more than a tenth the next may take twice as many.  The second stage of a footing with 285,660 dofs takes 16
-#: iterations of Newton's method; with 100 for each solution its residual stays between .002 and .02 for the first 18.
+#: more than a tenth the next may take twice as many.  A footing of 98,301 dofs takes 57 iterations of Newton's method
+#: and 517 of the linear solver; with 100 for each solution it takes 59 and 587.
 _FAR, _EARLY = 0.02, 25
 
 
