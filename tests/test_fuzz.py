@@ -21,7 +21,7 @@ def test_random_scenes(part: int) -> None:
 @pytest.mark.parametrize("seed", [52000507, 81000083])
 @pytest.mark.filterwarnings("ignore::skfem_contact.AnalysisWarning")
 def test_scenes_that_failed(seed: int) -> None:
-    """Bars whose limit load rises by 1.3 % over 340 lengths of a step, and bars as soft as the springs of a collapse."""
+    """Bars whose limit load rises by 1.3 % over 340 lengths of a step; bars as soft as the springs of a collapse."""
     assert not details([trial(seed)])
 
 
