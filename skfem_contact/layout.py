@@ -4,7 +4,7 @@ The displacements of a node follow each other, component by component.
 """
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
@@ -205,17 +205,21 @@ class Layout:
     @property
     def still(self) -> ndarray:
         """Dofs that are no motions, such as pressures and multipliers."""
-        return np.flatnonzero(np.repeat([not f.moves for f in self.fields], [f.n for f in self.fields]))
+        return self._of([not f.moves for f in self.fields])
 
     @property
     def pressures(self) -> ndarray:
         """Dofs that are pressures of water."""
-        return np.flatnonzero(np.repeat([f.kind == "pressure" for f in self.fields], [f.n for f in self.fields]))
+        return self._of([f.kind == "pressure" for f in self.fields])
 
     @property
     def displacements(self) -> ndarray:
         """Dofs that are lengths of motions: neither rotations nor pressures nor multipliers."""
-        return np.flatnonzero(np.repeat([f.kind == "displacement" for f in self.fields], [f.n for f in self.fields]))
+        return self._of([f.kind == "displacement" for f in self.fields])
+
+    def _of(self, chosen: Sequence[bool]) -> ndarray:
+        """Return the dofs of chosen fields."""
+        return np.flatnonzero(np.repeat(chosen, [f.n for f in self.fields]))
 
     def describe(self, dof: int) -> str:
         """Return the coordinates of a dof, and its field unless it is a displacement, for a message."""

@@ -167,17 +167,17 @@ def test_water_that_is_not_activated():
         assert told == (duration > 0.0 and not active)
 
 
-@pytest.mark.parametrize(("place", "told"), [("inner", True), ("top", False), ("slit", False)])
-def test_water_passes_through_a_bonded_beam(place, told):
+@pytest.mark.parametrize(("line", "told"), [("inner", True), ("top", False), ("slit", False)])
+def test_water_passes_through_a_bonded_beam(line, told):
     """A wall that shares nodes with porous ground on both sides is no boundary of its water, one in a slit is."""
     mesh = MeshTri.init_tensor(np.linspace(0, 4, 5), np.linspace(-4, 0, 5)).with_defaults().with_boundaries(
         {"inner": lambda x: (x[0] == 2) & (x[1] > -2)}, boundaries_only=False)  # fmt: skip
-    mesh = sc.split_along(mesh, "inner") if place == "slit" else mesh
+    mesh = sc.split_along(mesh, "inner") if line == "slit" else mesh
     basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
-    wall = sc.Beam(basis, "inner|left" if place == "slit" else place, EI=1e3, EA=1e6, bonded=place != "slit")
+    wall = sc.Beam(basis, "inner|left" if line == "slit" else line, EI=1e3, EA=1e6, bonded=line != "slit")
     water = sc.PoreWater(basis, 1e-3, unit_weight=9.81)
     forms = {"clay": sc.SolidForm(basis, sc.LinearElastic(E=8e3, nu=0.3)), "wall": wall, "water": water}
-    if place == "slit":
+    if line == "slit":
         forms |= wall.contact(basis, sc.Coulomb(mu=0.3))
     model = sc.Model(forms, [sc.box_supports(basis), water.dofs("right")])
     with warnings.catch_warnings(record=True) as caught:

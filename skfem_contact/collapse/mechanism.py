@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 from numpy import ndarray
 from scipy.sparse import csr_matrix, diags
-from skfem import CellBasis
 
 from ..errors import NoEquilibrium, NotConverged, warn
 from ..forms.assembly import has_corners_only
@@ -145,16 +144,13 @@ def added_by_mesh(forms: Mapping[str, Form], bands: Mapping[str, ndarray], state
     corners = any(has_corners_only(basis) for basis, _ in solids)
     gain = 1.0 if power is None else _gain_by_strength(forms, bands, states, power)
     if power is not None and not corners:
-        uneven = sum((basis.dx * np.abs(band - _mean(basis, band)[:, None])).sum() for basis, band in solids)
+        means = np.split(slip / volume, np.cumsum([len(band) for _, band in solids])[:-1])
+        uneven = sum((basis.dx * np.abs(band - mean[:, None])).sum()
+                     for (basis, band), mean in zip(solids, means, strict=True))
         return float(gain * _ADDED_TO_LOAD * jump * (share @ size / length) * uneven / slip.sum())
     everywhere = 1.0 / float((share**2 / volume).sum() * volume.sum())  # 1 where all elements deform by as much
     factor, exponent = _ADDED[corners]
     return float(gain * factor * (share @ size / length) ** exponent * (1.0 - everywhere))
-
-
-def _mean(basis: CellBasis, band: ndarray) -> ndarray:
-    """Return the means of the elements of values at their points."""
-    return np.asarray((basis.dx * band).sum(axis=1) / basis.dx.sum(axis=1))
 
 
 def _gain_by_strength(forms: Mapping[str, Form], bands: Mapping[str, ndarray], states: Mapping[str, Any], power: float

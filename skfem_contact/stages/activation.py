@@ -128,8 +128,9 @@ def timeless(setup: Setup, stages: Sequence[Stage], last: Phase) -> Iterator[Rem
 
 def _opened(setup: Setup, stage: Stage, fixed: ndarray, before: ndarray | None) -> ndarray:
     """Return pressures that a stage holds beside those before, unless it prescribes them; files know none before."""
-    before = setup.fixed if before is None else before
-    return np.intersect1d(setup.layout.pressures, np.setdiff1d(fixed, before)[:None if stage.prescribed is None else 0])
+    if stage.prescribed is not None:
+        return np.zeros(0, int)
+    return np.intersect1d(setup.layout.pressures, np.setdiff1d(fixed, setup.fixed if before is None else before))
 
 
 def _loads(setup: Setup, stage: Stage, rest: ndarray, held: ndarray, absent: list[str]
