@@ -13,6 +13,7 @@ from helpers import grid, vector_basis
 
 import skfem_contact as sc
 from skfem_contact.contact.interface import Interface
+from skfem_contact.contact.multipliers import nodal_forces
 from skfem_contact.nonlinear.system import System
 
 sys.path.append(str(Path(__file__).parents[1] / "examples" / "4_benchmarks"))
@@ -310,6 +311,22 @@ def test_files_and_reset(tmp_path) -> None:
     reset = half.reset()[-1]
     np.testing.assert_array_equal(reset.states["contact"].multiplier, half[-1].states["contact"].multiplier)
     assert not reset.x[:problem.basis.N].any() and reset.x[problem.basis.N:].any()
+
+
+@pytest.mark.parametrize("mu", [0.0, MU])
+def test_reported_forces_balance_the_bodies(mu: float) -> None:
+    """[X] Resultants in space, with friction, are the internal forces of the slave's body, to Newton's tolerance."""
+    problem = paraboloid(3)
+    pair = sc.ContactPair(problem.basis, SLAVE, MASTER, sc.Coulomb(mu), 2, enforcement=DUAL)
+    model = sc.Model({"bodies": problem.solid, "joint": pair}, problem.fixed, newton=sc.Newton(tolerance=1e-10))
+    stage = model.run([sc.Stage("press", prescribed=problem.pressed, increments=2)], progress=False)[-1]
+    joint, n = stage.forms["joint"], problem.basis.N
+    inner = problem.solid.assemble(stage.x[:n], stage.states["bodies"]).force[joint.slave.dofs]
+    normal, friction = (-force[joint.slave.dofs] for force in nodal_forces(joint, stage.x, stage.states["joint"]))
+    free = ~np.isin(joint.slave.dofs, problem.fixed)
+    np.testing.assert_allclose((normal + friction)[free], inner[free], atol=1e-9 * inner.max())  # hats: 3e-3
+    np.testing.assert_allclose(stage.report("joint").normal, normal.sum(axis=0), rtol=1e-12)
+    np.testing.assert_allclose(stage.report("joint").tangential, friction.sum(axis=0), rtol=1e-12)
 
 
 # -- what it does not do --------------------------------------------------------------------------------------

@@ -195,6 +195,18 @@ def mean_gaps(pair: Any, state: ContactState, found: ndarray, gap: ndarray) -> n
     return np.where(some, opened / np.where(some, area, 1.0), np.inf)
 
 
+def nodal_forces(pair: Any, x: ndarray, state: ContactState) -> list[ndarray]:
+    """Return the internal forces of pressure and of friction in a state, shape (N,) each, by the dual functions."""
+    found = pair.interface.closest(x, state.cuts, state.facet)
+    at = np.flatnonzero(found.found)
+    facing, weights, *_ = integrals(pair, state, at, found.gap)
+    kinematics = pair.interface.variations(x, state, found, at)
+    acting = np.einsum("nk,ink->ni", weights, state.multiplier[:, facing.nodes])
+    work = kinematics.expanded(kinematics.work)
+    return [pair.gathering.force(kinematics.dofs, np.einsum("ni,nim->nm", acting[:, part], work[:, part]))
+            for part in (slice(1), slice(1, None))]
+
+
 def idle(pair: Any, fixed: ndarray) -> ndarray:
     """Return the tangential multipliers at nodes that supports hold along the surface, with the master beside them.
 

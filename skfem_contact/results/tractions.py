@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from ..contact import ContactPair, ContactState
 from ..contact.laws import Status
+from ..contact.multipliers import nodal_forces
 from ..forms.base import pairs_of
 from ..surfaces.material_points import along_chain
 from ..surfaces.vectors import frame
@@ -218,6 +219,10 @@ def contact_report(pair: ContactPair, x: ndarray, state: ContactState) -> Contac
 
 def _resultants(pair: ContactPair, x: ndarray, state: ContactState) -> list[ndarray]:
     """Return the sums of the nodal forces on the slave from pressure and from friction."""
-    forces, normal = pair.tractions_at(x, state).forces, np.zeros_like(state.traction)
-    normal[0] = state.traction[0]
-    return [-(forces @ part.ravel())[pair.slave.dofs].sum(axis=0) + 0.0 for part in (normal, state.traction - normal)]
+    if pair.dual:
+        forces = nodal_forces(pair, x, state)
+    else:
+        operator, normal = pair.tractions_at(x, state).forces, np.zeros_like(state.traction)
+        normal[0] = state.traction[0]
+        forces = [operator @ part.ravel() for part in (normal, state.traction - normal)]
+    return [0.0 - force[pair.slave.dofs].sum(axis=0) for force in forces]

@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 from numpy import ndarray
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
 
 from ..checks import format_point
 from ..errors import warn
@@ -113,9 +115,12 @@ def sides_of(gmsh: Any, face: int) -> list[int]:
 def _check_together(gmsh: Any, plan: Plan, sides: Mapping[int, list[int]], faces: Mapping[int, tuple[str, str]]
                     ) -> None:
     """Refuse faces of the ground, by their curves, that nearly hang together, and warn of those farther apart."""
-    left = set(sides) - (part := set(list(sides)[:1]))
-    while more := {face for face in left if {*sides[face]} & {curve for one in part for curve in sides[one]}}:
-        part, left = part | more, left - more
+    if len(sides) < 2:
+        return
+    face, curve = np.array([(k, curve) for k, around in enumerate(sides.values()) for curve in around], int).T
+    shared = coo_matrix((np.ones(len(face)), (face, curve)))
+    label = connected_components(shared @ shared.T, directed=False)[1]
+    part, left = ([name for name, own in zip(sides, label) if (own == 0) == first] for first in (True, False))
     if not left:
         return
     (away, x, y, *_), one, other = min((gmsh.model.occ.getDistance(2, a, 2, b), a, b) for a in part for b in left)
