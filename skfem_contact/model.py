@@ -245,8 +245,8 @@ class Model(Setup):
             The search ends above this factor.
         certify
             Prove bounds as well, :attr:`CollapseResult.proven`. ``"auto"``: on the mesh of a plane search if that takes
-            no more than about its time. True, or arguments of :meth:`bounds` such as ``{"gap": .02, "water": u}``: on
-            meshes of their own. The load must be a sum of weights and linear tractions on boundaries.
+            no more than about its time. True, or arguments of :meth:`bounds` such as ``{"gap": .02}``: on meshes of
+            their own. The load must be a sum of weights and linear tractions on boundaries; water at rest is known.
         undrained
             Let no water flow in ground with :class:`PoreWater`: a collapse just after a quick change. By default its
             pressures stay: a collapse as slow as the drainage.

@@ -123,6 +123,38 @@ def test_the_same_bounds_as_by_name() -> None:
     assert f"bounds: factor of safety in [{named.lower:.5g}" in str(found)
 
 
+def test_water_of_the_search() -> None:
+    """[X] A water table with a kink, in the pores and on all boundaries: the bounds that `bounds` has with it."""
+    forms, fixed, basis = column()
+    model = sc.Model(forms, fixed, water_unit_weight=10.0)
+    level, load, given = [(0.0, 1.2), (0.5, 1.2), (1.0, 0.4)], sc.weight(basis, 20.0), {"elements": 100, "gap": 0.2}
+    table = sc.hydrostatic(level, unit_weight=10.0)
+    named = model.bounds(weight=20.0, water=table, submerged=("top", "right"), progress=False, **given)
+    found = model.strength_reduction(load, water=level, certify=given, progress=False).proven
+    assert (found.lower, found.upper) == pytest.approx((named.lower, named.upper), rel=1e-6)
+    wet = model.run([sc.Stage("wet", load, water=level)], progress=False)
+    assert model.strength_reduction(start=wet, progress=False).proven.upper > 0.98 * named.lower  # on its own mesh
+    strip = {"top": (0.0, -1.0)}
+    limit = model.limit_load(model.traction("top", strip["top"]), start=wet, certify=given, progress=False).proven
+    named = model.bounds(weight=20.0, water=table, submerged=("top", "right"), tractions=strip, live="top",
+                         progress=False, **given)  # fmt: skip
+    assert (limit.lower, limit.upper) == pytest.approx((named.lower, named.upper), rel=1e-6)
+
+
+def test_water_of_a_search_without_bounds() -> None:
+    """Water by region, beside pores that are missing, or given twice: one error before the search."""
+    forms, fixed, basis = column()
+    dry = {"soil": sc.SolidForm(basis, SOIL, porous=False)}
+    for solids, water, certify, told in (
+        (forms, {"low": 0.4}, True, "one pressure, but it is by region"),
+        (dry, 0.4, True, "pores in all that yields, but 'soil' has none"),
+        (forms, 0.4, {"water": sc.hydrostatic(0.4, unit_weight=10.0)}, "the search has its own water"),
+    ):
+        model = sc.Model(solids, fixed, water_unit_weight=10.0)
+        with pytest.raises(ValueError, match=told):
+            model.strength_reduction(sc.weight(basis, 20.0), water=water, certify=certify, progress=False)
+
+
 def test_the_same_bounds_with_contact() -> None:
     """[X] A search holds contact in its first geometry; its bounds are those of the pair as given."""
     mesh = sc.join_bodies(square(ElementTriP2()).mesh, bodies={"lower": "low", "upper": "high"})

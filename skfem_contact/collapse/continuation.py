@@ -11,8 +11,9 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -101,6 +102,8 @@ class SearchStart:
         Weights and load on top, (N,); without a load of its own, that of the start.
     kept
         What the end of the search has of the start.
+    at_rest
+        Function that returns the pressure of the water at rest and its load, (N,), or None.
     """
 
     forms: dict[str, Form]
@@ -109,6 +112,7 @@ class SearchStart:
     weight: ndarray
     load: ndarray
     kept: Mapping[str, Any]
+    at_rest: Callable[[], tuple[Any, ndarray] | None]
 
     def ended(self, result: CollapseResult, water: Any = None) -> CollapseResult:
         """Return a result from whose end stages continue as from the start: with its water, supports and changes."""
@@ -157,7 +161,8 @@ def loaded_start(setup: Setup, load: Any, start: Result | StageResult | None, wa
         warn_of_fresh_pressures(system.with_forms(fixed_forms), x, states, weight + on_top)
     kept = {} if last is None else {name: getattr(last, name) for name in _KEPT}
     kept["water_unit_weight"] = setup.water_unit_weight
-    return SearchStart(dict(active), system.with_forms(fixed_forms), Point(x, states, 0.0), weight, on_top, kept)
+    return SearchStart(dict(active), system.with_forms(fixed_forms), Point(x, states, 0.0), weight, on_top, kept,
+                       partial(setup.at_rest, active, water))
 
 
 def remainder(points: list[Point] | tuple[Point, ...]) -> float:

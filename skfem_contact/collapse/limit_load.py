@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -63,7 +64,8 @@ def limit_load(setup: Setup, load: Any, start: Result | StageResult | None, tole
                                     for name, form in system.forms.items()})
     last = last_stage(start)
     dead = begun.weight if last is None else setup.vector(last.load, "the load of the start")
-    proven = beside(certify, begun.forms, system.fixed, dead, reference, flow=flow, progress=progress)
+    proven = beside(certify, begun.forms, system.fixed, dead, reference, flow=flow, progress=progress,
+                    at_rest=partial(setup.at_rest, begun.forms, None if last is None else last.water))
     branch = _Load(system, dead, reference)
     newton = setup.newton or Newton(tolerance=0.03 * tolerance, max_iterations=30)
     with progress_bar(progress, desc=LOAD, bar_format="{desc} {postfix} {elapsed}") as bar:

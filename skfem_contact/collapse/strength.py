@@ -121,7 +121,8 @@ def strength_reduction(setup: Setup, load: Any, start: Result | StageResult | No
     branch = _Strength(begun.system, whole, reduced_parts(begun.system.forms, reduce, exclude), flow)
     free = flow == "given" and not undrained and any(material.dilates_less for material in branch.materials)
     newton = setup.newton or Newton(tolerance=(_LOOSE if free else _BALANCE) * tolerance, max_iterations=30)
-    proven = beside(certify, begun.forms, begun.system.fixed, whole, None, reduce, exclude, flow, progress)
+    proven = beside(certify, begun.forms, begun.system.fixed, whole, None, reduce, exclude, flow, progress,
+                    begun.at_rest)
     search = partial(_search, origin=begun.origin, newton=newton, tolerance=tolerance, step=max(step, tolerance),
                      max_value=max_value)
     with progress_bar(progress, desc=FACTOR, bar_format="{desc} {postfix} {elapsed}") as bar:
@@ -130,7 +131,8 @@ def strength_reduction(setup: Setup, load: Any, start: Result | StageResult | No
     if certify == "auto" and not undrained:
         work = float(len(whole)) * (result.iterations + (result.davis.iterations if result.davis else 0))
         coarse = result.stop.shows_limit and not free and result.added * result.value > tolerance
-        proven = at_hand(begun.forms, begun.system.fixed, whole, reduce, exclude, flow, work, coarse)
+        proven = at_hand(begun.forms, begun.system.fixed, whole, reduce, exclude, flow, work, coarse,
+                         begun.at_rest)
     return result.beside(proven, tolerance)
 
 

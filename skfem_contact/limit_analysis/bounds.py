@@ -18,7 +18,7 @@ from ..forms.base import solids_of
 from ..loads import Pressure, by_element
 from ..solvers import single_threaded
 from .certify import dissipation
-from .model import Loads, Site, TractionLike, named_loads, vector_loads
+from .model import AtRest, Loads, Site, TractionLike, named_loads, vector_loads
 from .reading import read
 from .result import Bounds
 from .search import Bound, Search
@@ -132,10 +132,11 @@ def _own(forms: Mapping[str, Any]) -> ndarray | float:
 
 def beside(certify: bool | str | Mapping[str, Any], forms: Mapping[str, Any], fixed: ndarray, dead: ndarray,
            live: ndarray | None, reduce: str | Collection[str] | None = None, exclude: str | Collection[str] = (),
-           flow: str = "given", progress: bool | None = None) -> Bounds | None:
+           flow: str = "given", progress: bool | None = None, at_rest: AtRest | None = None) -> Bounds | None:
     """Compute the bounds of a search with `certify`: True, or a mapping of arguments of :func:`bounds`.
 
-    Load vectors, (N,), are fixed, and multiplied or None where the strength is reduced.
+    Load vectors, (N,), are fixed, and multiplied or None where the strength is reduced. Water at rest is that of the
+    search.
     """
     if certify is False or certify == "auto":
         return None
@@ -143,13 +144,13 @@ def beside(certify: bool | str | Mapping[str, Any], forms: Mapping[str, Any], fi
         raise ValueError(f"certify must be True, or arguments of bounds among {', '.join(_OPTIONS)}, not {certify!r}")
     given = dict(certify) if isinstance(certify, Mapping) else {}
     loads = partial(vector_loads, dead=dead, live=live, water=given.pop("water", None),
-                    submerged=names_of(given.pop("submerged", ())))
+                    submerged=names_of(given.pop("submerged", ())), at_rest=at_rest)
     return _bracket(forms, fixed, loads, live is not None, reduce=reduce, exclude=exclude, flow=flow,
                     progress=progress, **given)
 
 
 def at_hand(forms: Mapping[str, Any], fixed: ndarray, dead: ndarray, reduce: str | Collection[str] | None,
-            exclude: str | Collection[str], flow: str, work: float, coarse: bool) -> Bounds | None:
+            exclude: str | Collection[str], flow: str, work: float, coarse: bool, at_rest: AtRest) -> Bounds | None:
     """Compute the bounds of a factor of safety on the mesh of its search, with its `work`: dofs times iterations.
 
     Returns None where there are no bounds, no upper one is proven, or they cost more than about the search, unless the
@@ -162,8 +163,9 @@ def at_hand(forms: Mapping[str, Any], fixed: ndarray, dead: ndarray, reduce: str
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", AnalysisWarning)  # open ends were not asked for
-            found = _bracket(forms, fixed, partial(vector_loads, dead=dead, live=None), False, reduce=reduce,
-                             exclude=exclude, flow=flow, progress=False, elements=1)
+            loads = partial(vector_loads, dead=dead, live=None, at_rest=at_rest)
+            found = _bracket(forms, fixed, loads, False, reduce=reduce, exclude=exclude, flow=flow, progress=False,
+                             elements=1)
     except ValueError as reason:
         logger.info("no bounds beside the search: %s", reason)
         return None

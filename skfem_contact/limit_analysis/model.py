@@ -16,13 +16,15 @@ from ..errors import AnalysisWarning
 from ..layout import linear_element
 from ..loads import Pressure, by_element, traction, water_load, weight
 from .elements import Block, Elements, Joint, Program, Reduction
-from .strength import Strength
-from .triangles import Contact, Tag, Triangles, facet_lengths, gradients, outward_normals, pairs
+from .strength import Profile, Strength
+from .triangles import SURFACE, Contact, Tag, Triangles, facet_lengths, gradients, outward_normals, pairs
 
 #: A traction or a pressure: a function of coordinates (2, n).
 Field = Callable[[ndarray], ndarray]
 #: A traction: (t_x, t_y), or a function of coordinates (2, n) with values (2, n).
 TractionLike = ArrayLike | Callable[[ndarray], ndarray]
+#: Pressure of water at rest in all pores and on all boundaries, and its load vector; None without water.
+AtRest = Callable[[], tuple[Pressure, ndarray] | None]
 #: Largest rest of a vector after its decomposition, as a share of it: other rules of integration leave some.
 _LEFT = 1e-8
 #: Share of a load's part in the vector below which it is none.
@@ -132,18 +134,21 @@ def _pressure(water: Pressure | None, basis: CellBasis) -> Field | None:
 
 
 def vector_loads(site: Site, dead: ndarray, live: ndarray | None, water: Pressure | None = None,
-                 submerged: Collection[str] = ()) -> Loads:
+                 submerged: Collection[str] = (), at_rest: AtRest | None = None) -> Loads:
     """Decompose load vectors into weights of subdomains, tractions on boundaries, and forces of water."""
-    basis = site.basis
-    dead = dead[:basis.N]
-    if water is not None:
+    basis, dead, rest = site.basis, dead[:site.basis.N], at_rest and at_rest()
+    if rest:
+        if water is not None or submerged:
+            raise ValueError("the search has its own water: leave `water` and `submerged` out of `certify`")
+        water, dead = rest[0], dead - rest[1][:basis.N]
+    elif water is not None:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", AnalysisWarning)  # it was given with the load
             dead = dead - water_load(basis.with_elements(site.porous), water, tuple(submerged))
     decomposed = _decomposition(site)
     body, tractions = decomposed(dead, False)
     multiplied, more = (0 * body, ()) if live is None else decomposed(live[:basis.N], True)
-    return Loads(body, multiplied, tractions + more, _pressure(water, basis), tuple(submerged))
+    return Loads(body, multiplied, tractions + more, _pressure(water, basis), (SURFACE,) if rest else tuple(submerged))
 
 
 def _decomposition(site: Site) -> Callable[[ndarray, bool], tuple[ndarray, tuple[Traction, ...]]]:
@@ -217,24 +222,6 @@ def _linear(mesh: Mesh, coefficients: ndarray) -> Field:
         return np.einsum("cs,s...->c...", coefficients, np.stack([np.ones_like(away[0]), *away]))
 
     return field
-
-
-class Profile(NamedTuple):
-    """Cohesion that varies with the coordinates, linear in every triangle."""
-
-    elements: ndarray  # of the first mesh, (n_first,): True where it varies
-    cohesion: Callable[[ndarray, ndarray], ndarray]  # of coordinates (2, n, 3) and elements (n,) of the first mesh
-
-    def at(self, triangles: Triangles, some: ndarray) -> tuple[ndarray, ndarray]:
-        """Return those of some triangles where the cohesion varies, by position, and its values at their corners."""
-        origin = triangles.origin[some]
-        here = np.flatnonzero(self.elements[origin])
-        x = triangles.mesh.p[:, triangles.mesh.t[:, some[here]]].swapaxes(1, 2)
-        return here, self.cohesion(x, origin[here])
-
-    def vanishes(self, triangles: Triangles) -> bool:
-        """Return True if there is no cohesion at some corner."""
-        return not self.at(triangles, np.arange(len(triangles.origin)))[1].all()
 
 
 @dataclass(frozen=True)

@@ -19,8 +19,8 @@ from ..forms.base import as_forms, pairs_of, reduced_parts
 from ..forms.regions import Region
 from ..forms.solid import SolidForm
 from ..materials.base import Flow, Material
-from .model import LimitModel, Loads, Profile, Site
-from .strength import FLAT, Strength
+from .model import LimitModel, Loads, Site
+from .strength import FLAT, Profile, Strength
 from .triangles import Contact, Geometry, Tag, Triangles, geometry
 
 #: Cohesion below zero at a corner, as a share of the largest, that is round-off.

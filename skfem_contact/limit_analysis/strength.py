@@ -10,10 +10,14 @@ lines, each with its c and t: chords are inside of it, tangents outside.
 """
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy import ndarray
+
+from .triangles import Triangles
 
 #: Friction below this is none: the change of volume is then prescribed and not bounded (measured in tan phi).
 FLAT = 1e-3
@@ -233,3 +237,21 @@ class Strength:
 def _ratio(above: ndarray, below: ndarray) -> ndarray:
     """Return a quotient, inf where the divisor is zero."""
     return np.divide(above, below, out=np.full(np.broadcast(above, below).shape, np.inf), where=below != 0)
+
+
+class Profile(NamedTuple):
+    """Cohesion that varies with the coordinates, linear in every triangle."""
+
+    elements: ndarray  # of the first mesh, (n_first,): True where it varies
+    cohesion: Callable[[ndarray, ndarray], ndarray]  # of coordinates (2, n, 3) and elements (n,) of the first mesh
+
+    def at(self, triangles: Triangles, some: ndarray) -> tuple[ndarray, ndarray]:
+        """Return those of some triangles where the cohesion varies, by position, and its values at their corners."""
+        origin = triangles.origin[some]
+        here = np.flatnonzero(self.elements[origin])
+        x = triangles.mesh.p[:, triangles.mesh.t[:, some[here]]].swapaxes(1, 2)
+        return here, self.cohesion(x, origin[here])
+
+    def vanishes(self, triangles: Triangles) -> bool:
+        """Return True if there is no cohesion at some corner."""
+        return not self.at(triangles, np.arange(len(triangles.origin)))[1].all()

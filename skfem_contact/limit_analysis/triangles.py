@@ -12,8 +12,10 @@ from skfem import CellBasis, Mesh, MeshTri
 
 from ..checks import format_point
 
-#: Name of some facets: a boundary of the user's, or ("held", component).
+#: Name of some facets: a boundary of the user's, ("held", component), or the surface.
 Tag = str | tuple[str, int]
+#: Name of all facets that bound the solids.
+SURFACE: Tag = ("surface", 0)
 #: Distance of a node in the middle of a straight facet from it, as a share of the facet.
 _STRAIGHT = 1e-6
 #: Distance of two nodes of a contact, as a share of a facet, that are made one.
@@ -150,7 +152,7 @@ def geometry(basis: CellBasis, elements: ndarray, fixed: ndarray) -> Geometry:
     count = np.bincount(mesh.t2f[:, elements].ravel(), minlength=mesh.nfacets)
     outer = facets[count[facets] == 1]
     held = _held(basis, elements, outer, fixed)
-    tags: dict[Tag, ndarray] = {("held", k): outer[held[k]] for k in (0, 1)}
+    tags: dict[Tag, ndarray] = {SURFACE: outer, **{("held", k): outer[held[k]] for k in (0, 1)}}
     for name, named in (mesh.boundaries or {}).items():
         named = np.unique(np.asarray(named))
         tags[name] = named[count[named] > 0]

@@ -19,6 +19,7 @@ from ..layout import Field, FieldDofs, Layout, different, others
 from ..mesh import check_mesh
 from ..nonlinear.newton import Newton
 from ..nonlinear.system import System
+from ..results.at_rest import as_pressure
 from ..results.files import StageData
 from ..solvers.choice import linear_solver
 from .loading import water_at_rest
@@ -154,6 +155,18 @@ class Setup:
             for wet in water_at_rest(solids_of(forms), forms.values(), water, self.water_unit_weight):
                 total[:len(wet)] += wet
         return total
+
+    def at_rest(self, forms: Mapping[str, Form], water: Any) -> tuple[Any, ndarray] | None:
+        """Return the pressure of water at rest and its load in and on some forms, (N,), for bounds; None without."""
+        if water is None or water is False:
+            return None
+        solids = solids_of(forms)
+        pressure = as_pressure(water, next(iter(solids.values())).basis.mesh, self.water_unit_weight)
+        dry = [name for name, form in solids.items() if not form.porous and form.strengths]
+        if dry or isinstance(pressure, Mapping):
+            why = f"pores in all that yields, but '{dry[0]}' has none" if dry else "one pressure, but it is by region"
+            raise ValueError(f"bounds beside a search know water with {why}: leave out `certify`")
+        return getattr(pressure, "pressure", pressure), self.water_on(forms, water)
 
     def vector(self, values: Any, what: str) -> ndarray:
         """Return values of all dofs, given up to the end of any field; a ``ValueError`` for others, or NaN."""
