@@ -133,16 +133,16 @@ class CamClay(Material):
             k, g = 1 / self.kappa, 1.5 * (1 - 2 * self.nu) / (1 + self.nu) / self.kappa
             return _elastic(p, np.zeros((ncomp, *p.shape)), k, g)
         c = self._constants(stress.shape)
-        p, e, _ = _elastic_strain(stress.reshape(ncomp, -1), c)
+        p, e, _ = elastic_strain(stress.reshape(ncomp, -1), c)
         self._check_pressure(p, p <= 0)
         return _elastic(p, e, c.k, c.g).reshape(*stress.shape[1:], ncomp, ncomp)
 
     @override
     def initial_internal(self, stress: Array) -> Array:
         c = self._constants(stress.shape)
-        p, e, E = _elastic_strain(stress.reshape(len(stress), -1), c)
+        p, e, E = elastic_strain(stress.reshape(len(stress), -1), c)
         self._check_pressure(p, (p < 0) | ((p == 0) & (E > 0)))
-        equivalent = p * (1 + 6 * c.g**2 * E / _critical(e, E, c)[0] ** 2)
+        equivalent = p * (1 + 6 * c.g**2 * E / critical(e, E, c)[0] ** 2)
         pressure = along_elements(self.OCR, stress.shape) * equivalent.reshape(stress.shape[1:])
         pressure += along_elements(self.POP, stress.shape)
         return np.stack((np.zeros_like(pressure), pressure))
@@ -163,8 +163,8 @@ class CamClay(Material):
     @override
     def mobilised(self, stress: Array, internal: Array) -> tuple[Array, Array]:
         c = self._constants(stress.shape)
-        p, e, E = _elastic_strain(stress.reshape(len(stress), -1), c)
-        pair = np.sqrt(6 * E) * c.g * p, _critical(e, E, c)[0] * p
+        p, e, E = elastic_strain(stress.reshape(len(stress), -1), c)
+        pair = np.sqrt(6 * E) * c.g * p, critical(e, E, c)[0] * p
         return pair[0].reshape(stress.shape[1:]), pair[1].reshape(stress.shape[1:])
 
     @override
@@ -190,7 +190,7 @@ class CamClay(Material):
     def _updated(self, increment: Array, stress: Array, internal: Array, c: CamClayConstants,
                  rate: Callable[..., Rate]) -> tuple[Array, Array, Callable[[], Array]]:
         """Return stresses (ncomp, n), internal variables (2, n) and the tangent of a block of points."""
-        p0, e0, E0 = _elastic_strain(stress, c)
+        p0, e0, E0 = elastic_strain(stress, c)
         strain, pc = -increment, internal[1]
         if (none := p0 <= 0).any():
             self._check_pressure(p0, none & strain.any(axis=0))
@@ -198,7 +198,7 @@ class CamClay(Material):
         volume, e = strain[:3].sum(axis=0), e0 + 0.5 * strain
         e[:3] += 0.5 * strain[:3] - volume / 3
         E = square(e)
-        M, dM = _critical(e, E, c)
+        M, dM = critical(e, E, c)
         c, growth = c._replace(M=M), c.k * (volume - c.g * E0)
         flow = rate(np.log(p0 / pc) + growth, E, c)
         y, x, D = flow.y, 1 / (1 + flow.y), volume_strain(flow.y, E, c)[0]
@@ -221,7 +221,7 @@ class CamClay(Material):
         return new, memory, tangent
 
 
-def _elastic_strain(stress: Array, c: CamClayConstants) -> tuple[Array, Array, Array]:
+def elastic_strain(stress: Array, c: CamClayConstants) -> tuple[Array, Array, Array]:
     """Return the pressure, the deviator of the elastic strain with tensor shears, and its square."""
     mean = stress[:3].mean(axis=0)
     p = c.attraction - mean
@@ -240,7 +240,7 @@ def _elastic(p: Array, e: Array, k: Parameter, g: Parameter) -> Array:
         + 2 * shear[..., None, None] * deviator(len(e))
 
 
-def _critical(e: Array, E: Array, c: CamClayConstants) -> tuple[Array, Array | None]:
+def critical(e: Array, E: Array, c: CamClayConstants) -> tuple[Array, Array | None]:
     """Return M at the Lode angle of a deviator, and its derivative by the strain, None if it is constant."""
     if np.all(c.extension == 1.0):
         return np.broadcast_to(np.asarray(c.M, dtype=float), E.shape), None

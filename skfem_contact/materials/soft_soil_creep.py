@@ -8,8 +8,10 @@ the shear strain has a finite rate at the critical state. Since pc hardens with 
 
     exp(D / mu) - 1 = (1 - eta^2 / M^2) dt / tau R_0^beta
 
-with R_0 of the pc at its start. The increments of the analysis use this relation with the stress at their end: they are
-exact while the stress stays, however long.
+with R_0 of the pc at its start. Where the stress changes, R_0^beta dt becomes an integral over the increment. R_0 that
+grows is linear in time, as under an even load; R_0^beta that falls is a power of the time, -(lambda - kappa) / lambda,
+as where isotropic stress relaxes at constant volume. Increments are then exact however long they are. Those of other
+paths have an error of second order in the change of R_0.
 """
 
 from __future__ import annotations
@@ -20,7 +22,7 @@ import numpy as np
 from typing_extensions import override
 
 from .base import Array, Parameter, Update, along_elements, require
-from .cam_clay import CamClay, CamClayConstants, Rate, condition, volume_strain
+from .cam_clay import CamClay, CamClayConstants, Rate, condition, critical, elastic_strain, volume_strain
 
 # Logarithms of the smallest y, below which there is no creep, and of the largest.
 _LEAST, _MOST = -80.0, 20.0
@@ -77,30 +79,36 @@ class SoftSoilCreep(CamClay):
     def update(self, strain_increment: Array, stress: Array, internal: Array, dt: float = 0.0) -> Update:
         mu, tau = (np.broadcast_to(along_elements(value, stress.shape), stress.shape[1:]).ravel()
                    for value in (self.mu, self.tau))
+        p, e, E = elastic_strain(stress.reshape(len(stress), -1), k := self._constants(stress.shape))
+        ratio = p / np.where(p > 0, internal[1].ravel(), 1.0) * (1 + 6 * k.g**2 * E / critical(e, E, k)[0] ** 2)
+        begin = np.log(np.where(p > 0, ratio, 1.0))
 
         def creep(base: Array, E: Array, c: CamClayConstants, at: slice) -> Rate:
-            return _creep(base, E, c, mu[at], dt / tau[at])
+            return _creep(base, E, c, mu[at], dt / tau[at], begin[at])
 
         return self._update(strain_increment, stress, internal, creep)
 
 
-def _creep(base: Array, E: Array, c: CamClayConstants, mu: Array, time: Array) -> Rate:
-    """Return y after a time over tau, and the weights of its derivative."""
+def _creep(base: Array, E: Array, c: CamClayConstants, mu: Array, time: Array, begin: Array) -> Rate:
+    """Return y after a time over tau from ln(R) at its start, and the weights of its derivative."""
     beta, log_time = 1 / (c.hardening * mu), np.log(np.maximum(time, 1e-300))
     low, high = np.full(E.shape, _LEAST), np.full(E.shape, _MOST)
 
-    def excess(log_y: Array) -> tuple[Array, Array]:
+    def excess(log_y: Array) -> tuple[Array, ...]:
         y = np.exp(log_y)
         value, slope = condition(y, base, E, c)
         D, by_y = volume_strain(y, E, c)
         grown, ratio = _growth(D / mu)
         isotropic = y * c.M**2 / (6 * c.g * mu)
-        return (beta * (value + c.hardening * D) - np.log(isotropic) - grown + log_time,
-                y * (beta * (slope + c.hardening * by_y) - ratio * by_y / mu) - 1)
+        end = beta * (value + c.hardening * D)
+        mean, share = _mean(end - beta * begin, beta, c)
+        weights = beta * share, (share - ratio) / mu
+        return (end + mean - np.log(isotropic) - grown + log_time,
+                y * (weights[0] * slope + weights[1] * by_y) - 1, *weights)
 
     at = np.clip(log_time + beta * base, _LEAST, 0.0)
     for _ in range(_ITERATIONS):
-        value, slope = excess(at)
+        value, slope, *_ = excess(at)
         low, high = np.where(value > 0, at, low), np.where(value > 0, high, at)
         step = at - value / slope
         new = np.where((slope < 0) & (step > low) & (step < high), step, 0.5 * (low + high))
@@ -109,8 +117,15 @@ def _creep(base: Array, E: Array, c: CamClayConstants, mu: Array, time: Array) -
         if done:
             break
     y = np.where((time > 0) & (at > _LEAST + 1), np.exp(at), 0.0)
-    ratio = _growth(volume_strain(y, E, c)[0] / mu)[1]
-    return Rate(y, beta, (1 - ratio) / mu, -1 / np.where(y > 0, y, 1.0), -2 / c.M)
+    _, _, of_condition, of_volume = excess(at)
+    return Rate(y, of_condition, of_volume, -1 / np.where(y > 0, y, 1.0), -2 / c.M)
+
+
+def _mean(change: Array, beta: Array, c: CamClayConstants) -> tuple[Array, Array]:
+    """Return ln(mean of R_0^beta / its end) in an increment, and 1 + its derivative by the change of ln(R_0^beta)."""
+    power = np.where(change > 0, -1 / beta, 1 + c.hardening / c.k)
+    (above, rise), (below, fall) = _growth((power - 1) * change), _growth(power * change)
+    return above - below, 1 + (power - 1) * rise - power * fall
 
 
 def _growth(z: Array) -> tuple[Array, Array]:
