@@ -7,6 +7,7 @@ import warnings
 import numpy as np
 import pytest
 from oracles.consolidation import terzaghi
+from scipy.spatial import cKDTree
 from skfem import Basis, ElementQuad1, ElementTriP2, ElementVector, MeshQuad, MeshTri
 
 import skfem_contact as sc
@@ -68,6 +69,31 @@ def test_open_joint(law, options):
         assert abs(force) == pytest.approx(area * (LOAD - p[joint].mean()), abs=0.002 * LOAD * area)
     state = stages[-1].states["water"]
     assert water.inflow(state, "high:top") == pytest.approx(water.volume(state), rel=1e-8)
+
+
+@pytest.mark.parametrize("top", [1.0, 0.75])
+def test_slit_that_ends_in_the_ground(top):
+    """[N] Water passes a slit with a soft beam in it as if it were not there: steady flow, and beside half a load."""
+    mesh = MeshTri.init_tensor(np.linspace(0, 2, 17), np.linspace(0, 1, 9)).with_defaults()
+    line = mesh.facets_satisfying(lambda x: np.isclose(x[0], 1) & (x[1] > 0.5) & (x[1] < top))
+    slit, pair, found = sc.split_along(mesh.with_boundaries({"wall": line}), "wall"), ("wall|left", "wall|right"), []
+    for part, joints in ((mesh, ()), (slit, (pair,))):
+        half = part.with_boundaries({"half": lambda x: (x[1] > 1 - 1e-9) & (x[0] < 1)})
+        basis = Basis(half, ElementVector(ElementTriP2()), intorder=4)
+        flow = sc.water.seepage(basis, MOBILITY, {"left": 3.0, "right": 2.0}, connected=joints, unit_weight=1.0)
+        water = sc.PoreWater(basis, MOBILITY, unit_weight=1.0, connected=joints)
+        forms = {"clay": sc.SolidForm(basis, sc.LinearElastic(E=E, nu=NU)), "water": water}
+        if joints:
+            beam = sc.Beam(basis, pair[0], EI=1e-3, EA=1e-3, bonded=False)
+            forms |= {"beam": beam, **beam.contact(basis, sc.Tied(), penalty=1e9)}
+        model = sc.Model(forms, [sc.box_supports(basis), water.dofs("top")])
+        stage = sc.Stage("load", model.traction("half", (0.0, -LOAD)), duration=0.1 / C_V)
+        last = model.run([stage], progress=False)["load"]
+        at = cKDTree(half.p.T).query(mesh.p.T)[1]
+        found.append((flow.head[at], last.forms["water"].pressure(last.x)[at]))
+    assert np.ptp(found[0][1]) > 0.5 * LOAD
+    np.testing.assert_allclose(found[1][0], found[0][0], rtol=1e-10)
+    np.testing.assert_allclose(found[1][1], found[0][1], atol=0.002 * LOAD)  # conductance across, springs of contact
 
 
 def test_tight_joint():

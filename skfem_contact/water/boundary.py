@@ -212,7 +212,8 @@ def tied_heads(basis: CellBasis, connected: Sequence[tuple[str, str]], held: nda
             raise ValueError(f"connected boundaries are pairs of names, not {pair!r}")
         sides = [np.asarray(look_up(name, mesh.boundaries or {}, "boundary")) for name in pair]
         sides.sort(key=lambda facets: float(np.ptp(mesh.p[:, mesh.facets[:, facets]], axis=1).max(axis=0).mean()))
-        nodes = np.setdiff1d(mesh.facets[:, sides[0]], np.flatnonzero(held | tied))
+        ends, other = (np.unique(mesh.facets[:, facets]) for facets in sides)
+        nodes = np.setdiff1d(ends, np.append(np.flatnonzero(held | tied), other))  # a slit ends in a node of both
         corners, weights, near = _nearest(mesh, mesh.p[:, nodes], sides[1])
         if not near.any():
             raise ValueError(f"the boundaries '{pair[0]}' and '{pair[1]}' are nowhere next to each other")
@@ -231,7 +232,7 @@ def tied_heads(basis: CellBasis, connected: Sequence[tuple[str, str]], held: nda
 
 
 def exchange(basis: CellBasis, connected: Sequence[tuple[str, str]]) -> tuple[csr_matrix, ndarray]:
-    """Return the matrix (N, N) of pressures less those of the connected boundaries opposite, and the their facets."""
+    """Return the matrix (N, N) of pressures less those of the connected boundaries opposite, and their facets."""
     n, mesh, facets = basis.N, basis.mesh, [np.zeros(0, int)]
     apart = csr_matrix(eye(n) - tied_heads(basis, connected, np.zeros(n, dtype=bool)))
     for name, other in (sides for pair in connected for sides in (pair, pair[::-1])):
