@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import warnings
 from contextlib import suppress
+from copy import copy
 
 import numpy as np
 import pytest
 from helpers import vector_basis
+from scipy.sparse import diags
 from scipy.special import exp1
 from skfem import Basis, ElementHex1, ElementQuad1, MeshHex, MeshQuad
 
@@ -271,3 +274,44 @@ def test_uplift(axis) -> None:
             aquifer.uplift_factor(bottom, weights)
     with pytest.raises(ValueError, match="no water presses upwards on boundary 'roof'"):
         sc.water.seepage(basis, K, {"right": 1.0}, **rule).uplift_factor("roof", plug)
+
+
+class Filter(sc.Form):
+    """Filter in front of a boundary: water leaves by the pressure over a resistance."""
+
+    duration, second_order = 0.0, True
+
+    def __init__(self, water, boundary, outflow):
+        self.borrowed, self.outflow, self.leaks = water.fields, outflow, water.dofs(boundary).indices
+
+    def numbered(self, numbers):
+        new = copy(self)
+        new.at = numbers[self.borrowed[0]][self.leaks]
+        return new
+
+    def over(self, duration):
+        new = copy(self)
+        new.duration = duration
+        return new
+
+    def assemble(self, x, state):
+        rate = np.zeros(len(x))
+        rate[self.at] = -self.duration * self.outflow / len(self.at)
+        return sc.Response(rate * x, lambda: None, lambda: diags(rate).tocsr())
+
+
+def test_form_of_ones_own_that_lets_water_out():
+    """[X] Behind a filter the pressure q decays by exp(-r E t / H): its leaks are no sealed ground."""
+    mesh = MeshQuad.init_tensor(np.linspace(0, 0.1, 2), np.linspace(0, 1, 5)).with_defaults()
+    basis = vector_basis(mesh, "Q1", intorder=2)
+    water = sc.PoreWater(basis, 1.0, unit_weight=WATER)
+    forms = {"clay": sc.SolidForm(basis, sc.LinearElastic(E=1e3, nu=0.0)), "water": water,
+             "filter": Filter(water, "top", 0.1 * 1e-5)}  # fmt: skip
+    model = sc.Model(forms, sc.box_supports(basis, base="rollers"))
+    load = model.traction("top", (0.0, -10.0))
+    with warnings.catch_warnings():
+        warnings.filterwarnings("error", message=".*no water can leave")
+        last = model.run([sc.Stage("load", load, duration=1e-2), sc.Stage("wait", load, duration=100.0)],
+                         progress=False)["wait"]
+    pressure = last.forms["water"].pressure(last.x)
+    np.testing.assert_allclose(pressure, 10.0 * np.exp(-1.0), rtol=2e-3)  # time_error, and the drop in the ground

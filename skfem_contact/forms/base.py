@@ -222,6 +222,11 @@ def pairs_of(forms: Mapping[str, Form]) -> dict[str, Any]:
     return {name: form for name, form in forms.items() if form.law is not None}
 
 
+def waters_of(forms: Mapping[str, Form]) -> dict[str, Form]:
+    """Return the forms that bring pressures of water."""
+    return {name: form for name, form in forms.items() if any(field.kind == "pressure" for field in form.fields)}
+
+
 def responses_of(forms: Mapping[str, Form], x: ndarray, states: Mapping[str, Any]) -> dict[str, Response]:
     """Return the responses of the forms among all dofs."""
     return {name: form.assemble(x[:form.size], states[name]).padded(len(x)) for name, form in forms.items()}

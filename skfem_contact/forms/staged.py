@@ -50,6 +50,10 @@ class Staged:
         Dofs, (n,), and the coordinates that the form takes these to have, (dim, n).
     parameters
         Stiffnesses, strengths and other parameters by their names, for reports.
+    suction
+        Largest suction with which the pressures of the form begin.
+    leaks
+        Vertices of the ground at which the form lets water out, (n,); None: it lets none out.
     """
 
     carries: ndarray | None = None
@@ -58,6 +62,8 @@ class Staged:
     elastic_stiffness: Any = None
     nodes: tuple[ndarray, ndarray] | None = None
     parameters: Mapping[str, Any] = MappingProxyType({})
+    suction: float = 0.0
+    leaks: ndarray | None = None
 
     #: What a form that replaces another one has in common with it, and what it brings; without the latter, all of it.
     _same: tuple[str, ...] = ()

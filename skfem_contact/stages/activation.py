@@ -12,7 +12,7 @@ from scipy.sparse import csr_matrix, diags_array
 from ..checks import look_up, names_of
 from ..contact.prestress import prestressed
 from ..errors import Remark
-from ..forms.base import Form, internal_force, solids_of
+from ..forms.base import Form, internal_force, solids_of, waters_of
 from ..layout import Layout, nodes
 from ..results.fields import undrained_excess
 from ..results.stage import StageResult
@@ -90,8 +90,7 @@ def plan(setup: Setup, stages: Sequence[Stage], start: StageResult | None) -> li
                 active = _after(stage, now, active)
                 now.update(_changed(setup, stage.change, now))
                 there = {name: now[name] for name in now if name in active}
-                held = setup.inactive(there)
-                check_contacts(there, held)
+                check_contacts(there, held := setup.inactive(there))
                 check_supports(there, still := np.union1d(fixed, held))
         except ValueError as error:
             raise (ValueError(f"stage '{stage.name}': {error}") if changes else error) from None
@@ -231,17 +230,16 @@ def _of_pressures(setup: Setup, stage: Stage, there: Mapping[str, Form], load: n
 
     Report ground that drains at once because its water was not activated, and levels where there is suction.
     """
-    layout = setup.layout
-    waters = {name: form for name, form in setup.forms.items() if any(f.kind == "pressure" for f in form.fields)}
+    layout, waters, active = setup.layout, waters_of(setup.forms), waters_of(there)
     if not waters:
         return
     solid = np.concatenate([form.elements for form in solids_of(there).values()])
     dry = [name for name, form in waters.items() if np.isin(form.elements, solid).any()]
-    if stage.duration and dry and not set(waters) & set(there):
+    if stage.duration and dry and not active:
         yield Remark("dry", len(dry), f"{dry} is not active in a stage with a duration: the ground drains at once; "
                      "name it in `activate`")
-    for name in set(waters) & set(there) if isinstance(water, float | int) and water is not False else ():
-        if (suction := -np.min(getattr(there[name], "initial", 0.0))) > 0.0:
+    for name in active if isinstance(water, float | int) and water is not False else ():
+        if (suction := there[name].suction) > 0.0:
             yield Remark("suction", suction, f"a level has none of the suction, up to {suction:.3g}, with which "
                          f"'{name}' begins: give water=model.forms['{name}'].initial")
     loose = np.setdiff1d(np.flatnonzero(0.0 * load if prescribed is None else prescribed), fixed)
@@ -289,8 +287,8 @@ def begin(layout: Layout, phase: Phase, last: StageResult) -> tuple[ndarray, dic
     known = dofs_of(phase.before, layout)
     x = last.x.copy()
     still = np.setdiff1d(np.intersect1d(layout.still, dofs_of(new, layout)), known)
-    waters = [form.elements for form in new.values() if any(field.kind == "pressure" for field in form.fields)]
-    x[still] = undrained_excess(last, layout, np.concatenate([still[:0], *waters]))[still]
+    wet = [form.elements for form in waters_of(new).values()]
+    x[still] = undrained_excess(last, layout, np.concatenate([still[:0], *wet]))[still]
     x = placed(layout, x, new, known, phase.fixed)
     states = {name: form.initial_state(x[:form.size]) if name in new
               else _inherited(form, phase.before[name], last, name) for name, form in phase.forms.items()}

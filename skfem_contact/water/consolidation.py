@@ -92,6 +92,7 @@ class PoreWater(Form):
     porous: Porous
     capacity: ndarray
     around: Surroundings | None = None
+    _start: ndarray | float = 0.0  # pressure from which the excess counts, where the form knows it
     _numbers: ndarray | None = None
     _duration: float | None = None
     _step: csr_matrix

@@ -102,7 +102,7 @@ class Inflow(AtNodes):
         """Report water that ponds on a surface that looks up, because the ground does not take it."""
         water, p = self._water, self._water.fields[0].coordinates
         open_ = np.setdiff1d(self._surface(), water.around.leaks if water.around else ())
-        level = (x[self._at] + getattr(water, "_start", 0.0))[open_] / water.unit_weight
+        level = (x[self._at] + water._start)[open_] / water.unit_weight
         if level.max(initial=0.0) > _PONDS * np.ptp(p[-1]):
             at = p[:, open_[level.argmax()]]
             yield Remark("ponds", level.max(), f"water that the ground does not take ponds, {level.max():.3g} "

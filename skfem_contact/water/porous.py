@@ -240,9 +240,7 @@ class Surroundings(NamedTuple):
                              "them the same `strain`")
         touching = {name: form for name, form in forms.items() if form.joins is not None and form.unilateral
                     and np.isin(form.joins, basis.element_dofs).any()}
-        leaks = np.concatenate([np.zeros(0, int), *(
-            getattr(form, "_vertices", basis.mesh.t[0, here[:1]]) for form in forms.values()
-            for field in form.borrowed if form.unilateral and field.shared == PRESSURE)])
+        leaks = np.concatenate([np.zeros(0, int), *(form.leaks for form in forms.values() if form.leaks is not None)])
         others = tuple((water.ground.element_dofs, water.drainage(modulus[water.elements])) for water in waters)
         return cls(modulus[here], shear[here], leaks, touching, measures.pop(), others, tuple(_crossed(basis, forms)))
 

@@ -59,27 +59,28 @@ class SeepageFace(AtNodes):
     """
 
     unilateral = True
+    leaks: ndarray
     _conductance: ndarray
 
     def __init__(self, water: PoreWater, boundaries: str | Collection[str], pressure: Given = 0.0) -> None:
         self._water, names = water, names_of(boundaries)
         self.size, self.borrowed = water.ground.N, water.fields
-        self._vertices = water.dofs(*names).indices if names else np.zeros(0, int)
-        self._limit = -water.at_boundaries(dict.fromkeys(names, pressure))[self._vertices]
+        self.leaks = water.dofs(*names).indices if names else np.zeros(0, int)
+        self._limit = -water.at_boundaries(dict.fromkeys(names, pressure))[self.leaks]
 
     def __repr__(self) -> str:
-        return f"<SeepageFace {len(self._vertices)} nodes>"
+        return f"<SeepageFace {len(self.leaks)} nodes>"
 
     @override
     def _in(self, water: PoreWater) -> Self:
         new = copy(self)
-        new._water, new._conductance = water, _OPEN * water.porous.conductance[self._vertices]
+        new._water, new._conductance = water, _OPEN * water.porous.conductance[self.leaks]
         return new
 
     @override
     def numbered(self, numbers: Mapping[Field, ndarray]) -> SeepageFace:
         new = copy(self)
-        new.joins = new._at = numbers[self.borrowed[0]][self._vertices]
+        new.joins = new._at = numbers[self.borrowed[0]][self.leaks]
         new.size = None
         return new
 

@@ -142,6 +142,7 @@ class UnsaturatedPoreWater(PoreWater):
         if not ((new._before.content >= 0.0) & (new._before.content <= most)).all():
             raise ValueError(f"the contents of water at the start, from {new._before.content.min():.3g} to "
                              f"{new._before.content.max():.3g}, are not between 0 and the saturated one")
+        new.suction = max(-float(new.initial.min()), 0.0)
         new._weight = self.unit_weight * _upward(self.ground, self.pressures, new._flow_of.axisymmetric)
         return new
 
