@@ -265,11 +265,11 @@ def slope(n, element, space=False):
     [(2, ElementTriP2(), True), (5, ElementTriP2(), False), (1, ElementTetP2(), True), (2, ElementTetP2(), True)],
 )
 def test_coarse_meshes_of_second_order_are_told(n, element, told, recwarn) -> None:
-    """[B] F <= 1.0041 by bounds on fine meshes; the share of the mesh is told to a third where it is above 2 %."""
+    """[B] F <= 1.0041 by bounds on fine meshes; the share of the mesh is told to a factor of two."""
     found = slope(n, element, isinstance(element, ElementTetP2)).strength_reduction(progress=False)
     added = found.factor / 1.0005 - 1.0  # the middle of [0.9969, 1.0041]
     assert (found.factor > 1.0041 * 1.02) == told
-    assert found.added == pytest.approx(added, rel=0.35)
+    assert 0.5 * added < found.added < 2.0 * added
     assert [f"{found.factor:.4g} is about" in str(warning.message) for warning in recwarn] == [True] * told
 
 
@@ -304,7 +304,32 @@ def test_coarse_meshes_under_rigid_footings_are_told(phi, exact, n, recwarn) -> 
     found = model.limit_load(load, tolerance=0.01, progress=False)
     added = found.multiplier / exact - 1.0
     assert 0.06 < added < 0.15 and 0.5 * added < found.added < 2.0 * added
-    assert [f"{found.multiplier:.4g} may be" in str(warning.message) for warning in recwarn] == [True]
+    assert [f"{found.multiplier:.4g} is about" in str(warning.message) for warning in recwarn] == [True]
+
+
+@pytest.mark.parametrize("n", [1, 2])
+def test_factors_of_rigid_footings_are_told(n) -> None:
+    """[X] Prandtl: a mesh that adds 14 and 7 % to a factor of safety, whose slip surfaces begin at an edge."""
+    model, load = strip_footing(sc.Tresca(E=1e4, nu=0.3, c=1.0), n)
+    found = model.strength_reduction(4.0 * load, certify=False, progress=False)
+    added = found.factor / (0.25 * (2 + np.pi)) - 1.0
+    assert 0.06 < added < 0.15 and 0.5 * added < found.added < 2.0 * added
+
+
+@pytest.mark.parametrize("element", [ElementTriP2(), ElementQuad1()])
+def test_shares_of_meshes_that_shrink_towards_an_edge(element) -> None:
+    """[X] Prandtl: an even load, 2 + pi; the mesh adds 1.7 % with triangles and 4.2 % with quadrilaterals."""
+    lines = [1.0 - (4.0 ** (1 - np.linspace(0, 1, 4)) - 1) / 3, 1 + 5 * (12.0 ** np.linspace(0, 1, 9)[1:] - 1) / 11]
+    quads = isinstance(element, ElementQuad1)
+    mesh = (MeshQuad if quads else MeshTri).init_tensor(np.concatenate(lines),
+                                                        -3 * (8.0 ** np.linspace(1, 0, 7) - 1) / 7)
+    mesh = mesh.with_boundaries({"strip": lambda x: (x[1] > -1e-9) & (x[0] < 1.0)})
+    basis = Basis(mesh, ElementVector(element), intorder=2)
+    soil = sc.SolidForm(basis, sc.Tresca(E=1e4, nu=0.3, c=1.0), strain="b_bar" if quads else None)
+    model = sc.Model({"soil": soil}, sc.box_supports(basis))
+    found = model.limit_load(model.traction("strip", (0.0, -1.0)), progress=False)
+    added = found.multiplier / (2 + np.pi) - 1.0
+    assert added > 0.01 and 0.5 * added < found.added < 2.0 * added
 
 
 def test_smooth_motions_add_nothing_to_a_limit_load(recwarn) -> None:
@@ -317,7 +342,7 @@ def test_smooth_motions_add_nothing_to_a_limit_load(recwarn) -> None:
         basis.get_dofs(lambda x, i=i: x[i] < 1e-9).all(f"u^{i + 1}") for i in (0, 1)]))  # fmt: skip
     found = model.limit_load(model.traction("inside", lambda x: x / np.hypot(*x)), tolerance=1e-3, progress=False)
     assert found.multiplier == pytest.approx(2 * np.log(2), rel=2e-3)
-    assert found.added < 0.03 and not recwarn.list
+    assert found.added < 1e-3 and not recwarn.list
 
 
 def test_rigid_parts_are_named() -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from helpers import analysis
-from skfem import Basis, ElementQuad1, ElementVector, FacetBasis, LinearForm, MeshQuad
+from skfem import Basis, ElementQuad1, ElementTetP2, ElementVector, FacetBasis, LinearForm, MeshQuad, MeshTet
 
 import skfem_contact as sc
 from skfem_contact.collapse.result import CollapseResult, Stop
@@ -109,3 +109,17 @@ def test_materials_of_one_flow(material):
 def test_material_without_strength():
     with pytest.raises(ValueError, match="LinearElastic has no strength to reduce"):
         sc.LinearElastic(E=1.0, nu=0.3).reduced(2.0)
+
+
+def test_a_cube_that_is_crushed_as_a_whole_has_collapsed(recwarn) -> None:
+    """[X] Quadratic tetrahedra with two equal stresses: 2 c, and nothing above it; every point is at a corner."""
+    mesh = MeshTet().with_boundaries({"top": lambda x: x[2] > 1.0 - 1e-9})
+    basis = Basis(mesh, ElementVector(ElementTetP2()), intorder=2)
+    fixed = [basis.get_dofs(lambda x, i=i: x[i] < 1e-9).all(f"u^{i + 1}") for i in range(3)]
+    model = sc.Model({"cube": sc.SolidForm(basis, sc.Tresca(E=1e3, nu=0.3, c=10.0))}, fixed)
+    found = model.limit_load(model.traction("top", (0.0, 0.0, -1.0)), step=5.0, progress=False)
+    assert found.multiplier == pytest.approx(20.0, rel=1e-9) and found.bracket[1] < 20.2
+    assert found.stop.kind == "collapse"
+    reduced = model.strength_reduction(model.traction("top", (0.0, 0.0, -10.0)), progress=False)
+    assert reduced.factor == pytest.approx(2.0, abs=0.01) and reduced.stop.kind == "collapse"
+    assert not recwarn.list  # nor does the mesh add anything

@@ -180,13 +180,13 @@ class SolidForm(Form):
 
     @override
     def shear_strain(self, x: ndarray) -> ndarray:  # of plane bodies that in the plane
-        return largest_shear(self._strains(x))
+        return largest_shear(self.strains(x))
 
     @override
     def initial_state(self, x: ndarray | None = None, stress: ndarray | None = None) -> SolidState:
         """Return the state without strain: undeformed or built at the displacements x, (N,); stress-free or given."""
         stress = np.zeros((self._ncomp, *self.weight.shape)) if stress is None else stress
-        strain = np.zeros(stress.shape) if x is None else self._strains(x)
+        strain = np.zeros(stress.shape) if x is None else self.strains(x)
         return SolidState(strain, stress, self._initial_internal(stress))
 
     def _initial_internal(self, stress: ndarray) -> ndarray:
@@ -196,10 +196,10 @@ class SolidForm(Form):
             internal[:r.material.n_internal, r.elements] = r.initial_internal(stress, self.basis)
         return internal
 
-    def _strains(self, x: ndarray) -> ndarray:
+    def strains(self, x: ndarray) -> ndarray:
+        """Return strains at displacements x, (N,), with doubled shear, (n_components, n_elements, n_points)."""
         n_elements, n_points, n_acting, _ = self._B.shape
-        B = self._B.reshape(n_elements, n_points * n_acting, -1)
-        acting = np.matmul(B, x.take(self._element_dofs)[:, :, None])
+        acting = np.matmul(self._B.reshape(n_elements, n_points * n_acting, -1), x.take(self._element_dofs)[:, :, None])
         strain = np.zeros((self._ncomp, n_elements, n_points))
         strain[self._rows] = acting.reshape(n_elements, n_points, n_acting).transpose(2, 0, 1)
         return strain
@@ -218,7 +218,7 @@ class SolidForm(Form):
     @override
     def assemble(self, x: ndarray, state: SolidState) -> Response:
         check_size(x, self.basis.N)
-        strain = self._strains(x)
+        strain = self.strains(x)
         increment = strain - state.strain
         given = self.at_regions(state)
         updates = [updated(r.material, increment[:, r.elements], old, internal, self._duration)

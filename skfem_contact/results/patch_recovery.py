@@ -18,17 +18,19 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy import ndarray
-from scipy.sparse import coo_matrix, csr_matrix
+from scipy.sparse import coo_matrix, csr_matrix, diags_array
+from scipy.sparse.linalg import cg
 
 from ..forms.assembly import strain_operator
 from ..forms.solid import SolidForm
-from ..layout import nodes
+from ..layout import linear_element, nodes
 
 #: Weight of the stresses themselves beside the forces, by the order of the elements and whether they are triangles or
 #: tetrahedra. Fibre of a beam of one to four layers, largest error for weights of .007, .1, .3 and 1: four-node
 #: elements 1.3, 4.5, 9 and 13 % (below .007, one-sided patches at corners lose digits); six-node triangles 2.1, 1.4,
 #: .9 and .3 %; three-node ones, of three and four layers, 15, 9, 5 and 11 %.
 _BETA = {(1, False): 0.007, (1, True): 0.3, (2, False): 1.0, (2, True): 1.0}
+_PROJECTED = 1e-12  # residual of a projection, as a share
 _CHUNK = 500  # patches at a time
 
 
@@ -57,6 +59,25 @@ def recovered(form: SolidForm, values: ndarray, *, balanced: bool = False, limit
     mesh = region_mesh(form)
     found = _fitted(form, values, mesh, balanced)
     return within_points(found, values, mesh) if limited else found
+
+
+def projected(form: SolidForm, values: ndarray) -> tuple[csr_matrix, ndarray, ndarray]:
+    """Project values at points, (n_components, n_elements, n_points), on linear functions of each region.
+
+    Returns the functions at the points, (n_elements * n_points, n_vertices), the vertices of the elements, and the
+    values there, (n_vertices, n_components).
+    """
+    corners, cells = len(form.basis.mesh.t), region_mesh(form).cells
+    linear = form.basis.with_element(linear_element(form.basis.mesh)).basis
+    shapes = np.stack([np.broadcast_to(linear[j][0], form.weight.shape) for j in range(corners)], axis=2)
+    vertex = np.unique(cells[:, :corners], return_inverse=True)[1].reshape(-1, corners)
+    columns = np.broadcast_to(vertex[:, None], shapes.shape).ravel()
+    at = csr_matrix((shapes.ravel(), columns, np.arange(0, shapes.size + 1, corners)))
+    weighted = csr_matrix(at.multiply(form.weight.reshape(-1, 1))).T
+    mass = csr_matrix(weighted @ at)
+    scale = diags_array(1.0 / mass.diagonal())  # the condition is then 5 on any mesh (A. J. Wathen 1987)
+    found = [cg(mass, weighted @ part.ravel(), rtol=_PROJECTED, M=scale)[0] for part in values]
+    return at, vertex, np.column_stack(found)
 
 
 def within_points(found: ndarray, values: ndarray, mesh: RegionMesh) -> ndarray:

@@ -5,14 +5,12 @@ from enum import IntEnum
 
 import numpy as np
 from numpy import ndarray
-from scipy.sparse import csr_matrix
-from scipy.sparse.linalg import spsolve
 
 from ..forms.solid import SolidForm, SolidState
 from ..layout import linear_element
 from ..materials import spectral
 from ..materials.base import EXCESS_PRESSURE, PLASTIC_STRAIN
-from .patch_recovery import recovered, region_mesh, within_points
+from .patch_recovery import projected, recovered, region_mesh, within_points
 
 #: Points this close to their strength count as yielding: stresses return to it up to round-off.
 _AT_YIELD = 1e-6
@@ -73,7 +71,7 @@ def pore_pressure(form: SolidForm, state: SolidState) -> ndarray:
     values = form.variable(EXCESS_PRESSURE, state)
     if not values.any() or not _has_midside_nodes(form):
         return values
-    at, _, pressure = _projected(form, values)
+    at, _, pressure = projected(form, values[None])
     return (at @ pressure).reshape(values.shape)
 
 
@@ -82,31 +80,15 @@ def pore_pressure_at_nodes(form: SolidForm, state: SolidState) -> ndarray:
     values, mesh = form.variable(EXCESS_PRESSURE, state), region_mesh(form)
     if not values.any() or not _has_midside_nodes(form):
         return recovered(form, values[None], limited=True)[0]
-    at, vertex, pressure = _projected(form, values)
+    at, vertex, pressure = projected(form, values[None])
     shapes, locations = linear_element(form.basis.mesh), form.basis.elem.elem.doflocs.T
     found = np.zeros(len(mesh.nodes))  # the same from every element of a node
-    found[mesh.cells] = pressure[vertex] @ np.array([shapes.lbasis(locations, j)[0] for j in range(vertex.shape[1])])
+    found[mesh.cells] = pressure[vertex, 0] @ np.array([shapes.lbasis(locations, j)[0] for j in range(vertex.shape[1])])
     return within_points(found[None], (at @ pressure).reshape(1, *values.shape), mesh)[0]
 
 
 def _has_midside_nodes(form: SolidForm) -> bool:
     return form.basis.elem.elem.doflocs.shape[0] > len(form.basis.mesh.t)
-
-
-def _projected(form: SolidForm, values: ndarray) -> tuple[csr_matrix, ndarray, ndarray]:
-    """Project values at points on linear functions of each region.
-
-    Returns the functions at the points, (n_elements * n_points, n_vertices), the vertices of the elements, and the
-    values there.
-    """
-    corners, cells = len(form.basis.mesh.t), region_mesh(form).cells
-    linear = form.basis.with_element(linear_element(form.basis.mesh)).basis
-    shapes = np.stack([np.broadcast_to(linear[j][0], values.shape) for j in range(corners)], axis=2)
-    vertex = np.unique(cells[:, :corners], return_inverse=True)[1].reshape(-1, corners)
-    columns = np.broadcast_to(vertex[:, None], shapes.shape).ravel()
-    at = csr_matrix((shapes.ravel(), columns, np.arange(0, shapes.size + 1, corners)))
-    weighted = csr_matrix(at.multiply(form.weight.reshape(-1, 1))).T
-    return at, vertex, spsolve((weighted @ at).tocsc(), weighted @ values.ravel())
 
 
 def total_stress(form: SolidForm, state: SolidState) -> ndarray:
