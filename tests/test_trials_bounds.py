@@ -218,3 +218,22 @@ def test_joints_without_adhesion_have_no_safe_bound():
     found = {check.oracle: check for check in joints.bounds(drawn, False, "given", False)}
     assert found["ordered"].error == 0.0
     assert found["lower"].error < 1e-9 and found["upper"].error < 1e-9 and found["safe"].error == -1.0
+
+
+def test_a_wall_that_is_much_stronger_than_clay() -> None:
+    """[B] A wall of concrete as Tresca, 500 times as strong: nearly the bounds of a rigid one, and what would help."""
+    mesh = MeshTri.init_tensor(np.r_[0:10:6j, 10.5:20:6j], np.linspace(-10, 0, 11))
+    x, y = mesh.p[:, mesh.t].mean(axis=1)
+    mesh = mesh.restrict(np.flatnonzero((x < 10.5) | (y < -3)))
+    wall = lambda x: (abs(x[0] - 10.25) < 0.25) & (x[1] > -6)  # noqa: E731
+    mesh = mesh.with_subdomains({"wall": wall, "clay": lambda x: ~wall(x)})
+    basis, found = Basis(mesh, ElementVector(ElementTriP2()), intorder=2), []
+    for concrete in (sc.LinearElastic(E=3e7, nu=0.2), sc.Tresca(E=3e7, nu=0.2, c=1e4)):
+        materials = {"wall": concrete, "clay": sc.Tresca(E=1e4, nu=0.3, c=20.0)}
+        model = sc.Model({"all": sc.SolidForm(basis, materials, unit_weight=20.0)}, sc.box_supports(basis))
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            found.append(model.bounds(gap=0.1, elements=600, progress=False))
+    rigid, strong = found
+    assert strong.upper == pytest.approx(rigid.upper, rel=0.02) and strong.lower > 0.75 * rigid.lower
+    assert "much stronger than the rest would be rigid, and bounds closer: wall" in str(caught[-1].message)

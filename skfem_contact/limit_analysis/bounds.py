@@ -200,10 +200,17 @@ def _tell(search: Search, gap: float) -> None:
               f"they need {1 / search.fixed_factor:.4g} times the strength"
         warn(f"the fixed loads alone cause a collapse: {why}")
     elif unproven:
-        warn(f"no {' and no '.join(unproven)} bound could be proven{_blocked(search)}")
+        warn(f"no {' and no '.join(unproven)} bound could be proven{_blocked(search)}{_too_strong(search)}")
     elif search.gap > gap:
         warn(f"the bounds [{low:.5g}, {high:.5g}] differ by {search.gap:.2%}, more than the {gap:.2%} that "
-             "were asked for: allow more `elements` or `seconds`")
+             f"were asked for: allow more `elements` or `seconds`{_too_strong(search)}")
+
+
+def _too_strong(search: Search) -> str:
+    """Return what helps beside parts of much more strength than others, for a message."""
+    names = ", ".join(search.problem.strong)
+    return f"; with LinearElastic, what is much stronger than the rest would be rigid, and bounds closer: {names}" \
+        * bool(names)
 
 
 def _blocked(search: Search) -> str:

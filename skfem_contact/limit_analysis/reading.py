@@ -23,6 +23,9 @@ from .model import LimitModel, Loads, Site
 from .strength import FLAT, Profile, Strength
 from .triangles import Contact, Geometry, Tag, Triangles, geometry
 
+#: Strength of a body, over the least one, from which mechanisms are tried that leave it rigid: its strains are of the
+#: solver's accuracy, but dissipate. A wall of 500 times the clay's strength has no upper bound without.
+_STRONG = 30.0
 #: Cohesion below zero at a corner, as a share of the largest, that is round-off.
 _ROUND_OFF = 1e-12
 
@@ -33,6 +36,7 @@ class Problem:
 
     model: LimitModel  # in units of its size and of a stress
     davis: LimitModel | None  # with the associated soil of less strength after Davis, where the flow is not associated
+    stiff: LimitModel | None  # whose strong bodies are rigid: its mechanisms are some of all
     smooth: LimitModel | None  # with the adhesion of joints alone, where they do not open by their slip
     mesh: Mesh
     geometry: Geometry
@@ -40,6 +44,7 @@ class Problem:
     live: bool  # a load is multiplied; otherwise the strength is reduced
     missing: str  # "cohesion" or "tension" where some soil has none
     reduced: tuple[str, ...]
+    strong: tuple[str, ...]  # names of parts with much more strength than others
     remarks: tuple[str, ...]
 
 
@@ -64,6 +69,8 @@ def read(forms: Mapping[str, Any], fixed: ndarray, loads: Callable[[Site], Loads
     model = LimitModel(shape.triangles, soil.over(unit), _rigid_bodies(shape.triangles, soil.rigid),
                   given.scaled(shape.centre, shape.size, unit), _contacts(pairs, targets, unit),
                   _profiles(solids, "associated", shape, unit), None if soil.lines is None else outer.over(unit))
+    strong = _strong(soil, carried, elements)
+    stiff = _stiff(model, soil.rigid | strong) if strong.any() else None
     less = any(material.dilates_less for form in solids.values() for material in form.materials.values())
     davis = None
     if less and not associated:
@@ -78,7 +85,8 @@ def read(forms: Mapping[str, Any], fixed: ndarray, loads: Callable[[Site], Loads
     remarks = _remarks(solids, shape, given, soil, bool(cohesionless))
     if not associated:
         remarks += _slipping(pairs)
-    return Problem(model, davis, smooth, basis.mesh, shape, unit, multiplied, missing, names, remarks)
+    return Problem(model, davis, stiff, smooth, basis.mesh, shape, unit, multiplied, missing, names,
+                   tuple(_names(solids, strong)), remarks)
 
 
 def _by_kind(forms: Mapping[str, Any]) -> tuple[dict[str, SolidForm], dict[str, ContactPair]]:
@@ -267,13 +275,31 @@ def _rigid_bodies(triangles: Triangles, rigid: ndarray) -> ndarray:
     return result
 
 
+def _strong(soil: Strength, carried: float, elements: ndarray) -> ndarray:
+    """Return a mask of the elements that can yield, but have much more strength than others."""
+    strength = soil.c + soil.t * carried
+    return np.asarray((strength > _STRONG * strength[elements].min()) & ~soil.rigid)
+
+
+def _stiff(model: LimitModel, rigid: ndarray) -> LimitModel | None:
+    """Return the model with other rigid elements, or None where two such bodies meet in a node."""
+    try:
+        return replace(model, rigid=_rigid_bodies(model.triangles, rigid))
+    except ValueError:
+        return None
+
+
+def _names(solids: Mapping[str, SolidForm], where: ndarray) -> list[str]:
+    """Return the names of solids, or of their regions, in which some elements are."""
+    return [name if len(form.regions) == 1 else region.name for name, form in solids.items()
+            for region in form.regions if where[form.elements[region.elements]].any()]
+
+
 def _remarks(solids: Mapping[str, SolidForm], shape: Geometry, given: Loads, soil: Strength, cohesionless: bool
              ) -> tuple[str, ...]:
     """Return the simplifications."""
     remarks = []
-    elastic = [name if len(form.regions) == 1 else region.name for name, form in solids.items()
-               for region in form.regions if soil.rigid[form.elements[region.elements]].any()]
-    if elastic:
+    if elastic := _names(solids, soil.rigid):
         remarks.append(f"elastic bodies have no limit and count as rigid: {', '.join(elastic)}")
     if cohesionless:
         remarks.append("soil without cohesion: at a free surface the lower bound is zero; a small cohesion mends it")

@@ -59,6 +59,7 @@ class Search:
 
     def __init__(self, problem: Problem, bar: tqdm[Any]) -> None:
         self.problem, self.model, self.live, self._bar = problem, problem.model, problem.live, bar
+        self._moving = self.model  # model of the mechanisms
         self.triangles = matched(self.model.contacts, self.model.triangles)
         check_closed(self.model.contacts, self.triangles)
         self._singular = _singular_points(self.model, self.triangles)
@@ -68,6 +69,12 @@ class Search:
         self._began, self._factor, self._gain = process_time(), 1.0, np.inf
         self.lower = self._solve_lower(self.model)
         self.upper = self._solve_upper()
+        if (stiff := problem.stiff) is not None:
+            self._moving = stiff
+            if (other := self._solve_upper()).proof.value <= self.upper.proof.value:
+                self.upper = other
+            else:
+                self._moving = self.model
         #: Largest factor by which all strength may be divided under the fixed loads; inf where they are admissible.
         self.fixed_factor = self._factor_of_fixed_loads()
         self.last = self.lower, self.upper
@@ -133,7 +140,7 @@ class Search:
 
     def _solve_upper(self) -> Bound:
         """Return the upper bound on the present triangles."""
-        program = discretise(self.model, self.triangles, velocity_elements(self.triangles.mesh))
+        program = discretise(self._moving, self.triangles, velocity_elements(self.triangles.mesh))
         return self._found("upper", program, *self._refuted(program, self.live))
 
     def _refuted(self, program: Program, live: bool) -> tuple[Solution, Proof]:
