@@ -302,3 +302,37 @@ def test_envelopes_in_space_are_those_of_a_plane():
     np.testing.assert_allclose(found.smallest.M, [-4.0, -2.0, 0.0], atol=1e-6)
     np.testing.assert_allclose(found.largest.M, [8.0, 4.0, 0.0], atol=1e-6)
     assert found.stages["M"][:, 0].tolist() == ["up", "down"]
+
+
+def test_wall_of_a_cylinder() -> None:
+    """[X] Lame: a pressure of 10 inside of a wall of radii 1 and 1.2, and 3 on its top; forces per length."""
+    mesh = MeshQuad.init_tensor(np.linspace(1, 1.2, 3), np.linspace(0, 2, 9)).with_defaults()
+    form = sc.SolidForm(Basis(mesh, ElementVector(ElementQuad2()), intorder=4), STEEL, coordinates="axisymmetric")
+    model = sc.Model({"body": form}, form.basis.get_dofs("bottom").all("u^2"))
+    load = model.traction("left", (10.0, 0.0)) + model.traction("top", (0.0, -3.0))
+    found = model.run([sc.Stage("in", load)], progress=False)["in"].section_forces(
+        "body", sc.Sections.line((1.1, 1.5), (1.1, 0.3), depth=0.2, n=4))  # fmt: skip
+    np.testing.assert_allclose(found.N, -3.0 * 0.22 / 1.1, rtol=1e-9)  # the half of 1.2^2 - 1
+    np.testing.assert_allclose(found.M, -3.0 * (0.728 / 3 - 1.1 * 0.22) / 1.1, atol=1e-5)  # two elements across
+    np.testing.assert_allclose(found.V, 0.0, atol=1e-4)
+    np.testing.assert_allclose(found.N_hoop, 10.0, rtol=1e-5)  # the pressure times the inner radius
+    mean = 10.0 / 0.44  # sigma = mean (1 + 1.44 / r^2)
+    np.testing.assert_allclose(found.M_hoop, mean * (1.44 * (np.log(1.2) - 1.1 * (1 - 1 / 1.2))), rtol=1e-3)
+
+
+def test_circular_plate() -> None:
+    """[X] Kirchhoff: moments of an even load on a plate that is simply supported, at its centre as well."""
+    radius, depth, nu = 5.0, 0.25, STEEL.nu
+    mesh = MeshQuad.init_tensor(np.linspace(0, radius, 31), np.linspace(0, depth, 3)).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementQuad2()), intorder=4)
+    form = sc.SolidForm(basis, STEEL, coordinates="axisymmetric")
+    edge = sc.dofs_at(basis, (radius, 0.5 * depth)).ravel()[1]
+    model = sc.Model({"body": form}, [basis.get_dofs("left").all("u^1"), edge])
+    stage = model.run([sc.Stage("even", model.traction("top", (0.0, -1.0)))], progress=False)["even"]
+    cuts = sc.Sections.line((0.0, 0.5 * depth), (4.0, 0.5 * depth), depth=depth, n=5)
+    found, r = stage.section_forces("body", cuts), cuts.position
+    # thick by a twentieth of its radius: shear adds less than half a percent
+    np.testing.assert_allclose(found.M, -(3 + nu) / 16 * (radius**2 - r**2), rtol=5e-3)
+    np.testing.assert_allclose(found.M_hoop, -((3 + nu) * radius**2 - (1 + 3 * nu) * r**2) / 16, rtol=5e-3)
+    np.testing.assert_allclose(found.V, 0.5 * r, atol=1e-3)
+    np.testing.assert_array_equal(stage.table("body", sections=cuts)["M_hoop"], found.M_hoop)

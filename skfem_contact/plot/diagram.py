@@ -18,9 +18,9 @@ from ..checks import check_plane, format_point, look_up
 from ..contact.laws import Status
 from ..errors import warn
 from ..layout import nodes as nodes_of
+from ..results.cuts import SectionForces
 from ..results.fields import Shown, basis_of, has_excess, nodal_field, quantities, solids
 from ..results.result import Result
-from ..results.sections import SectionForces
 from ..results.stage import StageResult
 from ..results.tractions import Tractions
 from .scene import Scene

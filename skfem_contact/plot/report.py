@@ -19,9 +19,9 @@ from numpy import ndarray
 
 from ..display import Table
 from ..forms.base import solids_of
+from ..results.cuts import Sections
 from ..results.fields import basis_of, solids
 from ..results.result import Result
-from ..results.sections import Sections
 from ..results.stage import StageResult
 from ..versions import own_version, versions
 from .contour import Contours, contours, cutaway

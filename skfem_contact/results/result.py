@@ -13,7 +13,7 @@ from ..checks import look_up
 from ..display import Table
 from ..forms.base import Form, as_forms
 from . import export, files, tables
-from .sections import Sections
+from .cuts import Sections
 from .stage import StageResult
 
 #: Change of a form's internal force at a reset, as a share of all forces, that is more than round-off.

@@ -13,7 +13,8 @@ from ..display import Table
 from ..forms.base import internal_force, pairs_of, solids_of
 from ..materials.base import EXCESS_PRESSURE
 from . import export, fields, files, strength, tables
-from .sections import SectionForces, Sections, section_forces
+from .cuts import SectionForces, Sections
+from .sections import section_forces
 from .tractions import ContactReport, Tractions, contact_report, tractions
 
 

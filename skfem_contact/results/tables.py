@@ -13,9 +13,10 @@ from ..checks import format_point, look_up
 from ..contact.laws import Status
 from ..display import Table
 from ..forms.base import Form, solids_of
+from .cuts import SectionForces, Sections
 from .fields import basis_of, nodal_field
 from .files import StageData
-from .sections import SectionForces, Sections, section_forces
+from .sections import section_forces
 from .tractions import tractions
 
 #: Columns of contact tractions.

@@ -1,0 +1,190 @@
+"""Cuts across slender bodies, and the forces there."""
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy import ndarray
+from numpy.typing import ArrayLike
+
+from ..surfaces.vectors import dot
+
+
+@dataclass(frozen=True)
+class SectionForces:
+    """Section forces along a body, exerted by the front on the back: arrays, shape (n,), vectors in space (n, 3).
+
+    Those of a body of revolution are per length of the circumference at the axis of the section.
+
+    Attributes
+    ----------
+    position
+        Position of the sections, as in :class:`~skfem_contact.Sections`.
+    x, y, z
+        Coordinates of the sections; z is None in the plane.
+    N
+        Normal force, tension positive (a thrust is negative).
+    V
+        Shear force, in the plane to the left of the axis; ``V = dM/ds`` where no friction on a side of the body acts as
+        a couple. In space a vector across the axis.
+    M
+        Moment, in the plane positive where the fibres to the left of the axis, the outer ones of a ring, are in
+        tension. In space a vector across the axis.
+    T
+        Torque about the axis; None in the plane, like `axis`, its direction, (n, 3).
+    N_hoop, M_hoop
+        Normal force and moment around the axis of a body of revolution, per length along the section's axis, else None.
+    """
+
+    position: ndarray
+    x: ndarray
+    y: ndarray
+    N: ndarray
+    V: ndarray
+    M: ndarray
+    z: ndarray | None = None
+    T: ndarray | None = None
+    axis: ndarray | None = None
+    N_hoop: ndarray | None = None
+    M_hoop: ndarray | None = None
+
+    def towards(self, left: ArrayLike) -> SectionForces:
+        """Return the section forces of bending in a plane, with the height for y, from those in space.
+
+        Parameters
+        ----------
+        left
+            Direction across the axis, (3,): the shear force is positive to the left, the moment where the fibres there
+            are in tension.
+
+        Raises
+        ------
+        ValueError
+            A direction along the axis, or section forces in the plane.
+        """
+        if self.axis is None or self.z is None:
+            raise ValueError("section forces in the plane have one direction of bending only")
+        side = np.asarray(left, float) - (self.axis @ np.asarray(left, float))[:, None] * self.axis
+        length = np.linalg.norm(side, axis=1)
+        if not (length > 1e-9 * np.linalg.norm(left)).all():
+            raise ValueError(f"the side of a bent body lies across its axis, not at {left!r}")
+        side = side / length[:, None]
+        about = np.cross(self.axis, side)
+        V, M = dot(self.V, side), -dot(self.M, about)
+        return SectionForces(self.position, self.x, self.z, self.N, V, M)
+
+
+@dataclass(frozen=True)
+class Sections:
+    """Cuts across a slender body, made by :meth:`line` or :meth:`ring`.
+
+    Attributes
+    ----------
+    position : ndarray, shape (n,)
+        Coordinate of every cut for tables and diagrams: central angle or arc position.
+    center, axis : ndarray, shape (n, dim)
+        Points on the axis of the body, to which moments refer, and unit tangents in the sense of rising position.
+    half_depth, curvature : ndarray, shape (n,)
+        Half the depth of the body: elements farther from the axis do not belong to it. Curvature of the axis, positive
+        where it turns to the right.
+
+    Examples
+    --------
+    >>> import skfem_contact as sc
+    >>> sc.Sections.line((0., 0.), (0., -15.), depth=.2, n=4).position.tolist()
+    [0.0, 5.0, 10.0, 15.0]
+    >>> sc.Sections.ring(center=(0., 0.), inner=.72, outer=.9, n=4).center[1].round(12).tolist()
+    [0.81, 0.0]
+    """
+
+    position: ndarray
+    center: ndarray
+    axis: ndarray
+    half_depth: ndarray
+    curvature: ndarray
+
+    @classmethod
+    def ring(cls, center: ArrayLike, inner: float, outer: float, n: int = 72) -> Sections:
+        """Return radial cuts through a ring at equal central angles, from the crown clockwise.
+
+        Parameters
+        ----------
+        center, inner, outer
+            Centre of the ring and its radii.
+        n
+            Number of cuts; their positions are ``360 / n`` degrees apart.
+        """
+        if not 0.0 < inner < outer:
+            raise ValueError(f"a ring needs 0 < inner < outer, not inner={inner!r}, outer={outer!r}")
+        center = _point(center, "the center")
+        _check_number(n, 1)
+        middle = 0.5 * (inner + outer)
+        position = np.arange(n) * 360.0 / n
+        sin, cos = np.sin(np.radians(position)), np.cos(np.radians(position))
+        return cls(position, center + middle * np.column_stack((sin, cos)),
+                   np.column_stack((cos, -sin)), np.full(n, 0.5 * (outer - inner)), np.full(n, 1.0 / middle))
+
+    @classmethod
+    def line(cls, start: ArrayLike, end: ArrayLike, depth: float, n: int = 51) -> Sections:
+        """Return cuts across a straight wall, pile or beam, from one end of its axis to the other.
+
+        Parameters
+        ----------
+        start, end
+            Ends of the axis, in the plane or in space; the position is the distance from the start.
+        depth
+            Depth of the body across its axis; in space the diameter of a cylinder that holds it.
+        n
+            Number of cuts, both ends included.
+        """
+        dim = 3 if np.size(start) == 3 else 2
+        start, end = _point(start, "the start", dim), _point(end, "the end", dim)
+        _check_number(n, 2)
+        length = float(np.linalg.norm(end - start))
+        if not (length > 0.0 and depth > 0.0):
+            raise ValueError(f"a line of sections needs two different ends and a positive depth, not {depth!r}")
+        position = np.linspace(0.0, length, n)
+        axis = (end - start) / length
+        return cls(position, start + position[:, None] * axis, np.tile(axis, (n, 1)),
+                   np.full(n, 0.5 * depth), np.zeros(n))
+
+    @property
+    def left(self) -> ndarray:
+        """Unit normals to the left of the axis, (n, 2): outward on a ring."""
+        return np.column_stack((-self.axis[:, 1], self.axis[:, 0]))
+
+    def moved(self, distance: ndarray) -> Sections:
+        """Return cuts that are moved along the curved axis, each by a distance, (n,)."""
+        half = 0.5 * self.curvature * distance
+        chord = (distance * np.sinc(half / np.pi))[:, None]
+        center = self.center + chord * (np.cos(half)[:, None] * self.axis - np.sin(half)[:, None] * self.left)
+        axis = np.cos(2.0 * half)[:, None] * self.axis - np.sin(2.0 * half)[:, None] * self.left
+        return replace(self, center=center, axis=axis)
+
+    def local(self, section: ndarray, points: ndarray) -> tuple[ndarray, ndarray]:
+        """Return positions along the curved axis and distances to its left, of points (m, dim) from sections (m,)."""
+        offset = points - self.center[section]
+        s = np.einsum("mc,mc->m", offset, self.axis[section])
+        if points.shape[1] == 3:
+            return s, np.linalg.norm(offset - s[:, None] * self.axis[section], axis=1)
+        y = np.einsum("mc,mc->m", offset, self.left[section])
+        k = self.curvature[section]
+        curved = k != 0.0
+        if curved.any():
+            k = k[curved]
+            radius = 1.0 + k * y[curved] + 1j * k * s[curved]  # from the centre of curvature, in units of 1/k
+            s[curved], y[curved] = np.angle(radius) / k, (np.abs(radius) - 1.0) / k
+        return s, y
+
+
+def _point(point: ArrayLike, what: str, dim: int = 2) -> ndarray:
+    """Check the coordinates of a point."""
+    found = np.asarray(point, float)
+    if found.shape != (dim,) or not np.isfinite(found).all():
+        raise ValueError(f"{what} of the sections must be a finite {('(x, y)', '(x, y, z)')[dim - 2]}, not {point!r}")
+    return found
+
+
+def _check_number(n: int, least: int) -> None:
+    if not (isinstance(n, (int, np.integer)) and n >= least):
+        raise ValueError(f"the number of sections must be an integer, at least {least}, not {n!r}")
