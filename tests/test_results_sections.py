@@ -310,14 +310,18 @@ def test_wall_of_a_cylinder() -> None:
     form = sc.SolidForm(Basis(mesh, ElementVector(ElementQuad2()), intorder=4), STEEL, coordinates="axisymmetric")
     model = sc.Model({"body": form}, form.basis.get_dofs("bottom").all("u^2"))
     load = model.traction("left", (10.0, 0.0)) + model.traction("top", (0.0, -3.0))
-    found = model.run([sc.Stage("in", load)], progress=False)["in"].section_forces(
-        "body", sc.Sections.line((1.1, 1.5), (1.1, 0.3), depth=0.2, n=4))  # fmt: skip
+    cuts = sc.Sections.line((1.1, 1.5), (1.1, 0.3), depth=0.2, n=4)
+    result = model.run([sc.Stage("in", load), sc.Stage("out", -2.0 * load)], progress=False)
+    found = result["in"].section_forces("body", cuts)
     np.testing.assert_allclose(found.N, -3.0 * 0.22 / 1.1, rtol=1e-9)  # the half of 1.2^2 - 1
     np.testing.assert_allclose(found.M, -3.0 * (0.728 / 3 - 1.1 * 0.22) / 1.1, atol=1e-5)  # two elements across
     np.testing.assert_allclose(found.V, 0.0, atol=1e-4)
     np.testing.assert_allclose(found.N_hoop, 10.0, rtol=1e-5)  # the pressure times the inner radius
     mean = 10.0 / 0.44  # sigma = mean (1 + 1.44 / r^2)
     np.testing.assert_allclose(found.M_hoop, mean * (1.44 * (np.log(1.2) - 1.1 * (1 - 1 / 1.2))), rtol=1e-3)
+    over = result.envelope("body", cuts)
+    np.testing.assert_allclose((over.smallest.N_hoop, over.largest.N_hoop), [[-20.0] * 4, [10.0] * 4], rtol=1e-5)
+    assert over.stages["N_hoop"][:, 0].tolist() == ["out", "in"]
 
 
 def test_circular_plate() -> None:

@@ -31,7 +31,8 @@ _COLORS = ("#d55e00", "#1f4e8c", "#2a7f3f", "#7b3294", "#444444")
 _POSITIVE, _NEGATIVE = "#cf4b41", "#3b78b4"
 #: Titles of the quantities, and kinds of their units, of tractions and of section forces.
 _TRACTIONS = {"pressure": ("contact pressure", "stress"), "shear": ("friction", "stress")}
-_FORCES = {"N": ("normal force N", "line"), "V": ("shear force V", "line"), "M": ("moment M", "moment")}
+_FORCES = {"N": ("normal force N", "line"), "V": ("shear force V", "line"), "M": ("moment M", "moment"),
+           "N_hoop": ("hoop force", "line"), "M_hoop": ("hoop moment", "moment")}
 #: Longest ordinate as a share of the size of what the diagram is drawn on.
 _LONGEST = 0.28
 #: Nodes are the same point below this share of their elements' size; gaps of meshes that touch are smaller.
@@ -54,8 +55,8 @@ def diagram(values: Any, quantity: str | None = None, *, on: StageResult | None 
         :class:`~skfem_contact.results.Tractions`, :class:`~skfem_contact.results.SectionForces`, or several of one
         kind by their labels; on a structure those of its members. Around a ring also arrays (n,) by their labels.
     quantity
-        ``"pressure"`` or ``"shear"`` of tractions; ``"N"``, ``"V"`` or ``"M"`` of section forces; by default all of
-        them. Of arrays, the label of the axis. Needed around a ring and on a structure.
+        ``"pressure"`` or ``"shear"`` of tractions; ``"N"``, ``"V"``, ``"M"``, ``"N_hoop"`` or ``"M_hoop"`` of section
+        forces; by default all of them. Of arrays, the label of the axis. Needed around a ring and on a structure.
     on
         Stage whose bodies are drawn in the background, with the values on them.
     angle : ndarray, (n,)
@@ -164,7 +165,7 @@ def _titles(values: Any) -> dict[str, tuple[str, str]]:
     if isinstance(values, Tractions):
         return _TRACTIONS
     if isinstance(values, SectionForces) and values.M.ndim == 1:
-        return _FORCES
+        return {name: _FORCES[name] for name in values.names}
     raise ValueError(f"a diagram is drawn of Tractions or of SectionForces in a plane, not of {type(values).__name__}; "
                      "of section forces in space take forces.towards(direction), of arrays give angle=")
 

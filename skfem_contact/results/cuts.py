@@ -48,6 +48,11 @@ class SectionForces:
     N_hoop: ndarray | None = None
     M_hoop: ndarray | None = None
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the forces and moments in a plane."""
+        return ("N", "V", "M") if self.N_hoop is None else ("N", "V", "M", "N_hoop", "M_hoop")
+
     def towards(self, left: ArrayLike) -> SectionForces:
         """Return the section forces of bending in a plane, with the height for y, from those in space.
 

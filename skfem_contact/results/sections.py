@@ -39,11 +39,10 @@ def section_forces(form: SolidForm, state: SolidState, sections: Sections | None
     if not (back < front).any():
         return _at(form, state, sections)
     share = np.divide(-back, front - back, out=np.zeros_like(back), where=front > back)
-    ends = [vars(_at(form, state, moved)) for moved in map(sections.moved, (back, front))]
-    names = [name for name in ("N", "V", "M", "N_hoop", "M_hoop") if ends[0][name] is not None]
+    one, other = (_at(form, state, moved) for moved in map(sections.moved, (back, front)))
     x, y = sections.center.T
-    return SectionForces(sections.position, x, y,
-                         **{name: (1.0 - share) * ends[0][name] + share * ends[1][name] for name in names})
+    return SectionForces(sections.position, x, y, **{
+        name: (1.0 - share) * getattr(one, name) + share * getattr(other, name) for name in one.names})
 
 
 def _at(form: SolidForm, state: SolidState, sections: Sections) -> SectionForces:

@@ -44,7 +44,7 @@ class Envelope:
             raise ValueError("section forces in space are vectors: an envelope is that of one plane of bending, "
                              "results.Envelope.of({stage.name: stage.section_forces(...).towards((1, 0, 0)), ...})")
         names, first = np.array(list(forces)), next(iter(forces.values()))
-        values = {key: np.array([getattr(part, key) for part in forces.values()]) for key in "NVM"}
+        values = {key: np.array([getattr(part, key) for part in forces.values()]) for key in first.names}
         low, high = ({key: v[at(v, axis=0), range(v.shape[1])] for key, v in values.items()}
                      for at in (np.argmin, np.argmax))
         stages = {key: names[np.array([v.argmin(axis=0), v.argmax(axis=0)])] for key, v in values.items()}
@@ -52,7 +52,7 @@ class Envelope:
 
     def __str__(self) -> str:
         both = enumerate((self.smallest, self.largest))
-        ends = [(key, getattr(part, key), k) for key, (k, part) in product("NVM", both)]
+        ends = [(key, getattr(part, key), k) for key, (k, part) in product(self.smallest.names, both)]
         return "\n".join(f"{key} {v[i]:10.4g} at {self.smallest.position[i]:<8.4g} {self.stages[key][k, i]}"
                          for key, v, k in ends for i in [v.argmax() if k else v.argmin()])
 
