@@ -340,3 +340,14 @@ def test_circular_plate() -> None:
     np.testing.assert_allclose(found.M_hoop, -((3 + nu) * radius**2 - (1 + 3 * nu) * r**2) / 16, rtol=5e-3)
     np.testing.assert_allclose(found.V, 0.5 * r, atol=1e-3)
     np.testing.assert_array_equal(stage.table("body", sections=cuts)["M_hoop"], found.M_hoop)
+
+
+def test_pile_on_the_axis_of_revolution() -> None:
+    """[X] A load of 7 on a cylinder of radius 0.5, and a weight of 2: a normal force per radian, nothing else."""
+    mesh = MeshQuad.init_tensor(np.linspace(0, 0.5, 4), np.linspace(0, 3, 10)).with_defaults()
+    form = sc.SolidForm(vector_basis(mesh, "Q2"), STEEL, coordinates="axisymmetric", unit_weight=2.0)
+    model = sc.Model({"body": form}, [form.basis.get_dofs("bottom").all(), form.basis.get_dofs("left").all("u^1")])
+    stage = model.run([sc.Stage("top", model.traction("top", (0.0, -7.0)))], progress=False)["top"]
+    found = stage.section_forces("body", sc.Sections.line((0.0, 2.0), (0.0, 1.0), depth=1.0, n=4))
+    np.testing.assert_allclose(found.N, -0.125 * (7.0 + 2.0 * np.array([1.0, 4 / 3, 5 / 3, 2.0])), rtol=1e-9)
+    assert not found.V.any() and not found.M.any()

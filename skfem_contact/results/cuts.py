@@ -14,7 +14,8 @@ from ..surfaces.vectors import dot
 class SectionForces:
     """Section forces along a body, exerted by the front on the back: arrays, shape (n,), vectors in space (n, 3).
 
-    Those of a body of revolution are per length of the circumference at the axis of the section.
+    Those of a body of revolution are per length of the circumference at the axis of the section. On the axis of
+    revolution, in a pile, the normal force is per radian, and there are no shear force and moment.
 
     Attributes
     ----------

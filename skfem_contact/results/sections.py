@@ -59,8 +59,9 @@ def _at(form: SolidForm, state: SolidState, sections: Sections) -> SectionForces
     plane, equal[:2] = state.stress - hoop * np.eye(len(equal))[2][:, None, None], 1.0
     section, points, parts = _cut(form, [plane, equal, equal / r, equal * hoop / r], sections)
     found, turned, straight, around = (_resultants(sections, section, points, part) for part in parts)
-    radius = turned.N / straight.N
-    return replace(found, N=found.N / radius, V=found.V / radius, M=found.M / radius, N_hoop=around.N, M_hoop=around.M)
+    pile = np.abs(np.column_stack((sections.center[:, 0] / r.max(), sections.axis[:, 0]))).max(axis=1) < _ROUND_OFF
+    width, across = np.where(pile, 1.0, straight.N / turned.N), np.where(pile, 0.0, straight.N / turned.N)
+    return replace(found, N=width * found.N, V=across * found.V, M=across * found.M, N_hoop=around.N, M_hoop=around.M)
 
 
 def _lines(form: SolidForm, sections: Sections) -> tuple[ndarray, ndarray]:
