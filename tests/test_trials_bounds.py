@@ -237,3 +237,15 @@ def test_a_wall_that_is_much_stronger_than_clay() -> None:
     rigid, strong = found
     assert strong.upper == pytest.approx(rigid.upper, rel=0.02) and strong.lower > 0.75 * rigid.lower
     assert "much stronger than the rest would be rigid, and bounds closer: wall" in str(caught[-1].message)
+
+
+def test_a_bank_that_needs_six_times_its_strength() -> None:
+    """[X] A bank of 4 m on a smooth base, c = .5, phi = 30 degrees: at most .1812, the factor of a wedge."""
+    basis = Basis(MeshTri.init_tensor(np.linspace(0, 8, 17), np.linspace(0, 4, 9)).with_defaults(),
+                  ElementVector(ElementTriP2()), intorder=2)  # fmt: skip
+    soil = sc.SolidForm(basis, sc.MohrCoulomb(E=2e4, nu=0.3, c=0.5, phi=30.0, psi=30.0), unit_weight=18.0)
+    model = sc.Model({"soil": soil}, [basis.get_dofs("bottom").all("u^2"), basis.get_dofs("right").all("u^1")])
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", sc.AnalysisWarning)  # the gap
+        found = model.bounds(elements=300, progress=False)
+    assert 0.13 < found.lower < found.upper < 0.1812

@@ -18,7 +18,7 @@ from numpy import ndarray
 from .elements import Program
 from .strength import FLAT
 
-_MOST = 80
+MOST = 80
 _SIGNS = np.array([1.0, -1.0, -1.0])
 #: Largest factor of the search: a structure with so much less strength does not depend on it.
 HIGHEST = 100.0
@@ -73,7 +73,7 @@ class Goal:
 def solve(program: Program, goal: Goal, accuracy: float) -> Solution:
     """Iterate until the gap is this share of the objective, or round-off rules."""
     path = _Path(program, goal, accuracy)
-    while path.iterations < _MOST and path.F <= HIGHEST and not path.arrived():
+    while path.iterations < MOST and path.F <= HIGHEST and not path.arrived():
         try:
             path.step()
         except (ArithmeticError, np.linalg.LinAlgError):  # no more accuracy to be had

@@ -11,7 +11,7 @@ from tqdm import tqdm
 
 from .certify import UNBALANCED, Proof, dissipation, prove_lower, prove_upper
 from .elements import Joint, Program, stress_elements, velocity_elements
-from .interior_point import HIGHEST, Goal, Solution, solve
+from .interior_point import HIGHEST, MOST, Goal, Solution, solve
 from .model import LimitModel, discretise
 from .reading import Problem
 from .result import Certificate, relative_gap
@@ -33,6 +33,8 @@ _FANS = 2
 _GAIN = 0.2
 #: ... or when the mesh has so many times the triangles: after a poor one the gain is no measure.
 _GROWN = 3.0
+#: Factors from which the solver starts, in turn: from 5 times the factor of a bank it does not come back.
+_STARTS = (1.0, 0.25, 0.06)
 #: The factor from which the next mesh's solver starts, over the last one.
 _ABOVE = 1.01
 #: Share of the gap that lies in the triangles which are refined.
@@ -67,7 +69,7 @@ class Search:
             self.triangles = self._fanned(self.triangles)
         self.history: list[Certificate] = []
         self._began, self._factor, self._gain = process_time(), 1.0, np.inf
-        self.lower = self._solve_lower(self.model)
+        self.lower = self._first_lower()
         self.upper = self._solve_upper()
         if (stiff := problem.stiff) is not None:
             self._moving = stiff
@@ -116,6 +118,15 @@ class Search:
     @property
     def _accuracy(self) -> float:
         return float(np.clip(_ACCURACY * self.gap, _FINE, _COARSE)) if self.history[2:] else _COARSE
+
+    def _first_lower(self) -> Bound:
+        """Return the first lower bound, from starts at smaller factors where the iteration does not end."""
+        for self._factor in _STARTS:
+            found = self._solve_lower(self.model)
+            if self.live or found.solution.iterations < MOST:
+                return found
+        self._factor = _STARTS[0]
+        return found
 
     def _solve_lower(self, model: LimitModel) -> Bound:
         """Return the lower bound on the present triangles, which become the parents of later ones."""
