@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import sys
 import warnings
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from types import TracebackType
 from typing import Any
@@ -88,11 +88,15 @@ class IncrementTooLarge(RuntimeError):
 
 @dataclass(frozen=True)
 class Remark:
-    """Remark on an accepted state; of each kind a run reports the remark of the largest figure."""
+    """Remark on an accepted state; of each kind a run reports the remark of the largest figure.
+
+    One that is made before the state is known may have a condition on its displacements, (N,).
+    """
 
     kind: str
     figure: float
     text: str
+    holds: Callable[[ndarray], bool] = lambda x: True
 
 
 class Remarks:

@@ -109,6 +109,23 @@ def test_elements_beside_a_seepage_face(part, told):
     assert any(f"h² / 3 c_v = {limit:.3g}" in str(w.message) for w in caught) == told
 
 
+@pytest.mark.parametrize(("outside", "told"), [(50.0, False), (49.0, False), (25.0, True)])
+def test_short_steps_without_a_jump(outside, told):
+    """[X] A reservoir that rises presses on the ground as much as its water does in the pores: nothing flows."""
+    basis, clay, water = ground()
+    model = sc.Model({"clay": clay, "water": water}, [sc.box_supports(basis), water.dofs("top")])
+    given = model.forms["water"].prescribed({"top": outside})
+    limit = 0.25**2 / 3 / (8e3 * 0.7 / 1.3 / 0.4 * 2e-4 / 9.81)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        load = model.traction("top", (0.0, -50.0))
+        stage = model.run([sc.Stage("rise", load, prescribed=given, duration=0.2 * limit)], progress=False)["rise"]
+    excess = stage.forms["water"].pressure(stage.x).max() / 50.0 - 1.0
+    assert (excess > 0.05) == told and (excess > 1e-9) == (outside < 50.0)
+    remarks = [str(w.message) for w in caught if "elements beside drains" in str(w.message)]
+    assert bool(remarks) == told and all("changes of pressure may be up to 37% too large" in text for text in remarks)
+
+
 @pytest.mark.parametrize(("pressure", "told"), [(20.0, False), (40.0, True)])
 def test_water_under_a_tight_block(pressure, told):
     """[X] Water that presses more than a block weighs, 24, lifts it; where tight contact holds the total it is told."""

@@ -18,7 +18,6 @@ J. P. Carter 1986).
 """
 import json
 import time
-import warnings
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -76,7 +75,6 @@ for n in (20, 40):
 # `Inflow` is a form that brings water, or takes it, at a rate: the pump runs for 20 hours, and stops. The ground
 # does not strain sideways, and its cover is a constant load.
 
-warnings.filterwarnings("ignore", message=".*of the elements beside drains")  # the far side: nothing arrives there
 DAY, STIFFNESS, STORAGE = 7.2e4, 1e5, 2e-6
 OBSERVED = (1.0, 5.0, 25.0)
 

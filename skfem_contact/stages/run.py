@@ -75,7 +75,7 @@ def run(setup: Setup, stages: Sequence[Stage], start: Result | StageResult | Non
 
 def _remarked(remarks: Remarks, phase: Phase, last: StageResult) -> StageResult:
     """Return the end of a stage, reached or not, with all remarks on it: contact may be the reason of a failure."""
-    found = {"the stage": list(phase.remarks)}
+    found = {"the stage": [remark for remark in phase.remarks if remark.holds(last.x)]}
     for name, form in last.forms.items():
         found[name] = [*form.remarks(last.x[:form.size], last.states[name]), *form.remarks_on(last.x, last.states)]
     for name, several in found.items():

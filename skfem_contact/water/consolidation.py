@@ -264,7 +264,7 @@ class PoreWater(Form):
                              "not drained: friction there counts the total stress, not the effective one")
         yield from around.crossed
         others = [ground for dofs, ground in around.waters if not np.isin(dofs, held).any()]
-        yield from self.porous.check_step(drained, around.leaks, [own, *others], duration)
+        yield from self.porous.check_step(drained, around.leaks, [own, *others], duration, self.first)
 
     @override
     def remarks_on(self, x: ndarray, states: Mapping[str, Any]) -> Iterator[Remark]:
