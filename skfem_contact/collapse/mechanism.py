@@ -154,10 +154,10 @@ def added_by_mesh(forms: Mapping[str, Form], bands: Mapping[str, ndarray], state
 
 def warn_of_mesh(what: str, value: float, added: float, proven: Bounds | None, tolerance: float) -> None:
     """Raise a warning if a value lies outside of its bounds, or if the mesh adds more to it than is tolerable."""
-    coarse = f"the {what} {value:.4g} is about {{:.1%}} too high{{}}, for displacements do not jump inside of elements"
+    coarse = f"the {what} {value:.4g} is about {{:.1%}}{{}} too high, for displacements do not jump inside of elements"
     if proven is None or proven.estimate or not proven.lower > (1.0 - _CLOSE) * proven.upper:
         if added > _COARSE:
-            warn(f"{coarse.format(added, ', or half or twice as much')}: refine the mesh along the mechanism")
+            warn(f"{coarse.format(added, ' (half to twice that)')}: refine the mesh along the mechanism")
     elif added * value > tolerance:
         exact = proven.lower + _BETWEEN * (proven.upper - proven.lower)
         if proven.upper + tolerance >= value > exact + _TIMES * tolerance:
