@@ -127,9 +127,9 @@ class Model(Setup):
         surcharge
             Pressure on the surface, that of water above it included.
         water
-            Water at rest: its level, points of it, or the pore pressure as a function of the coordinates. Stresses are
-            then effective, everywhere. A wall that is wished in place begins as ground. Where the
-            forms have unit weights the load of the water is added, otherwise `load` holds it.
+            Water at rest: its level, points of it, or the pore pressure as a function of the coordinates or at the
+            vertices, (n_vertices,). Stresses are then effective, everywhere. A wall that is wished in place begins as
+            ground. Where the forms have unit weights the load of the water is added, otherwise `load` holds it.
 
         Raises
         ------

@@ -7,7 +7,16 @@ import warnings
 import numpy as np
 import pytest
 from helpers import grid, vector_basis
-from skfem import FacetBasis, LinearForm
+from skfem import (
+    Basis,
+    ElementQuad1,
+    ElementTriP2,
+    ElementVector,
+    FacetBasis,
+    LinearForm,
+    MeshQuad,
+    MeshTri,
+)
 
 import skfem_contact as sc
 
@@ -86,6 +95,23 @@ def test_k0_with_groundwater():
     np.testing.assert_allclose(stress[1], -np.where(y > 4, 17 * (6 - y), 34 + 10 * (4 - y)), rtol=1e-12)
     np.testing.assert_allclose(stress[0], 0.5 * stress[1], rtol=1e-12)
     assert start[0].residual < 1e-12
+
+
+@pytest.mark.parametrize(("mesh", "element"), [(MeshTri, ElementTriP2()), (MeshQuad, ElementQuad1())])
+def test_k0_with_pressures_at_vertices(mesh, element):
+    """[X] Water that rises through ground 6 m deep by 0.5 a metre leaves gamma - 1.5 times its unit weight."""
+    mesh = mesh.init_tensor(np.linspace(0, 4, 5), np.linspace(0, 6, 7)).with_defaults()
+    basis = Basis(mesh, ElementVector(element), intorder=2)
+    form = sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3), unit_weight=20.0)
+    model = sc.Model({"ground": form}, sc.box_supports(basis))
+    flow = sc.water.seepage(basis, 1e-5, {"top": 6.0, "bottom": 9.0}, unit_weight=10.0)
+    start = model.k0_state(K0=0.5, water=flow.pressure)
+    depth, stress = 6.0 - np.asarray(basis.global_coordinates())[1], start["initial"].states["ground"].stress
+    np.testing.assert_allclose(stress[1], -5.0 * depth, rtol=1e-9)
+    np.testing.assert_allclose(stress[0], -2.5 * depth, rtol=1e-9)
+    assert start["initial"].residual < 1e-12
+    with pytest.raises(ValueError, match="or pressures at the vertices"):
+        model.k0_state(K0=0.5, water=flow)
 
 
 def test_ground_under_water():

@@ -189,7 +189,7 @@ def test_package_does_not_grow() -> None:
     # with directions of the last one, and solutions that end early, 95
     # input that is told or refused: gravity, seismic, weights upwards, files of other elements, meshes far away, 50;
     # forces that stay where a stiffness changes 15; forms and supports that stages have changed, in further runs, 40
-    # water above the ground in K0 states 14; drains that a stage opens 25;
+    # water above the ground in K0 states 14, and pressures at the vertices 15; drains that a stage opens 25;
     # short steps beside permeable ground with a water of its own 25, and without a jump of the pressures 17;
     # water that is not active 7;
     # pressures of the water of stages in results 40 and a file; densities of water 8;
@@ -198,7 +198,7 @@ def test_package_does_not_grow() -> None:
     # drains that hold nothing 4; rain that stands on the ground 25; histories of water 3; levels and suction 4
     base = 22_400 + 30 + 180 + 330
     water = 480 + 160 + 110 + 10 + 42 + 285 + 42 + 160 + 40 + 27
-    water += 14 + 25 + 25 + 17 + 7 + 40 + 8 + 20 + 10 + 22 + 2 + 10 + 4 + 25 + 3 + 4
+    water += 14 + 15 + 25 + 25 + 17 + 7 + 40 + 8 + 20 + 10 + 22 + 2 + 10 + 4 + 25 + 3 + 4
     searches = 30 + 20 + 80 + 10 + 25 + 15 + 20 + 20 + 15 + 100 + 35 + 75
     # resultants of dual multipliers by their own functions 15, areas that hang together 5
     # water of a search in its bounds 40; bodies of much more strength in bounds, and other starts, 42;

@@ -15,7 +15,7 @@ from ..checks import finite, format_point, look_up
 from ..contact.prestress import prestressed
 from ..errors import warn
 from ..forms.base import Form, internal_force, pairs_of
-from ..layout import others
+from ..layout import linear_element, others
 from ..loads import by_element
 from ..materials import LinearElastic, Material
 from ..nonlinear.newton import Evaluation
@@ -62,15 +62,18 @@ def k0_state(setup: Setup, load: Any, K0: float | Mapping[str, float], unit_weig
     if ratios[elements].max() > _LARGEST_K0:
         warn(f"K0 is {ratios[elements].max():.4g}: it is the ratio of horizontal to vertical stress, not in per cent")
     pressure = None if water is None or water is False else as_pressure(water, mesh, setup.water_unit_weight)
-    if pressure is not None and not callable(pressure):
-        raise ValueError("water of the K0 procedure must be a level, points of it, or a function of the coordinates")
+    if pressure is not None and not callable(pressure) and np.shape(pressure) != (mesh.nvertices,):
+        raise ValueError("water of the K0 procedure must be a level, points of it, a function of the coordinates such "
+                         "as that of a seepage, water.pressure_at, or pressures at the vertices")
     if pressure is not None:
-        _check_surface(mesh.p[:, np.unique(mesh.t[:, elements])], pressure, surcharge)
+        vertices = np.unique(mesh.t[:, elements])
+        given = pressure(mesh.p[:, vertices]) if callable(pressure) else np.asarray(pressure)[vertices]
+        _check_surface(mesh.p[:, vertices], given, surcharge)
 
     def stress(x: ndarray, elements: ndarray) -> ndarray:
         vertical = -surcharge - overburden(x[-1])
         if pressure is not None:
-            vertical = vertical + pressure(x)
+            vertical = vertical + (pressure(x) if callable(pressure) else _linear(mesh, pressure, x, elements))
         horizontal, none = ratios[elements] * vertical, np.zeros_like(vertical)
         plane = (horizontal, vertical, horizontal, none)
         return np.stack(plane if len(x) == 2 else (horizontal, horizontal, vertical, none, none, none))
@@ -216,9 +219,17 @@ def _stress_at(points: ndarray, stress: _StressField, solids: Mapping[str, Any])
     return np.asarray(stress(points.T[:, :, None], np.concatenate(elements)[nearest][:, None]))[:, :, 0]
 
 
-def _check_surface(x: ndarray, pressure: Callable[[ndarray], ndarray], surcharge: float) -> None:
-    """Refuse water that presses more than the surcharge on the highest of some nodes, (dim, n)."""
-    given = finite(pressure(x), "the pressure")
+def _linear(mesh: Any, nodal: ndarray, x: ndarray, elements: ndarray) -> ndarray:
+    """Return values at the vertices, (n_vertices,), at points (dim, n, ...) in elements of the mesh, (n, 1)."""
+    here, element = elements[:, 0], linear_element(mesh)
+    local = mesh.mapping().invF(x, tind=here)
+    return sum((element.lbasis(local, i)[0] * np.asarray(nodal)[at][:, None] for i, at in enumerate(mesh.t[:, here])),
+               start=np.zeros(x.shape[1:]))
+
+
+def _check_surface(x: ndarray, pressure: ndarray, surcharge: float) -> None:
+    """Refuse water that presses, (n,), more than the surcharge on the highest of some nodes, (dim, n)."""
+    given = finite(pressure, "the pressure")
     values = np.where(x[-1] > x[-1].max() - _SAME * np.ptp(x[-1]), given, 0.0)
     k = values.argmax()
     if values[k] - surcharge > _SAME * np.abs(given).max():
