@@ -70,6 +70,23 @@ def test_a_step_into_a_wall_is_shortened():
     assert residuals == (1.0, 0.0)
 
 
+@pytest.mark.parametrize("share, ends", [(0.2, True), (0.5, False)])
+def test_iterations_that_are_nearly_done_go_on(share, ends):
+    """[X] Steps that leave a fifth reach 1e-8 in 12 iterations though 5 are allowed; those that leave half do not."""
+    evaluate = scalar(lambda z: 1.0 - z)
+
+    def iterations():
+        _, residuals = iterate(evaluate(np.zeros(1)), evaluate, lambda now, damped: (1.0 - share) * now.residual,
+                               Newton(max_iterations=5))
+        return len(residuals) - 1
+
+    if ends:
+        assert iterations() == 12
+    else:
+        with pytest.raises(NotConverged, match="after 5 iterations"):
+            iterations()
+
+
 def test_where_no_trial_may_go_the_step_is_shortened():
     """[X] Steps that are refused by an infinite norm, whatever their forces, as those of a negative strength are."""
     def evaluate(z):

@@ -25,6 +25,9 @@ _CYCLE, _AWAY, _MANY = 8, 2, 10.0
 #: Active sets of contact that return so many times, with a residual of more than this share of the one that they had
 #: before, may do so for ever: points of a brittle bond open with it, and close without it.
 _RETURNS, _NO_LESS = 2, 0.9
+#: Iterations that leave less than this share of the residual continue beyond their largest number: they are few, and
+#: end in equilibrium. A footing of 285,660 dofs begins anew with a residual of 4e-7 after 25 iterations otherwise.
+_FALLS = 0.25
 #: Along the energy, so many residuals that differ by so little and are so many times the smallest one.
 _STUCK, _SAME, _WORSE = 6, 0.8, 5.0
 #: Round-off of the forces, as a share of the residual, that is mentioned where the iterations fail.
@@ -58,8 +61,9 @@ class Newton:
     tolerance
         Norm of the residual over the largest norm among the load and the forms' forces.
     max_iterations
-        Number of iterations after which the increment has failed. Along the energy, iterations that find a new active
-        set of contact do not count, up to four times as many.
+        Number of iterations after which the increment has failed. Iterations continue while each of them leaves less
+        than a quarter of the smallest residual before. Along the energy, iterations that find a new active set of
+        contact do not count, up to four times as many.
 
     Raises
     ------
@@ -251,7 +255,7 @@ def iterate(now: Evaluation, evaluate: Callable[[ndarray], Evaluation],
     norms, sizes, damped = [now.norm], [unbalanced(now)], damp
     sets, visited, counted, times, first = [now.active], [now.z], 0, 0, 0
     while len(norms) <= at_least or not (now.norm <= settings.tolerance and now.lag == 0.0):
-        if max(counted, (len(norms) - 1) / _MOVING) >= settings.max_iterations or not now.norm < 1e8 \
+        if _too_many(norms, counted, settings.max_iterations) or not now.norm < 1e8 \
                 or (_stuck(norms) if search == "energy" else _hopeless(norms, any(now.active))):
             raise NotConverged(f"no equilibrium after {len(norms) - 1} iterations; {_why(now, norms)}",
                                now.z, norms, now.worst)
@@ -283,6 +287,11 @@ def iterate(now: Evaluation, evaluate: Callable[[ndarray], Evaluation],
         stagnates = len(norms) > _PATIENCE and now.norm > 0.5 * norms[-1 - _PATIENCE]
         damped = damp or stagnates
     return now, (*norms[:-1], now.norm + now.hidden)
+
+
+def _too_many(norms: list[float], counted: int, most: int) -> bool:
+    """Return True if all iterations are made, and the last one has not brought equilibrium much closer."""
+    return max(counted, (len(norms) - 1) / _MOVING) >= most and norms[-1] > _FALLS * min(norms[:-1])
 
 
 def _came_back(sets: list[tuple[bytes, ...]], norms: list[float]) -> int:
