@@ -12,8 +12,10 @@ from .interior_point import HIGHEST, Solution
 from .strength import Strength
 
 #: Share of plain stiffness in the metric in which stresses are put into equilibrium: with the solver's alone points at
-#: yield could not move at all, with the plain one soil of little stress would lose up to 2 % of the factor.
-_PLAIN = 1e-5
+#: yield could not move at all, with the plain one soil of little stress would lose up to 2 % of the factor. The second
+#: one is taken where the first leads to no equilibrium: with noise of 1e-14 a pile in the ground has no lower bound in
+#: two of nine runs with the first alone, and 1.3340 to 1.3341 in all with both.
+_PLAIN = 1e-5, 1e-4
 #: Equilibrium is repeated until it is violated by less than this share, at most so often; beyond the last, refused. A
 #: pile in the ground (c = 7,500 and 32) leaves 2e-13 after 8 repetitions and 2e-14 after 20.
 _BALANCED, _REPETITIONS, UNBALANCED = 1e-15, 20, 1e-13
@@ -42,8 +44,11 @@ class Proof:
 def prove_lower(program: Program, found: Solution, live: bool) -> Proof:
     """Prove a lower bound: the largest factor (multiplier) that stresses in equilibrium with the loads admit."""
     theta = found.theta if live else 1.0
-    stress, residual = _balanced(program, found, theta)
-    if not residual <= UNBALANCED:
+    for plain in _PLAIN:
+        stress, residual = _balanced(program, found, theta, plain)
+        if residual <= UNBALANCED:
+            break
+    else:
         return Proof(-np.inf, stress, residual)
     round_off = _NO_STRESS * np.abs(stress).max(initial=0.0)
     if not live:
@@ -55,13 +60,13 @@ def prove_lower(program: Program, found: Solution, live: bool) -> Proof:
     return Proof(share * theta, share * stress, residual)
 
 
-def _balanced(program: Program, found: Solution, theta: float) -> tuple[ndarray, float]:
+def _balanced(program: Program, found: Solution, theta: float, plain: float) -> tuple[ndarray, float]:
     """Move stresses into equilibrium, where it costs least; also return the relative violation that is left."""
     f = program.dead + theta * program.live
     stress = found.stress.copy()
     scale = float((abs(program.matrix) @ np.abs(stress).ravel()).max(initial=0.0)) or 1.0
     trace = np.trace(found.metric, axis1=1, axis2=2)[:, None, None]
-    metric = np.divide(found.metric, trace, out=np.zeros_like(found.metric), where=trace > 0) + _PLAIN * np.eye(3)
+    metric = np.divide(found.metric, trace, out=np.zeros_like(found.metric), where=trace > 0) + plain * np.eye(3)
     inverse = program.factor(metric)
     for _ in range(_REPETITIONS):
         r = f - program.forces(stress)
