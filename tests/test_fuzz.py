@@ -18,10 +18,14 @@ def test_random_scenes(part: int) -> None:
     assert sum(one.gave_up for one in trials) <= 2  # of six; 1 % of all do
 
 
-@pytest.mark.parametrize("seed", [52000507, 81000083])
+@pytest.mark.parametrize("seed", [52000507, 81000083, 91000027])
 @pytest.mark.filterwarnings("ignore::skfem_contact.AnalysisWarning")
 def test_scenes_that_failed(seed: int) -> None:
-    """Bars whose limit load rises by 1.3 % over 340 lengths of a step; bars as soft as the springs of a collapse."""
+    """[X] Two scenes with bars, and a stack of blocks.
+
+    Bars whose limit load rises by 1.3 % over 340 lengths of a step; bars as soft as the springs of a collapse; blocks
+    whose lower bound needs three starts.
+    """
     assert not details([trial(seed)])
 
 

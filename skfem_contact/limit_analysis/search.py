@@ -68,7 +68,7 @@ class Search:
         for _ in range(_FANS):
             self.triangles = self._fanned(self.triangles)
         self.history: list[Certificate] = []
-        self._began, self._factor, self._gain = process_time(), 1.0, np.inf
+        self._began, self._factor, self._gain, self._accuracy = process_time(), 1.0, np.inf, _COARSE
         self.lower = self._first_lower()
         self.upper = self._solve_upper()
         if (stiff := problem.stiff) is not None:
@@ -114,10 +114,7 @@ class Search:
             self.lower = max(self.lower, lower, key=lambda found: found.proof.value)
         if upper is not None:
             self.upper = min(self.upper, upper, key=lambda found: found.proof.value)
-
-    @property
-    def _accuracy(self) -> float:
-        return float(np.clip(_ACCURACY * self.gap, _FINE, _COARSE)) if self.history[2:] else _COARSE
+        self._accuracy = float(np.clip(_ACCURACY * self.gap, _FINE, _COARSE))
 
     def _first_lower(self) -> Bound:
         """Return the first lower bound, from starts at smaller factors where the iteration does not end."""
