@@ -60,7 +60,8 @@ def _at(form: SolidForm, state: SolidState, sections: Sections) -> SectionForces
     section, points, parts = _cut(form, [plane, equal, equal / r, equal * hoop / r], sections)
     found, turned, straight, around = (_resultants(sections, section, points, part) for part in parts)
     pile = np.abs(np.column_stack((sections.center[:, 0] / r.max(), sections.axis[:, 0]))).max(axis=1) < _ROUND_OFF
-    width, across = np.where(pile, 1.0, straight.N / turned.N), np.where(pile, 0.0, straight.N / turned.N)
+    radius = straight.N / turned.N
+    width, across = np.where(pile, 1.0, radius), np.where(pile, 0.0, radius)
     return replace(found, N=width * found.N, V=across * found.V, M=across * found.M, N_hoop=around.N, M_hoop=around.M)
 
 
