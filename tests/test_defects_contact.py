@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import space
 from helpers import grid, traction, unknowns_of, vector_basis
-from skfem import FacetBasis, LinearForm, MeshQuad
+from skfem import Basis, ElementTriP2, ElementVector, FacetBasis, LinearForm, MeshQuad, MeshTri
 
 import skfem_contact as sc
 from skfem_contact.contact.penalty import choose_penalties
@@ -524,3 +524,38 @@ def test_friction_of_points_that_have_just_closed(quadrature) -> None:
         pulls.append((abs(slid.report("joint").force[0]), told))
     assert pulls[0][0] == pytest.approx(12.0, rel=1e-3) and not pulls[0][1]
     assert pulls[1][0] < 11.0 and pulls[1][1]
+
+
+@pytest.mark.parametrize("unit", [1.0, 1e-6])
+@pytest.mark.parametrize(("by", "share"), [(sc.AugmentedLagrangian, "1.2%"), (sc.DualMultipliers, "9.9%")])
+def test_gaps_between_nodes_beside_multipliers(by, share: str, unit: float) -> None:
+    """[N] Multipliers are no displacements: gaps between nodes are the same share of these in MPa and in Pa."""
+    lower, upper = (grid("Q1", np.linspace(0, 2, n), y) for n, y in ((6, [-1.0, 0.0]), (7, [0.0, 1.0])))
+    bent = replace(upper, doflocs=upper.p + np.stack((0 * upper.p[0], 0.05 * (upper.p[0] - 1) ** 2)))
+    basis = vector_basis(sc.join_bodies({"low": lower, "up": bent}), "Q1", intorder=2)
+    forms = {"solid": sc.SolidForm(basis, sc.LinearElastic(E=1e9 * unit, nu=0.3)),
+             "joint": sc.ContactPair(basis, "up:bottom", "low:top", sc.Coulomb(0.3), enforcement=by())}  # fmt: skip
+    top, pressed = basis.get_dofs("up:top"), basis.zeros()
+    pressed[top.all("u^2")] = -0.02
+    fixed = np.union1d(basis.get_dofs("low:bottom").all(), top.all())
+    _, remarks = remarked(forms, sc.Stage("press", None, pressed, increments=2), fixed)
+    assert f"gapes or penetrates by {share} of the largest displacement" in remarks
+
+
+@pytest.mark.parametrize("pressure", [0.0, 10.0])
+def test_share_of_the_penalty_beside_water(pressure: float) -> None:
+    """[X] Pressures in the ground are no displacements: a wall that is pushed moves mostly by its penalty, as told."""
+    mesh = MeshTri.init_tensor(np.linspace(0, 1, 5), np.linspace(0, 1, 5)).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
+    water = sc.PoreWater(basis, 1.0, unit_weight=10.0)
+    wall = sc.Beam(basis, "right", EI=1e6, EA=1e8, bonded=False)
+    forms = {"ground": sc.SolidForm(basis, sc.LinearElastic(E=1e5, nu=0.0)), "water": water, "wall": wall,
+             **wall.contact(basis, sc.Coulomb(), penalty=2e6)}  # fmt: skip
+    model = sc.Model(forms, [basis.get_dofs("left").all("u^1"), basis.get_dofs("bottom").all("u^2"),
+                             *wall.dofs((1.0, 0.0), ["u^2"]), water.dofs("left", "right", "top", "bottom")])
+    held = model.forms["water"].prescribed({"left": pressure, "right": pressure, "top": pressure, "bottom": pressure})
+    push = [model.forms["wall"].load((-50.0, 0.0), at=(1.0, y)) for y in (0.0, 1.0)]
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        model.run([sc.Stage("push", push, prescribed=held, duration=1e3)], progress=False)
+    assert "penalty compliance is " in "; ".join(str(warning.message) for warning in caught)

@@ -128,7 +128,7 @@ def _compliance(pair: ContactBase, x: ndarray, state: ContactState) -> ndarray:
     Compliance before the last reset of displacements does not count, nor do overlaps of the mesh and laws of one's own.
     """
     closed = np.flatnonzero(state.status != Status.OPEN)
-    largest, penalties, weight = float(np.abs(x).max(initial=0.0)), pair.penalties(state), pair.points(state).weight
+    largest, penalties, weight = _largest(pair, x), pair.penalties(state), pair.points(state).weight
     depth, slip = (state.clearance - state.gap)[closed], np.linalg.norm(state.slip[:, closed], axis=0)
     compressed = float(np.abs(state.traction).max(initial=0.0)) / (pair.stiffness or penalties[0])
     if largest <= _AT_REST * compressed or not (depth.any() or slip.any()):
@@ -147,13 +147,19 @@ def _compliance(pair: ContactBase, x: ndarray, state: ContactState) -> ndarray:
 
 def _left_between(pair: ContactBase, x: ndarray, state: ContactState, meshed: ndarray) -> float:
     """Return the mean gap that multipliers leave where pressure acts, as a share of the largest displacement."""
-    closed, largest = state.traction[0] < 0.0, float(np.abs(x).max(initial=0.0))
+    closed, largest = state.traction[0] < 0.0, _largest(pair, x)
     if largest == 0.0 or not closed.any():
         return 0.0
     depth = (state.clearance - state.gap)[closed]
     since = np.abs(depth - (state.clearance - meshed)[closed])
     left = np.minimum(np.abs(depth), since)
     return float(np.average(left, weights=pair.points(state).weight[closed])) / largest
+
+
+def _largest(pair: ContactBase, x: ndarray) -> float:
+    """Return the largest displacement of the mesh and of both surfaces; pressures, rotations, multipliers are none."""
+    own = [x[surface.dofs[surface.dofs >= 0]] for surface in (pair.slave, pair.master)]
+    return max(float(np.abs(part).max(initial=0.0)) for part in (x[:pair.mesh_dofs], *own))
 
 
 def _mean_compliance(weight: ndarray, traction: ndarray, penalty: float, distance: ndarray,
