@@ -276,3 +276,21 @@ def test_bad_soil():
     form = sc.SolidForm(vector_basis(grid("Q1", [0, 1], [0, 1]), "Q1", intorder=2), sc.LinearElastic(E=E, nu=NU))
     with pytest.raises(ValueError, match=r"no region has an undrained strength; the regions are \['all'\]"):
         undrained_strength(form, form.initial_state())
+
+
+@pytest.mark.parametrize(("quick", "mu", "told"), [(True, 0.3, True), (True, 0.0, False), (False, 0.3, False)])
+def test_friction_beside_undrained_ground(quick: bool, mu: float, told: bool) -> None:
+    """[X] A block on confined ground: its water takes K_w / (K_w + M) of the pressure, which friction counts."""
+    bodies = {"bed": grid("Q1", np.linspace(0, 1, 4), np.linspace(-1, 0, 4)), "cap": grid("Q1", [0.0, 1.0], [0.0, 1.0])}
+    basis = vector_basis(sc.join_bodies(bodies), "Q1", intorder=2)
+    soil = sc.LinearElastic(E=E, nu=NU)
+    bed = sc.Undrained(soil, bulk_modulus_water=9.0 * 1.2 * E) if quick else soil  # M = 1.2 E
+    forms = {"solids": sc.SolidForm(basis, {"bed": bed, "cap": sc.LinearElastic(E=1e3 * E, nu=NU)}),
+             "joint": sc.ContactPair(basis, "cap:bottom", "bed:top", sc.Coulomb(mu))}  # fmt: skip
+    sides = basis.get_dofs({"bed:left", "bed:right", "cap:left", "cap:right"}).all("u^1")
+    model = sc.Model(forms, [basis.get_dofs("bed:bottom").all("u^2"), sides])
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        model.run([sc.Stage("press", model.traction("cap:top", (0.0, -P0)))], progress=False)
+    text = "'press', joint: the ground beside it is undrained, with an excess pressure of 90 on average"
+    assert any(text in str(w.message) for w in caught) == told

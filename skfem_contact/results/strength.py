@@ -1,11 +1,16 @@
 """Strength of the ground: mobilised share, status of points, excess pore pressure, undrained strength."""
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from enum import IntEnum
+from itertools import product
+from typing import Any
 
 import numpy as np
 from numpy import ndarray
 
+from ..errors import Remark
+from ..forms.base import Form, pairs_of, solids_of
 from ..forms.solid import SolidForm, SolidState
 from ..layout import linear_element
 from ..materials import spectral
@@ -14,6 +19,8 @@ from .patch_recovery import projected, recovered, region_mesh, within_points
 
 #: Points this close to their strength count as yielding: stresses return to it up to round-off.
 _AT_YIELD = 1e-6
+#: Mean excess pressure beside a contact, as a share of its mean pressure, by which friction is wrong and remarked on.
+_IN_FRICTION = 0.05
 
 
 class PointStatus(IntEnum):
@@ -99,6 +106,20 @@ def total_stress(form: SolidForm, state: SolidState) -> ndarray:
     stress = state.stress.copy()
     stress[:3] += at_points - pore_pressure(form, state)
     return stress
+
+
+def undrained_friction(forms: Mapping[str, Form], states: Mapping[str, Any]) -> Iterator[tuple[str, Remark]]:
+    """Yield contact pairs and remarks on their friction, which counts the excess pressure of undrained ground."""
+    grounds = [(form.basis.element_dofs[:, region.elements], pore_pressure(form, states[name])[region.elements])
+               for name, form in solids_of(forms).items() for region in form.regions if region.material.undrained]
+    for (name, pair), (dofs, pressure) in product(pairs_of(forms).items(), grounds):
+        beside, normal = np.isin(dofs, pair.joins).any(axis=0), states[name].traction[0]
+        if beside.any() and (normal < 0.0).any() and np.any(getattr(pair.law, "mu", 0.0)):
+            excess, total = float(pressure[beside].mean()), -float(normal[normal < 0.0].mean())
+            if abs(excess) > _IN_FRICTION * total:
+                yield name, Remark("undrained", abs(excess) / total,
+                                   f"the ground beside it is undrained, with an excess pressure of {excess:.3g} on "
+                                   f"average: friction counts the total stress, {total:.3g}, not the effective one")
 
 
 def undrained_strength(form: SolidForm, state: SolidState) -> dict[str, ndarray]:

@@ -19,6 +19,7 @@ from ..nonlinear.stepping import Predictor, Stepping
 from ..nonlinear.system import System
 from ..results.result import Result
 from ..results.stage import StageResult
+from ..results.strength import undrained_friction
 from ..solvers import single_threaded
 from .activation import Phase, begin, check_start, plan, state_changes, timeless
 from .setup import Setup
@@ -78,6 +79,8 @@ def _remarked(remarks: Remarks, phase: Phase, last: StageResult) -> StageResult:
     found = {"the stage": [remark for remark in phase.remarks if remark.holds(last.x)]}
     for name, form in last.forms.items():
         found[name] = [*form.remarks(last.x[:form.size], last.states[name]), *form.remarks_on(last.x, last.states)]
+    for name, remark in undrained_friction(last.forms, last.states):
+        found[name].append(remark)
     for name, several in found.items():
         remarks.add(last.name, name, several)
     return replace(last, remarks=tuple(f"{name}: {remark.text}" for name, several in found.items()
