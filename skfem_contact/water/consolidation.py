@@ -258,7 +258,8 @@ class PoreWater(Form):
         yield from check_units(self.ground, (own := self.drainage(around.modulus)).diffusivity, duration)
         for name, form in around.touching.items():
             touched = self._vertices[np.isin(self.ground.nodal_dofs[0, self._vertices], form.joins)]
-            if len(pressed := np.setdiff1d(touched, np.append(drained, self.porous.open))):
+            pressed = np.setdiff1d(touched, np.append(drained, self.porous.open))
+            if len(pressed) and np.any(getattr(form.law, "mu", 1.0)):
                 yield Remark("friction", len(pressed),
                              f"'{name}' transfers the pressure of the water as well, at {len(pressed)} nodes that are "
                              "not drained: friction there counts the total stress, not the effective one")
