@@ -144,6 +144,7 @@ class StageResult(files.StageData):
 
         Stresses are recovered at the nodes of every region from its elements' forces and stresses
         (:doc:`theory </theory/recovery>`); invariants are theirs. A node between regions has the mean of their values.
+        They are effective where water acts, but contain the excess pressure of :class:`Undrained` ground.
 
         Parameters
         ----------
