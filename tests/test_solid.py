@@ -345,3 +345,20 @@ def test_locking_is_warned_of(strain, warned, load):
     yields = bool((stage.states["clay"].internal[0] > 0).any())
     assert yields == (load > 2.0)
     assert any("too stiff and too strong where soil flows" in str(one.message) for one in caught) == (warned and yields)
+
+
+@pytest.mark.parametrize(("element", "nu_undrained", "told"), [
+    ("P1", 0.499, True), ("P1", None, False), ("P2", 0.499, False), ("Q1", 0.499, False)])  # fmt: skip
+def test_locking_at_constant_volume(element, nu_undrained, told):
+    """[N] A strip on undrained ground: triangles of three nodes settle half as much as the others, and are told of."""
+    mesh = grid(element, np.linspace(0, 8, 17), np.linspace(-8, 0, 17))
+    basis, soil = vector_basis(mesh, element, intorder=2), sc.LinearElastic(E=1e4, nu=0.3)
+    clay = soil if nu_undrained is None else sc.Undrained(soil, nu_undrained=nu_undrained)
+    model = sc.Model({"clay": sc.SolidForm(basis, clay)}, sc.box_supports(basis))
+    load = model.traction("top", lambda x: np.stack((0 * x[0], -50.0 * (x[0] < 2.0))))
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        stage = model.run([sc.Stage("strip", load)], progress=False)["strip"]
+    assert any("elements of corner nodes alone lock" in str(one.message) for one in caught) == told
+    if nu_undrained is not None:  # P2 9.718e-3, Q1 9.736e-3; on meshes twice as fine 9.719e-3 and 9.726e-3
+        assert -stage.x[1::2].min() == pytest.approx(5.00e-3 if told else 9.72e-3, rel=0.01)
