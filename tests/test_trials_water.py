@@ -292,3 +292,16 @@ def test_wet_fill_on_undrained_clay():
     stage = model.run(stages, progress=False)["fill"]
     assert np.nanmax(abs(stage.forms["water"].pressure(stage.x))) < 1e-6  # round-off of 50
     assert stage.pore_pressure("clay").max() == pytest.approx(50.0, rel=5e-3)
+
+
+def test_ground_that_becomes_undrained_beside_its_water():
+    """It has PoreWater already, which would count twice: a stage refuses it as the model does, or deactivates it."""
+    basis, clay, water = ground()
+    quick = {"clay": clay.with_materials({"all": sc.Undrained(sc.LinearElastic(E=8e3, nu=0.3), nu_undrained=0.499)})}
+    model = sc.Model({"clay": clay, "water": water}, [sc.box_supports(basis), water.dofs("top")])
+    start = model.run([sc.Stage("rest", duration=1.0)], progress=False)
+    load = model.traction("top", lambda x: np.stack((0 * x[0], -50.0 * (x[0] < 2.0))))
+    with pytest.raises(ValueError, match="'quick': 256 elements are Undrained and have PoreWater too"):
+        model.run([sc.Stage("quick", load, change=quick, duration=1.0)], start=start, progress=False)
+    stage = model.run([sc.Stage("quick", load, change=quick, deactivate="water")], start=start, progress=False)["quick"]
+    assert stage.pore_pressure("clay").max() > 25.0

@@ -126,12 +126,16 @@ def has_excess(stage: StageData) -> bool:
     return any(m.undrained for m in grounds) or any(True for _ in _pressures(stage))
 
 
+def undrained_elements(forms: Mapping[str, Any]) -> ndarray:
+    """Return the elements whose ground is Undrained."""
+    return np.concatenate([np.zeros(0, int), *(form.elements[region.elements] for form in solids_of(forms).values()
+                                               for region in form.regions if region.material.undrained)])
+
+
 def undrained_excess(stage: StageData, layout: Layout, elements: ndarray) -> ndarray:
     """Return values of all dofs, (N,): pressures of those elements that were Undrained, zero for all others."""
     values = np.zeros(layout.size)
-    undrained = [form.elements[region.elements] for form in solids_of(stage.forms).values() for region in form.regions
-                 if region.material.undrained]
-    if undrained and len(tight := np.intersect1d(np.concatenate(undrained), elements)):
+    if len(tight := np.intersect1d(undrained_elements(stage.forms), elements)):
         nodal, mesh = nodal_field(stage, "pore"), basis_of(stage).mesh
         vertices = np.unique(mesh.t[:, tight])
         for one, part in zip(layout.fields, layout.parts, strict=True):

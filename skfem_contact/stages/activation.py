@@ -14,7 +14,7 @@ from ..contact.prestress import prestressed
 from ..errors import Remark
 from ..forms.base import Form, internal_force, solids_of, waters_of
 from ..layout import Layout, nodes
-from ..results.fields import undrained_excess
+from ..results.fields import undrained_elements, undrained_excess
 from ..results.stage import StageResult
 from ..solvers.choice import as_solver
 from ..sparse import padded
@@ -226,7 +226,7 @@ def _of_forms(stage: Stage, there: Mapping[str, Form], fixed: ndarray, held: nda
 
 def _of_pressures(setup: Setup, stage: Stage, there: Mapping[str, Form], load: ndarray, prescribed: ndarray | None,
                   fixed: ndarray, water: Any) -> Iterator[Remark]:
-    """Refuse a load on pressures, which would be water per increment; report prescribed ones that are not held.
+    """Refuse loads on pressures, water per increment, and water that counts twice; report loose prescribed pressures.
 
     Report ground that drains at once because its water was not activated, and levels where there is suction.
     """
@@ -238,6 +238,9 @@ def _of_pressures(setup: Setup, stage: Stage, there: Mapping[str, Form], load: n
     if stage.duration and dry and not active:
         yield Remark("dry", len(dry), f"{dry} is not active in a stage with a duration: the ground drains at once; "
                      "name it in `activate`")
+    if twice := int(np.isin(undrained_elements(there), [e for form in active.values() for e in form.elements]).sum()):
+        raise ValueError(f"stage '{stage.name}': {twice} elements are Undrained and have PoreWater too: their water would "
+                         "count twice; give the soil alone, or deactivate the water")
     for name in active if isinstance(water, float | int) and water is not False else ():
         if (suction := there[name].suction) > 0.0:
             yield Remark("suction", suction, f"a level has none of the suction, up to {suction:.3g}, with which "
