@@ -239,8 +239,8 @@ def _of_pressures(setup: Setup, stage: Stage, there: Mapping[str, Form], load: n
         yield Remark("dry", len(dry), f"{dry} is not active in a stage with a duration: the ground drains at once; "
                      "name it in `activate`")
     if twice := int(np.isin(undrained_elements(there), [e for form in active.values() for e in form.elements]).sum()):
-        raise ValueError(f"stage '{stage.name}': {twice} elements are Undrained and have PoreWater too: their water would "
-                         "count twice; give the soil alone, or deactivate the water")
+        raise ValueError(f"stage '{stage.name}': {twice} elements are Undrained and have PoreWater too: their water "
+                         "would count twice; give the soil alone, or deactivate the water")
     for name in active if isinstance(water, float | int) and water is not False else ():
         if (suction := there[name].suction) > 0.0:
             yield Remark("suction", suction, f"a level has none of the suction, up to {suction:.3g}, with which "
