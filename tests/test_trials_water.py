@@ -305,3 +305,16 @@ def test_ground_that_becomes_undrained_beside_its_water():
         model.run([sc.Stage("quick", load, change=quick, duration=1.0)], start=start, progress=False)
     stage = model.run([sc.Stage("quick", load, change=quick, deactivate="water")], start=start, progress=False)["quick"]
     assert stage.pore_pressure("clay").max() > 25.0
+
+
+def test_levels_beside_inclined_gravity():
+    """[X] A level would stand along the last axis; as a function of the coordinates water is 10 times the depth."""
+    mesh = MeshTri.init_tensor(np.linspace(0, 2, 3), np.linspace(0, 4, 5)).with_defaults()
+    basis = Basis(mesh, ElementVector(ElementTriP2()), intorder=2)
+    soil = sc.SolidForm(basis, sc.LinearElastic(E=1e4, nu=0.3), unit_weight=20.0)
+    model = sc.Model({"soil": soil}, basis.get_dofs("right").all(), gravity=(1.0, 0.0), water_unit_weight=10.0)
+    for level in (3.0, [(0.0, 3.0), (2.0, 3.0)]):
+        with pytest.raises(ValueError, match=r"levels need gravity against the last axis, not \[1.0, 0.0\]"):
+            model.run([sc.Stage("rest", water=level)], progress=False)
+    stage = model.run([sc.Stage("rest", water=lambda x: 10.0 * x[0])], progress=False)["rest"]
+    np.testing.assert_allclose(stage.reactions().reshape(-1, 2).sum(axis=0), (-(20.0 - 10.0) * 8.0, 0.0), atol=1e-9)

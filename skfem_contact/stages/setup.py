@@ -152,6 +152,9 @@ class Setup:
         """Return the load of water at rest in and on some forms, (N,); zero for None and False."""
         total = np.zeros(self.layout.size)
         if water is not None and water is not False:
+            if self.gravity[-1] != -1.0 and not callable(water) and np.ndim(water) != 1:
+                raise ValueError(f"levels need gravity against the last axis, not {self.gravity.tolist()}: rotate the "
+                                 "mesh, or give the water as a function of the coordinates")
             for wet in water_at_rest(solids_of(forms), forms.values(), water, self.water_unit_weight):
                 total[:len(wet)] += wet
         return total
