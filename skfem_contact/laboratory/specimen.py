@@ -118,7 +118,7 @@ def _newton(law: Material, state: _State, rows: tuple[ndarray, ndarray], goal: t
             ) -> tuple[_State, int]:
     """Solve the conditions ``S stress = goal[0]`` and ``E strain = goal[1]`` for the strain increment."""
     (S, E), (strain, stress, internal) = rows, state
-    elasticity = _elasticity(law, stress, internal)
+    elasticity = elasticity_at(law, stress, internal)
     scale, step, sizes = np.abs(elasticity).max(), np.zeros_like(strain), []
     strains = np.broadcast_to(E, (stress.shape[1], *E.shape))
     for count in range(_MOST):
@@ -132,7 +132,7 @@ def _newton(law: Material, state: _State, rows: tuple[ndarray, ndarray], goal: t
             break
         if count and sizes[-1].max() < _TOLERANCE:
             return (strain + step, reached, new.internal[:, :, 0]), count
-        tangent = _tangent(elasticity, new)
+        tangent = tangent_at(elasticity, new)
         try:
             change = np.linalg.solve(np.concatenate((S @ tangent, strains), axis=1),
                                      np.concatenate(missing).T[:, :, None])[:, :, 0]
@@ -145,7 +145,7 @@ def _newton(law: Material, state: _State, rows: tuple[ndarray, ndarray], goal: t
                          f"balance in sample {worst}, {_listed(stress[:, worst])}")
 
 
-def _tangent(elasticity: ndarray, new: Update) -> ndarray:
+def tangent_at(elasticity: ndarray, new: Update) -> ndarray:
     """Return d stress / d strain at all samples, (n_samples, ncomp, ncomp)."""
     if len(new.plastic) == 0:
         return elasticity
@@ -154,7 +154,7 @@ def _tangent(elasticity: ndarray, new: Update) -> ndarray:
     return tangent
 
 
-def _elasticity(law: Material, stress: ndarray, internal: ndarray) -> ndarray:
+def elasticity_at(law: Material, stress: ndarray, internal: ndarray) -> ndarray:
     """Return the elastic stiffness of the samples, (n_samples, ncomp, ncomp)."""
     ncomp, samples = stress.shape
     state = (stress[:, :, None], internal[:, :, None]) if law.stress_dependent else ()

@@ -21,6 +21,7 @@ from ..results.result import Result
 from ..results.stage import StageResult
 from ..results.strength import undrained_friction
 from ..solvers import single_threaded
+from .accuracy import Parts
 from .activation import Phase, begin, check_start, plan, state_changes, timeless
 from .setup import Setup
 from .stage import Stage, checked
@@ -62,23 +63,25 @@ def run(setup: Setup, stages: Sequence[Stage], start: Result | StageResult | Non
             unreleased = lost if last.unreleased is None else lost + last.unreleased
             left = (1.0 - stage.release) * (unreleased - phase.gone)
             path = _path(phase, last, system.fixed, lost, left)
+            parts = Parts(not np.array_equal(path(0.0)[1], path(1.0)[1]))
             increments = _increments(system, predictor, stage, path, last, setup.newton or Newton())
             try:
-                last = _followed(increments, stage, last, on_increment, bars)
+                last = _followed(increments, stage, last, on_increment, bars, parts)
             except (NotConverged, KeyboardInterrupt) as error:
-                last = _remarked(remarks, phase, error.result)  # type: ignore[union-attr]
+                last = _remarked(remarks, phase, error.result, parts)  # type: ignore[union-attr]
                 error.result = Result((*done, last))  # type: ignore[union-attr]
                 raise
-            last = _remarked(remarks, phase, last)
+            last = _remarked(remarks, phase, last, parts)
             done.append(last := replace(last, unreleased=left if left.any() else None))
     return Result(tuple(done))
 
 
-def _remarked(remarks: Remarks, phase: Phase, last: StageResult) -> StageResult:
+def _remarked(remarks: Remarks, phase: Phase, last: StageResult, parts: Parts) -> StageResult:
     """Return the end of a stage, reached or not, with all remarks on it: contact may be the reason of a failure."""
     found = {"the stage": [remark for remark in phase.remarks if remark.holds(last.x)]}
     for name, form in last.forms.items():
-        found[name] = [*form.remarks(last.x[:form.size], last.states[name]), *form.remarks_on(last.x, last.states)]
+        found[name] = [*form.remarks(last.x[:form.size], last.states[name]), *form.remarks_on(last.x, last.states),
+                       *parts.remarks(name)]
     for name, remark in undrained_friction(last.forms, last.states):
         found[name].append(remark)
     for name, several in found.items():
@@ -88,12 +91,13 @@ def _remarked(remarks: Remarks, phase: Phase, last: StageResult) -> StageResult:
 
 
 def _followed(increments: Iterator[StageResult], stage: Stage, last: StageResult, on_increment: Observer | None,
-              progress: Bars) -> StageResult:
+              progress: Bars, parts: Parts) -> StageResult:
     """Return the end of a stage with the increments that it keeps; an error that stops it has the last one."""
     kept, began = list[StageResult](), perf_counter()
     with progress.stage(stage.name):
         try:
             for accepted in increments:
+                parts.add(last, accepted)
                 last = accepted
                 if _keeps(stage, last):
                     kept.append(last)
