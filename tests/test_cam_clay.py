@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 import pytest
 from helpers import grid, vector_basis
@@ -295,3 +297,19 @@ def test_starts_changes_and_files(tmp_path):
     assert np.abs(stage.x).max() < 1e-9 and stage.iterations[-1] <= 1
     pressure = stage.forms["clay"].variable("preconsolidation pressure", stage.states["clay"])
     np.testing.assert_allclose(pressure, law.initial_internal(stage.states["clay"].stress)[1], rtol=1e-8)
+
+
+@pytest.mark.parametrize(("choice", "told"), [({}, True), ({"exclude": "clay"}, False), ({"reduce": "sand"}, False)])
+def test_strength_that_is_not_reduced(choice: dict, told: bool):
+    """A factor of safety beside Cam Clay is that of the other ground alone, which is told where it was not chosen."""
+    mesh = grid("P2", np.linspace(0, 2, 5), np.linspace(0, 2, 5))
+    mesh = mesh.with_subdomains({"clay": lambda x: x[1] < 1, "sand": lambda x: x[1] > 1})
+    basis = vector_basis(mesh, "P2", intorder=2)
+    sand = sc.MohrCoulomb(E=1e4, nu=0.3, c=8.0, phi=30.0, psi=30.0)
+    soils = {"clay": sc.CamClay(KAPPA, LAMBDA, M, NU, P, attraction=P), "sand": sand}
+    fixed = [basis.get_dofs("bottom").all(), basis.get_dofs("left").all("u^1")]
+    model = sc.Model({"ground": sc.SolidForm(basis, soils, unit_weight=18.0)}, fixed)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        model.strength_reduction(tolerance=0.2, progress=False, **choice)
+    assert any("ground.clay, CamClay: this law keeps its strength" in str(w.message) for w in caught) == told

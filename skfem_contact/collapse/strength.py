@@ -10,11 +10,12 @@ from typing import Any, Literal
 import numpy as np
 from numpy import ndarray
 
+from ..checks import names_of
 from ..display import progress_bar
-from ..errors import NoEquilibrium, NotConverged
+from ..errors import NoEquilibrium, NotConverged, warn
 from ..forms.base import Form, reduced_parts
 from ..limit_analysis import at_hand, beside
-from ..materials.base import Flow, check_reduction
+from ..materials.base import PLASTIC_STRAIN, Flow, check_reduction
 from ..nonlinear.newton import Evaluation, Newton, Search
 from ..nonlinear.system import System
 from ..results.result import Result
@@ -119,6 +120,8 @@ def strength_reduction(setup: Setup, load: Any, start: Result | StageResult | No
     begun = loaded_start(setup, load, start, water, undrained, flow)
     whole = begun.weight + begun.load
     branch = _Strength(begun.system, whole, reduced_parts(begun.system.forms, reduce, exclude), flow)
+    if reduce is None:
+        _check_kept(begun.system.forms, exclude)
     free = flow == "given" and not undrained and any(material.dilates_less for material in branch.materials)
     newton = setup.newton or Newton(tolerance=(_LOOSE if free else _BALANCE) * tolerance, max_iterations=30)
     proven = beside(certify, begun.forms, begun.system.fixed, whole, None, reduce, exclude, flow, progress,
@@ -134,6 +137,16 @@ def strength_reduction(setup: Setup, load: Any, start: Result | StageResult | No
         proven = at_hand(begun.forms, begun.system.fixed, whole, reduce, exclude, flow, work, coarse,
                          begun.at_rest)
     return result.beside(proven, tolerance)
+
+
+def _check_kept(forms: Mapping[str, Form], exclude: str | Collection[str]) -> None:
+    """Report ground that yields and keeps its strength, because its law has none that can be reduced."""
+    kept = [f"{name}.{region}, {material.label}" for name, form in forms.items()
+            for region, material in form.materials.items() if set(names_of(exclude)).isdisjoint((name, region))
+            and not material.reducible and PLASTIC_STRAIN in [variable.name for variable in material.internal]]
+    if kept:
+        warn(f"{'; '.join(kept)}: this law keeps its strength, and the factor of safety is that of the other parts, "
+             "too high where a mechanism passes through it; give it a law with c and phi, or name it in `exclude`")
 
 
 def _search(branch: _Strength, origin: Point, newton: Newton, tolerance: float, step: float, max_value: float,

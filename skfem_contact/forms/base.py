@@ -262,5 +262,5 @@ def reduced_parts(forms: Mapping[str, Form], reduce: str | Collection[str] | Non
         if parts:
             targets[name] = parts
     if not targets:
-        raise ValueError("there is nothing to reduce: nothing among the forms has a strength")
+        raise ValueError("there is nothing to reduce: nothing among the forms has a strength that can be")
     return targets
