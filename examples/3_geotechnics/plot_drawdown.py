@@ -166,11 +166,11 @@ LEVELS = HEIGHT * np.array([0.9, 0.8, 0.7, 0.6])
 
 def lift(water: sc.PoreWater, level: float, days: float, rain: bool) -> sc.Stage:
     """The reservoir falls to a level, and the pressure at the face with it."""
-    outside = sc.hydrostatic(level, unit_weight=WATER)
-    follows = water.prescribed({"surface": lambda x: outside(x) - full(x)})
-    held = at_face if rain else at_face[height < level + 1e-9]
+    outside, held = sc.hydrostatic(level, unit_weight=WATER), at_face[height < level + 1e-9]
+    follows = water.prescribed({"surface": lambda x: np.where(rain | (x[1] < level + 1e-9), outside(x) - full(x), 0.0)})
     load = weight + on_surface(level) + in_pores
-    return sc.Stage(f"{level:g} m", load, prescribed=follows, duration=days, fixed=[fixed, water.first + held])
+    supports = None if rain else [fixed, water.first + held]
+    return sc.Stage(f"{level:g} m", load, prescribed=follows, duration=days, fixed=supports)
 
 
 at_rest = weight + sc.water_load(basis, full, "surface")
@@ -179,7 +179,7 @@ with_time = {}
 SPEEDS = [(1.0, False, "o-"), (10.0, False, "s--"), (100.0, False, "^:")][::1 if FULL else 2]
 for days, rain, style in (*SPEEDS, (100.0, True, "v-.")):
     forms, key = (wet, "rain") if rain else (dry, f"{days:g} days")
-    model = sc.Model(forms, fixed)
+    model = sc.Model(forms, [fixed, pores.dofs("surface")] if rain else fixed)
     water = model.forms["water"]
     stages = [lift(water, level, days / len(LEVELS), rain) for level in LEVELS]
     stages.append(sc.Stage("later", stages[-1].load, duration=9 * days))
