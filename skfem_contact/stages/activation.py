@@ -209,7 +209,7 @@ def check_contacts(there: Mapping[str, Form], held: ndarray) -> None:
 def _idle(stage: Stage, same_load: bool, same_supports: bool, left: bool) -> Iterator[Remark]:
     """Yield remarks on supports that are those of before, and on a stage that changes nothing."""
     if stage.fixed is not None and same_supports:
-        yield Remark("supports", 0.0, "`fixed` holds what is supported already: leave it out, unless a boundary in it is empty")
+        yield Remark("supports", 0.0, "`fixed` holds what is supported already: leave it out, or a boundary is empty")
     others = stage.activate or stage.deactivate or stage.change or stage.duration or left
     if same_load and same_supports and not others:
         yield Remark("nothing", 0.0, "it changes nothing: its load and its supports are those of the stage before")
