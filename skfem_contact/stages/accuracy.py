@@ -117,7 +117,7 @@ def _record(samples: dict[str, _Sample], form: Any, state: Any, time: float) -> 
     for region, stress, memory in form.at_regions(state):
         if region.name in samples:
             at = samples[region.name].at
-            strain, stress, memory = (values.reshape(len(values), -1)[:, at]
+            strain, stress, memory = (values.reshape(len(values), stress[0].size)[:, at]
                                       for values in (state.strain[:, region.elements], stress, memory))
             samples[region.name].states.append(_Point(strain, stress, memory, time))
 
