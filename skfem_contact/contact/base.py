@@ -177,6 +177,11 @@ class ContactBase(Form):
         return "near" if self.quadrature == "segments" else None
 
     @property
+    def has_friction(self) -> bool:
+        """True if the law may have friction: its coefficient `mu` is not zero everywhere."""
+        return bool(np.any(getattr(self.law, "mu", 1.0)))
+
+    @property
     @override
     def joins(self) -> ndarray:  # type: ignore[override]
         """Dofs of the two surfaces; -1 among them for a rigid obstacle."""

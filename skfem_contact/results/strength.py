@@ -114,7 +114,7 @@ def undrained_friction(forms: Mapping[str, Form], states: Mapping[str, Any]) -> 
                for name, form in solids_of(forms).items() for region in form.regions if region.material.undrained]
     for (name, pair), (dofs, pressure) in product(pairs_of(forms).items(), grounds):
         beside, normal = np.isin(dofs, pair.joins).any(axis=0), states[name].traction[0]
-        if beside.any() and (normal < 0.0).any() and np.any(getattr(pair.law, "mu", 0.0)):
+        if beside.any() and (normal < 0.0).any() and pair.has_friction:
             excess, total = float(pressure[beside].mean()), -float(normal[normal < 0.0].mean())
             if abs(excess) > _IN_FRICTION * total:
                 yield name, Remark("undrained", abs(excess) / total,

@@ -259,7 +259,7 @@ class PoreWater(Form):
         for name, form in around.touching.items():
             touched = self._vertices[np.isin(self.ground.nodal_dofs[0, self._vertices], form.joins)]
             pressed = np.setdiff1d(touched, np.append(drained, self.porous.open))
-            if len(pressed) and np.any(getattr(form.law, "mu", 1.0)):
+            if len(pressed) and form.has_friction:
                 yield Remark("friction", len(pressed),
                              f"'{name}' transfers the pressure of the water as well, at {len(pressed)} nodes that are "
                              "not drained: friction there counts the total stress, not the effective one")
