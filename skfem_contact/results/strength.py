@@ -110,11 +110,13 @@ def total_stress(form: SolidForm, state: SolidState) -> ndarray:
 
 def undrained_friction(forms: Mapping[str, Form], states: Mapping[str, Any]) -> Iterator[tuple[str, Remark]]:
     """Yield contact pairs and remarks on their friction, which counts the excess pressure of undrained ground."""
+    pairs = [(name, pair) for name, pair in pairs_of(forms).items() if pair.has_friction]
     grounds = [(form.basis.element_dofs[:, region.elements], pore_pressure(form, states[name])[region.elements])
-               for name, form in solids_of(forms).items() for region in form.regions if region.material.undrained]
-    for (name, pair), (dofs, pressure) in product(pairs_of(forms).items(), grounds):
+               for name, form in (solids_of(forms) if pairs else {}).items() for region in form.regions
+               if region.material.undrained]
+    for (name, pair), (dofs, pressure) in product(pairs, grounds):
         beside, normal = np.isin(dofs, pair.joins).any(axis=0), states[name].traction[0]
-        if beside.any() and (normal < 0.0).any() and pair.has_friction:
+        if beside.any() and (normal < 0.0).any():
             excess, total = float(pressure[beside].mean()), -float(normal[normal < 0.0].mean())
             if abs(excess) > _IN_FRICTION * total:
                 yield name, Remark("undrained", abs(excess) / total,

@@ -186,5 +186,4 @@ def _part(material: Material, now: _Point, goal: _Point, change: ndarray, share:
         length = np.linalg.norm(newton[:, :-1], axis=1) / (_LONGEST * sizes[0])
         step = np.where(worse[:, None], 0.5 * step, newton / np.maximum(length, 1.0)[:, None])
         z = best + step
-    reached = _Point(now.strain + increment, new.stress[:, :, 0], new.internal[:, :, 0], goal.time)
-    return reached, size < 10.0 * _BALANCED
+    return _Point(now.strain + increment, new.stress[:, :, 0], new.internal[:, :, 0], goal.time), size < 10 * _BALANCED

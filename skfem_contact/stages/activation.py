@@ -238,7 +238,7 @@ def _of_pressures(setup: Setup, stage: Stage, there: Mapping[str, Form], load: n
     if stage.duration and dry and not active:
         yield Remark("dry", len(dry), f"{dry} is not active in a stage with a duration: the ground drains at once; "
                      "name it in `activate`")
-    if twice := int(np.isin(undrained_elements(there), [e for form in active.values() for e in form.elements]).sum()):
+    if twice := sum(int(np.isin(undrained_elements(there), form.elements).sum()) for form in active.values()):
         raise ValueError(f"stage '{stage.name}': {twice} elements are Undrained and have PoreWater too: their water "
                          "would count twice; give the soil alone, or deactivate the water")
     for name in active if isinstance(water, float | int) and water is not False else ():
